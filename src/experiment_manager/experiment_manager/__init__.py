@@ -1,0 +1,1 @@
+"""Episodes, tests, bags, measures and figures of an experiment."""

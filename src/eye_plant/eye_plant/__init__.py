@@ -1,0 +1,1 @@
+"""Two MuJoCo eyes, moved by twelve muscles, that look at a textured plane."""

@@ -1,0 +1,1 @@
+"""Binocular sparse coding by matching pursuit: features and reward."""

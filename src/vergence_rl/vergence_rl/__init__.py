@@ -1,0 +1,1 @@
+"""The CACLA+VAR actor-critic that commands the eye muscles."""
