@@ -1,0 +1,75 @@
+"""Frozen dataclasses as configuration, and the flat, dotted names of ROS parameters.
+
+A configuration class has fields of type bool, int, float, str, tuple[float, ...], tuple[int, ...],
+tuple[str, ...], or of another configuration class; every field has a default, and a tuple has at
+least one entry (ROS parameters have no empty list of a type). Field ``b`` of the nested
+configuration ``a`` is the parameter ``a.b``.
+"""
+
+import dataclasses
+import typing
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+from lockstep.errors import InputError
+
+Config = TypeVar("Config")
+
+_NAMES = {bool: "a boolean", int: "an integer", float: "a number", str: "a string"}
+
+
+def flatten(config: Any) -> dict[str, Any]:
+    """Return {dotted name: value} of a configuration; tuples become lists, as in YAML."""
+    flat: dict[str, Any] = {}
+    for field in dataclasses.fields(config):
+        value = getattr(config, field.name)
+        if dataclasses.is_dataclass(value):
+            flat |= {f"{field.name}.{name}": v for name, v in flatten(value).items()}
+        else:
+            flat[field.name] = list(value) if isinstance(value, tuple) else value
+    return flat
+
+
+def build(config_class: type[Config], values: Mapping[str, Any]) -> Config:
+    """Return a configuration with the given values, by dotted name, and defaults elsewhere.
+
+    Raises InputError for an unknown name, a value of another type, or one that the class refuses.
+    """
+    default = config_class()
+    unknown = sorted(set(values) - set(flatten(default)))
+    if unknown:
+        raise InputError(
+            f"unknown parameter {', '.join(unknown)}: expected some of "
+            f"{', '.join(sorted(flatten(default)))}"
+        )
+    return _build(config_class, values, "")
+
+
+def _build(config_class: type[Config], values: Mapping[str, Any], prefix: str) -> Config:
+    hints = typing.get_type_hints(config_class)
+    arguments: dict[str, Any] = {}
+    for field in dataclasses.fields(config_class):  # type: ignore[arg-type]
+        name, hint = prefix + field.name, hints[field.name]
+        if dataclasses.is_dataclass(hint):
+            arguments[field.name] = _build(typing.cast(type, hint), values, name + ".")
+        elif name in values:
+            arguments[field.name] = _typed(name, hint, values[name])
+    try:
+        return config_class(**arguments)
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(str(error)) from error
+
+
+def _typed(name: str, hint: Any, value: Any) -> Any:
+    if typing.get_origin(hint) is tuple:
+        (kind, _) = typing.get_args(hint)
+        if isinstance(value, str) or not hasattr(value, "__iter__") or not len(value):
+            raise InputError(f"{name}: expected a list with entries, got {value!r}")
+        return tuple(_typed(f"{name}[{i}]", kind, entry) for i, entry in enumerate(value))
+    if hint is float and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    if type(value) is not hint:
+        raise InputError(f"{name}: expected {_NAMES[hint]}, got {value!r}")
+    return value

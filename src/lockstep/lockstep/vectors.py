@@ -1,0 +1,102 @@
+"""Stamped vectors of named doubles, carried by sensor_msgs/JointState.
+
+JointState is the one standard message that names its numbers, and every plotting tool reads it.
+"""
+
+import array
+from collections.abc import Sequence
+
+import numpy as np
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from sensor_msgs.msg import JointState
+
+from lockstep.errors import InputError
+from lockstep.qos import LOCKSTEP_QOS
+from lockstep.stamps import to_time
+
+Vector = np.ndarray | Sequence[float]
+
+
+def _doubles(values: Vector) -> array.array:
+    return array.array("d", np.asarray(values, dtype=np.float64).tobytes())
+
+
+def vector_message(
+    stamp_ns: int,
+    names: Sequence[str],
+    position: Vector,
+    velocity: Vector = (),
+    effort: Vector = (),
+) -> JointState:
+    """Return the message of named values; position, velocity, effort: (n_names,) or empty."""
+    message = JointState()
+    message.header.stamp = to_time(stamp_ns)
+    message.name = list(names)
+    # The setters accept arrays of doubles without looking at each entry.
+    message.position = _doubles(position)
+    message.velocity = _doubles(velocity)
+    message.effort = _doubles(effort)
+    return message
+
+
+class VectorPublisher:
+    """Publishes vectors with fixed names on one topic, and can repeat the last one."""
+
+    def __init__(self, node: Node, topic: str, names: Sequence[str]) -> None:
+        """names: the entries of each vector, in order."""
+        self.publisher: Publisher = node.create_publisher(JointState, topic, LOCKSTEP_QOS)
+        self._message = vector_message(0, names, np.zeros(len(names)))
+        self._published = False
+
+    def publish(
+        self, stamp_ns: int, position: Vector, velocity: Vector = (), effort: Vector = ()
+    ) -> None:
+        """Publish (n_names,) values; velocity and effort may be empty."""
+        message = self._message
+        message.header.stamp = to_time(stamp_ns)
+        message.position = _doubles(position)
+        message.velocity = _doubles(velocity)
+        message.effort = _doubles(effort)
+        self.publisher.publish(message)
+        self._published = True
+
+    def repeat(self) -> None:
+        """Publish the last vector again, if there was one."""
+        if self._published:
+            self.publisher.publish(self._message)
+
+
+def values_of(
+    message: JointState, names: Sequence[str], topic: str, field: str = "position"
+) -> np.ndarray:
+    """Return the finite values (n_names,) of a message, in the order of names.
+
+    field: "position", "velocity" or "effort". Further names in the message are ignored, so that a
+    foreign publisher may add its own. Raises InputError for a missing or doubled name, a length
+    that differs from that of the names, or a value that is not finite.
+    """
+    values = np.array(getattr(message, field), dtype=np.float64)
+    if len(values) != len(message.name):
+        raise InputError(
+            f"{topic}: expected one {field} per name, got {len(values)} for "
+            f"{len(message.name)} names"
+        )
+    if message.name != list(names):
+        values = values[_indices(message.name, names, topic)]
+    if not np.isfinite(values).all():
+        raise InputError(f"{topic}: expected finite values, got {field} {values.tolist()}")
+    return values
+
+
+def _indices(have: Sequence[str], want: Sequence[str], topic: str) -> list[int]:
+    place = {name: i for i, name in enumerate(have)}
+    if len(place) != len(have):
+        doubled = sorted({name for name in have if list(have).count(name) > 1})
+        raise InputError(f"{topic}: expected each name once, got {', '.join(doubled)} twice")
+    missing = [name for name in want if name not in place]
+    if missing:
+        raise InputError(
+            f"{topic}: expected names {', '.join(want)}; {', '.join(missing)} did not come"
+        )
+    return [place[name] for name in want]
