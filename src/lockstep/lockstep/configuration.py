@@ -53,7 +53,7 @@ def _build(config_class: type[Config], values: Mapping[str, Any], prefix: str) -
         if dataclasses.is_dataclass(hint):
             arguments[field.name] = _build(typing.cast(type, hint), values, name + ".")
         elif name in values:
-            arguments[field.name] = _typed(name, hint, values[name])
+            arguments[field.name] = typed(name, hint, values[name])
     try:
         return config_class(**arguments)
     except InputError:
@@ -62,12 +62,16 @@ def _build(config_class: type[Config], values: Mapping[str, Any], prefix: str) -
         raise InputError(str(error)) from error
 
 
-def _typed(name: str, hint: Any, value: Any) -> Any:
+def typed(name: str, hint: Any, value: Any) -> Any:
+    """Return value as the type of a field (an integer passes for a number, a list for a tuple).
+
+    name: for the error text; hint: one of the types above. Raises InputError for another type.
+    """
     if typing.get_origin(hint) is tuple:
         (kind, _) = typing.get_args(hint)
         if isinstance(value, str) or not hasattr(value, "__iter__") or not len(value):
             raise InputError(f"{name}: expected a list with entries, got {value!r}")
-        return tuple(_typed(f"{name}[{i}]", kind, entry) for i, entry in enumerate(value))
+        return tuple(typed(f"{name}[{i}]", kind, entry) for i, entry in enumerate(value))
     if hint is float and isinstance(value, int) and not isinstance(value, bool):
         return float(value)
     if type(value) is not hint:

@@ -1,0 +1,148 @@
+"""What both learners have in common: gathering, answering once, and the requests of a run."""
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+from rclpy.node import Node
+
+from lockstep.answer_once import AnswerOnce, Verdict
+from lockstep.diagnostics import Diagnostics
+from lockstep.errors import InputError
+from lockstep.gather import Gather
+from lockstep.parameters import declare_config
+from lockstep.qos import LOCKSTEP_QOS
+from lockstep.requests import END_RUN, START_RUN, Arguments, RequestServer
+from lockstep.stamps import to_ns
+from lockstep.state_file import read_state, write_state
+
+Config = TypeVar("Config")
+
+
+class Learner(Protocol):
+    """A learner whose whole state can be saved and restored."""
+
+    learning_steps: int
+
+    def state(self) -> dict[str, np.ndarray]:
+        """Return copies of everything that was learned."""
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Take over a state; raise ValueError, having changed nothing, when it does not fit."""
+
+
+class LearnerNode(Node):
+    """A node that answers each observation once, and whose learner a run can save and load.
+
+    A subclass makes its learner, answers an observation (raising InputError to refuse it), and
+    repeats its last answer.
+    """
+
+    def __init__(
+        self, name: str, config_class: type, inputs: Mapping[str, type], **kwargs: Any
+    ) -> None:
+        """inputs: the message type of each topic that makes up an observation."""
+        super().__init__(name, **kwargs)
+        self.config = declare_config(self, config_class)
+        self.learner = self.make_learner()
+        self.learning = True
+        self.exploration = True
+        self.diagnostics = Diagnostics(self, self._state_of_learning)
+        self._gather = Gather(tuple(inputs))
+        self._answers = AnswerOnce()
+        for topic, kind in inputs.items():
+            self.create_subscription(kind, topic, partial(self._receive, topic), LOCKSTEP_QOS)
+        self._requests = RequestServer(
+            self,
+            self.diagnostics,
+            {
+                START_RUN: self._start_run,
+                "modes": self._set_modes,
+                "save": self._save,
+                "load": self._load,
+                END_RUN: self._end_run,
+            },
+        )
+        self.get_logger().info("ready, untrained")
+
+    @abstractmethod
+    def make_learner(self) -> Any:
+        """Return an untrained learner of `self.config`."""
+
+    @abstractmethod
+    def answer(self, stamp_ns: int, observation: Mapping[str, Any]) -> None:
+        """Publish the answer to an observation {topic: message}, and learn from it."""
+
+    @abstractmethod
+    def repeat(self) -> None:
+        """Publish the last answer again."""
+
+    def _receive(self, topic: str, message: Any) -> None:
+        stamp_ns = to_ns(message.header.stamp)
+        observation = self._gather.add(topic, stamp_ns, message)
+        if observation is None:
+            return
+        verdict = self._answers.judge(stamp_ns)
+        if verdict is Verdict.REPEATED:
+            self.repeat()
+        if verdict is not Verdict.NEW:
+            return
+        try:
+            self.answer(stamp_ns, observation)
+        except InputError as error:
+            self.diagnostics.refuse(str(error))
+            return
+        self._answers.answered(stamp_ns)
+        self.diagnostics.count()
+
+    def _start_run(self, arguments: Arguments) -> None:
+        _expect_none(START_RUN, arguments)
+        self._forget_observations()
+        self.learner = self.make_learner()
+        self.learning = self.exploration = True
+
+    def _end_run(self, arguments: Arguments) -> None:
+        _expect_none(END_RUN, arguments)
+        self._forget_observations()
+
+    def _forget_observations(self) -> None:
+        self._gather.reset()
+        self._answers.reset()
+
+    def _set_modes(self, arguments: Arguments) -> None:
+        if set(arguments) != {"learning", "exploration"} or not all(
+            isinstance(value, bool) for value in arguments.values()
+        ):
+            raise InputError(f"modes: expected booleans learning, exploration, got {arguments}")
+        self.learning, self.exploration = arguments["learning"], arguments["exploration"]
+
+    def _save(self, arguments: Arguments) -> None:
+        write_state(_path_of(arguments), self.get_name(), self.learner.state())
+
+    def _load(self, arguments: Arguments) -> None:
+        path = _path_of(arguments)
+        try:
+            self.learner.restore(read_state(path, self.get_name()))
+        except InputError:
+            raise
+        except ValueError as error:
+            raise InputError(f"state file {path}: {error}") from error
+        self.get_logger().info(f"loaded {self.learner.learning_steps} learning steps from {path}")
+
+    def _state_of_learning(self) -> dict[str, str]:
+        return {"learning_steps": str(self.learner.learning_steps)}
+
+
+def _expect_none(kind: str, arguments: Arguments) -> None:
+    if arguments:
+        raise InputError(f"{kind}: expected no arguments, got {', '.join(arguments)}")
+
+
+def _path_of(arguments: Arguments) -> Path:
+    path = arguments.get("path")
+    if set(arguments) != {"path"} or not isinstance(path, str) or not path:
+        raise InputError(f"expected the path of a state file, got {arguments}")
+    return Path(path)

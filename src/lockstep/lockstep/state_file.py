@@ -1,0 +1,51 @@
+"""A learner's state on disk: named arrays in one file that is there whole or not at all."""
+
+import os
+import zipfile
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from lockstep.errors import InputError
+
+_VERSION = 1
+_KIND, _FORMAT = "__kind__", "__version__"
+
+
+def write_state(path: Path, kind: str, state: Mapping[str, np.ndarray]) -> None:
+    """Write named arrays; kind says whose state it is. The file appears when it is complete.
+
+    Raises InputError when the place cannot be written.
+    """
+    temporary = path.with_name(path.name + ".part")
+    arrays = {_KIND: np.array(kind), _FORMAT: np.array(_VERSION), **state}
+    try:
+        with temporary.open("wb") as file:
+            np.savez(file, allow_pickle=False, **arrays)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        raise InputError(f"state file {path}: cannot be written: {error}") from error
+
+
+def read_state(path: Path, kind: str) -> dict[str, np.ndarray]:
+    """Return the arrays that `write_state` wrote for the same kind.
+
+    Raises InputError for a missing, cut-off, corrupt, foreign or differently versioned file.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error) as error:
+        raise InputError(f"state file {path}: expected a state of {kind}: {error}") from error
+    found, version = arrays.pop(_KIND, None), arrays.pop(_FORMAT, None)
+    if found is None or version is None or str(found) != kind or int(version) != _VERSION:
+        raise InputError(
+            f"state file {path}: expected a state of {kind}, version {_VERSION}; "
+            f"got {found}, version {version}"
+        )
+    return arrays

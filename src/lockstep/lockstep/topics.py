@@ -1,0 +1,77 @@
+"""The topics of the graph: their types and the names in their vectors. This table is the wiring.
+
+Names are relative to the namespace of the nodes, unless they start with "/".
+"""
+
+TRAINING, TEST = 0, 1
+
+SIDES = ("left", "right")
+
+EPISODE_NAMES = (
+    "phase",
+    "test",
+    "trial",
+    "episode",
+    "iteration",
+    "training_iteration",
+    "observation",
+)
+GROUND_TRUTH_NAMES = (
+    *EPISODE_NAMES,
+    "stimulus",
+    "object_distance_m",
+    "vergence_deg",
+    "desired_vergence_deg",
+    "vergence_error_deg",
+    "metabolic_rate_w",
+    "initial_metabolic_rate_w",
+    "optimal_metabolic_rate_w",
+)
+EYE_STATE_NAMES = tuple(
+    f"{side}_{angle}" for side in SIDES for angle in ("adduction", "elevation", "torsion")
+)
+HORIZONTAL_RECTI = tuple(
+    f"{side}_{muscle}" for side in SIDES for muscle in ("medial_rectus", "lateral_rectus")
+)
+REWARD_NAMES = (
+    "reconstruction_error_coarse",
+    "reconstruction_error_fine",
+    "metabolic_rate_w",
+    "reward",
+    "learning_steps",
+)
+COMMAND_NAMES = ("medial_rectus", "lateral_rectus")
+ACTOR_CRITIC_NAMES = (
+    "value",
+    "td_error",
+    "td_variance",
+    "actor_learning_rate",
+    "critic_learning_rate",
+    "medial_rectus_action",
+    "lateral_rectus_action",
+    "learning_steps",
+)
+
+VECTOR = "sensor_msgs/msg/JointState"
+IMAGE = "sensor_msgs/msg/Image"
+CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
+
+# One message of each per observation, the last of an episode included ...
+PLANT_VECTORS = ("episode", "muscle_states", "muscle_activations", "eye_states", "ground_truth")
+# ... and these only for the observations that are answered.
+CODER_VECTORS = ("reward",)
+LEARNER_VECTORS = ("muscle_command", "actor_critic")
+PICTURES = ("left/image_raw", "right/image_raw")
+
+TOPIC_TYPES = {
+    "left/image_raw": IMAGE,
+    "right/image_raw": IMAGE,
+    "left/camera_info": CAMERA_INFO,
+    "right/camera_info": CAMERA_INFO,
+    **dict.fromkeys(PLANT_VECTORS, VECTOR),
+    "features": IMAGE,
+    **dict.fromkeys(CODER_VECTORS, VECTOR),
+    **dict.fromkeys(LEARNER_VECTORS, VECTOR),
+    "/clock": "rosgraph_msgs/msg/Clock",
+    "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
+}

@@ -1,0 +1,37 @@
+"""Pictures from, and features into, sensor_msgs/Image."""
+
+import array
+
+import numpy as np
+from sensor_msgs.msg import Image
+
+from lockstep.errors import InputError
+from lockstep.stamps import to_time
+
+
+def picture_of(message: Image, topic: str) -> np.ndarray:
+    """Return the grey picture (height, width) uint8 that a mono8 message holds, without a copy.
+
+    Raises InputError for another encoding and for data that does not match the stated size.
+    """
+    height, width, step = message.height, message.width, message.step
+    if message.encoding != "mono8" or step < width or len(message.data) != step * height:
+        raise InputError(
+            f"{topic}: expected a mono8 image of height x step bytes with step >= width, got "
+            f"{message.encoding!r}, {height} x {step} (width {width}), {len(message.data)} bytes"
+        )
+    return np.frombuffer(message.data, dtype=np.uint8).reshape(height, step)[:, :width]
+
+
+class FeaturesMessage:
+    """The features as a picture of 32-bit floats, one row per scale: it opens in any viewer."""
+
+    def __init__(self, n_bases: int) -> None:
+        """n_bases: features per scale."""
+        self.message = Image(height=2, width=n_bases, encoding="32FC1", step=4 * n_bases)
+
+    def fill(self, stamp_ns: int, features: np.ndarray) -> Image:
+        """Return the message of features (2, n_bases) float32; it is valid until the next call."""
+        self.message.header.stamp = to_time(stamp_ns)
+        self.message.data = array.array("B", features.tobytes())
+        return self.message

@@ -1,0 +1,66 @@
+"""The node sparse_coder: features and reward for each observation of the plant."""
+
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+from sensor_msgs.msg import Image, JointState
+
+from lockstep.learner_node import LearnerNode
+from lockstep.process import run_node
+from lockstep.qos import LOCKSTEP_QOS
+from lockstep.topics import HORIZONTAL_RECTI, PICTURES, REWARD_NAMES, TRAINING
+from lockstep.vectors import VectorPublisher, values_of
+from sparse_coder.coder import SparseCoder
+from sparse_coder.config import SparseCoderConfig
+from sparse_coder.messages import FeaturesMessage, picture_of
+from sparse_coder.reward import reward
+
+INPUTS = dict.fromkeys(PICTURES, Image) | {"episode": JointState, "muscle_activations": JointState}
+
+
+class SparseCoderNode(LearnerNode):
+    """Encodes each pair of pictures once, publishes, and only then learns from it."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        """Set up the coder; raises InputError for a bad configuration."""
+        super().__init__("sparse_coder", SparseCoderConfig, INPUTS, **kwargs)
+        self._features_message = FeaturesMessage(self.config.n_bases)
+        self._features = self.create_publisher(Image, "features", LOCKSTEP_QOS)
+        self._reward = VectorPublisher(self, "reward", REWARD_NAMES)
+
+    def make_learner(self) -> SparseCoder:
+        """Return a coder with the dictionaries of its seed."""
+        return SparseCoder(self.config)
+
+    def answer(self, stamp_ns: int, observation: Mapping[str, Any]) -> None:
+        """Publish features and reward, then let the dictionaries learn while others work."""
+        left, right = (picture_of(observation[topic], topic) for topic in PICTURES)
+        (phase,) = values_of(observation["episode"], ("phase",), "episode")
+        rates_w = values_of(
+            observation["muscle_activations"], HORIZONTAL_RECTI, "muscle_activations", "effort"
+        )
+        metabolic_rate_w = float(rates_w.sum())
+        encoding = self.learner.encode(left, right)
+        errors = encoding.reconstruction_error
+        reward_t = reward(errors, metabolic_rate_w, self.config.metabolic_cost_weight)
+        self._reward.publish(
+            stamp_ns, (*errors, metabolic_rate_w, reward_t, self.learner.learning_steps)
+        )
+        self._features.publish(self._features_message.fill(stamp_ns, encoding.features))
+        if self.learning and phase == TRAINING:
+            self.learner.learn(encoding)
+
+    def repeat(self) -> None:
+        """Publish the last features and reward again."""
+        self._reward.repeat()
+        self._features.publish(self._features_message.message)
+
+
+def main() -> None:
+    """Run the node until it is told to stop."""
+    sys.exit(run_node(SparseCoderNode))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,88 @@
+"""The node vergence_rl: a muscle command for each observation, and learning from the reward.
+
+It sees features, reward and muscle activations, and never the ground truth.
+"""
+
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+from sensor_msgs.msg import Image, JointState
+
+from lockstep.learner_node import LearnerNode
+from lockstep.process import run_node
+from lockstep.topics import ACTOR_CRITIC_NAMES, COMMAND_NAMES, HORIZONTAL_RECTI, TRAINING
+from lockstep.vectors import VectorPublisher, values_of
+from vergence_rl.agent import Agent
+from vergence_rl.config import VergenceRlConfig
+from vergence_rl.messages import features_of
+
+INPUTS = {
+    "features": Image,
+    "reward": JointState,
+    "episode": JointState,
+    "muscle_activations": JointState,
+}
+_EPISODE = ("phase", "iteration", "training_iteration")
+
+
+class VergenceRlNode(LearnerNode):
+    """Learns from the last step, then commands the next one."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        """Set up actor and critic; raises InputError for a bad configuration."""
+        super().__init__("vergence_rl", VergenceRlConfig, INPUTS, **kwargs)
+        self._command = VectorPublisher(self, "muscle_command", COMMAND_NAMES)
+        self._actor_critic = VectorPublisher(self, "actor_critic", ACTOR_CRITIC_NAMES)
+
+    def make_learner(self) -> Agent:
+        """Return an agent with the weights of its seed."""
+        return Agent(self.config)
+
+    def answer(self, stamp_ns: int, observation: Mapping[str, Any]) -> None:
+        """Publish the command that follows from an observation, and what the learner thought."""
+        features = features_of(observation["features"])
+        (reward_t,) = values_of(observation["reward"], ("reward",), "reward")
+        phase, iteration, training_iteration = values_of(
+            observation["episode"], _EPISODE, "episode"
+        )
+        left_right = values_of(
+            observation["muscle_activations"], HORIZONTAL_RECTI, "muscle_activations"
+        ).reshape(2, 2)
+        in_training = phase == TRAINING
+        decision = self.learner.observe(
+            features,
+            left_right.mean(axis=0),
+            float(reward_t),
+            int(iteration),
+            int(training_iteration),
+            learning=self.learning and in_training,
+            exploration=self.exploration and in_training,
+        )
+        self._command.publish(stamp_ns, decision.command)
+        self._actor_critic.publish(
+            stamp_ns,
+            (
+                decision.value,
+                decision.td_error,
+                decision.td_variance,
+                decision.actor_learning_rate,
+                decision.critic_learning_rate,
+                *decision.action,
+                self.learner.learning_steps,
+            ),
+        )
+
+    def repeat(self) -> None:
+        """Publish the last command again."""
+        self._command.repeat()
+        self._actor_critic.repeat()
+
+
+def main() -> None:
+    """Run the node until it is told to stop."""
+    sys.exit(run_node(VergenceRlNode))
+
+
+if __name__ == "__main__":
+    main()
