@@ -1,0 +1,135 @@
+"""The sparse coder: two pictures in, features and reconstruction errors out, dictionaries inside.
+
+Dimensions: n_scales is 2, coarse before fine; n_patches, n_pixels, n_bases, n_selections.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from lockstep.errors import InputError
+from lockstep.randomness import generator
+from numpy.typing import NDArray
+
+from sparse_coder.config import SparseCoderConfig
+from sparse_coder.dictionary import Dictionary, initial_atoms, learned_atoms
+from sparse_coder.matching_pursuit import (
+    Selections,
+    matching_pursuit,
+    mean_squared_coefficients,
+    reconstruction_error,
+)
+from sparse_coder.patches import (
+    N_PIXELS,
+    Image,
+    binocular_patches,
+    check_images,
+    coarse_window,
+    fine_window,
+)
+
+SCALES = ("coarse", "fine")
+_LARGEST_NORM_ERROR = 1e-4
+
+
+@dataclass(frozen=True)
+class Encoding:
+    """The sparse code of one pair of pictures.
+
+    features: (n_scales, n_bases) mean squared coefficient of each atom;
+    reconstruction_error: (n_scales,) unexplained share of the patches' energy, in [0, 1];
+    patches: per scale (n_patches, n_pixels); selections: per scale.
+    """
+
+    features: NDArray[np.float32]
+    reconstruction_error: NDArray[np.float64]
+    patches: tuple[NDArray[np.float32], ...]
+    selections: tuple[Selections, ...]
+
+
+class SparseCoder:
+    """Owns one dictionary per scale.
+
+    encode and learn are separate, so that the features can be published before the dictionaries
+    move; whatever of the work needs the atoms alone is done in learn.
+    """
+
+    def __init__(self, config: SparseCoderConfig) -> None:
+        """Start with random dictionaries, a function of the seed."""
+        self.config = config
+        self.learning_steps = 0
+        self._dictionaries = [
+            Dictionary(
+                initial_atoms(generator(config.seed, "dictionary", i), config.n_bases, N_PIXELS)
+            )
+            for i, _ in enumerate(SCALES)
+        ]
+
+    def encode(self, left: Image, right: Image) -> Encoding:
+        """Return the code of two grey uint8 pictures (height, width); changes nothing.
+
+        Raises InputError for pictures of another type, of odd or different or too small size.
+        """
+        check_images(left, right)
+        patches = tuple(
+            binocular_patches(window(left), window(right))
+            for window in (coarse_window, fine_window)
+        )
+        selections = tuple(
+            matching_pursuit(p, d.atoms_transposed, d.gram, self.config.n_selections)
+            for p, d in zip(patches, self._dictionaries, strict=True)
+        )
+        features = [mean_squared_coefficients(s, self.config.n_bases) for s in selections]
+        errors = [reconstruction_error(p, s) for p, s in zip(patches, selections, strict=True)]
+        return Encoding(np.stack(features), np.array(errors), patches, selections)
+
+    def learn(self, encoding: Encoding) -> None:
+        """Move both dictionaries by one step towards the pictures of an encoding of theirs."""
+        for dictionary, patches, selections in zip(
+            self._dictionaries, encoding.patches, encoding.selections, strict=True
+        ):
+            dictionary.replace(
+                learned_atoms(dictionary.atoms, patches, selections, self.config.learning_rate)
+            )
+        self.learning_steps += 1
+
+    def atoms(self) -> NDArray[np.float32]:
+        """Return a copy of the basis functions, (n_scales, n_bases, n_pixels)."""
+        return np.stack([dictionary.atoms for dictionary in self._dictionaries])
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return all that learning has changed, for restore, as copies."""
+        return {"atoms": self.atoms(), "learning_steps": np.array(self.learning_steps)}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Continue from what state returned, bit for bit.
+
+        Raises InputError, and changes nothing, unless it holds finite unit atoms of this
+        configuration's shape and a count of learning steps.
+        """
+        expected = {"atoms", "learning_steps"}
+        if set(state) != expected:
+            raise InputError(f"state: expected {sorted(expected)}, got {sorted(state)}")
+        atoms = _checked_atoms(state["atoms"], self.config.n_bases)
+        learning_steps = _checked_count(state["learning_steps"])
+        self._dictionaries = [Dictionary(a.copy()) for a in atoms]
+        self.learning_steps = learning_steps
+
+
+def _checked_atoms(atoms: NDArray[Any], n_bases: int) -> NDArray[np.float32]:
+    shape = (len(SCALES), n_bases, N_PIXELS)
+    if atoms.shape != shape or atoms.dtype != np.float32:
+        raise InputError(
+            f"atoms: expected float32 of shape {shape}, got {atoms.dtype} of shape {atoms.shape}"
+        )
+    error = np.abs(np.linalg.norm(atoms.astype(np.float64), axis=2) - 1.0).max()
+    if not error <= _LARGEST_NORM_ERROR:  # also true of NaN
+        raise InputError(f"atoms: expected unit norms, got one off by {error}")
+    return atoms
+
+
+def _checked_count(learning_steps: NDArray[Any]) -> int:
+    if learning_steps.shape != () or learning_steps.dtype.kind not in "iu" or learning_steps < 0:
+        raise InputError(f"learning_steps: expected one count, got {learning_steps!r}")
+    return int(learning_steps)

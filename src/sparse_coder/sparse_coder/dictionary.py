@@ -1,0 +1,129 @@
+"""One scale's dictionary: unit atoms, and what matching pursuit needs to know of them.
+
+Dimensions: n_patches, n_pixels, n_bases, n_selections.
+"""
+
+import numpy as np
+from numba import float32, float64, int32, njit, void
+from numpy.typing import NDArray
+
+from sparse_coder.matching_pursuit import Selections
+
+
+class Dictionary:
+    """Unit atoms with their transpose and their Gram matrix, always of the same atoms.
+
+    atoms: (n_bases, n_pixels); atoms_transposed: (n_pixels, n_bases); gram: (n_bases, n_bases).
+    """
+
+    def __init__(self, atoms: NDArray[np.float32]) -> None:
+        """Start from float32 atoms of norm 1, (n_bases, n_pixels)."""
+        n_bases, n_pixels = atoms.shape
+        self.atoms_transposed = np.empty((n_pixels, n_bases), np.float32)
+        self.gram = np.empty((n_bases, n_bases), np.float32)
+        self.replace(atoms)
+
+    def replace(self, atoms: NDArray[np.float32]) -> None:
+        """Hold other atoms of the same shape; the array is taken over, not copied.
+
+        The Gram matrix is made from the atoms alone, never amended, so that a resumed run has the
+        same bits. A matrix times its own transpose costs BLAS half a product.
+        """
+        self.atoms = atoms
+        self.atoms_transposed[...] = atoms.T
+        np.matmul(atoms, atoms.T, out=self.gram)
+
+
+def initial_atoms(
+    generator: np.random.Generator, n_bases: int, n_pixels: int
+) -> NDArray[np.float32]:
+    """Return atoms drawn uniformly from [-0.5, 0.5] and normalised, (n_bases, n_pixels)."""
+    atoms = generator.uniform(-0.5, 0.5, (n_bases, n_pixels))
+    return (atoms / np.linalg.norm(atoms, axis=1, keepdims=True)).astype(np.float32)
+
+
+def learned_atoms(
+    atoms: NDArray[np.float32],
+    patches: NDArray[np.float32],
+    selections: Selections,
+    learning_rate: float,
+) -> NDArray[np.float32]:
+    """Return the atoms after one step down the gradient of the squared residuals.
+
+    phi_k <- phi_k + eta / n_patches * sum_j kappa_jk r_j, then divided by its norm, where
+    r_j = p_j - sum_k kappa_jk phi_k (Olshausen & Field 1996, as in K17). An atom that would vanish
+    stays as it was; one that was not selected has no gradient and stays too.
+
+    atoms: (n_bases, n_pixels); patches: (n_patches, n_pixels).
+    """
+    residuals = patches.copy()
+    _subtract_reconstruction(atoms, selections.atoms, selections.coefficients, residuals)
+    steps = np.zeros_like(atoms)
+    _add_gradient(residuals, selections.atoms, selections.coefficients, steps)
+    learned = np.empty_like(atoms)
+    _step_and_normalise(atoms, steps, learning_rate / patches.shape[0], learned)
+    return learned
+
+
+@njit(
+    void(float32[:, ::1], int32[:, ::1], float32[:, ::1], float32[:, ::1]), cache=True, nogil=True
+)
+def _subtract_reconstruction(
+    atoms: NDArray[np.float32],
+    selected: NDArray[np.int32],
+    coefficients: NDArray[np.float32],
+    residuals: NDArray[np.float32],
+) -> None:
+    for i_patch in range(selected.shape[0]):
+        for i in range(selected.shape[1]):
+            coefficient = coefficients[i_patch, i]
+            atom = atoms[selected[i_patch, i]]
+            for i_pixel in range(atom.size):
+                residuals[i_patch, i_pixel] -= coefficient * atom[i_pixel]
+
+
+@njit(
+    void(float32[:, ::1], int32[:, ::1], float32[:, ::1], float32[:, ::1]), cache=True, nogil=True
+)
+def _add_gradient(
+    residuals: NDArray[np.float32],
+    selected: NDArray[np.int32],
+    coefficients: NDArray[np.float32],
+    steps: NDArray[np.float32],
+) -> None:
+    for i_patch in range(selected.shape[0]):
+        residual = residuals[i_patch]
+        for i in range(selected.shape[1]):
+            coefficient = coefficients[i_patch, i]
+            step = steps[selected[i_patch, i]]
+            for i_pixel in range(step.size):
+                step[i_pixel] += coefficient * residual[i_pixel]
+
+
+# "reassoc" lets the sum use the vector unit; the order is fixed once compiled, so that the same
+# machine gives the same bits.
+@njit(
+    void(float32[:, ::1], float32[:, ::1], float64, float32[:, ::1]),
+    cache=True,
+    nogil=True,
+    fastmath={"reassoc"},
+)
+def _step_and_normalise(
+    atoms: NDArray[np.float32],
+    steps: NDArray[np.float32],
+    rate: float,
+    learned: NDArray[np.float32],
+) -> None:
+    n_bases, n_pixels = atoms.shape
+    moved = np.empty(n_pixels, np.float64)
+    for i_atom in range(n_bases):
+        energy = 0.0
+        for i_pixel in range(n_pixels):
+            moved[i_pixel] = atoms[i_atom, i_pixel] + rate * steps[i_atom, i_pixel]
+            energy += moved[i_pixel] ** 2
+        if energy > 0.0 and np.any(steps[i_atom]):
+            moved /= np.sqrt(energy)
+        else:
+            moved[:] = atoms[i_atom]
+        for i_pixel in range(n_pixels):
+            learned[i_atom, i_pixel] = moved[i_pixel]

@@ -1,0 +1,131 @@
+"""Matching pursuit (Mallat & Zhang 1993) of many patches with one dictionary of unit atoms.
+
+Dimensions: n_patches, n_pixels, n_bases, n_selections.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import float32, float64, int32, njit, void
+from numpy.typing import NDArray
+
+_MAGNITUDE_BITS = np.int32(0x7FFFFFFF)
+
+
+@dataclass(frozen=True)
+class Selections:
+    """What matching pursuit chose, in the order of choosing.
+
+    atoms: (n_patches, n_selections) index of each selected atom; one may come again.
+    coefficients: (n_patches, n_selections) the correlation that each selection took away.
+    """
+
+    atoms: NDArray[np.int32]
+    coefficients: NDArray[np.float32]
+
+
+def matching_pursuit(
+    patches: NDArray[np.float32],
+    atoms_transposed: NDArray[np.float32],
+    gram: NDArray[np.float32],
+    n_selections: int,
+) -> Selections:
+    """Select n_selections times the atom with the largest |correlation| to the residual.
+
+    r_0 = p; k = argmax |phi_k . r|, the first of equals; kappa = phi_k . r; r <- r - kappa phi_k.
+    The residual itself is never formed: its correlations follow from the Gram matrix,
+    phi_i . r <- phi_i . r - kappa phi_i . phi_k.
+
+    patches: (n_patches, n_pixels); atoms_transposed: (n_pixels, n_bases), unit columns;
+    gram: (n_bases, n_bases), all products of two atoms.
+    """
+    correlations = np.matmul(patches, atoms_transposed)
+    atoms = np.empty((patches.shape[0], n_selections), np.int32)
+    coefficients = np.empty((patches.shape[0], n_selections), np.float32)
+    _pursue(correlations, gram, atoms, coefficients)
+    return Selections(atoms, coefficients)
+
+
+def mean_squared_coefficients(selections: Selections, n_bases: int) -> NDArray[np.float32]:
+    """Return, for each atom, the mean over patches of its squared coefficient, (n_bases,).
+
+    The coefficient of an atom in a patch is the sum over its selections there.
+    """
+    features = np.zeros(n_bases, np.float64)
+    _add_squared_coefficients(selections.atoms, selections.coefficients, features)
+    return (features / selections.atoms.shape[0]).astype(np.float32)
+
+
+def reconstruction_error(patches: NDArray[np.float32], selections: Selections) -> float:
+    """Return the sum of squared residuals over the sum of squared patch entries, in [0, 1].
+
+    Each selection of a unit atom takes kappa^2 from the residual's energy (Mallat & Zhang 1993),
+    so the residuals need not be formed. Patches without any energy leave nothing to explain:
+    their error is 0. (K17 eq. 2, as a fraction: ours, since the paper's lambda needs it.)
+    """
+    energy = _energy(patches)
+    if energy == 0.0:
+        return 0.0
+    return max(0.0, 1.0 - _energy(selections.coefficients) / energy)
+
+
+@njit(
+    void(float32[:, ::1], float32[:, ::1], int32[:, ::1], float32[:, ::1]), cache=True, nogil=True
+)
+def _pursue(
+    correlations: NDArray[np.float32],
+    gram: NDArray[np.float32],
+    atoms: NDArray[np.int32],
+    coefficients: NDArray[np.float32],
+) -> None:
+    """Fill atoms and coefficients; correlations end as those of the last residual.
+
+    Without their sign bit, floats sort as integers do. Integer maxima may be taken in any order,
+    so that the compiler uses the vector unit where a float maximum would go one by one.
+    """
+    n_patches, n_bases = correlations.shape
+    bits = correlations.view(np.int32)
+    for i_patch in range(n_patches):
+        correlation = correlations[i_patch]
+        magnitude = bits[i_patch]
+        for i_selection in range(atoms.shape[1]):
+            largest = np.int32(0)
+            for i in range(n_bases):
+                largest = max(largest, np.int32(magnitude[i] & _MAGNITUDE_BITS))
+            n_from_end = np.int32(0)
+            for i in range(n_bases):
+                is_largest = np.int32(magnitude[i] & _MAGNITUDE_BITS) == largest
+                n_from_end = max(n_from_end, np.int32(n_bases - i) if is_largest else np.int32(0))
+            i_atom = n_bases - n_from_end
+            coefficient = correlation[i_atom]
+            atoms[i_patch, i_selection] = i_atom
+            coefficients[i_patch, i_selection] = coefficient
+            products = gram[i_atom]
+            for i in range(n_bases):
+                correlation[i] -= coefficient * products[i]
+
+
+@njit(void(int32[:, ::1], float32[:, ::1], float64[::1]), cache=True, nogil=True)
+def _add_squared_coefficients(
+    atoms: NDArray[np.int32], coefficients: NDArray[np.float32], features: NDArray[np.float64]
+) -> None:
+    n_patches, n_selections = atoms.shape
+    total = np.zeros(features.size)
+    for i_patch in range(n_patches):
+        for i in range(n_selections):
+            total[atoms[i_patch, i]] += coefficients[i_patch, i]
+        for i in range(n_selections):
+            i_atom = atoms[i_patch, i]
+            features[i_atom] += total[i_atom] ** 2
+            total[i_atom] = 0.0  # so that an atom selected twice counts once
+
+
+# "reassoc" lets the sum use the vector unit; the order is fixed once compiled, so that the same
+# machine gives the same bits.
+@njit(float64(float32[:, ::1]), cache=True, nogil=True, fastmath={"reassoc"})
+def _energy(values: NDArray[np.float32]) -> float:
+    energy = 0.0
+    for row in values:
+        for value in row:
+            energy += np.float64(value) ** 2
+    return energy

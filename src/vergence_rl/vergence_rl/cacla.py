@@ -1,0 +1,62 @@
+"""CACLA+VAR (van Hasselt & Wiering 2007; K17 eq. 4): an action that did better is copied.
+
+Dimensions: n_state, n_hidden, n_muscles. Time is in the names: _t is now, _tm1 before.
+"""
+
+import math
+
+import numpy as np
+from numba import float64, njit, void
+from numpy.typing import NDArray
+
+from vergence_rl.networks import ActorOutput, ActorWeights
+
+
+def n_updates(delta_t: float, variance_t: float) -> int:
+    """Return ceil(delta / sqrt(var)) for a good surprise, 0 for any other (K17 eq. 4)."""
+    if delta_t <= 0.0:
+        return 0
+    return math.ceil(delta_t / math.sqrt(variance_t))
+
+
+def actor_step(
+    weights: ActorWeights,
+    state_tm1: NDArray[np.float64],
+    output_tm1: ActorOutput,
+    executed_tm1: NDArray[np.float64],
+    *,
+    rate: float,
+    shrinkage: float,
+) -> ActorWeights:
+    """Return the weights after one step from the actor's action to the executed one.
+
+    W2 <- W2 + rate (a - A) h^T
+    W1 <- (1 - shrinkage) W1 + rate (W2^T (a - A) * (1 - h^2)) s^T, with W2 from before the step
+
+    (K17 eq. 4.) state_tm1: s, (n_state,); output_tm1: h and A, of these weights in that state;
+    executed_tm1: a, (n_muscles,), before clipping; rate: learning rate times number of updates.
+    """
+    surplus = executed_tm1 - output_tm1.action
+    slope = (weights.output.T @ surplus) * (1.0 - output_tm1.activity**2)
+    hidden = np.empty_like(weights.hidden)
+    _shrink_and_add(weights.hidden, 1.0 - shrinkage, rate * slope, state_tm1, hidden)
+    output = weights.output + rate * np.outer(surplus, output_tm1.activity)
+    return ActorWeights(hidden, output)
+
+
+@njit(
+    void(float64[:, ::1], float64, float64[::1], float64[::1], float64[:, ::1]),
+    cache=True,
+    nogil=True,
+)
+def _shrink_and_add(
+    old: NDArray[np.float64],
+    keep: float,
+    left: NDArray[np.float64],
+    right: NDArray[np.float64],
+    new: NDArray[np.float64],
+) -> None:
+    """Fill new with keep * old + left right^T, in one pass over the memory."""
+    for j in range(old.shape[0]):
+        for i in range(old.shape[1]):
+            new[j, i] = keep * old[j, i] + left[j] * right[i]

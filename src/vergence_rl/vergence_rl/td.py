@@ -1,0 +1,41 @@
+"""Temporal-difference learning of a linear value function, rule by rule.
+
+Time is in the names: _t is now, _tm1 the observation before; the reward r_t is measured in the
+state that the action a_tm1 led to.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def td_error(r_t: float, discount: float, v_t: float, v_tm1: float) -> float:
+    """Return delta_t = r_t + discount V(s_t) - V(s_tm1), both values by the same weights.
+
+    K17 II, with the reward's index shifted by one (ours: the reward belongs to the state reached).
+    """
+    return r_t + discount * v_t - v_tm1
+
+
+def td_variance(variance_tm1: float, delta_t: float, rate: float) -> float:
+    """Return the running variance (1 - rate) var_tm1 + rate delta_t^2 (K17 II, rate = zeta)."""
+    return (1.0 - rate) * variance_tm1 + rate * delta_t**2
+
+
+def value(weights: NDArray[np.float64], state: NDArray[np.float64]) -> float:
+    """Return V(s) = v . s, both (n_state,)."""
+    return float(weights @ state)
+
+
+def critic_step(
+    weights: NDArray[np.float64],
+    state_tm1: NDArray[np.float64],
+    delta_t: float,
+    learning_rate: float,
+) -> NDArray[np.float64]:
+    """Return v + alpha delta_t s_tm1 (K17 eq. 3; the gradient of v . s is s), (n_state,)."""
+    return weights + learning_rate * delta_t * state_tm1
+
+
+def declining_rate(initial_rate: float, training_iteration: int, n_iterations: int) -> float:
+    """Return the rate that falls linearly from initial_rate to 0 at n_iterations (K17 II)."""
+    return initial_rate * max(0.0, 1.0 - training_iteration / n_iterations)
