@@ -1,0 +1,76 @@
+# Sourced by the scripts in this folder, not run: where things are, and how to start one entry point.
+# shellcheck shell=bash
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
+venv=$root/.venv
+python=$venv/bin/python
+node_domain=42
+
+# What the environment in .venv was made from. Another lock file, set-up script, folder or Python means: make it again.
+fingerprint() {
+  cat "$root/requirements.lock" "$root/launch_scripts/setup.sh" | sha256sum
+  printf '%s\n' "$root"
+  "$python" -I -S -c 'import sys; print(sys.version)'
+}
+
+is_set_up() {
+  [[ -x $python && -f $venv/set_up && -f $venv/mujoco_gl ]] && [[ $(fingerprint 2>&1) == "$(<"$venv/set_up")" ]]
+}
+
+# The comment at the head of the script that was started is its help.
+show_help() {
+  sed -n '2,${/^#/!q; s/^# \{0,1\}//p}' "$0"
+}
+
+without_other_ros() { # a colon-separated list of folders, less those of another ROS installation
+  local folder kept=
+  while IFS= read -r -d : folder; do
+    [[ -z $folder || $folder == /opt/ros/* || $folder == */ros_*.libs ]] || kept+=${kept:+:}$folder
+  done <<<"$1:"
+  printf '%s' "$kept"
+}
+
+export_variables() {
+  # rclpy comes from .venv. One from a sourced ROS installation would be found before it.
+  unset PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
+  unset PYOPENGL_PLATFORM # MuJoCo sets it from MUJOCO_GL, and refuses to start when it differs
+  LD_LIBRARY_PATH=$(without_other_ros "${LD_LIBRARY_PATH:-}")
+  export LD_LIBRARY_PATH
+  export HOME=${HOME:-~} # ROS writes its logs there and fails without
+  export RMW_IMPLEMENTATION=rmw_fastrtps_cpp # the only one in the lock file
+  export ROS_AUTOMATIC_DISCOVERY_RANGE=${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}
+  # Each process works on matrices too small to share out; threads would only fight for the cores.
+  export OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1} OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}
+  export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$venv/numba_cache}
+}
+
+set_up() {
+  is_set_up || "$root/launch_scripts/setup.sh" || exit
+  export_variables
+  export MUJOCO_GL=${MUJOCO_GL:-$(<"$venv/mujoco_gl")}
+}
+
+# run_module MODULE ARGUMENTS...: become the entry point. --help shows ours first, then the entry point's own options.
+run_module() {
+  if [[ ${2:-} == --help || ${2:-} == -h ]]; then
+    show_help
+    is_set_up || { printf '\nAll options are listed here once launch_scripts/setup.sh has run.\n' && exit; }
+    echo
+  fi
+  set_up
+  exec "$python" -m "$@"
+}
+
+# run_node PACKAGE ARGUMENTS...: become this node, with the parameters of its YAML file; later arguments win.
+run_node() {
+  local package=$1
+  shift
+  if [[ ${1:-} == --help || ${1:-} == -h ]]; then
+    show_help
+    exit
+  fi
+  set_up
+  export ROS_DOMAIN_ID=${ROS_DOMAIN_ID:-$node_domain}
+  exec "$python" -m "$package.node" \
+    --ros-args --params-file "$root/src/$package/config/$package.yaml" -- "$@"
+}

@@ -1,0 +1,9 @@
+#!/usr/bin/env bash
+# Show what a bag holds: topics, types, counts, stamps.
+#
+# usage: launch_scripts/inspect_bag.sh BAG [more options]
+set -euo pipefail
+# shellcheck source=launch_scripts/environment.sh
+source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+
+run_module experiment_manager.inspect_bag "$@"

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Run an experiment, all nodes in one command: train, test, record, draw. Without arguments, a demonstration that
+# learns vergence within ten minutes. Ctrl-C ends it cleanly and says how to resume.
+#
+# usage: launch_scripts/run_experiment.sh [--model M|M_C] [--iterations N] [--seed S] [--stimuli DIR] [--out DIR]
+#                                         [--resume DIR] [more options]
+#
+# environment: ROS_DOMAIN_ID, the ROS domain (default: a free one, which it prints, so that others can listen)
+set -euo pipefail
+# shellcheck source=launch_scripts/environment.sh
+source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+
+run_module experiment_manager.supervisor "$@"

@@ -1,0 +1,168 @@
+#!/usr/bin/env bash
+# Set up all that the project needs, once: a Python environment in .venv with what requirements.lock names, and a
+# check that pictures can be rendered off-screen. The other scripts call this by themselves; when all is done it
+# returns at once. As root on Debian or Ubuntu it installs missing system packages with apt, elsewhere it says which.
+#
+# usage: launch_scripts/setup.sh [--again]
+#   --again   make the environment again from nothing
+#
+# environment: ABV_PYTHON, the Python to use (3.11 to 3.14; default: the first that fits);
+#              MUJOCO_GL, egl or osmesa (default: the first that works)
+set -euo pipefail
+# shellcheck source=launch_scripts/environment.sh
+source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+
+gl_packages=(libegl1 libgl1 libgl1-mesa-dri)
+
+say() {
+  printf 'setup: %s\n' "$*" >&2
+}
+
+fail() {
+  say "$@"
+  exit 1
+}
+
+may_install() {
+  [[ $(id -u) == 0 ]] && command -v apt-get >/dev/null
+}
+
+install_packages() {
+  say "installing $* with apt-get"
+  if ! {
+    apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o DPkg::Lock::Timeout=120 "$@"
+  } </dev/null >&2; then
+    fail "apt-get could not install $*; its message is above."
+  fi
+}
+
+python_fits() {
+  "$1" -I -c 'import ensurepip, sys, venv; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 14))' 2>/dev/null
+}
+
+# Sets base_python.
+find_python() {
+  local candidate
+  for candidate in ${ABV_PYTHON:-python3 python3.13 python3.12 python3.11 python3.14}; do
+    if python_fits "$candidate"; then
+      base_python=$candidate
+      return
+    fi
+  done
+  return 1
+}
+
+require_python() {
+  find_python && return
+  [[ -z ${ABV_PYTHON:-} ]] || fail "ABV_PYTHON=$ABV_PYTHON is not a Python 3.11 to 3.14 with its venv module."
+  if may_install; then
+    install_packages python3 python3-venv
+    find_python && return
+  fi
+  fail "Python 3.11 to 3.14 with its venv module is needed, for example: sudo apt install python3 python3-venv"
+}
+
+gl_library_loads() {
+  "$base_python" -I - <<'PYTHON'
+import ctypes
+import sys
+
+for name in ("libEGL.so.1", "libOSMesa.so.8", "libOSMesa.so.6"):
+    try:
+        ctypes.CDLL(name)
+    except OSError:
+        continue
+    sys.exit(0)
+sys.exit(1)
+PYTHON
+}
+
+# Sets gl to the backend with which a context can be made as the renderer does it, or gl_error to why none can.
+try_gl() {
+  gl=
+  local backend
+  for backend in ${MUJOCO_GL:-egl osmesa}; do
+    if gl_error=$(MUJOCO_GL=$backend "$python" 2>&1 -c '
+import mujoco
+context = mujoco.GLContext(64, 64)
+context.make_current()
+mujoco.MjrContext(mujoco.MjModel.from_xml_string("<mujoco/>"), mujoco.mjtFontScale.mjFONTSCALE_100)
+'); then
+      gl=$backend
+      return
+    fi
+  done
+}
+
+need_gl() {
+  fail "off-screen rendering needs a system library, EGL or OSMesa, for example:" \
+    "sudo apt install ${gl_packages[*]}${1:+ (what is there fails: $1)}"
+}
+
+require_gl_library() {
+  gl_library_loads && return
+  may_install || need_gl
+  install_packages "${gl_packages[@]}"
+}
+
+# A library that loads may still have no driver behind it.
+choose_gl() {
+  try_gl
+  if [[ -z $gl ]] && may_install; then
+    install_packages "${gl_packages[@]}"
+    try_gl
+  fi
+  [[ -n $gl ]] || need_gl "${gl_error##*$'\n'}"
+  printf '%s\n' "$gl" >"$venv/mujoco_gl"
+}
+
+pip_install() {
+  "$python" -m pip install --quiet --no-input --disable-pip-version-check --no-compile --no-user --no-deps \
+    --require-hashes "$@" || fail "pip could not install what requirements.lock names; its message is above."
+}
+
+make_environment() {
+  local n_packages
+  n_packages=$(grep -c '^[a-z]' "$root/requirements.lock")
+  say "installing $n_packages Python packages into .venv (a minute or two, once)"
+  "$base_python" -I -m venv --clear "$venv" || fail "$base_python could not make an environment in $venv."
+  # setuptools first: it builds the one package that has no wheel, so that nothing unpinned is fetched for that.
+  pip_install -r <(awk '/^[a-z]/ {ours = /^setuptools==/} ours' "$root/requirements.lock")
+  pip_install --no-build-isolation --use-pep517 -r "$root/requirements.lock"
+  "$python" -m compileall -q -j 0 "$venv/lib" >/dev/null || true # only saves time at the first start
+  printf '%s\n' "$root"/src/{lockstep,eye_plant,sparse_coder,vergence_rl,experiment_manager} \
+    >"$(echo "$venv"/lib/python3*/site-packages)/active_binocular_vision.pth"
+}
+
+compile_numerics() {
+  "$python" -c 'import sparse_coder.coder' || true
+}
+
+main() {
+  case ${1:-} in
+    -h | --help)
+      show_help
+      exit
+      ;;
+    --again) rm -f "$venv/set_up" ;;
+    '') ;;
+    *) fail "expected no argument or --again, got $1" ;;
+  esac
+  exec {lock}<"$root" # whoever comes second waits, and finds the work done
+  flock "$lock"
+  is_set_up && exit
+  [[ $(uname -sm) == "Linux x86_64" ]] || fail "ROS 2 comes as wheels for x86-64 Linux only; this is $(uname -sm)."
+  export_variables
+  rm -f "$venv/set_up"
+  require_python
+  require_gl_library
+  make_environment
+  choose_gl
+  compile_numerics
+  fingerprint >"$venv/set_up.new"
+  mv "$venv/set_up.new" "$venv/set_up" # last, so that an interrupted set-up is made again
+  say "done"
+}
+
+main "$@"

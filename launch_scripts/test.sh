@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Check everything: formatting, lint, types, then all tests. Fails when one of them does.
+#
+# usage: launch_scripts/test.sh [pytest arguments, for example tests/sparse_coder -k pursuit -x]
+set -euo pipefail
+# shellcheck source=launch_scripts/environment.sh
+source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+
+if [[ ${1:-} == --help || ${1:-} == -h ]]; then
+  show_help
+  exit
+fi
+set_up
+cd "$root"
+status=0
+"$python" -m ruff format --check || status=1
+"$python" -m ruff check || status=1
+"$python" -m mypy || status=1
+((status == 0)) || echo "test.sh: formatter, linter or type checker failed (above); the tests follow" >&2
+"$python" -m pytest "$@" || status=$?
+exit "$status"

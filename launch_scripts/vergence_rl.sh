@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Start the actor-critic alone: it turns features and reward into muscle commands, and learns to.
+#
+# usage: launch_scripts/vergence_rl.sh [--ros-args -p NAME:=VALUE -r FROM:=TO --params-file FILE ...]
+#
+# Its parameters and their defaults: src/vergence_rl/config/vergence_rl.yaml
+# environment: ROS_DOMAIN_ID, the ROS domain (default 42, as for all nodes that are started one by one)
+set -euo pipefail
+# shellcheck source=launch_scripts/environment.sh
+source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+
+run_node vergence_rl "$@"
