@@ -1,0 +1,189 @@
+from collections.abc import Callable
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from lockstep.errors import InputError
+from numpy.typing import NDArray
+from sparse_coder.coder import SparseCoder
+
+from sparse_coder.config import SparseCoderConfig
+
+Pair = tuple[NDArray[np.uint8], NDArray[np.uint8]]
+Pursuit = Callable[..., tuple[list[list[int]], NDArray[np.float64]]]
+
+SMALL = SparseCoderConfig(n_bases=40, n_selections=5)
+
+
+def slow_patches(windows: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+    side, patches = windows[0].shape[0], []
+    for top in range(0, side - 7, 4):
+        for first in range(0, side - 7, 4):
+            halves = [w[top : top + 8, first : first + 8].ravel() for w in windows]
+            halves = [h - h.mean() for h in halves]
+            patches.append(np.concatenate([h / np.linalg.norm(h) for h in halves]))
+    return np.array(patches)
+
+
+def test_the_whole_code_matches_a_slow_one(stereo_pair: Pair, brute_force_pursuit: Pursuit) -> None:
+    coder = SparseCoder(SMALL)
+    encoding = coder.encode(*stereo_pair)
+    crops = [p[56:184, 96:224].astype(np.float64) for p in stereo_pair]
+    coarse = [np.asarray(cv2.pyrDown(cv2.pyrDown(crop)), np.float64) for crop in crops]
+    fine = [p[100:140, 140:180].astype(np.float64) for p in stereo_pair]
+    for scale, windows in enumerate((coarse, fine)):
+        patches, atoms = slow_patches(windows), coder.atoms()[scale].astype(np.float64)
+        chosen, residuals = brute_force_pursuit(patches, atoms, 5)
+        expected = np.zeros(40)
+        for patch, ks, residual in zip(patches, chosen, residuals, strict=True):
+            # With 5 of 40 atoms independent, the coefficients are the only ones that fit.
+            used = sorted(set(ks))
+            kappas = np.linalg.lstsq(atoms[used].T, patch - residual, rcond=None)[0]
+            expected[used] += kappas**2
+        np.testing.assert_allclose(encoding.features[scale], expected / len(patches), atol=1e-5)
+        error = np.sum(residuals**2) / np.sum(patches**2)
+        assert encoding.reconstruction_error[scale] == pytest.approx(error, abs=1e-5)
+
+
+def test_shapes_and_types_of_an_encoding(stereo_pair: Pair) -> None:
+    encoding = SparseCoder(SparseCoderConfig()).encode(*stereo_pair)
+    assert (encoding.features.shape, encoding.features.dtype) == ((2, 400), np.float32)
+    errors = encoding.reconstruction_error
+    assert (errors.shape, errors.dtype) == ((2,), np.float64)
+    assert [p.shape for p in encoding.patches] == [(49, 128), (81, 128)]
+
+
+def test_encoding_changes_nothing_and_repeats_bit_for_bit(stereo_pair: Pair) -> None:
+    coder = SparseCoder(SMALL)
+    before = coder.state()
+    first, second = coder.encode(*stereo_pair), coder.encode(*stereo_pair)
+    np.testing.assert_array_equal(first.features, second.features)
+    np.testing.assert_array_equal(first.reconstruction_error, second.reconstruction_error)
+    assert not np.shares_memory(first.features, second.features)
+    for name, array in coder.state().items():
+        np.testing.assert_array_equal(array, before[name])
+
+
+def test_a_view_into_a_larger_picture_gives_the_same_code(picture: NDArray[np.uint8]) -> None:
+    coder, view = SparseCoder(SMALL), picture[10:250, 10:330]
+    np.testing.assert_array_equal(
+        coder.encode(view, view).features, coder.encode(view.copy(), view.copy()).features
+    )
+
+
+def test_learning_lowers_the_error_at_both_scales(stereo_pair: Pair) -> None:
+    coder = SparseCoder(SMALL)
+    before = coder.encode(*stereo_pair).reconstruction_error
+    for _ in range(50):
+        coder.learn(coder.encode(*stereo_pair))
+    assert coder.learning_steps == 50
+    assert np.all(coder.encode(*stereo_pair).reconstruction_error < 0.7 * before)
+    np.testing.assert_allclose(np.linalg.norm(coder.atoms(), axis=2), 1.0, atol=1e-6)
+
+
+def test_after_learning_equal_pictures_cost_less_than_shifted_ones(
+    picture: NDArray[np.uint8],
+) -> None:
+    coder = SparseCoder(SMALL)
+    equal, other = picture[10:250, 10:330], picture[10:250, 20:340]
+    for _ in range(50):
+        coder.learn(coder.encode(equal, equal))
+        coder.learn(coder.encode(other, other))
+    held_out = picture[4:244, 14:334]
+    together = coder.encode(held_out, held_out).reconstruction_error.sum()
+    apart = coder.encode(held_out, picture[4:244, 8:328]).reconstruction_error.sum()
+    assert together < 0.9 * apart
+
+
+def test_seeds_and_scales_start_with_different_atoms() -> None:
+    coarse, fine = SparseCoder(SMALL).atoms()
+    other = SparseCoder(SparseCoderConfig(seed=2, n_bases=40)).atoms()[0]
+    assert not np.any(coarse == fine)
+    assert not np.any(coarse == other)
+
+
+def test_flat_pictures_have_features_and_error_0() -> None:
+    flat = np.full((240, 320), 90, np.uint8)
+    coder = SparseCoder(SMALL)
+    encoding = coder.encode(flat, flat)
+    np.testing.assert_array_equal(encoding.features, 0.0)
+    np.testing.assert_array_equal(encoding.reconstruction_error, 0.0)
+    before = coder.atoms()
+    coder.learn(encoding)
+    np.testing.assert_array_equal(coder.atoms(), before)
+
+
+def test_a_restored_coder_continues_bit_for_bit(stereo_pair: Pair) -> None:
+    coder = SparseCoder(SMALL)
+    for _ in range(3):
+        coder.learn(coder.encode(*stereo_pair))
+    state = coder.state()
+    other = SparseCoder(SparseCoderConfig(seed=9, n_bases=40, n_selections=5))
+    other.restore(state)
+    for _ in range(3):
+        for one in (coder, other):
+            one.learn(one.encode(*stereo_pair))
+    assert other.learning_steps == 6
+    np.testing.assert_array_equal(coder.atoms(), other.atoms())
+    np.testing.assert_array_equal(
+        coder.encode(*stereo_pair).features, other.encode(*stereo_pair).features
+    )
+
+
+def test_a_state_shares_no_memory_with_the_coder(stereo_pair: Pair) -> None:
+    coder = SparseCoder(SMALL)
+    state = coder.state()
+    coder.restore(state)
+    kept = coder.atoms()
+    state["atoms"][:] = 7.0
+    np.testing.assert_array_equal(coder.atoms(), kept)
+
+
+def _with_nan(atoms: NDArray[np.float32]) -> NDArray[np.float32]:
+    atoms[1, 2, 3] = np.nan
+    return atoms
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda s: s | {"atoms": s["atoms"][:, 1:]}, r"atoms: expected .*\(2, 40, 128\), got"),
+        (lambda s: s | {"atoms": s["atoms"].astype(np.float64)}, "atoms: expected float32"),
+        (lambda s: s | {"atoms": _with_nan(s["atoms"])}, "atoms: expected unit norms, .* nan"),
+        (lambda s: s | {"atoms": s["atoms"] * np.float32(1.01)}, "atoms: expected unit norms"),
+        (lambda s: s | {"learning_steps": np.array(-1)}, "learning_steps: expected one count"),
+        (lambda s: s | {"learning_steps": np.array(1.5)}, "learning_steps: expected one count"),
+        (lambda s: {"atoms": s["atoms"]}, "state: expected"),
+        (lambda s: s | {"colour": np.array(1)}, "state: expected .*colour"),
+    ],
+)
+def test_a_bad_state_is_refused_and_changes_nothing(
+    change: Callable[[dict[str, Any]], dict[str, Any]], message: str
+) -> None:
+    coder = SparseCoder(SMALL)
+    before = coder.atoms()
+    with pytest.raises(InputError, match=message):
+        coder.restore(change(coder.state()))
+    np.testing.assert_array_equal(coder.atoms(), before)
+    assert coder.learning_steps == 0
+
+
+def test_bad_pictures_are_refused() -> None:
+    image = np.zeros((240, 320), np.uint8)
+    with pytest.raises(InputError, match="right image: expected a grey uint8 array"):
+        SparseCoder(SMALL).encode(image, image.astype(np.float64))
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"n_bases": 0}, "n_bases: expected 1 or more, got 0"),
+        ({"n_selections": 0}, "n_selections: expected 1 or more"),
+        ({"learning_rate": -0.1}, "learning_rate: expected a finite number, 0 or more"),
+        ({"metabolic_cost_weight": float("nan")}, "metabolic_cost_weight: .*got nan"),
+    ],
+)
+def test_bad_settings_are_refused(settings: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        SparseCoderConfig(**settings)

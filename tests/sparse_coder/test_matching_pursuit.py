@@ -1,0 +1,160 @@
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from sparse_coder.dictionary import Dictionary, initial_atoms
+from sparse_coder.matching_pursuit import (
+    Selections,
+    matching_pursuit,
+    mean_squared_coefficients,
+    reconstruction_error,
+)
+from sparse_coder.patches import binocular_patches, coarse_window, fine_window
+
+Pursuit = Callable[..., tuple[list[list[int]], NDArray[np.float64]]]
+
+
+def random_patches(n_patches: int, n_pixels: int = 128) -> NDArray[np.float32]:
+    patches = np.random.default_rng(3).standard_normal((n_patches, n_pixels))
+    return (patches * np.sqrt(2.0) / np.linalg.norm(patches, axis=1, keepdims=True)).astype("f4")
+
+
+def image_patches(picture: NDArray[np.uint8]) -> NDArray[np.float32]:
+    windows = (coarse_window(picture), fine_window(picture))
+    return np.concatenate([binocular_patches(w, np.roll(w, 1, axis=1).copy()) for w in windows])
+
+
+def dictionary(n_bases: int = 400, n_pixels: int = 128) -> Dictionary:
+    return Dictionary(initial_atoms(np.random.default_rng(1), n_bases, n_pixels))
+
+
+def pursue(patches: NDArray[np.float32], of: Dictionary, n_selections: int = 10) -> Selections:
+    return matching_pursuit(patches, of.atoms_transposed, of.gram, n_selections)
+
+
+def residuals(
+    patches: NDArray[np.float32], atoms: NDArray[np.float32], selections: Selections
+) -> NDArray[np.float64]:
+    rest = patches.astype(np.float64)
+    for i_patch, (chosen, kappas) in enumerate(
+        zip(selections.atoms, selections.coefficients, strict=True)
+    ):
+        for k, kappa in zip(chosen, kappas, strict=True):
+            rest[i_patch] -= float(kappa) * atoms[k].astype(np.float64)
+    return rest
+
+
+def assert_same_pursuit(patches: NDArray[np.float32], brute_force: Pursuit) -> None:
+    """Same atoms up to near-ties of 1e-5, where float32 may choose the other; same residual."""
+    of = dictionary()
+    fast = pursue(patches, of)
+    slow_atoms, slow_residuals = brute_force(patches, of.atoms, 10)
+    n_ties = 0
+    for patch, fast_chosen, slow_chosen in zip(patches, fast.atoms, slow_atoms, strict=True):
+        residual = patch.astype(np.float64)
+        for k_fast, k_slow in zip(fast_chosen, slow_chosen, strict=True):
+            correlations = of.atoms.astype(np.float64) @ residual
+            if k_fast != k_slow:
+                n_ties += 1
+                assert abs(correlations[k_fast]) == pytest.approx(
+                    abs(correlations[k_slow]), abs=1e-5
+                )
+                break
+            residual -= correlations[k_slow] * of.atoms[k_slow]
+    assert n_ties <= 0.02 * len(patches)
+    energy = np.sum(patches.astype(np.float64) ** 2)
+    expected = np.sum(slow_residuals**2) / energy
+    # A near-tie changes which atoms follow, hence more than float32's rounding.
+    tolerance = 1e-6 if n_ties == 0 else 1e-3
+    assert reconstruction_error(patches, fast) == pytest.approx(expected, abs=tolerance)
+
+
+def test_agrees_with_brute_force_on_random_patches(brute_force_pursuit: Pursuit) -> None:
+    assert_same_pursuit(random_patches(60), brute_force_pursuit)
+
+
+def test_agrees_with_brute_force_on_image_patches(
+    picture: NDArray[np.uint8], brute_force_pursuit: Pursuit
+) -> None:
+    assert_same_pursuit(image_patches(picture), brute_force_pursuit)
+
+
+def test_hand_computed_selections() -> None:
+    atoms = np.array([[1.0, 0.0], [0.6, 0.8]], np.float32)
+    got = pursue(np.array([[2.0, 1.0]], np.float32), Dictionary(atoms), 3)
+    # (2, 1): 2 and 2; the first of equals. Residual (0, 1): 0 and 0.8. Then (-0.48, 0.36).
+    np.testing.assert_array_equal(got.atoms, [[0, 1, 0]])
+    np.testing.assert_allclose(got.coefficients, [[2.0, 0.8, -0.48]], atol=1e-6)
+
+
+def test_a_negative_correlation_is_selected_by_its_magnitude() -> None:
+    atoms = np.eye(3, dtype=np.float32)
+    got = pursue(np.array([[0.5, -2.0, 1.0]], np.float32), Dictionary(atoms), 2)
+    np.testing.assert_array_equal(got.atoms, [[1, 2]])
+    np.testing.assert_array_equal(got.coefficients, [[-2.0, 1.0]])
+
+
+@pytest.mark.parametrize("n_bases", [1, 7, 33, 400])
+def test_any_number_of_atoms(n_bases: int, brute_force_pursuit: Pursuit) -> None:
+    of, patches = dictionary(n_bases), random_patches(5)
+    expected, _ = brute_force_pursuit(patches, of.atoms, 4)
+    np.testing.assert_array_equal(pursue(patches, of, 4).atoms, expected)
+
+
+def test_error_never_grows_with_more_selections(picture: NDArray[np.uint8]) -> None:
+    patches, of = image_patches(picture), dictionary()
+    errors = [reconstruction_error(patches, pursue(patches, of, n)) for n in range(1, 21)]
+    assert np.all(np.diff(errors) < 0)
+    assert 0.0 < errors[-1] < errors[0] < 1.0
+
+
+def test_at_most_10_atoms_are_active(picture: NDArray[np.uint8]) -> None:
+    chosen = pursue(image_patches(picture), dictionary()).atoms
+    assert chosen.shape[1] == 10
+    assert chosen.min() >= 0
+    assert chosen.max() < 400
+
+
+def test_energy_is_conserved(picture: NDArray[np.uint8]) -> None:
+    patches, of = image_patches(picture), dictionary()
+    selections = pursue(patches, of)
+    explained = np.sum(selections.coefficients.astype(np.float64) ** 2, axis=1)
+    left_over = np.sum(residuals(patches, of.atoms, selections) ** 2, axis=1)
+    np.testing.assert_allclose(explained + left_over, 2.0, atol=1e-5)
+
+
+def test_error_is_the_residuals_share_of_the_energy(picture: NDArray[np.uint8]) -> None:
+    patches, of = image_patches(picture), dictionary()
+    selections = pursue(patches, of)
+    share = np.sum(residuals(patches, of.atoms, selections) ** 2) / np.sum(patches**2)
+    assert reconstruction_error(patches, selections) == pytest.approx(share, abs=1e-6)
+
+
+def test_zero_patches_have_no_error_and_no_coefficients() -> None:
+    patches, of = np.zeros((3, 128), np.float32), dictionary()
+    selections = pursue(patches, of)
+    np.testing.assert_array_equal(selections.coefficients, 0.0)
+    assert reconstruction_error(patches, selections) == 0.0
+
+
+def test_a_perfect_reconstruction_has_no_error() -> None:
+    of = dictionary()
+    patches = of.atoms[:4].copy()
+    assert reconstruction_error(patches, pursue(patches, of)) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_features_are_hand_computed_means_of_squares() -> None:
+    atoms = np.array([[0, 2, 0], [2, 1, 1]], np.int32)
+    coefficients = np.array([[1.0, 3.0, 0.5], [1.0, -2.0, 0.5]], np.float32)
+    # Atom 0 comes twice in the first patch: 1.5^2; atom 1 twice in the second: (-1.5)^2.
+    features = mean_squared_coefficients(Selections(atoms, coefficients), 4)
+    np.testing.assert_array_equal(features, [2.25 / 2, 2.25 / 2, (9 + 1) / 2, 0])
+    assert features.dtype == np.float32
+
+
+def test_patches_are_not_changed() -> None:
+    patches, of = random_patches(4), dictionary()
+    before = patches.copy()
+    pursue(patches, of)
+    np.testing.assert_array_equal(patches, before)

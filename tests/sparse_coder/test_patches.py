@@ -1,0 +1,82 @@
+import cv2
+import numpy as np
+import pytest
+from lockstep.errors import InputError
+from numpy.typing import NDArray
+from sparse_coder.patches import binocular_patches, check_images, coarse_window, fine_window
+
+IMAGE = np.zeros((240, 320), np.uint8)
+
+
+def test_fine_window_is_the_central_40_px(picture: NDArray[np.uint8]) -> None:
+    np.testing.assert_array_equal(fine_window(picture), picture[110:150, 150:190])
+
+
+def test_coarse_window_is_the_central_128_px_reduced_twice(picture: NDArray[np.uint8]) -> None:
+    expected = cv2.pyrDown(cv2.pyrDown(picture[66:194, 106:234].astype(np.float32)))
+    np.testing.assert_array_equal(coarse_window(picture), expected)
+
+
+def test_windows_of_the_central_region_alone_are_the_same(picture: NDArray[np.uint8]) -> None:
+    centre = np.ascontiguousarray(picture[66:194, 106:234])
+    np.testing.assert_array_equal(coarse_window(centre), coarse_window(picture))
+    np.testing.assert_array_equal(fine_window(centre), fine_window(picture))
+
+
+@pytest.mark.parametrize(("side", "n_patches"), [(32, 49), (40, 81), (8, 1)])
+def test_number_of_patches(side: int, n_patches: int) -> None:
+    window = np.zeros((side, side), np.float32)
+    assert binocular_patches(window, window).shape == (n_patches, 128)
+
+
+def test_patches_match_a_slow_extraction(picture: NDArray[np.uint8]) -> None:
+    left, right = picture[:40, :40], picture[50:90, 60:100]
+    expected = []
+    for top in range(0, 33, 4):
+        for first in range(0, 33, 4):
+            halves = []
+            for window in (left, right):
+                patch = window[top : top + 8, first : first + 8].astype(np.float64).ravel()
+                patch -= patch.mean()
+                halves.append(patch / np.linalg.norm(patch))
+            expected.append(np.concatenate(halves))
+    patches = binocular_patches(left.astype(np.float32), right.astype(np.float32))
+    np.testing.assert_allclose(patches, expected, rtol=0, atol=1e-7)
+
+
+def test_each_eye_has_mean_0_and_norm_1(picture: NDArray[np.uint8]) -> None:
+    patches = binocular_patches(coarse_window(picture), coarse_window(picture[::-1]))
+    for half in (patches[:, :64], patches[:, 64:]):
+        np.testing.assert_allclose(half.mean(axis=1), 0.0, atol=1e-7)
+        np.testing.assert_allclose(np.linalg.norm(half, axis=1), 1.0, atol=1e-6)
+
+
+def test_a_flat_half_is_zero_and_the_other_eye_keeps_its_norm(picture: NDArray[np.uint8]) -> None:
+    flat = np.full((240, 320), 137, np.uint8)
+    patches = binocular_patches(coarse_window(flat), coarse_window(picture))
+    np.testing.assert_array_equal(patches[:, :64], 0.0)
+    np.testing.assert_allclose(np.linalg.norm(patches[:, 64:], axis=1), 1.0, atol=1e-6)
+
+
+def test_a_single_grey_level_of_contrast_is_not_flat() -> None:
+    window = np.full((8, 8), 255.0, np.float32)
+    window[0, 0] = 254.0
+    patch = binocular_patches(window, window)[0]
+    assert patch[0] == pytest.approx(-63 / np.sqrt(63 * 64))
+    assert patch[1] == pytest.approx(1 / np.sqrt(63 * 64))
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "message"),
+    [
+        (IMAGE.astype(np.float32), IMAGE, "left image: expected a grey uint8 array .* got float32"),
+        (IMAGE, np.zeros((240, 320, 3), np.uint8), r"right image: .*shape \(240, 320, 3\)"),
+        (IMAGE, [[0]], "right image: .*got list"),
+        (np.zeros((126, 320), np.uint8), IMAGE, "left image: .*at least 128 px, got height 126"),
+        (np.zeros((241, 320), np.uint8), IMAGE, "left image: expected even sides"),
+        (IMAGE, np.zeros((128, 128), np.uint8), "expected one size for both eyes"),
+    ],
+)
+def test_bad_images_are_refused(left: object, right: object, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        check_images(left, right)  # type: ignore[arg-type]
