@@ -1,0 +1,93 @@
+"""Problems of growing difficulty whose right answer is known, before any picture."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from vergence_rl.agent import Agent, Decision
+
+from vergence_rl.config import VergenceRlConfig
+
+MID = np.array([0.1, 0.05])
+
+
+def config(**settings: Any) -> VergenceRlConfig:
+    """A small agent with a state large enough to learn in a few hundred steps."""
+    return VergenceRlConfig(
+        n_features=2,
+        n_hidden=8,
+        n_training_iterations=6000,
+        state_standard_deviation=0.5,
+        bias_input=0.5,
+        hidden_initial_width=0.5,
+        output_initial_width=0.1,
+        **settings,
+    )
+
+
+def observe(agent: Agent, features: list[float], reward: float, i: int, now: int) -> Decision:
+    return agent.observe(np.array(features), MID, reward, i, now, learning=True, exploration=True)
+
+
+def valued(agent: Agent, features: list[float]) -> float:
+    return agent.observe(
+        np.array(features), MID, 0.0, 0, 0, learning=False, exploration=False
+    ).value
+
+
+def test_a_constant_reward_is_worth_its_discounted_sum() -> None:
+    agent = Agent(config())
+    for now in range(400):
+        observe(agent, [1.0, 1.0], 2.0, now, now)
+    assert valued(agent, [1.0, 1.0]) == pytest.approx(2.0 / (1.0 - 0.3), rel=1e-3)
+
+
+def test_a_reward_that_depends_on_the_state() -> None:
+    agent = Agent(config(discount=0.0, critic_learning_rate=0.2))
+    draw = np.random.default_rng(0)
+    cue = 0.0
+    for now in range(2000):
+        # The reward of the next observation is the cue of this one.
+        reward, cue = cue, float(draw.choice([-1.0, 1.0]))
+        observe(agent, [cue, 0.0], reward, now, now)
+    assert valued(agent, [1.0, 0.0]) == pytest.approx(1.0, abs=0.02)
+    assert valued(agent, [-1.0, 0.0]) == pytest.approx(-1.0, abs=0.02)
+
+
+def test_a_delayed_reward_is_passed_back_by_the_discount() -> None:
+    agent = Agent(config(discount=0.5, critic_learning_rate=0.2))
+    cues = [[1.0, 0.0], [0.0, 1.0], [-1.0, -1.0]]
+    for episode in range(2000):
+        for i, features in enumerate(cues):
+            observe(agent, features, 1.0 if i == 2 else 0.0, i, 3 * episode + i)
+    # The last observation of an episode is never updated: its value is what the weights make it.
+    last = valued(agent, cues[2])
+    middle = valued(agent, cues[1])
+    assert middle == pytest.approx(1.0 + 0.5 * last, abs=0.05)
+    assert valued(agent, cues[0]) == pytest.approx(0.5 * middle, abs=0.05)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_actor_finds_the_action_that_is_rewarded(seed: int) -> None:
+    target = np.array([0.02, -0.01])
+    agent = Agent(config(seed=seed, discount=0.0, exploration_variance=1e-5))
+    features = [0.0, 0.0]
+    for episode in range(3000):
+        action = observe(agent, features, 0.0, 0, 2 * episode).action
+        observe(agent, features, -1e4 * float(np.sum((action - target) ** 2)), 1, 2 * episode + 1)
+    got = agent.observe(np.array(features), MID, 0.0, 0, 0, learning=False, exploration=False)
+    assert math.dist(got.action, target) < 0.003
+
+
+def test_the_actor_finds_a_different_action_for_each_state() -> None:
+    agent = Agent(config(seed=1, discount=0.0, exploration_variance=1e-5))
+    draw = np.random.default_rng(0)
+    for episode in range(3000):
+        cue = float(draw.choice([-1.0, 1.0]))
+        action = observe(agent, [cue, 0.0], 0.0, 0, 2 * episode).action
+        miss = action - cue * np.array([0.02, -0.01])
+        observe(agent, [cue, 0.0], -1e4 * float(np.sum(miss**2)), 1, 2 * episode + 1)
+    for cue in (-1.0, 1.0):
+        got = agent.observe(np.array([cue, 0.0]), MID, 0.0, 0, 0, learning=False, exploration=False)
+        assert math.dist(got.action, cue * np.array([0.02, -0.01])) < 0.004
