@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from lockstep.errors import InputError
-from lockstep.randomness import generator
 from numpy.typing import NDArray
 
+from lockstep.errors import InputError
+from lockstep.randomness import generator
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.dictionary import Dictionary, initial_atoms, learned_atoms
 from sparse_coder.matching_pursuit import (

@@ -5,9 +5,10 @@ eye's 64, each row by row).
 """
 
 import numpy as np
-from lockstep.errors import InputError
 from numba import float32, njit, void
 from numpy.typing import NDArray
+
+from lockstep.errors import InputError
 
 PATCH_SIZE_PX = 8
 STRIDE_PX = 4

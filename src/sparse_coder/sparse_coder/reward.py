@@ -3,8 +3,9 @@
 import math
 
 import numpy as np
-from lockstep.errors import InputError
 from numpy.typing import NDArray
+
+from lockstep.errors import InputError
 
 
 def reward(

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from lockstep.errors import InputError
-from lockstep.randomness import generator
 from numpy.typing import NDArray
 
+from lockstep.errors import InputError
+from lockstep.randomness import generator
 from vergence_rl.cacla import actor_step, n_updates
 from vergence_rl.config import N_MUSCLES, VergenceRlConfig
 from vergence_rl.networks import ActorOutput, ActorWeights, actor, uniform_weights
