@@ -1,0 +1,77 @@
+"""Where the eyes come to rest: the static equilibrium of the compiled model itself."""
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_PROBE_RAD = 1e-6
+_LONGEST_STEP_RAD = 0.2
+_CONVERGED_RAD = 1e-13
+_MAX_ITERATIONS = 60
+
+
+class Equilibrium:
+    """Newton's method on the torques that MuJoCo computes, both eyes at once.
+
+    The eyes share no tissue, so one evaluation probes the same axis of both.
+    """
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Work in data, which holds the solution after `solve`."""
+        self._model = model
+        self._data = data
+
+    def solve(self, activations: Array, start_rad: Array | None = None) -> None:
+        """Put data at rest at the equilibrium of activations (12,); start_rad (6,) speeds it up.
+
+        Zero angles are where the search starts otherwise, so the result has no history.
+        """
+        data = self._data
+        data.time = 0.0
+        data.qvel[:] = 0.0
+        data.qacc_warmstart[:] = 0.0
+        data.ctrl[:] = activations
+        data.act[:] = activations
+        data.qpos[:] = 0.0 if start_rad is None else start_rad
+        torque = self._torque()
+        for _ in range(_MAX_ITERATIONS):
+            step = self._newton_step(torque)
+            torque = self._advance(step, torque)
+            if np.abs(step).max() < _CONVERGED_RAD:
+                break
+        mujoco.mj_forward(self._model, data)
+
+    def _torque(self) -> Array:
+        """Net torque (6,) about the joints, in N m, at the present angles."""
+        mujoco.mj_fwdPosition(self._model, self._data)
+        mujoco.mj_fwdVelocity(self._model, self._data)
+        mujoco.mj_fwdActuation(self._model, self._data)
+        return self._data.qfrc_passive + self._data.qfrc_actuator
+
+    def stiffness(self, torque: Array) -> Array:
+        """Return -d torque / d angle, (2, 3, 3) in N m / rad, by differences from torque (6,)."""
+        angles = self._data.qpos.copy()
+        columns = np.empty((2, 3, 3))
+        for i_axis in range(3):
+            self._data.qpos[:] = angles
+            self._data.qpos[i_axis::3] += _PROBE_RAD
+            columns[:, :, i_axis] = ((torque - self._torque()) / _PROBE_RAD).reshape(2, 3)
+        self._data.qpos[:] = angles
+        return columns
+
+    def _newton_step(self, torque: Array) -> Array:
+        step = np.linalg.solve(self.stiffness(torque), torque.reshape(2, 3, 1)).reshape(6)
+        return np.clip(step, -_LONGEST_STEP_RAD, _LONGEST_STEP_RAD)
+
+    def _advance(self, step: Array, torque: Array) -> Array:
+        """Move along step, shortened for as long as the torque grows; return the new torque."""
+        angles, worst = self._data.qpos.copy(), np.abs(torque).max()
+        for _ in range(8):
+            self._data.qpos[:] = angles + step
+            reached = self._torque()
+            if np.abs(reached).max() <= worst:
+                break
+            step = 0.5 * step
+        return reached
