@@ -125,7 +125,7 @@ def _add_squared_coefficients(
 @njit(float64(float32[:, ::1]), cache=True, nogil=True, fastmath={"reassoc"})
 def _energy(values: NDArray[np.float32]) -> float:
     energy = 0.0
-    for row in values:
-        for value in row:
-            energy += np.float64(value) ** 2
+    for i_row in range(values.shape[0]):
+        for i in range(values.shape[1]):
+            energy += np.float64(values[i_row, i]) ** 2
     return energy
