@@ -1,0 +1,111 @@
+"""A directory of the user's own pictures: which ones, and how each becomes a stimulus."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from lockstep.errors import InputError
+from lockstep.randomness import generator
+
+SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
+_NOTES = (".md", ".txt")  # may stand beside the pictures
+
+
+@dataclass(frozen=True)
+class ChosenFiles:
+    """The pictures to show, disjoint."""
+
+    training: tuple[Path, ...]
+    test: tuple[Path, ...]
+
+
+def choose_files(directory: str, seed: int, n_training: int, n_test: int) -> ChosenFiles:
+    """Return up to n_training and n_test files of the directory, chosen by the seed.
+
+    With subdirectories train and test each gives its own; otherwise all files are shuffled and
+    split, in the proportion n_training : n_test when there are fewer than both together, at least
+    one each. The order of names on disk does not matter. Raises InputError naming the directory
+    that is missing, holds too few pictures or something that is no picture.
+    """
+    root = Path(directory).expanduser()
+    if not root.is_dir():
+        raise InputError(f"stimuli.directory: expected a directory of pictures, got {directory}")
+    parts = {name: root / name for name in ("train", "test")}
+    if any(part.is_dir() for part in parts.values()):
+        return ChosenFiles(
+            _shuffled(_pictures_in(parts["train"], 1), seed, "train")[:n_training],
+            _shuffled(_pictures_in(parts["test"], 1), seed, "test")[:n_test],
+        )
+    files = _shuffled(_pictures_in(root, 2), seed, "split")
+    n_chosen = min(len(files), n_training + n_test)
+    share = round(n_chosen * n_test / (n_training + n_test))
+    n_test_chosen = min(max(share, 1), n_chosen - 1)
+    n_training_chosen = n_chosen - n_test_chosen
+    return ChosenFiles(files[:n_training_chosen], files[n_training_chosen:n_chosen])
+
+
+def read_picture(path: Path, size_px: int, smallest_px: int) -> np.ndarray:
+    """Return the central square of a picture file, grey, (size_px, size_px) uint8.
+
+    Reduced by area averaging, enlarged bilinearly. Raises InputError naming a file that cannot be
+    decoded to its end or whose shorter side is below smallest_px.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: expected a readable picture, got {error.strerror}") from error
+    grey = None
+    if content and not _is_cut_off(content):
+        grey = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_GRAYSCALE)
+    if grey is None:
+        raise InputError(f"{path}: expected a picture, got a broken file of {len(content)} bytes")
+    height_px, width_px = grey.shape
+    side_px = min(height_px, width_px)
+    if side_px < smallest_px:
+        raise InputError(
+            f"{path}: expected a picture of {smallest_px} x {smallest_px} px or more, "
+            f"got {width_px} x {height_px}"
+        )
+    top, left = (height_px - side_px) // 2, (width_px - side_px) // 2
+    square = grey[top : top + side_px, left : left + side_px]
+    how = cv2.INTER_AREA if side_px > size_px else cv2.INTER_LINEAR
+    return cv2.resize(square, (size_px, size_px), interpolation=how)
+
+
+def _pictures_in(directory: Path, least: int) -> list[Path]:
+    """Return the picture files of a directory by name; hidden files and notes are no pictures."""
+    if not directory.is_dir():
+        raise InputError(f"stimuli.directory: expected both train and test, got no {directory}")
+    pictures = []
+    for path in sorted(directory.iterdir()):
+        suffix = path.suffix.lower()
+        if path.name.startswith(".") or not path.is_file() or suffix in _NOTES:
+            continue
+        if suffix not in SUFFIXES:
+            raise InputError(f"{path}: expected a picture ({', '.join(SUFFIXES)}), got {path.name}")
+        pictures.append(path)
+    if len(pictures) < least:
+        raise InputError(
+            f"{directory}: expected {least} or more pictures ({', '.join(SUFFIXES)}), "
+            f"got {len(pictures)}"
+        )
+    return pictures
+
+
+def _shuffled(paths: list[Path], seed: int, role: str) -> tuple[Path, ...]:
+    order = generator(seed, f"stimulus directory {role}", 0).permutation(len(paths))
+    return tuple(paths[i] for i in order)
+
+
+def _is_cut_off(content: bytes) -> bool:
+    """Whether a JPEG or PNG file lacks its end, which decoders fill with grey and say nothing.
+
+    A JPEG's last scan is followed by an end-of-image marker; embedded thumbnails come before it.
+    """
+    if content.startswith(b"\xff\xd8"):
+        return content.rfind(b"\xff\xd9") < content.rfind(b"\xff\xda")
+    if content.startswith(b"\x89PNG"):
+        return b"IEND" not in content
+    return False
