@@ -32,7 +32,7 @@ install_packages() {
   if ! {
     apt-get update -qq
     DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o DPkg::Lock::Timeout=120 "$@"
-  } </dev/null >&2; then
+  } </dev/null >/dev/null; then
     fail "apt-get could not install $*; its message is above."
   fi
 }

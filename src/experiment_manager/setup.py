@@ -1,0 +1,32 @@
+from glob import glob
+
+from setuptools import setup
+
+package = "experiment_manager"
+
+setup(
+    name=package,
+    version="0.1.0",
+    description="Trains and tests active binocular vision, records it, and draws its figures.",
+    maintainer="Active binocular vision maintainers",
+    maintainer_email="maintainers@active-binocular-vision.example",
+    license="Apache-2.0",
+    packages=[package],
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
+        (f"share/{package}", ["package.xml"]),
+        (f"share/{package}/config", glob("config/*.yaml")),
+    ],
+    install_requires=["setuptools"],
+    zip_safe=False,
+    entry_points={
+        "console_scripts": [
+            "node = experiment_manager.node:main",
+            "run_experiment = experiment_manager.supervisor:main",
+            "evaluate = experiment_manager.evaluation:main",
+            "report = experiment_manager.report:main",
+            "inspect_bag = experiment_manager.inspect_bag:main",
+            "benchmark = experiment_manager.benchmark:main",
+        ]
+    },
+)

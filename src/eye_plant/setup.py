@@ -1,0 +1,29 @@
+from glob import glob
+
+from setuptools import setup
+
+package = "eye_plant"
+
+setup(
+    name=package,
+    version="0.1.0",
+    description="Two eyes with twelve muscles in MuJoCo, what they see and what they cost.",
+    maintainer="Active binocular vision maintainers",
+    maintainer_email="maintainers@active-binocular-vision.example",
+    license="Apache-2.0",
+    packages=[package],
+    package_data={package: ["assets/*"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
+        (f"share/{package}", ["package.xml"]),
+        (f"share/{package}/config", glob("config/*.yaml")),
+    ],
+    install_requires=["setuptools"],
+    zip_safe=False,
+    entry_points={
+        "console_scripts": [
+            "node = eye_plant.node:main",
+            "validate_plant = eye_plant.validation:main",
+        ]
+    },
+)

@@ -1,0 +1,19 @@
+from setuptools import setup
+
+package = "lockstep"
+
+setup(
+    name=package,
+    version="0.1.0",
+    description="The protocol between the nodes: one observation, one answer, once.",
+    maintainer="Active binocular vision maintainers",
+    maintainer_email="maintainers@active-binocular-vision.example",
+    license="Apache-2.0",
+    packages=[package],
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
+        (f"share/{package}", ["package.xml"]),
+    ],
+    install_requires=["setuptools"],
+    zip_safe=False,
+)

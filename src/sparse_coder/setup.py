@@ -1,0 +1,27 @@
+from glob import glob
+
+from setuptools import setup
+
+package = "sparse_coder"
+
+setup(
+    name=package,
+    version="0.1.0",
+    description="Learns binocular basis functions; publishes features and reward.",
+    maintainer="Active binocular vision maintainers",
+    maintainer_email="maintainers@active-binocular-vision.example",
+    license="Apache-2.0",
+    packages=[package],
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
+        (f"share/{package}", ["package.xml"]),
+        (f"share/{package}/config", glob("config/*.yaml")),
+    ],
+    install_requires=["setuptools"],
+    zip_safe=False,
+    entry_points={
+        "console_scripts": [
+            "node = sparse_coder.node:main",
+        ]
+    },
+)
