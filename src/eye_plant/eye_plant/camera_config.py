@@ -52,7 +52,9 @@ class CameraConfig:
         ):
             value = getattr(self, name)
             _require(self, name, math.isfinite(value) and value > 0.0, "a positive number")
-        _require(self, "landscape_distance_m", 0.1 < self.landscape_distance_m < 19.0, "0.1 to 19")
+        _require(
+            self, "landscape_distance_m", 0.2 <= self.landscape_distance_m <= 19.0, "0.2 to 19"
+        )
         for name in ("left_blur_px", "right_blur_px"):
             _require(self, name, 0.0 <= getattr(self, name) <= 100.0, "0 to 100")
 

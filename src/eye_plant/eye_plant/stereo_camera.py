@@ -23,8 +23,8 @@ from lockstep.errors import InputError
 
 __all__ = ["CameraConfig", "StereoCamera"]
 
-MIN_DISTANCE_M = 0.1
-MAX_DISTANCE_M = 9.0
+_NEAREST_M = 0.1
+_GAP_TO_LANDSCAPE_M = 0.1
 _N_EYES = 2
 
 
@@ -76,8 +76,8 @@ class StereoCamera:
 
         eye_positions_m (2, 3): the eyes' centres; eye_rotations (2, 3, 3): columns are the eyes'
         x (line of sight), y (left) and z (up) axes in world coordinates, so yaw, pitch and torsion
-        all count; i_stimulus in [0, n_stimuli); distance_m in [0.1, 9] from the eyes' frontal plane
-        x = 0. The array is the caller's own. Raises InputError, with nothing drawn, otherwise.
+        all count; i_stimulus in [0, n_stimuli); distance_m from the eyes' frontal plane x = 0, in
+        [0.1, 9] with the default landscape. The array is the caller's own. Raises InputError, with nothing drawn, otherwise.
         """
         self.check(i_stimulus, distance_m)
         _check_array("eye_positions_m", eye_positions_m, (_N_EYES, 3))
@@ -94,10 +94,10 @@ class StereoCamera:
         """Raise InputError unless stimulus i_stimulus can be shown at distance_m."""
         if not 0 <= i_stimulus < self.n_stimuli:
             raise InputError(f"stimulus: expected 0 to {self.n_stimuli - 1}, got {i_stimulus}")
-        if not MIN_DISTANCE_M <= distance_m <= MAX_DISTANCE_M:
+        farthest_m = self._config.landscape_distance_m - _GAP_TO_LANDSCAPE_M
+        if not _NEAREST_M <= distance_m <= farthest_m:
             raise InputError(
-                f"object_distance_m: expected {MIN_DISTANCE_M} to {MAX_DISTANCE_M}, "
-                f"got {distance_m}"
+                f"object_distance_m: expected {_NEAREST_M} to {farthest_m:g}, got {distance_m}"
             )
 
     def close(self) -> None:

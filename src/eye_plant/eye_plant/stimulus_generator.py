@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from eye_plant.noise import octaves_noise
 from lockstep.randomness import generator
 
 # Lengths are for pictures of this size and scale with it.
@@ -192,35 +193,15 @@ def _lit_and_textured(random: np.random.Generator, canvas: np.ndarray) -> np.nda
     size_px = canvas.shape[0]
     strength = canvas[:, :, 1].astype(np.float32) * np.float32(0.25)
     mix = canvas[:, :, 2].astype(np.float32) * np.float32(1.0 / 255.0)
-    first = _octaves_noise(random, size_px)
-    second = _streaks(_octaves_noise(random, size_px))
+    first = octaves_noise(random, size_px)
+    second = _streaks(octaves_noise(random, size_px))
     picture = second + mix * (first - second)
     picture *= strength
     picture += canvas[:, :, 0]
-    light = cv2.resize(
-        _octaves_noise(random, 16), (size_px, size_px), interpolation=cv2.INTER_CUBIC
-    )
+    light = cv2.resize(octaves_noise(random, 16), (size_px, size_px), interpolation=cv2.INTER_CUBIC)
     picture *= 1.0 + 0.25 * light
     picture = cv2.GaussianBlur(picture, (0, 0), 0.6)
     return np.clip(picture, 0.0, 255.0).astype(np.uint8)
-
-
-def _octaves_noise(random: np.random.Generator, size_px: int) -> np.ndarray:
-    """Return noise (size_px, size_px) float32 of unit variance with a spectrum close to 1/f.
-
-    Each octave of spatial frequency has the same variance, which in two dimensions is an amplitude
-    proportional to 1/f: white noise of every size from 2 x 2 on, each enlarged to the next.
-    """
-    noise: np.ndarray = np.zeros((2, 2), np.float32)
-    while True:
-        shape = noise.shape
-        bytes_ = np.frombuffer(random.bytes(noise.size), np.uint8).reshape(shape)
-        noise = noise + (bytes_.astype(np.float32) - np.float32(127.5)) / np.float32(127.5)
-        if noise.shape[0] == size_px:
-            break
-        next_px = min(2 * noise.shape[0], size_px)
-        noise = cv2.resize(noise, (next_px, next_px), interpolation=cv2.INTER_LINEAR)
-    return (noise - noise.mean()) / noise.std()
 
 
 def _streaks(noise: np.ndarray) -> np.ndarray:
