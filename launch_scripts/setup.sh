@@ -135,8 +135,9 @@ make_environment() {
     >"$(echo "$venv"/lib/python3*/site-packages)/active_binocular_vision.pth"
 }
 
+# Compiles what numba would compile at the first start. That start would show an error better than we can here.
 compile_numerics() {
-  "$python" -c 'import sparse_coder.coder' || true
+  "$python" -c 'import sparse_coder.coder, vergence_rl.agent' >/dev/null 2>&1 || true
 }
 
 main() {

@@ -1,0 +1,275 @@
+"""launch_scripts, run with stand-ins for Python and the system's tools: nothing is installed."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SCRIPTS = tuple(
+    sorted(p.stem for p in (ROOT / "launch_scripts").glob("*.sh") if p.stem != "environment")
+)
+NODES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")
+MODULES = {
+    "run_experiment": "experiment_manager.supervisor",
+    "evaluate": "experiment_manager.evaluation",
+    "report": "experiment_manager.report",
+    "inspect_bag": "experiment_manager.inspect_bag",
+    "benchmark": "experiment_manager.benchmark",
+    "validate_plant": "eye_plant.validation",
+}
+
+# Does what the scripts ask of a Python, without one, and notes each call in $CALLS.
+_PYTHON = """#!/bin/bash
+echo "python $1 $2 $3" | head -n 1 >>"$CALLS"
+case "$1 $2" in
+  "-I -S") echo "3.11.0 (stand-in)" ;;
+  "-I -c") exit "${PYTHON_FITS:-0}" ;;
+  "-I -") exit "${GL_LOADS:-0}" ;;
+  "-I -m")
+    mkdir -p "$5/bin" "$5/lib/python3.11/site-packages"
+    cp "$0" "$5/bin/python"
+    ;;
+  "-m pip") exit "${PIP:-0}" ;;
+  "-m ruff") exit "${RUFF:-0}" ;;
+  "-m mypy") exit "${MYPY:-0}" ;;
+  "-m pytest")
+    echo "pytest's closing line"
+    exit "${PYTEST:-0}"
+    ;;
+  "-c "*) [[ $2 != *GLContext* || $MUJOCO_GL == "${GL_WORKS:-egl}" ]] ;;
+  *)
+    printf '%s\\n' "$@"
+    env
+    ;;
+esac
+"""
+_APT_GET = """#!/bin/bash
+echo "apt-get $1" >>"$CALLS"
+"""
+_ID = """#!/bin/bash
+echo "${USER_ID:-1000}"
+"""
+
+
+class Checkout:
+    """A copy of the scripts in a folder of its own, with stand-ins first on the path."""
+
+    def __init__(self, folder: Path) -> None:
+        self.root = folder / "checkout"
+        self.calls_file = folder / "calls"
+        self._stand_ins = folder / "bin"
+        shutil.copytree(ROOT / "launch_scripts", self.root / "launch_scripts")
+        shutil.copy(ROOT / "requirements.lock", self.root)
+        self._stand_ins.mkdir()
+        for name, text in (("python3", _PYTHON), ("apt-get", _APT_GET), ("id", _ID)):
+            (self._stand_ins / name).write_text(text)
+            (self._stand_ins / name).chmod(0o755)
+        self.environment = {
+            "PATH": f"{self._stand_ins}:/usr/bin:/bin",
+            "HOME": str(folder),
+            "CALLS": str(self.calls_file),
+            "ABV_PYTHON": str(self._stand_ins / "python3"),
+        }
+
+    def start(
+        self, script: str, *arguments: str, **environment: str
+    ) -> subprocess.CompletedProcess[str]:
+        self.calls_file.write_text("")
+        return subprocess.run(
+            [self.root / "launch_scripts" / f"{script}.sh", *arguments],
+            env={**self.environment, **environment},
+            cwd="/",
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=60,
+        )
+
+    def calls(self) -> list[str]:
+        return self.calls_file.read_text().splitlines()
+
+
+@pytest.fixture
+def checkout(tmp_path: Path) -> Checkout:
+    return Checkout(tmp_path)
+
+
+@pytest.fixture
+def ready(checkout: Checkout) -> Checkout:
+    assert checkout.start("setup").returncode == 0
+    return checkout
+
+
+def _variables(output: str) -> dict[str, str]:
+    return dict(line.split("=", 1) for line in output.splitlines() if "=" in line)
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_help_needs_no_set_up(checkout: Checkout, script: str) -> None:
+    shown = checkout.start(script, "--help")
+    assert shown.returncode == 0, shown.stderr
+    assert f"usage: launch_scripts/{script}.sh" in shown.stdout
+    assert "set -euo" not in shown.stdout
+    assert not any("pip" in call for call in checkout.calls())
+
+
+@pytest.mark.parametrize(("script", "module"), MODULES.items())
+def test_script_starts_its_entry_point(ready: Checkout, script: str, module: str) -> None:
+    started = ready.start(script, "--seed", "3 4")
+    assert started.stdout.splitlines()[:4] == ["-m", module, "--seed", "3 4"]
+
+
+@pytest.mark.parametrize("script", MODULES)
+def test_help_of_a_ready_script_ends_with_that_of_its_entry_point(
+    ready: Checkout, script: str
+) -> None:
+    shown = ready.start(script, "--help").stdout
+    assert shown.index(f"usage: launch_scripts/{script}.sh") < shown.index(f"{MODULES[script]}\n")
+
+
+@pytest.mark.parametrize("node", NODES)
+def test_parameters_of_the_user_come_after_those_of_the_package(ready: Checkout, node: str) -> None:
+    started = ready.start(node, "--ros-args", "-p", "seed:=2")
+    assert started.stdout.splitlines()[:9] == [
+        "-m",
+        f"{node}.node",
+        "--ros-args",
+        "--params-file",
+        str(ready.root / "src" / node / "config" / f"{node}.yaml"),
+        "--",
+        "--ros-args",
+        "-p",
+        "seed:=2",
+    ]
+
+
+def test_nodes_started_one_by_one_meet_in_one_domain(ready: Checkout) -> None:
+    assert {_variables(ready.start(n).stdout)["ROS_DOMAIN_ID"] for n in NODES} == {"42"}
+    started = ready.start("eye_plant", ROS_DOMAIN_ID="7")
+    assert _variables(started.stdout)["ROS_DOMAIN_ID"] == "7"
+
+
+def test_run_experiment_chooses_its_domain_itself(ready: Checkout) -> None:
+    assert "ROS_DOMAIN_ID" not in _variables(ready.start("run_experiment").stdout)
+
+
+def test_another_ros_installation_stays_out(ready: Checkout) -> None:
+    started = ready.start(
+        "eye_plant",
+        PYTHONPATH="/opt/ros/jazzy/lib/python3.12/site-packages",
+        AMENT_PREFIX_PATH="/opt/ros/jazzy",
+        LD_LIBRARY_PATH="/opt/ros/jazzy/lib:/usr/lib/driver:/elsewhere/ros_rcl.libs",
+        RMW_IMPLEMENTATION="rmw_cyclonedds_cpp",
+    )
+    variables = _variables(started.stdout)
+    assert "PYTHONPATH" not in variables
+    assert "AMENT_PREFIX_PATH" not in variables
+    assert variables["LD_LIBRARY_PATH"] == "/usr/lib/driver"
+    assert variables["RMW_IMPLEMENTATION"] == "rmw_fastrtps_cpp"
+
+
+def test_defaults_of_the_environment_yield_to_the_user(ready: Checkout) -> None:
+    variables = _variables(ready.start("eye_plant").stdout)
+    assert variables["OPENBLAS_NUM_THREADS"] == "1"
+    assert variables["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+    assert variables["MUJOCO_GL"] == "egl"
+    theirs = {
+        "OPENBLAS_NUM_THREADS": "2",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",
+        "MUJOCO_GL": "osmesa",
+    }
+    assert theirs.items() <= _variables(ready.start("eye_plant", **theirs).stdout).items()
+
+
+def test_second_start_has_nothing_to_set_up(ready: Checkout) -> None:
+    assert ready.start("setup").stderr == ""
+    assert set(ready.calls()) <= {"python -I -S -c"}
+
+
+def test_set_up_happens_by_itself_at_the_first_start(checkout: Checkout) -> None:
+    started = checkout.start("eye_plant")
+    assert started.returncode == 0, started.stderr
+    assert "python -I -m venv" in checkout.calls()
+    assert "eye_plant.node" in started.stdout.splitlines()
+
+
+def test_changed_lock_file_is_installed(ready: Checkout) -> None:
+    with (ready.root / "requirements.lock").open("a") as lock:
+        lock.write("another==1.0\n")
+    ready.start("setup")
+    assert "python -m pip install" in ready.calls()
+
+
+def test_interrupted_set_up_is_made_again(checkout: Checkout) -> None:
+    broken = checkout.start("eye_plant", PIP="1")
+    assert broken.returncode == 1
+    assert broken.stdout == ""
+    assert broken.stderr.splitlines()[-1].startswith("setup: pip could not install")
+    assert checkout.start("eye_plant").returncode == 0
+    assert "python -I -m venv" in checkout.calls()
+
+
+def test_two_at_once_set_up_once(checkout: Checkout) -> None:
+    command = [checkout.root / "launch_scripts" / "setup.sh"]
+    checkout.calls_file.write_text("")
+    both = [subprocess.Popen(command, env=checkout.environment) for _ in range(2)]
+    assert [process.wait(60) for process in both] == [0, 0]
+    assert checkout.calls().count("python -I -m venv") == 1
+
+
+@pytest.mark.parametrize(
+    ("environment", "sentence"),
+    [
+        ({"PYTHON_FITS": "1"}, "is not a Python 3.11 to 3.14 with its venv module."),
+        ({"GL_LOADS": "1"}, "sudo apt install libegl1 libgl1 libgl1-mesa-dri"),
+        ({"GL_WORKS": "none"}, "sudo apt install libegl1 libgl1 libgl1-mesa-dri"),
+    ],
+)
+def test_what_is_missing_is_said_in_one_sentence(
+    checkout: Checkout, environment: dict[str, str], sentence: str
+) -> None:
+    stopped = checkout.start("run_experiment", **environment)
+    assert stopped.returncode == 1
+    assert sentence in stopped.stderr.splitlines()[-1]
+    assert not any(call.startswith("apt-get") for call in checkout.calls())
+
+
+def test_root_gets_the_missing_libraries_installed(checkout: Checkout) -> None:
+    assert checkout.start("setup", USER_ID="0", GL_LOADS="1").returncode == 0
+    assert [c for c in checkout.calls() if c.startswith("apt")] == [
+        "apt-get update",
+        "apt-get install",
+    ]
+
+
+def test_osmesa_serves_where_egl_does_not(checkout: Checkout) -> None:
+    started = checkout.start("eye_plant", GL_WORKS="osmesa")
+    assert _variables(started.stdout)["MUJOCO_GL"] == "osmesa"
+
+
+@pytest.mark.parametrize(
+    ("environment", "status"),
+    [
+        ({}, 0),
+        ({"RUFF": "1"}, 1),
+        ({"MYPY": "2"}, 1),
+        ({"PYTEST": "2"}, 2),
+        ({"PYTEST": "2", "RUFF": "1"}, 2),
+    ],
+)
+def test_every_check_counts_and_pytest_has_the_last_word(
+    ready: Checkout, environment: dict[str, str], status: int
+) -> None:
+    tested = ready.start("test", "-x", **environment)
+    assert tested.returncode == status
+    assert tested.stdout.splitlines()[-1] == "pytest's closing line"
+    assert "python -m pytest -x" in ready.calls()
+
+
+@pytest.mark.parametrize("path", [".ci/run", *(f"launch_scripts/{s}.sh" for s in SCRIPTS)])
+def test_script_can_be_started(path: str) -> None:
+    assert os.access(ROOT / path, os.X_OK)
