@@ -1,7 +1,7 @@
 """metadata.yaml of a bag directory, in the form that rosbag2 of ROS 2 Jazzy writes (version 9)."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +38,13 @@ class OfferedQos:
                 "avoid_ros_namespace_conventions": False,
             }
         ]
+
+    @classmethod
+    def parse(cls, text: str) -> "OfferedQos":
+        """Return the first profile of what `text` returned; the default when there is none."""
+        profiles = yaml.safe_load(text) or [{}]
+        known = {field.name: profiles[0].get(field.name) for field in fields(cls)}
+        return cls(**{name: value for name, value in known.items() if value is not None})
 
     def text(self) -> str:
         """Return the profiles as YAML, the channel metadata ``offered_qos_profiles``."""

@@ -146,7 +146,7 @@ class Bag:
                     continue
                 data = _read(file, place)
                 for stamp, offset in entries.tolist():
-                    yield stamp, image_array(_message(data, offset))
+                    yield stamp, image_array(message_at(data, offset))
 
     def _chunks(self, names: Iterable[str]) -> Iterator[tuple[McapFile, ChunkPlace, np.ndarray]]:
         wanted = set(names)
@@ -173,11 +173,9 @@ def _files(path: Path) -> list[Path]:
     if missing:
         raise InputError(f"bag {path}: {METADATA_FILE} lists {', '.join(missing)}, not there")
     others = sorted(set(path.glob("*.mcap")) - set(listed), key=_natural)
-    # A file that a kill left without even its first bytes holds nothing to read.
-    begun = [file for file in others if file.stat().st_size]
-    if not listed and not begun:
+    if not listed and not others:
         raise InputError(f"expected .mcap files in the bag directory {path}, there is none")
-    return listed + begun
+    return listed + others
 
 
 def _listed(metadata: Path) -> Sequence[str]:
@@ -202,7 +200,8 @@ def _read(file: McapFile, place: ChunkPlace) -> np.ndarray:
         raise InputError(f"{file.path}: broken chunk at byte {place.offset}: {error}") from error
 
 
-def _message(data: np.ndarray, offset: int) -> bytes:
+def message_at(data: np.ndarray, offset: int) -> bytes:
+    """Return the serialized message whose record begins at an offset of a chunk's records."""
     length = int(data[offset + _LENGTH_OFFSET : offset + 9].view("<u8")[0])
     start = offset + MESSAGE_HEADER_BYTES
     return data[start : start + length - _HEADER_BYTES_IN_LENGTH].tobytes()
@@ -213,7 +212,7 @@ def _tables(data: np.ndarray, entries: np.ndarray) -> Iterator[VectorTable]:
     offsets = entries["offset"].astype(np.int64)
     stamps = entries["log_time"].astype(np.int64)
     while len(offsets):
-        first = _message(data, int(offsets[0]))
+        first = message_at(data, int(offsets[0]))
         layout = VectorLayout.of(first)
         messages = _messages_alike(data, offsets, first, layout)
         position, velocity, effort = (layout.values(messages, i) for i in range(3))

@@ -25,13 +25,14 @@ from experiment_manager.bag_metadata import FileSummary
 from lockstep.errors import InputError
 
 _MAGIC = b"\x89MCAP0\r\n"
-_RECORD = struct.Struct("<BQ")
-_MESSAGE = struct.Struct("<HIQQ")
+_RECORD = struct.Struct("<BQ")  # opcode, length of the body
+MESSAGE_STRUCT = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _LEAST_BYTES = 2 * len(_MAGIC) + 29  # magic, footer, magic
 _CHUNK_LIMIT_BYTES = 1 << 31
 # A message index entry; and what a message record is made of before its data.
 INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
-MESSAGE_HEADER_BYTES = _RECORD.size + _MESSAGE.size
+RECORD_HEADER_BYTES = _RECORD.size
+MESSAGE_HEADER_BYTES = RECORD_HEADER_BYTES + MESSAGE_STRUCT.size
 # What broken bytes make of the readers of records, checksums and compressed blocks.
 _BROKEN = (McapError, EOFError, struct.error, ValueError, zstandard.ZstdError, RuntimeError)
 
@@ -73,7 +74,8 @@ class McapFile:
             raise InputError(f"expected an .mcap file, {path} is none")
         file = cls(path)
         with path.open("rb") as stream:
-            if stream.read(len(_MAGIC)) != _MAGIC:
+            # A kill may leave less than the first eight bytes: a file cut off before anything.
+            if not _MAGIC.startswith(stream.read(len(_MAGIC))):
                 raise InputError(f"{path}: expected an MCAP file, its first bytes are others")
             if not file._read_summary(stream):
                 file._walk(stream)
@@ -201,11 +203,13 @@ class McapFile:
         found: dict[int, list[tuple[int, int]]] = {}
         for opcode, position, length in _records(data):
             if opcode == Opcode.MESSAGE:
-                channel_id, _, log_time, _ = _MESSAGE.unpack_from(data, position + _RECORD.size)
+                channel_id, _, log_time, _ = MESSAGE_STRUCT.unpack_from(
+                    data, position + _RECORD.size
+                )
                 found.setdefault(channel_id, []).append((log_time, position))
             elif opcode in (Opcode.CHANNEL, Opcode.SCHEMA):
-                body = data[position + _RECORD.size : position + _RECORD.size + length]
-                self._announce(opcode, ReadDataStream(BytesIO(body)))
+                body = position + _RECORD.size
+                self._announce(opcode, ReadDataStream(BytesIO(data[body : body + length])))
         entries = {i: np.array(pairs, dtype=INDEX_ENTRY) for i, pairs in found.items()}
         empty = np.zeros(0, INDEX_ENTRY)
         return ChunkPlace(offset, lambda i: entries.get(i, empty), frozenset(entries))

@@ -1,0 +1,120 @@
+"""Makes a bag whole again after a kill: what can be read is kept, the rest of the file goes."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+import yaml
+from mcap.writer import Writer
+
+from experiment_manager.bag_metadata import (
+    METADATA_FILE,
+    OfferedQos,
+    Topic,
+    bag_information,
+    write_metadata,
+)
+from experiment_manager.bag_reader import Bag, message_at
+from experiment_manager.bag_writer import RUN_METADATA
+from experiment_manager.durable_files import sync_directory
+from experiment_manager.mcap_file import MESSAGE_STRUCT, RECORD_HEADER_BYTES, McapFile
+from lockstep.errors import InputError
+
+
+@dataclass(frozen=True)
+class Repair:
+    """What was done to one file: messages kept, bytes behind the last complete chunk lost."""
+
+    name: str
+    n_messages: int
+    n_lost_bytes: int
+
+
+def repair_bag(path: Path) -> list[Repair]:
+    """Rewrite each cut-off file of a bag and its metadata.yaml; return what was repaired.
+
+    The metadata is only rewritten when it does not fit the files. Each file is replaced as a whole.
+    Raises InputError when there is no bag at path.
+    """
+    bag = Bag(path)
+    repairs = [_rewrite(file) for file in bag.files if not file.complete]
+    if path.is_dir():
+        _rewrite_metadata(path)
+    return repairs
+
+
+def _rewrite(file: McapFile) -> Repair:
+    beside = file.path.with_name(file.path.name + ".part")
+    with beside.open("wb") as stream:
+        n_messages = _copy(file, stream)
+        stream.flush()
+        os.fsync(stream.fileno())
+    beside.replace(file.path)
+    sync_directory(file.path.parent)
+    return Repair(file.path.name, n_messages, file.n_lost_bytes)
+
+
+def _copy(file: McapFile, stream: BinaryIO) -> int:
+    writer = Writer(stream)
+    writer.start(profile="ros2")
+    for name, record in file.metadata.items():
+        writer.add_metadata(name, record)
+    for name, content in file.attachments.items():
+        writer.add_attachment(0, 0, name, "application/yaml", content)
+    schemas = {
+        i: writer.register_schema(schema.name, schema.encoding, schema.data)
+        for i, schema in file.schemas.items()
+    }
+    channels = {
+        i: writer.register_channel(
+            channel.topic, channel.message_encoding, schemas[channel.schema_id], channel.metadata
+        )
+        for i, channel in file.channels.items()
+    }
+    n_messages = 0
+    for place in file.chunks:
+        data = file.read_chunk(place)
+        offsets = sorted(
+            int(offset) for i in place.channel_ids for offset in place.entries(i)["offset"]
+        )
+        records = data.tobytes()
+        for offset in offsets:
+            channel_id, sequence, log_time, publish_time = MESSAGE_STRUCT.unpack_from(
+                records, offset + RECORD_HEADER_BYTES
+            )
+            writer.add_message(
+                channels[channel_id], log_time, message_at(data, offset), publish_time, sequence
+            )
+        n_messages += len(offsets)
+    writer.finish()
+    return n_messages
+
+
+def _rewrite_metadata(directory: Path) -> None:
+    bag = Bag(directory)
+    topics: dict[str, Topic] = {}
+    for file in bag.files:
+        for i, channel in file.channels.items():
+            topics[channel.topic] = Topic(
+                channel.topic,
+                file.type_name(i),
+                channel.metadata.get("topic_type_hash", ""),
+                OfferedQos.parse(channel.metadata.get("offered_qos_profiles", "")),
+            )
+    information = bag_information(
+        list(topics.values()),
+        [file.summary() for file in bag.files],
+        bag.metadata.get(RUN_METADATA, {}),
+    )
+    if _written(directory / METADATA_FILE) != information:
+        write_metadata(directory, information)
+
+
+def _written(metadata: Path) -> object:
+    if not metadata.is_file():
+        return None
+    document = yaml.safe_load(metadata.read_text(encoding="utf-8"))
+    if not isinstance(document, dict):
+        raise InputError(f"{metadata}: expected what rosbag2 writes")
+    return document.get("rosbag2_bagfile_information")

@@ -1,0 +1,44 @@
+"""Plain text tables for a terminal."""
+
+from collections.abc import Sequence
+from typing import Any
+
+_BAR_WIDTH = 20
+
+
+def text_table(header: Sequence[str], rows: Sequence[Sequence[str]], n_left: int = 1) -> str:
+    """Return a table with aligned columns; the first n_left are flush left, the others right."""
+    lines = [header, *rows]
+    widths = [max(len(line[i]) for line in lines) for i in range(len(header))]
+
+    def cell(text: str, i: int) -> str:
+        return text.ljust(widths[i]) if i < n_left else text.rjust(widths[i])
+
+    return "\n".join(
+        "  ".join(cell(text, i) for i, text in enumerate(line)).rstrip() for line in lines
+    )
+
+
+def number(value: float | None, n_digits: int = 3) -> str:
+    """Return a number with n_digits behind the point, or a dash."""
+    return "-" if value is None else f"{value:.{n_digits}f}"
+
+
+def tests_table(tests: Sequence[dict[str, Any]]) -> str:
+    """Return the learning curve of a run, one line per summary of results.json."""
+    errors_deg = [test["median_abs_vergence_error_deg"] or 0.0 for test in tests]
+    most = max(errors_deg, default=0.0) or 1.0
+    rows = [
+        (
+            str(test["iteration"]),
+            str(test["n_trials"]),
+            number(test["median_abs_vergence_error_deg"]),
+            number(test["iqr_abs_vergence_error_deg"]),
+            number(test["median_delta_cost_w"]),
+            number(test["median_cost_reduction"]),
+            ("#" * round(_BAR_WIDTH * error_deg / most)).ljust(_BAR_WIDTH),
+        )
+        for test, error_deg in zip(tests, errors_deg, strict=True)
+    ]
+    header = ("iteration", "trials", "median|error|/deg", "IQR/deg", "delta C/W", "c", "")
+    return text_table(header, rows, n_left=0)
