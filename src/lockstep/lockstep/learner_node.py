@@ -4,7 +4,7 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol
 
 import numpy as np
 from rclpy.node import Node
@@ -18,8 +18,6 @@ from lockstep.qos import LOCKSTEP_QOS
 from lockstep.requests import END_RUN, START_RUN, Arguments, RequestServer
 from lockstep.stamps import to_ns
 from lockstep.state_file import read_state, write_state
-
-Config = TypeVar("Config")
 
 
 class Learner(Protocol):
@@ -46,7 +44,7 @@ class LearnerNode(Node):
     ) -> None:
         """inputs: the message type of each topic that makes up an observation."""
         super().__init__(name, **kwargs)
-        self.config = declare_config(self, config_class)
+        self.config: Any = declare_config(self, config_class)
         self.learner = self.make_learner()
         self.learning = True
         self.exploration = True

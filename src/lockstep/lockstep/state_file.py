@@ -23,7 +23,7 @@ def write_state(path: Path, kind: str, state: Mapping[str, np.ndarray]) -> None:
     arrays = {_KIND: np.array(kind), _FORMAT: np.array(_VERSION), **state}
     try:
         with temporary.open("wb") as file:
-            np.savez(file, allow_pickle=False, **arrays)
+            np.savez_compressed(file, allow_pickle=False, **arrays)
             file.flush()
             os.fsync(file.fileno())
         os.replace(temporary, path)

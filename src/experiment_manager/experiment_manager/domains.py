@@ -1,0 +1,65 @@
+"""A ROS domain of our own: no other run's messages get in, and ours get to nobody."""
+
+import fcntl
+import os
+import socket
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from lockstep.errors import InputError
+
+# Domains 0 to 101 stay below Linux' ephemeral ports; 0 and the documented one of nodes that are
+# started one by one are everybody's.
+NODE_SCRIPTS_DOMAIN = 42
+_CANDIDATES = tuple(d for d in range(1, 102) if d != NODE_SCRIPTS_DOMAIN)
+# RTPS 2.2, 9.6.1.1: the first participant of a domain receives on these unicast ports.
+_PORT_BASE, _DOMAIN_GAIN, _UNICAST_OFFSETS = 7400, 250, (10, 11)
+
+
+@contextmanager
+def own_domain(avoid: frozenset[int] = frozenset()) -> Iterator[int]:
+    """Yield ROS_DOMAIN_ID if it is set, else a domain that nobody on this machine uses.
+
+    avoid: domains not to take again. A lock file keeps two runs that start at once apart; it is
+    held until the block is left. Raises InputError when ROS_DOMAIN_ID is no domain, or none is
+    free.
+    """
+    given = os.environ.get("ROS_DOMAIN_ID", "")
+    if given:
+        if not given.isdigit() or int(given) > 232:
+            raise InputError(f"ROS_DOMAIN_ID: expected a whole number 0 to 232, got {given!r}")
+        yield int(given)
+        return
+    for domain in _CANDIDATES:
+        if domain in avoid:
+            continue
+        with _lock_path(domain).open("w") as lock:
+            if _is_locked(lock.fileno()) or not _is_silent(domain):
+                continue
+            yield domain
+            return
+    raise InputError("expected a free ROS domain between 1 and 101, all are in use")
+
+
+def _lock_path(domain: int) -> Path:
+    return Path(tempfile.gettempdir()) / f"active_binocular_vision_{os.getuid()}_{domain}.lock"
+
+
+def _is_locked(file: int) -> bool:
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    return False
+
+
+def _is_silent(domain: int) -> bool:
+    for offset in _UNICAST_OFFSETS:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind(("", _PORT_BASE + _DOMAIN_GAIN * domain + offset))
+            except OSError:
+                return False
+    return True

@@ -1,0 +1,282 @@
+"""The node experiment_manager: asks for one episode after another, and records them all."""
+
+import struct
+import sys
+import time
+from collections.abc import Callable
+from functools import partial
+from importlib import import_module
+from typing import Any
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.serialization import deserialize_message
+from rclpy.subscription import Subscription
+from sensor_msgs.msg import JointState
+
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.recording import (
+    FREE_TOPICS,
+    SAMPLED_TOPICS,
+    SMALL_TOPICS,
+    EpisodeRecord,
+    takes_pictures,
+)
+from experiment_manager.run import Run
+from lockstep.diagnostics import Diagnostics
+from lockstep.errors import InputError
+from lockstep.parameters import declare_config
+from lockstep.process import run_node
+from lockstep.qos import LOCKSTEP_QOS
+from lockstep.requests import END_RUN, START_RUN, Arguments, RequestClient
+from lockstep.stamps import period_ns
+from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TOPIC_TYPES
+from lockstep.vectors import values_of
+
+EXIT_FAULT = 3
+EXIT_INTERRUPTED = 130
+LEARNERS = ("sparse_coder", "vergence_rl")
+PLANT = "eye_plant"
+_WATCH_PERIOD_S = 0.5
+# A foreign node has no request service: a few seconds tell it from one that is still starting.
+_SERVICE_WAIT_S = 5.0
+_HEADER_STAMP = struct.Struct("<iI")
+_HEADER_OFFSET = 4  # behind the CDR encapsulation
+
+
+class ExperimentManagerNode(Node):
+    """Drives a run: graph matched, run started, episodes one by one, checkpoints, results."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        """Open the run directory; raises InputError when it cannot be used."""
+        super().__init__("experiment_manager", **kwargs)
+        self.exit_code = 0
+        self.config = declare_config(self, ExperimentManagerConfig)
+        self._period_ns = period_ns(self.config.mechanics.period_s)
+        self.run = Run(self.config)
+        self._record: EpisodeRecord | None = None
+        self._stop_wanted = False
+        self._is_over = False
+        self._message_s = self._matched_s = time.monotonic()
+        self._said_waiting = ""
+        self.diagnostics = Diagnostics(self, self._state_of_run)
+        self._ask = {name: RequestClient(self, name) for name in (PLANT, *LEARNERS)}
+        self._subscriptions_of_pictures: list[Subscription] = []
+        for topic in (*SMALL_TOPICS, *FREE_TOPICS):
+            self._subscribe(topic)
+        self._next: Callable[[], None] = self._await_graph
+        self.create_timer(
+            _WATCH_PERIOD_S, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+        self.get_logger().info(f"run {self.run.run_id} in {self.run.directory}")
+
+    # The graph
+
+    def _subscribe(self, topic: str) -> Subscription:
+        package, folder, name = TOPIC_TYPES[topic].split("/")
+        kind = getattr(import_module(f"{package}.{folder}"), name)
+        return self.create_subscription(
+            kind, topic, partial(self._receive, topic), LOCKSTEP_QOS, raw=True
+        )
+
+    def _await_graph(self) -> None:
+        """Wait until whoever publishes a topic of the table is there, and who answers requests."""
+        missing = [topic for topic in SMALL_TOPICS if not self.count_publishers(topic)]
+        missing += [topic for topic in ("left/image_raw", "features") if not self._is_read(topic)]
+        if missing:
+            self._say_waiting(f"waiting for {', '.join(missing)}")
+            self._matched_s = time.monotonic()
+            return
+        absent = [name for name, client in self._ask.items() if not client.is_there()]
+        waited_s = time.monotonic() - self._matched_s
+        if PLANT in absent or (absent and waited_s < _SERVICE_WAIT_S):
+            self._say_waiting(f"waiting for the request service of {', '.join(absent)}")
+            return
+        for name in absent:
+            self.get_logger().warning(
+                f"{name} answers no requests: the run goes on, without checkpoints"
+            )
+            del self._ask[name]
+        self._start_run()
+
+    def _is_read(self, topic: str) -> bool:
+        return bool(self.count_publishers(topic) and self.count_subscribers(topic))
+
+    def _say_waiting(self, text: str) -> None:
+        if text != self._said_waiting:
+            self.get_logger().info(text)
+            self._said_waiting = text
+
+    def _start_run(self) -> None:
+        self._next = _nothing
+        asks: list[tuple[str, str, Arguments]] = [(name, START_RUN, {}) for name in self._ask]
+        loaded = self.run.states_to_load(self._learners())
+        asks += [(name, "load", {"path": str(path)}) for name, path in loaded.items()]
+        self._ask_all(asks, self._next_episode)
+
+    def _learners(self) -> list[str]:
+        return [name for name in LEARNERS if name in self._ask]
+
+    def _ask_all(self, asks: list[tuple[str, str, Arguments]], then: Callable[[], None]) -> None:
+        """Ask one after the other, then go on; a refusal is a fault."""
+        if not asks:
+            then()
+            return
+        (name, kind, arguments), *rest = asks
+
+        def on_answer(successful: bool, reason: str) -> None:
+            if successful:
+                self._ask_all(rest, then)
+            else:
+                self._fault(f"{name} refused {kind}: {reason}")
+
+        self._ask[name].ask(self.run.run_id, kind, arguments, on_answer)
+
+    # Episodes
+
+    def _next_episode(self) -> None:
+        self._next = _nothing
+        run = self.run
+        is_last = run.is_over
+        if is_last or self._stop_wanted or run.checkpoint_is_due():
+            self._checkpoint(self._finish if is_last or self._stop_wanted else self._request)
+        else:
+            self._request()
+
+    def _request(self) -> None:
+        episode = self.run.episode()
+        self._sample_pictures()
+        self._record = EpisodeRecord(episode, self._period_ns)
+        self._message_s = time.monotonic()
+        self._ask_all([(PLANT, "episode", episode.as_arguments())], self.run.prepare)
+
+    def _sample_pictures(self) -> None:
+        """Subscribe one episode early, so that all is matched when the sampled one begins."""
+        wanted = self.run.takes_pictures_soon()
+        if wanted and not self._subscriptions_of_pictures:
+            self._subscriptions_of_pictures = [self._subscribe(name) for name in SAMPLED_TOPICS]
+        elif not wanted and self._subscriptions_of_pictures:
+            for subscription in self._subscriptions_of_pictures:
+                self.destroy_subscription(subscription)
+            self._subscriptions_of_pictures = []
+
+    def _receive(self, topic: str, message: bytes) -> None:  # noqa: PLR0911
+        record = self._record
+        if record is None:
+            return
+        if topic == "/diagnostics":
+            self.run.writer.write(topic, message, self.run.stamp_ns)
+            return
+        stamp_s, stamp_rest_ns = _HEADER_STAMP.unpack_from(message, _HEADER_OFFSET)
+        stamp_ns = stamp_s * 1_000_000_000 + stamp_rest_ns
+        if not record.holds(stamp_ns):
+            return
+        if topic in SAMPLED_TOPICS and not takes_pictures(self.config, record.episode):
+            return
+        if not self.run.writer.write(topic, message, stamp_ns):
+            return
+        self._message_s = time.monotonic()
+        if topic in FREE_TOPICS or topic in SAMPLED_TOPICS:
+            return
+        self.run.stamp_ns = max(self.run.stamp_ns, stamp_ns)
+        try:
+            self._measure(topic, message, record, stamp_ns)
+        except InputError as error:
+            self._fault(str(error))
+            return
+        record.count(topic)
+        if record.is_complete:
+            self._end_episode()
+
+    def _measure(self, topic: str, message: bytes, record: EpisodeRecord, stamp_ns: int) -> None:
+        if topic == "ground_truth":
+            vector = deserialize_message(message, JointState)
+            self.run.add_truth(
+                values_of(vector, GROUND_TRUTH_NAMES, topic), is_last=stamp_ns == record.last_ns
+            )
+        elif topic == "reward":
+            vector = deserialize_message(message, JointState)
+            self.run.add_reward(
+                record.episode, record.iteration(stamp_ns), values_of(vector, REWARD_NAMES, topic)
+            )
+
+    def _end_episode(self) -> None:
+        self._record = None
+        self.diagnostics.count()
+        self.run.end_episode()
+        self._next_episode()
+
+    # Checkpoints and the end
+
+    def _checkpoint(self, then: Callable[[], None]) -> None:
+        learners = self._learners()
+        if len(learners) < len(LEARNERS):
+            self.run.writer.commit()
+            then()
+            return
+        paths = self.run.state_paths(learners)
+        asks = [(name, "save", {"path": str(path)}) for name, path in paths.items()]
+
+        def commit() -> None:
+            self.run.commit(paths)
+            then()
+
+        self._ask_all(asks, commit)
+
+    def _finish(self) -> None:
+        if self.run.is_over:
+            self.run.finish()
+        else:
+            self.exit_code = EXIT_INTERRUPTED
+        self._ask_all([(name, END_RUN, {}) for name in self._ask], self._stop)
+
+    def _fault(self, reason: str) -> None:
+        if self._is_over:
+            return
+        self.exit_code = EXIT_FAULT
+        self.get_logger().error(f"the run cannot go on: {reason}")
+        self._stop()
+
+    def _stop(self) -> None:
+        self._is_over = True
+        self._record = None
+        self.run.close()
+        self.context.try_shutdown()
+
+    def interrupt(self) -> None:
+        """Stop after the episode under way, with a checkpoint; the second time, at once."""
+        if self._stop_wanted or self._next is not _nothing:
+            self.exit_code = EXIT_INTERRUPTED
+            self._stop()
+        self._stop_wanted = True
+
+    def _watch(self) -> None:
+        if self._is_over:
+            return
+        self._next()
+        self.run.writer.flush_when_due()
+        record = self._record
+        if record is None:
+            return
+        waited_s = time.monotonic() - self._message_s
+        if waited_s > self.config.gap_s:
+            self._fault(f"no message for {waited_s:.1f} s; missing: {record.missing()}")
+        doubled = [topic for topic in SMALL_TOPICS if self.count_publishers(topic) > 1]
+        if doubled:
+            self._fault(f"more than one publisher on {', '.join(doubled)}")
+
+    def _state_of_run(self) -> dict[str, str]:
+        return {"episode": str(self.run.place), "episodes": str(len(self.run.protocol))}
+
+
+def _nothing() -> None:
+    pass
+
+
+def main() -> None:
+    """Run the node until its run is over."""
+    sys.exit(run_node(ExperimentManagerNode))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,251 @@
+"""The protocol of an experiment: which episode comes when (K17 II, Experimental Setup).
+
+An experiment is a sequence of episodes: training episodes, interrupted by whole tests. Each is a
+function of (configuration, seed, place in the sequence), so a run goes on wherever it stopped.
+"""
+
+import bisect
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from eye_plant.episode import Episode
+from eye_plant.geometry import desired_vergence_deg
+from lockstep.errors import InputError
+from lockstep.randomness import generator
+from lockstep.topics import TEST, TRAINING
+
+ActivationPair = Callable[[float, float], tuple[float, float]]
+
+# K17: 13 tests; the times are the authors' (public code), given here for 10^6 iterations.
+PAPER_TEST_ITERATIONS = (
+    *range(0, 200_001, 50_000),
+    *range(300_000, 1_000_001, 100_000),
+)
+
+
+# Parameters that are a lowest and a highest value, and the least that either may be.
+_BOUNDS = {
+    "object_distance_m": 0.1,
+    "fixation_distance_m": 0.1,
+    "medial_rectus_limits": 0.0,
+    "lateral_rectus_limits": 0.0,
+}
+
+
+@dataclass(frozen=True)
+class ProtocolConfig:
+    """What is shown, how long, and when it is tested; defaults are the paper's.
+
+    test_iterations: training iterations before each test, those beyond the end are left out and
+    one at the end is always made; n_stimuli_per_test: the first so many of the test stimuli;
+    the limits bound the activations that an episode starts with.
+    Raises InputError for values that make no experiment.
+    """
+
+    n_training_iterations: int = 1_000_000
+    iterations_per_episode: int = 10
+    iterations_per_trial: int = 20
+    test_iterations: tuple[int, ...] = PAPER_TEST_ITERATIONS
+    n_training_stimuli: int = 100
+    n_test_stimuli: int = 40
+    n_stimuli_per_test: int = 40
+    object_distance_m: tuple[float, ...] = (0.5, 6.0)
+    fixation_distance_m: tuple[float, ...] = (0.5, 6.0)
+    test_distances_m: tuple[float, ...] = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
+    least_start_error_deg: int = -3
+    medial_rectus_limits: tuple[float, ...] = (0.0, 0.2)
+    lateral_rectus_limits: tuple[float, ...] = (0.0, 0.1)
+
+    def __post_init__(self) -> None:
+        """Check that the numbers fit together."""
+        counts = (
+            "iterations_per_episode",
+            "iterations_per_trial",
+            "n_training_stimuli",
+            "n_test_stimuli",
+            "n_stimuli_per_test",
+        )
+        for name in counts:
+            if getattr(self, name) < 1:
+                raise InputError(f"{name}: expected 1 or more, got {getattr(self, name)}")
+        if self.n_training_iterations < 0 or (
+            self.n_training_iterations % self.iterations_per_episode
+        ):
+            raise InputError(
+                f"n_training_iterations: expected a multiple of {self.iterations_per_episode} "
+                f"(iterations per episode), got {self.n_training_iterations}"
+            )
+        if any(n % self.iterations_per_episode or n < 0 for n in self.test_iterations):
+            raise InputError(
+                f"test_iterations: expected multiples of {self.iterations_per_episode}, "
+                f"got {list(self.test_iterations)}"
+            )
+        if self.n_stimuli_per_test > self.n_test_stimuli:
+            raise InputError(
+                f"n_stimuli_per_test: expected {self.n_test_stimuli} or less, "
+                f"got {self.n_stimuli_per_test}"
+            )
+        for name, least in _BOUNDS.items():
+            values = getattr(self, name)
+            if len(values) != 2 or not least <= values[0] <= values[1]:
+                raise InputError(
+                    f"{name}: expected [lowest, highest] from {least} on, got {list(values)}"
+                )
+
+
+def bounds(values: tuple[float, ...]) -> tuple[float, float]:
+    """Return a parameter's [lowest, highest] as a pair."""
+    lowest, highest = values
+    return lowest, highest
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Where a test trial's plane stands, and the vergence error at its start."""
+
+    object_distance_m: float
+    start_error_deg: float
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A run of episodes of one kind.
+
+    first: place in the sequence; first_observation: of the run; i_test: -1 for training.
+    """
+
+    first: int
+    n_episodes: int
+    first_observation: int
+    i_test: int
+    training_iteration: int
+
+
+def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ...]:
+    """Return the conditions of a test: distances x whole-degree start errors.
+
+    Start errors go from least_start_error_deg to the largest whole degree that leaves the initial
+    vergence 0 or more (K17: "the smallest possible initial angle of the eyes to zero").
+    """
+    return tuple(
+        Condition(distance_m, float(error_deg))
+        for distance_m in config.test_distances_m
+        for error_deg in range(
+            config.least_start_error_deg,
+            math.floor(desired_vergence_deg(distance_m, baseline_m)) + 1,
+        )
+    )
+
+
+class Protocol:
+    """The sequence of episodes of one experiment."""
+
+    def __init__(
+        self, config: ProtocolConfig, seed: int, baseline_m: float, activation_pair: ActivationPair
+    ) -> None:
+        """activation_pair: (vergence_deg, fraction in [0, 1]) -> (medial, lateral) activations."""
+        self.config = config
+        self._seed = seed
+        self._baseline_m = baseline_m
+        self._activation_pair = activation_pair
+        self.conditions = conditions(config, baseline_m)
+        self.n_trials = config.n_stimuli_per_test * len(self.conditions)
+        self.segments = self._segments()
+        self._firsts = [segment.first for segment in self.segments]
+        # Drawing an episode takes milliseconds (the inverse of the plant); some ask more than once.
+        self._cached = functools.lru_cache(maxsize=4)(self._draw)
+
+    def __len__(self) -> int:
+        """Return the number of episodes, test trials included."""
+        last = self.segments[-1]
+        return last.first + last.n_episodes
+
+    @property
+    def test_iterations(self) -> tuple[int, ...]:
+        """Training iterations before each test of this experiment."""
+        end = self.config.n_training_iterations
+        return tuple(sorted({n for n in self.config.test_iterations if n < end} | {end}))
+
+    def _segments(self) -> tuple[Segment, ...]:
+        config = self.config
+        segments: list[Segment] = []
+        first = observation = trained = 0
+        for i_test, at in enumerate(self.test_iterations):
+            n_episodes = (at - trained) // config.iterations_per_episode
+            if n_episodes:
+                segments.append(Segment(first, n_episodes, observation, -1, trained))
+                first += n_episodes
+                observation += n_episodes * (config.iterations_per_episode + 1)
+                trained = at
+            segments.append(Segment(first, self.n_trials, observation, i_test, trained))
+            first += self.n_trials
+            observation += self.n_trials * (config.iterations_per_trial + 1)
+        return tuple(segments)
+
+    def segment(self, place: int) -> Segment:
+        """Return the segment that holds an episode; raises IndexError beyond the end."""
+        if not 0 <= place < len(self):
+            raise IndexError(f"episode {place} of {len(self)}")
+        return self.segments[bisect.bisect_right(self._firsts, place) - 1]
+
+    def episode(self, place: int) -> Episode:
+        """Return the episode at a place in the sequence; raises IndexError beyond the end."""
+        return self._cached(place)
+
+    def _draw(self, place: int) -> Episode:
+        segment = self.segment(place)
+        offset = place - segment.first
+        if segment.i_test < 0:
+            return self._training_episode(segment, offset)
+        return self._trial(segment, offset)
+
+    def _training_episode(self, segment: Segment, offset: int) -> Episode:
+        config = self.config
+        number = segment.training_iteration // config.iterations_per_episode + offset
+        draw = generator(self._seed, "episode", number)
+        stimulus = int(draw.integers(config.n_training_stimuli))
+        object_distance_m = float(draw.uniform(*bounds(config.object_distance_m)))
+        fixation_distance_m = float(draw.uniform(*bounds(config.fixation_distance_m)))
+        medial, lateral = self._activation_pair(
+            desired_vergence_deg(fixation_distance_m, self._baseline_m), float(draw.random())
+        )
+        return Episode(
+            phase=TRAINING,
+            test=-1,
+            trial=-1,
+            episode=number,
+            training_iteration=number * config.iterations_per_episode,
+            stimulus=stimulus,
+            object_distance_m=object_distance_m,
+            medial_rectus=medial,
+            lateral_rectus=lateral,
+            n_iterations=config.iterations_per_episode,
+            first_observation=segment.first_observation
+            + offset * (config.iterations_per_episode + 1),
+        )
+
+    def _trial(self, segment: Segment, trial: int) -> Episode:
+        config = self.config
+        i_stimulus, i_condition = divmod(trial, len(self.conditions))
+        condition = self.conditions[i_condition]
+        vergence_deg = (
+            desired_vergence_deg(condition.object_distance_m, self._baseline_m)
+            - condition.start_error_deg
+        )
+        fraction = float(generator(self._seed, "trial", trial).random())
+        medial, lateral = self._activation_pair(vergence_deg, fraction)
+        return Episode(
+            phase=TEST,
+            test=segment.i_test,
+            trial=trial,
+            episode=segment.training_iteration // config.iterations_per_episode,
+            training_iteration=segment.training_iteration,
+            stimulus=config.n_training_stimuli + i_stimulus,
+            object_distance_m=condition.object_distance_m,
+            medial_rectus=medial,
+            lateral_rectus=lateral,
+            n_iterations=config.iterations_per_trial,
+            first_observation=segment.first_observation + trial * (config.iterations_per_trial + 1),
+        )

@@ -1,0 +1,65 @@
+"""Which messages an episode must bring, and when all of them have been recorded. No ROS."""
+
+from experiment_manager.config import ExperimentManagerConfig
+from eye_plant.episode import Episode
+from lockstep.topics import (
+    CODER_VECTORS,
+    LEARNER_VECTORS,
+    PLANT_VECTORS,
+    TOPIC_TYPES,
+    TRAINING,
+    VECTOR,
+)
+
+# Always recorded, exactly one of each per observation ...
+SMALL_TOPICS = tuple(name for name, kind in TOPIC_TYPES.items() if kind == VECTOR)
+# ... recorded whenever they come ...
+FREE_TOPICS = ("/clock", "/diagnostics")
+# ... and recorded for a sample of the episodes, since they are large.
+SAMPLED_TOPICS = tuple(name for name in TOPIC_TYPES if name not in (*SMALL_TOPICS, *FREE_TOPICS))
+
+
+class EpisodeRecord:
+    """Counts the small messages of one episode until each expected one is in the bag."""
+
+    def __init__(self, episode: Episode, period_ns: int) -> None:
+        """period_ns: between the stamps of successive observations."""
+        self.episode = episode
+        self._period_ns = period_ns
+        self.first_ns = episode.first_observation * period_ns
+        self.last_ns = (episode.first_observation + episode.n_iterations) * period_ns
+        n_answers = episode.n_iterations
+        self._missing = dict.fromkeys(PLANT_VECTORS, n_answers + 1)
+        self._missing |= dict.fromkeys((*CODER_VECTORS, *LEARNER_VECTORS), n_answers)
+        self._n_missing = sum(self._missing.values())
+
+    def holds(self, stamp_ns: int) -> bool:
+        """Return whether an observation with that stamp belongs to the episode."""
+        return self.first_ns <= stamp_ns <= self.last_ns and not (stamp_ns) % self._period_ns
+
+    def iteration(self, stamp_ns: int) -> int:
+        """Return the iteration within the episode that has the stamp."""
+        return (stamp_ns - self.first_ns) // self._period_ns
+
+    def count(self, topic: str) -> None:
+        """Count a message that was recorded for the first time."""
+        self._missing[topic] -= 1
+        self._n_missing -= 1
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether each expected message has been recorded."""
+        return self._n_missing == 0
+
+    def missing(self) -> str:
+        """Return what has not come yet, for an error text."""
+        return ", ".join(f"{count} of {name}" for name, count in self._missing.items() if count)
+
+
+def takes_pictures(config: ExperimentManagerConfig, episode: Episode) -> bool:
+    """Return whether pictures and features of an episode belong to the recorded sample."""
+    if episode.phase == TRAINING:
+        every, number = config.pictures_every_n_episodes, episode.episode
+    else:
+        every, number = config.pictures_every_n_trials, episode.trial
+    return every > 0 and number % every == 0

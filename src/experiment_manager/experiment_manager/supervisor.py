@@ -1,0 +1,163 @@
+"""run_experiment.sh: starts the nodes of a run, watches them, and rolls back after a fault."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from types import FrameType
+
+from experiment_manager import checkpoint
+from experiment_manager.domains import own_domain
+from experiment_manager.durable_files import replace_file
+from experiment_manager.heartbeats import Heartbeats
+from experiment_manager.node import EXIT_INTERRUPTED
+from experiment_manager.options import (
+    arguments,
+    configuration_of,
+    configuration_text,
+    read_configuration,
+)
+from experiment_manager.processes import MANAGER, NodeProcesses
+from experiment_manager.run import CONFIG_FILE, RESULTS_FILE
+from experiment_manager.summary import results_table
+from lockstep.errors import InputError
+from lockstep.process import EXIT_BAD_INPUT
+
+EXIT_FAULT = 3
+_SAME_FAULT_LIMIT = 3
+_LOG_LINES_SHOWN = 15
+
+
+class Supervisor:
+    """Brings one run to its end: one attempt after another, each from the newest checkpoint."""
+
+    def __init__(self, directory: Path) -> None:
+        """directory: holds config.yaml, and whatever the run has done so far."""
+        self._directory = directory
+        self._processes: NodeProcesses | None = None
+        self._interrupts = 0
+
+    def run(self) -> int:
+        """Return the exit code: 0 done, 2 bad input, 3 the same fault again and again, 130 Ctrl-C.
+
+        A fault is a node that dies, hangs or says that the run cannot go on.
+        """
+        signal.signal(signal.SIGINT, self._interrupt)
+        signal.signal(signal.SIGTERM, self._interrupt)
+        faults: list[tuple[int, str]] = []
+        used_domains: set[int] = set()
+        while True:
+            with own_domain(frozenset(used_domains)) as domain:
+                used_domains.add(domain)
+                print(f"to listen from another terminal: export ROS_DOMAIN_ID={domain}")
+                code, fault = self._attempt(domain)
+            if fault is None:
+                return code
+            faults.append((self._place(), fault))
+            print(f"fault: {fault}", file=sys.stderr)
+            if faults.count(faults[-1]) >= _SAME_FAULT_LIMIT:
+                print(
+                    f"error: the same fault {_SAME_FAULT_LIMIT} times after episode "
+                    f"{faults[-1][0]}: {fault}; logs are in {self._directory / 'logs'}",
+                    file=sys.stderr,
+                )
+                return EXIT_FAULT
+            print("rolling back to the newest checkpoint", file=sys.stderr)
+
+    def _place(self) -> int:
+        found = checkpoint.newest(self._directory / "checkpoints")
+        return found[0].place if found else -1
+
+    def _attempt(self, domain: int) -> tuple[int, str | None]:
+        """Run the nodes until they are done or fail; return (exit code, fault or None)."""
+        resume = "true" if self._place() >= 0 else "false"
+        more = {MANAGER: ("-p", f"run_directory:={self._directory}", "-p", f"resume:={resume}")}
+        config, logs = self._directory / CONFIG_FILE, self._directory / "logs"
+        with (
+            NodeProcesses(config, domain, logs, more) as processes,
+            Heartbeats(domain) as heartbeats,
+        ):
+            self._processes = processes
+            while not (codes := processes.exit_codes()):
+                silent = heartbeats.wait()
+                if silent:
+                    return EXIT_FAULT, f"{silent} gives no sign of life"
+            if MANAGER not in codes:
+                # The manager may be a moment behind the node that died because of it.
+                name, code = next(iter(codes.items()))
+                return self._ended(name, code)
+            return self._ended(MANAGER, codes[MANAGER])
+
+    def _ended(self, name: str, code: int) -> tuple[int, str | None]:
+        if name == MANAGER and code in (0, EXIT_INTERRUPTED):
+            return code, None
+        if code == EXIT_BAD_INPUT:
+            print(self._end_of_log(name), file=sys.stderr)
+            return code, None
+        return EXIT_FAULT, f"{name} ended with exit code {code}"
+
+    def _end_of_log(self, name: str) -> str:
+        log = self._directory / "logs" / f"{name}.log"
+        return "\n".join(log.read_text(errors="replace").splitlines()[-_LOG_LINES_SHOWN:])
+
+    def _interrupt(self, number: int, frame: FrameType | None) -> None:
+        self._interrupts += 1
+        if self._processes is not None:
+            self._processes.interrupt_manager()
+        if self._interrupts == 1:
+            print("\nstopping after this episode, with a checkpoint", file=sys.stderr)
+
+
+def _source_commit() -> str:
+    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError:
+        return "unknown"
+    return done.stdout.strip() or "unknown"
+
+
+def _prepare(argv: Sequence[str] | None) -> Path:
+    """Return the run directory that the command line asks for, with its config.yaml."""
+    options = arguments(argv)
+    if options.resume is not None:
+        read_configuration(options.resume / CONFIG_FILE)
+        return Path(options.resume).resolve()
+    configuration = configuration_of(options, _source_commit())
+    name = time.strftime("%Y%m%d-%H%M%S")
+    directory = (options.out or Path("runs") / name).resolve()
+    if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
+        raise InputError(
+            f"{directory}: expected a new or empty directory, it already holds something; "
+            f"--resume {directory} goes on with a run"
+        )
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        replace_file(directory / CONFIG_FILE, configuration_text(configuration).encode())
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written: {error}") from error
+    return directory
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one experiment; return the exit code."""
+    try:
+        directory = _prepare(argv)
+        print(f"run directory: {directory}")
+        code = Supervisor(directory).run()
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    if code == 0:
+        results = json.loads((directory / RESULTS_FILE).read_text())
+        print(results_table(results, directory))
+    elif code != EXIT_BAD_INPUT:
+        print(f"to go on: launch_scripts/run_experiment.sh --resume {directory}", file=sys.stderr)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

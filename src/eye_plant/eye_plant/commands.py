@@ -1,0 +1,48 @@
+"""From the names and values of a muscle command to the target activations of all muscles."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lockstep.errors import InputError
+from lockstep.topics import SIDES
+
+
+def target_activations(
+    names: Sequence[str],
+    values: np.ndarray,
+    muscle_names: Sequence[str],
+    tonic_activations: np.ndarray,
+) -> np.ndarray:
+    """Return the target activations (n_muscles,) of a command.
+
+    names: `left_medial_rectus` names one muscle, `medial_rectus` that muscle of both eyes; values:
+    (n,) activations in [0, 1]; tonic_activations: (n_muscles,), kept by muscles without a name in
+    the command. Raises InputError for no name, an unknown name, a muscle named twice, another
+    number of values than names, and a value out of range.
+    """
+    if not len(names) or len(values) != len(names):
+        raise InputError(
+            f"muscle_command: expected one position per name and at least one, "
+            f"got {len(values)} for {len(names)} names"
+        )
+    if not ((values >= 0.0) & (values <= 1.0)).all():
+        raise InputError(
+            f"muscle_command: expected activations in [0, 1], got {np.asarray(values).tolist()}"
+        )
+    place = {name: i for i, name in enumerate(muscle_names)}
+    targets = tonic_activations.copy()
+    named: set[str] = set()
+    for name, value in zip(names, values, strict=True):
+        muscles = [name] if name in place else [f"{side}_{name}" for side in SIDES]
+        unknown = [muscle for muscle in muscles if muscle not in place]
+        if unknown:
+            raise InputError(
+                f"muscle_command: unknown muscle {name!r}, expected some of "
+                f"{', '.join(muscle_names)}, or one without its side for both eyes"
+            )
+        if not named.isdisjoint(muscles):
+            raise InputError(f"muscle_command: expected each muscle once, got {name!r} again")
+        named.update(muscles)
+        targets[[place[muscle] for muscle in muscles]] = value
+    return targets

@@ -1,0 +1,83 @@
+"""What the plant gives out at one moment."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from eye_plant.episode import Episode
+from eye_plant.mechanics import OculomotorState
+from lockstep.topics import TRAINING
+
+
+@dataclass(frozen=True)
+class GroundTruth:
+    """What only an experimenter knows; learners never see it.
+
+    metabolic_rate_w is C, the charged settled rate of both eyes; initial_... is C_0, optimal_...
+    is C* (K17 eq. 8).
+    """
+
+    vergence_deg: float
+    desired_vergence_deg: float
+    metabolic_rate_w: float
+    initial_metabolic_rate_w: float
+    optimal_metabolic_rate_w: float
+
+    @property
+    def vergence_error_deg(self) -> float:
+        """Desired minus actual vergence (K17 eq. 7)."""
+        return self.desired_vergence_deg - self.vergence_deg
+
+
+@dataclass(frozen=True)
+class Observation:
+    """Observation `iteration` of an episode, 0 to n_iterations.
+
+    pictures: (2, height_px, width_px) uint8, left then right, valid until the next observation is
+    made; None in the last observation, which nobody answers.
+    """
+
+    episode: Episode
+    iteration: int
+    pictures: np.ndarray | None
+    state: OculomotorState
+    truth: GroundTruth
+
+    @property
+    def number(self) -> int:
+        """Number of the observation within the run."""
+        return self.episode.first_observation + self.iteration
+
+    @property
+    def training_iteration(self) -> int:
+        """Training iterations of the run before this observation."""
+        in_training = self.episode.phase == TRAINING
+        return self.episode.training_iteration + (self.iteration if in_training else 0)
+
+    def episode_values(self) -> tuple[float, ...]:
+        """Return the values of lockstep.topics.EPISODE_NAMES."""
+        episode = self.episode
+        return (
+            episode.phase,
+            episode.test,
+            episode.trial,
+            episode.episode,
+            self.iteration,
+            self.training_iteration,
+            self.number,
+        )
+
+    def ground_truth_values(self) -> tuple[float, ...]:
+        """Return the values of lockstep.topics.GROUND_TRUTH_NAMES."""
+        truth = self.truth
+        return (
+            *self.episode_values(),
+            self.episode.stimulus,
+            self.episode.object_distance_m,
+            truth.vergence_deg,
+            truth.desired_vergence_deg,
+            truth.vergence_error_deg,
+            truth.metabolic_rate_w,
+            truth.initial_metabolic_rate_w,
+            truth.optimal_metabolic_rate_w,
+        )

@@ -1,0 +1,105 @@
+"""The whole plant: two eyes, their muscles, and what they see. The order of its step is here."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from eye_plant.commands import target_activations
+from eye_plant.config import EyePlantConfig
+from eye_plant.episode import Episode
+from eye_plant.geometry import desired_vergence_deg
+from eye_plant.inverse import Inverse
+from eye_plant.mechanics import Oculomotor, OculomotorState
+from eye_plant.observation import GroundTruth, Observation
+from eye_plant.stereo_camera import StereoCamera
+from eye_plant.stimuli import load_stimuli
+from lockstep.errors import InputError
+
+
+class EyePlant:
+    """Runs one episode after another: `begin`, then `execute` once per command.
+
+    An episode starts from nothing: `begin` settles the eyes at its first activations whatever came
+    before, so the same episode and commands give the same observations.
+    """
+
+    def __init__(self, config: EyePlantConfig) -> None:
+        """Load the stimuli and set up mechanics and camera; raises InputError when they cannot."""
+        self._config = config
+        self.oculomotor = Oculomotor(config.mechanics)
+        self._inverse = Inverse(config.mechanics)
+        stimuli = load_stimuli(config.stimuli)
+        self._camera = StereoCamera(config.camera, stimuli, config.mechanics.eye_height_m)
+        self.n_stimuli = self._camera.n_stimuli
+        self._episode: Episode | None = None
+        self._iteration = 0
+        self._desired_deg = 0.0
+        self._initial_rate_w = 0.0
+        self._optimal_rate_w = 0.0
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether an episode is under way, so that `execute` is allowed."""
+        episode = self._episode
+        return episode is not None and self._iteration < episode.n_iterations
+
+    def begin(self, episode: Episode) -> Observation:
+        """Start an episode and return its observation 0.
+
+        Raises InputError, having changed nothing, for an unknown stimulus or a distance out of the
+        camera's range.
+        """
+        self._camera.check(episode.stimulus, episode.object_distance_m)
+        desired_deg = desired_vergence_deg(
+            episode.object_distance_m, self._config.mechanics.baseline_m
+        )
+        optimal_rate_w = self._inverse.optimal(desired_deg).metabolic_rate_w
+        self._episode, self._iteration = episode, 0
+        self._desired_deg, self._optimal_rate_w = desired_deg, optimal_rate_w
+        self.oculomotor.settle(
+            self.oculomotor.activations_from(episode.medial_rectus, episode.lateral_rectus)
+        )
+        state = self.oculomotor.state()
+        self._initial_rate_w = self.oculomotor.horizontal_metabolic_rate_w(state.metabolic_rate_w)
+        return self._observe(episode, state)
+
+    def targets(self, names: Sequence[str], values: np.ndarray) -> np.ndarray:
+        """Return the target activations (12,) of a command; see `target_activations`."""
+        return target_activations(
+            names, values, self.oculomotor.muscle_names, self.oculomotor.tonic_activations
+        )
+
+    def execute(self, activations: np.ndarray) -> Observation:
+        """Move the eyes for one control period towards the target activations (12,) in [0, 1].
+
+        Raises InputError, having changed nothing, when no command is expected or an activation is
+        out of range.
+        """
+        episode = self._episode
+        if episode is None or not self.is_waiting:
+            raise InputError("expected a command during an episode only, got one outside")
+        self.oculomotor.step(activations)
+        self._iteration += 1
+        return self._observe(episode, self.oculomotor.state())
+
+    def _observe(self, episode: Episode, state: OculomotorState) -> Observation:
+        pictures = None
+        if self._iteration < episode.n_iterations:
+            pictures = self._camera.render(
+                self.oculomotor.eye_positions_m(),
+                self.oculomotor.eye_rotations(),
+                episode.stimulus,
+                episode.object_distance_m,
+            )
+        truth = GroundTruth(
+            vergence_deg=float(np.degrees(state.eye_angles_rad[:, 0].sum())),
+            desired_vergence_deg=self._desired_deg,
+            metabolic_rate_w=self.oculomotor.horizontal_metabolic_rate_w(state.metabolic_rate_w),
+            initial_metabolic_rate_w=self._initial_rate_w,
+            optimal_metabolic_rate_w=self._optimal_rate_w,
+        )
+        return Observation(episode, self._iteration, pictures, state, truth)
+
+    def close(self) -> None:
+        """Release the camera's graphics context."""
+        self._camera.close()
