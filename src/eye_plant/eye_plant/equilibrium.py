@@ -7,14 +7,17 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _PROBE_RAD = 1e-6
-_LONGEST_STEP_RAD = 0.2
+_REACH_RAD = 0.2
 _CONVERGED_RAD = 1e-13
-_MAX_ITERATIONS = 60
+_MAX_ITERATIONS = 100
 
 
 class Equilibrium:
     """Newton's method on the torques that MuJoCo computes, both eyes at once.
 
+    K being the stiffness and t the torque, a step solves (K + |t| / reach) step = t: an implicit
+    Euler step of eyes in honey, whose length stays below the reach. So the search follows the
+    way the eyes would creep, to the equilibrium they would find, and ends as Newton's method does.
     The eyes share no tissue, so one evaluation probes the same axis of both.
     """
 
@@ -29,16 +32,14 @@ class Equilibrium:
         Zero angles are where the search starts otherwise, so the result has no history.
         """
         data = self._data
-        data.time = 0.0
         data.qvel[:] = 0.0
         data.qacc_warmstart[:] = 0.0
         data.ctrl[:] = activations
         data.act[:] = activations
         data.qpos[:] = 0.0 if start_rad is None else start_rad
-        torque = self._torque()
         for _ in range(_MAX_ITERATIONS):
-            step = self._newton_step(torque)
-            torque = self._advance(step, torque)
+            step = self._creep(self._torque())
+            data.qpos[:] += step
             if np.abs(step).max() < _CONVERGED_RAD:
                 break
         mujoco.mj_forward(self._model, data)
@@ -61,17 +62,9 @@ class Equilibrium:
         self._data.qpos[:] = angles
         return columns
 
-    def _newton_step(self, torque: Array) -> Array:
-        step = np.linalg.solve(self.stiffness(torque), torque.reshape(2, 3, 1)).reshape(6)
-        return np.clip(step, -_LONGEST_STEP_RAD, _LONGEST_STEP_RAD)
-
-    def _advance(self, step: Array, torque: Array) -> Array:
-        """Move along step, shortened for as long as the torque grows; return the new torque."""
-        angles, worst = self._data.qpos.copy(), np.abs(torque).max()
-        for _ in range(8):
-            self._data.qpos[:] = angles + step
-            reached = self._torque()
-            if np.abs(reached).max() <= worst:
-                break
-            step = 0.5 * step
-        return reached
+    def _creep(self, torque: Array) -> Array:
+        """Return the next step (6,), each eye's slowed by its own torque."""
+        resisting = self.stiffness(torque)
+        torques = torque.reshape(2, 3, 1)
+        resisting += np.abs(torques).max(axis=1, keepdims=True) / _REACH_RAD * np.eye(3)
+        return np.linalg.solve(resisting, torques).reshape(6)

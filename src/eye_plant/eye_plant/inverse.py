@@ -21,7 +21,7 @@ Pair = tuple[float, float]
 
 FULL_RANGE: Limits = ((0.0, 1.0), (0.0, 1.0))
 
-_TOLERANCE_DEG = 1e-9
+_TOLERANCE_DEG = 1e-7
 _MAX_ITERATIONS = 80
 
 
@@ -44,11 +44,12 @@ class Inverse:
         """Build bare eyes."""
         self._eyes = Oculomotor(config)
         self._equilibrium = Equilibrium(self._eyes.model, self._eyes.data)
-        self._warm: np.ndarray | None = None
+        self._start_rad: np.ndarray | None = None
+        self._corners_deg: dict[Pair, float] = {}
 
     def vergence_deg(self, medial: float, lateral: float) -> float:
         """Sum of both eyes' adduction at the static equilibrium of a pair of activations."""
-        self._warm = None
+        self._start_rad = None
         return self._vergence_deg(medial, lateral)
 
     def activation_pair(self, vergence_deg: float, fraction: float, limits: Limits) -> Pair:
@@ -61,16 +62,17 @@ class Inverse:
         """
         if not 0.0 <= fraction <= 1.0:
             raise InputError(f"fraction must be within [0, 1], got {fraction}")
-        self._warm = None
         low = self._end(vergence_deg, limits, 0)
         high = self._end(vergence_deg, limits, 1)
         medial, lateral = (a + fraction * (b - a) for a, b in zip(low, high, strict=True))
-        # The line is nearly straight: keep the coordinate that runs farther, solve for the other.
+        # The line is nearly straight: keep the coordinate that runs farther, mend the other.
         if abs(high[0] - low[0]) >= abs(high[1] - low[1]):
-            solved = self._solve(lambda a: self._vergence_deg(medial, a), vergence_deg, limits[1])
-            return medial, lateral if solved is None else solved
-        solved = self._solve(lambda a: self._vergence_deg(a, lateral), vergence_deg, limits[0])
-        return medial if solved is None else solved, lateral
+            return medial, self._mend(
+                lambda a: self._vergence_deg(medial, a) - vergence_deg, lateral, limits[1]
+            )
+        return self._mend(
+            lambda a: self._vergence_deg(a, lateral) - vergence_deg, medial, limits[0]
+        ), lateral
 
     def optimal(self, vergence_deg: float) -> OptimalPair:
         """Least metabolic rate of the horizontal recti with gaze correct (K17: C*).
@@ -79,59 +81,77 @@ class Inverse:
         ends for lack of activation to give back: one muscle silent.
         Raises InputError when no pair of activations gives the vergence.
         """
-        self._warm = None
         medial, lateral = self._end(vergence_deg, FULL_RANGE, 0)
         self._vergence_deg(medial, lateral)
-        state_w = self._eyes.state().metabolic_rate_w
-        return OptimalPair(medial, lateral, self._eyes.horizontal_metabolic_rate_w(state_w))
+        rates_w = self._eyes.settled_metabolic_rate_w()
+        return OptimalPair(medial, lateral, self._eyes.horizontal_metabolic_rate_w(rates_w))
 
     def _vergence_deg(self, medial: float, lateral: float) -> float:
         activations = self._eyes.activations_from(medial, lateral)
-        self._equilibrium.solve(activations, self._warm)
-        self._warm = self._eyes.data.qpos.copy()
-        return math.degrees(float(self._warm[0] + self._warm[3]))
+        self._equilibrium.solve(activations, self._start_rad)
+        self._start_rad = self._eyes.data.qpos.copy()
+        return math.degrees(float(self._start_rad[0] + self._start_rad[3]))
+
+    def _corner_deg(self, pair: Pair) -> float:
+        """Return the vergence at a corner of the limits, solved from scratch once."""
+        if pair not in self._corners_deg:
+            self._corners_deg[pair] = self.vergence_deg(*pair)
+        return self._corners_deg[pair]
 
     def _end(self, vergence_deg: float, limits: Limits, i_end: int) -> Pair:
         """Return the end of the line with the least (0) or the most (1) activation in limits."""
-        medial, lateral = limits[0][i_end], limits[1][i_end]
-        along_medial = self._solve(
-            lambda a: self._vergence_deg(a, lateral), vergence_deg, limits[0]
-        )
-        if along_medial is not None:
-            return along_medial, lateral
-        along_lateral = self._solve(
-            lambda a: self._vergence_deg(medial, a), vergence_deg, limits[1]
-        )
-        if along_lateral is not None:
-            return medial, along_lateral
+        corner = (limits[0][i_end], limits[1][i_end])
+        for i_muscle in (0, 1):
+
+            def pair_with(activation: float, i_muscle: int = i_muscle) -> Pair:
+                return (activation, corner[1]) if i_muscle == 0 else (corner[0], activation)
+
+            interval = limits[i_muscle]
+            errors = [self._corner_deg(pair_with(a)) - vergence_deg for a in interval]
+            if errors[0] * errors[1] <= 0.0 and errors[0] != errors[1]:
+                self._start_rad = None
+                found = _root(
+                    lambda a, pair=pair_with: self._vergence_deg(*pair(a)) - vergence_deg,
+                    interval,
+                    (errors[0], errors[1]),
+                )
+                return pair_with(found)
         raise InputError(
             f"no medial activation in {limits[0]} with a lateral one in {limits[1]} gives a "
             f"vergence of {vergence_deg:g} deg"
         )
 
-    def _solve(
-        self, function: Callable[[float], float], wanted: float, interval: Pair
-    ) -> float | None:
-        """Where a monotone function takes the wanted value inside the interval, None if nowhere.
-
-        False position with the Illinois weights: brackets the root, superlinear.
-        """
-        low, high = interval
-        f_low, f_high = function(low) - wanted, function(high) - wanted
-        if abs(f_low) < _TOLERANCE_DEG:
-            return low
-        if abs(f_high) < _TOLERANCE_DEG:
-            return high
-        if f_low * f_high > 0.0:
-            return None
+    def _mend(self, error_deg: Callable[[float], float], guess: float, interval: Pair) -> float:
+        """Bring a guess near a root to it by secants, inside the interval."""
+        before, after = guess, guess + (1e-3 if guess < sum(interval) / 2.0 else -1e-3)
+        error_before, error_after = error_deg(before), error_deg(after)
         for _ in range(_MAX_ITERATIONS):
-            middle = low + (high - low) * f_low / (f_low - f_high)
-            f_middle = function(middle) - wanted
-            if abs(f_middle) < _TOLERANCE_DEG:
+            if abs(error_before) < _TOLERANCE_DEG or error_before == error_after:
                 break
-            if f_middle * f_high < 0.0:
-                low, f_low = high, f_high
-            else:
-                f_low *= 0.5
-            high, f_high = middle, f_middle
+            slope = (error_after - error_before) / (after - before)
+            after, error_after = before, error_before
+            before = min(max(before - error_before / slope, interval[0]), interval[1])
+            error_before = error_deg(before)
+        return before
+
+
+def _root(function: Callable[[float], float], interval: Pair, values: Pair) -> float:
+    """Where a monotone function vanishes; values are the function's at the interval's ends.
+
+    False position with the Illinois weights: keeps a bracket, and is faster than halving it.
+    """
+    (low, high), (f_low, f_high) = interval, values
+    middle = low if abs(f_low) < abs(f_high) else high
+    if min(abs(f_low), abs(f_high)) < _TOLERANCE_DEG:
         return middle
+    for _ in range(_MAX_ITERATIONS):
+        middle = low + (high - low) * f_low / (f_low - f_high)
+        f_middle = function(middle)
+        if abs(f_middle) < _TOLERANCE_DEG:
+            break
+        if f_middle * f_high < 0.0:
+            low, f_low = high, f_high
+        else:
+            f_low *= 0.5
+        high, f_high = middle, f_middle
+    return middle

@@ -57,8 +57,9 @@ class Oculomotor:
         self.data = mujoco.MjData(self.model)
         self._equilibrium = Equilibrium(self.model, self.data)
         parameters = config.parameters
-        period_s = config.control_period_s or parameters.control_period_s
-        self._n_substeps = max(1, round(period_s / parameters.timestep_s))
+        period_s = config.period_s
+        timestep_s = config.timestep_s or parameters.timestep_s
+        self._n_substeps = max(1, round(period_s / timestep_s))
         self.model.opt.timestep = period_s / self._n_substeps
         self._trace = np.empty((4, self._n_substeps, N_MUSCLES))
         self._n_traced = 0
@@ -89,24 +90,30 @@ class Oculomotor:
     def settle(self, activations: Array) -> None:
         """Forget everything and jump to the static equilibrium at activations (12,)."""
         self._equilibrium.solve(check_activations(activations))
+        self.data.time = 0.0
         self._n_traced = 0
 
     def step(self, activations: Array) -> None:
-        """Spend one control period on the way to the target activations (12,); ends settled."""
+        """Spend one control period on the way to the target activations (12,); ends settled.
+
+        The period is simulated; what would still creep after it is taken at once, so that the
+        eyes rest at the static equilibrium that they were on their way to.
+        """
         model, data, trace = self.model, self.data, self._trace
-        data.ctrl[:] = check_activations(activations)
+        activations = check_activations(activations)
+        data.ctrl[:] = activations
         live = (data.act, data.actuator_length, data.actuator_velocity, data.actuator_force)
         for i_substep in range(self._n_substeps):
             mujoco.mj_step(model, data)
             for kept, now in zip(trace, live, strict=True):
                 kept[i_substep] = now
-        mujoco.mj_forward(model, data)
+        self._equilibrium.solve(activations, data.qpos)
         self._n_traced = self._n_substeps
 
     def state(self) -> OculomotorState:
         """Copies of the present state."""
         data = self.data
-        settled_w = self.musculature.settled_rate_w(data.act, data.actuator_length)
+        settled_w = self.settled_metabolic_rate_w()
         mean_w = settled_w
         if self._n_traced:
             mean_w = self.metabolic_trace().total_w.mean(axis=0)
@@ -120,6 +127,21 @@ class Oculomotor:
             metabolic_rate_w=settled_w,
             mean_metabolic_rate_w=mean_w,
         )
+
+    def settled_metabolic_rate_w(self) -> Array:
+        """Metabolic rate (12,) of the muscles as they are, were they to stay so."""
+        return self.musculature.settled_rate_w(self.data.act, self.data.actuator_length)
+
+    def advance(self, activations: Array, duration_s: float) -> None:
+        """Simulate towards the target activations (12,) without waiting for the eyes to settle.
+
+        Takes the whole number of time steps nearest to duration_s, at least one.
+        """
+        self.data.ctrl[:] = check_activations(activations)
+        n_substeps = max(1, round(duration_s / self.model.opt.timestep))
+        mujoco.mj_step(self.model, self.data, n_substeps)
+        mujoco.mj_forward(self.model, self.data)
+        self._n_traced = 0
 
     def metabolic_trace(self) -> MetabolicTerms:
         """Umberger's terms, (n, 12) each, over the n substeps of the last control period."""

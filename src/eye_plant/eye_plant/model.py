@@ -13,13 +13,8 @@ import mujoco
 import numpy as np
 
 from eye_plant.muscles import MUSCLE_NAMES, MUSCLES, N_MUSCLES, SIDES
-from eye_plant.parameters import (
-    PARAMETER_SETS,
-    MuscleParameters,
-    OrbitParameters,
-    ParameterSet,
-    Point,
-)
+from eye_plant.parameter_sets import PARAMETER_SETS
+from eye_plant.parameters import MuscleParameters, OrbitParameters, ParameterSet, Point
 from lockstep.errors import InputError
 
 AXES = ("adduction", "elevation", "intorsion")
@@ -32,7 +27,7 @@ HIDDEN_GROUP = 4
 class MechanicsConfig:
     """Two eyes: which parameters, how far apart, how long a control period, which surgery.
 
-    control_period_s: 0 takes the parameter set's own. Twelve numbers follow the order of
+    control_period_s, timestep_s: 0 takes the set's own. Twelve numbers follow the order of
     MUSCLE_NAMES, two are left, right.
     strength: factor on a muscle's active force (0 paralysed, 1 healthy);
     recession_mm: insertion moved back along the muscle's path (negative: resected);
@@ -43,6 +38,7 @@ class MechanicsConfig:
     baseline_m: float = 0.056
     eye_height_m: float = 1.7
     control_period_s: float = 0.0
+    timestep_s: float = 0.0
     strength: tuple[float, ...] = (1.0,) * N_MUSCLES
     recession_mm: tuple[float, ...] = (0.0,) * N_MUSCLES
     rest_adduction_deg: tuple[float, ...] = (0.0, 0.0)
@@ -58,6 +54,7 @@ class MechanicsConfig:
         _check_within("baseline_m", (self.baseline_m,), 1, (0.025, 1.0))
         _check_within("eye_height_m", (self.eye_height_m,), 1, (0.0, 100.0))
         _check_within("control_period_s", (self.control_period_s,), 1, (0.0, 10.0))
+        _check_within("timestep_s", (self.timestep_s,), 1, (0.0, 0.01))
         _check_within("strength", self.strength, N_MUSCLES, (0.0, 10.0))
         _check_within("recession_mm", self.recession_mm, N_MUSCLES, (-10.0, 10.0))
         _check_within("rest_adduction_deg", self.rest_adduction_deg, 2, (-30.0, 30.0))
@@ -67,6 +64,11 @@ class MechanicsConfig:
     def parameters(self) -> ParameterSet:
         """The numbers behind the parameter set's name."""
         return PARAMETER_SETS[self.parameter_set]
+
+    @property
+    def period_s(self) -> float:
+        """Simulated time between two observations."""
+        return self.control_period_s or self.parameters.control_period_s
 
 
 def _check_within(
