@@ -145,7 +145,7 @@ def test_nothing_is_learned_across_an_episodes_start() -> None:
         np.testing.assert_array_equal(after[name], before[name])
 
 
-@pytest.mark.parametrize(("iteration", "now"), [(5, 5), (4, 14), (3, 3), (0, 4)])
+@pytest.mark.parametrize(("iteration", "now"), [(5, 5), (4, 14), (5, 4), (3, 3), (0, 4)])
 def test_nothing_is_learned_after_a_gap(iteration: int, now: int) -> None:
     agent = Agent(CONFIG)
     train(agent, 0, 4)

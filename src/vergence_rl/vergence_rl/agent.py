@@ -183,7 +183,7 @@ class Agent:
     def _predecessor(self, iteration: int, training_iteration: int) -> _Experience | None:
         """Return the last experience if this observation follows it directly."""
         last = self._last
-        if last is None or iteration == 0:
+        if last is None:
             return None
         steps = (iteration - last.iteration, training_iteration - last.training_iteration)
         return last if steps == (1, 1) else None
