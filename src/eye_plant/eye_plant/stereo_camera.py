@@ -77,7 +77,8 @@ class StereoCamera:
         eye_positions_m (2, 3): the eyes' centres; eye_rotations (2, 3, 3): columns are the eyes'
         x (line of sight), y (left) and z (up) axes in world coordinates, so yaw, pitch and torsion
         all count; i_stimulus in [0, n_stimuli); distance_m from the eyes' frontal plane x = 0, in
-        [0.1, 9] with the default landscape. The array is the caller's own. Raises InputError, with nothing drawn, otherwise.
+        [0.1, 9] with the default landscape. The array is the caller's own. Raises InputError, with
+        nothing drawn, otherwise.
         """
         self.check(i_stimulus, distance_m)
         _check_array("eye_positions_m", eye_positions_m, (_N_EYES, 3))

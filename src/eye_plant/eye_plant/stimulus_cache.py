@@ -62,7 +62,7 @@ def _map(path: Path, size_px: int) -> np.ndarray | None:
     """Return the file's picture, or None when there is none or it is damaged."""
     try:
         picture = np.load(path, mmap_mode="r")
-    except (OSError, ValueError):
+    except (OSError, ValueError, EOFError):
         return None
     is_whole = picture.shape == (size_px, size_px) and picture.dtype == np.uint8
     return picture if is_whole else None
