@@ -67,4 +67,6 @@ class Equilibrium:
         resisting = self.stiffness(torque)
         torques = torque.reshape(2, 3, 1)
         resisting += np.abs(torques).max(axis=1, keepdims=True) / _REACH_RAD * np.eye(3)
-        return np.linalg.solve(resisting, torques).reshape(6)
+        step = np.empty(6)
+        step[:] = np.linalg.solve(resisting, torques).reshape(6)
+        return step

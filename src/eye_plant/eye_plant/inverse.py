@@ -84,7 +84,9 @@ class Inverse:
         medial, lateral = self._end(vergence_deg, FULL_RANGE, 0)
         self._vergence_deg(medial, lateral)
         rates_w = self._eyes.settled_metabolic_rate_w()
-        return OptimalPair(medial, lateral, self._eyes.horizontal_metabolic_rate_w(rates_w))
+        return OptimalPair(
+            float(medial), float(lateral), self._eyes.horizontal_metabolic_rate_w(rates_w)
+        )
 
     def _vergence_deg(self, medial: float, lateral: float) -> float:
         activations = self._eyes.activations_from(medial, lateral)
@@ -100,25 +102,28 @@ class Inverse:
 
     def _end(self, vergence_deg: float, limits: Limits, i_end: int) -> Pair:
         """Return the end of the line with the least (0) or the most (1) activation in limits."""
-        corner = (limits[0][i_end], limits[1][i_end])
-        for i_muscle in (0, 1):
-
-            def pair_with(activation: float, i_muscle: int = i_muscle) -> Pair:
-                return (activation, corner[1]) if i_muscle == 0 else (corner[0], activation)
-
-            interval = limits[i_muscle]
-            errors = [self._corner_deg(pair_with(a)) - vergence_deg for a in interval]
-            if errors[0] * errors[1] <= 0.0 and errors[0] != errors[1]:
-                self._start_rad = None
-                found = _root(
-                    lambda a, pair=pair_with: self._vergence_deg(*pair(a)) - vergence_deg,
-                    interval,
-                    (errors[0], errors[1]),
-                )
-                return pair_with(found)
+        medial, lateral = limits[0][i_end], limits[1][i_end]
+        along_medial = self._along(lambda a: (a, lateral), vergence_deg, limits[0])
+        if along_medial is not None:
+            return along_medial
+        along_lateral = self._along(lambda a: (medial, a), vergence_deg, limits[1])
+        if along_lateral is not None:
+            return along_lateral
         raise InputError(
             f"no medial activation in {limits[0]} with a lateral one in {limits[1]} gives a "
             f"vergence of {vergence_deg:g} deg"
+        )
+
+    def _along(
+        self, pair: Callable[[float], Pair], vergence_deg: float, interval: Pair
+    ) -> Pair | None:
+        """Return the pair of the given vergence on one edge of the limits, None if not there."""
+        low, high = (self._corner_deg(pair(a)) - vergence_deg for a in interval)
+        if low * high > 0.0 or low == high:
+            return None
+        self._start_rad = None
+        return pair(
+            _root(lambda a: self._vergence_deg(*pair(a)) - vergence_deg, interval, (low, high))
         )
 
     def _mend(self, error_deg: Callable[[float], float], guess: float, interval: Pair) -> float:
