@@ -1,0 +1,115 @@
+"""The packages as a ROS workspace sees them: built by colcon, started from what it installed."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[2]
+NODES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")
+PACKAGES = ("lockstep", *NODES)
+
+
+@pytest.fixture(scope="module")
+def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build a copy of src; return the workspace with its folder install."""
+    folder = tmp_path_factory.mktemp("workspace")
+    ignore = shutil.ignore_patterns("__pycache__", "build", "install", "log")
+    shutil.copytree(ROOT / "src", folder / "src", ignore=ignore)
+    colcon = Path(sys.executable).with_name("colcon")
+    environment = {**os.environ, "COLCON_HOME": str(folder), "COLCON_DEFAULTS_FILE": os.devnull}
+    build = subprocess.run(
+        [colcon, "--log-base", "log", "build"],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert build.returncode == 0, build.stdout + build.stderr
+    return folder
+
+
+def _site_packages(workspace: Path, package: str) -> Path:
+    (folder,) = (workspace / "install" / package / "lib").glob("python*/site-packages")
+    return folder
+
+
+def _installed_environment(workspace: Path) -> dict[str, str]:
+    paths = [str(_site_packages(workspace, package)) for package in PACKAGES]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_package_is_registered(workspace: Path, package: str) -> None:
+    share = workspace / "install" / package / "share"
+    assert (share / "ament_index/resource_index/packages" / package).is_file()
+    assert f"<name>{package}</name>" in (share / package / "package.xml").read_text()
+
+
+@pytest.mark.parametrize("package", NODES)
+def test_node_has_an_executable_where_ros2_run_looks(workspace: Path, package: str) -> None:
+    assert os.access(workspace / "install" / package / "lib" / package / "node", os.X_OK)
+
+
+@pytest.mark.parametrize("package", NODES)
+def test_parameters_are_installed(workspace: Path, package: str) -> None:
+    installed = workspace / "install" / package / "share" / package / "config" / f"{package}.yaml"
+    parameters = yaml.safe_load(installed.read_text())
+    assert all("ros__parameters" in section for section in parameters.values())
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_file_of_the_package_is_installed(workspace: Path, package: str) -> None:
+    source = workspace / "src" / package / package
+    installed = _site_packages(workspace, package) / package
+    for file in source.rglob("*"):
+        if file.is_file() and file.suffix != ".TXT":  # MuJoCo's log, left by a crash
+            assert (installed / file.relative_to(source)).read_bytes() == file.read_bytes()
+
+
+_LOAD_ENTRY_POINTS = """
+import sys
+from importlib.metadata import distributions
+
+folder = sys.argv[1]
+(installed,) = distributions(path=[folder])
+for entry in installed.entry_points:
+    function = entry.load()
+    assert callable(function), entry
+    assert function.__code__.co_filename.startswith(folder), function.__code__.co_filename
+    print(entry.name)
+"""
+
+
+@pytest.mark.parametrize("package", NODES)
+def test_entry_points_lead_into_what_was_installed(workspace: Path, package: str) -> None:
+    loaded = subprocess.run(
+        [sys.executable, "-c", _LOAD_ENTRY_POINTS, str(_site_packages(workspace, package))],
+        env=_installed_environment(workspace),
+        cwd=workspace,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert loaded.returncode == 0, loaded.stderr
+    assert "node" in loaded.stdout.split()
+
+
+@pytest.mark.parametrize("package", NODES)
+def test_installed_node_names_an_unknown_parameter(workspace: Path, package: str) -> None:
+    executable = workspace / "install" / package / "lib" / package / "node"
+    started = subprocess.run(
+        [executable, "--ros-args", "-p", "no_such_parameter:=1"],
+        env=_installed_environment(workspace),
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert started.returncode == 2, started.stderr
+    assert "no_such_parameter" in started.stderr.splitlines()[-1]
