@@ -4,10 +4,10 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from lockstep.errors import InputError
 from numpy.typing import NDArray
-from sparse_coder.coder import SparseCoder
 
+from lockstep.errors import InputError
+from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 
 Pair = tuple[NDArray[np.uint8], NDArray[np.uint8]]

@@ -1,5 +1,6 @@
 import numpy as np
 from numpy.typing import NDArray
+
 from sparse_coder.dictionary import Dictionary, initial_atoms, learned_atoms
 from sparse_coder.matching_pursuit import Selections, matching_pursuit, reconstruction_error
 

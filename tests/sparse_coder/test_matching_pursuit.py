@@ -3,6 +3,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
 from sparse_coder.dictionary import Dictionary, initial_atoms
 from sparse_coder.matching_pursuit import (
     Selections,

@@ -1,8 +1,9 @@
 import cv2
 import numpy as np
 import pytest
-from lockstep.errors import InputError
 from numpy.typing import NDArray
+
+from lockstep.errors import InputError
 from sparse_coder.patches import binocular_patches, check_images, coarse_window, fine_window
 
 IMAGE = np.zeros((240, 320), np.uint8)

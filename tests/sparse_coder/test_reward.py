@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+
 from lockstep.errors import InputError
 from sparse_coder.reward import reward
 

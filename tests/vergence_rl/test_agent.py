@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+
 from lockstep.errors import InputError
 from lockstep.randomness import generator
-from numpy.typing import NDArray
 from vergence_rl.agent import Agent, Decision
-
 from vergence_rl.config import VergenceRlConfig
 
 CONFIG = VergenceRlConfig(

@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
 from vergence_rl.cacla import actor_step, n_updates
 from vergence_rl.networks import ActorOutput, ActorWeights, actor
 

@@ -1,6 +1,7 @@
 import math
 
 import numpy as np
+
 from vergence_rl.networks import ActorWeights, actor, uniform_weights
 
 

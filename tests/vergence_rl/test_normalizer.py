@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
 from vergence_rl.normalizer import (
     RunningStatistics,
     empty_statistics,

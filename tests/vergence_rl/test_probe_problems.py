@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from vergence_rl.agent import Agent, Decision
 
+from vergence_rl.agent import Agent, Decision
 from vergence_rl.config import VergenceRlConfig
 
 MID = np.array([0.1, 0.05])

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from vergence_rl.td import critic_step, declining_rate, td_error, td_variance, value
 
 
