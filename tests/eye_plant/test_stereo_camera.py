@@ -26,7 +26,7 @@ FLAT_GREYS = (0, 1, 77, 128, 254, 255)
 
 
 def mark(distance_m: float) -> np.ndarray:
-    """A white Gaussian spot in the centre, of 4 camera pixels' standard deviation from distance_m."""
+    """A white Gaussian spot in the centre, its sigma 4 camera pixels seen from distance_m."""
     sigma_px = 4.0 * distance_m / FOCAL_LENGTH_PX / 3.0 * SIZE_PX
     offset_px = np.arange(SIZE_PX) - (SIZE_PX - 1) / 2.0
     profile = np.exp(-0.5 * (offset_px / sigma_px) ** 2)
@@ -396,7 +396,7 @@ def test_the_environment_chooses_the_backend(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setenv("MUJOCO_GL", "OSMesa")
     assert choose_backend() == "osmesa"
     monkeypatch.setenv("MUJOCO_GL", "vulkan")
-    with pytest.raises(GraphicsError, match="MUJOCO_GL: expected one of egl, osmesa, glfw"):
+    with pytest.raises(GraphicsError, match="MUJOCO_GL: expected egl or osmesa, got vulkan"):
         choose_backend()
 
 

@@ -1,8 +1,8 @@
 """An OpenGL context without a window, with or without a GPU.
 
 MuJoCo's renderer needs a current context; PyOpenGL, which comes with MuJoCo, must be loaded for the
-same backend. The environment variable MUJOCO_GL chooses one of egl, osmesa and glfw; without it the
-first of EGL and OSMesa that this machine has is taken.
+same backend. The environment variable MUJOCO_GL chooses egl or osmesa; without it the first of the
+two that this machine has is taken.
 """
 
 import ctypes
@@ -11,7 +11,7 @@ import os
 from types import ModuleType
 from typing import Any
 
-_BACKENDS = ("egl", "osmesa", "glfw")
+_BACKENDS = ("egl", "osmesa")
 _INSTALL = (
     "install the Debian packages libegl1 and libgl1-mesa-dri (EGL), or libosmesa6 (OSMesa), "
     "for instance: apt-get install libegl1 libgl1-mesa-dri"
@@ -23,14 +23,14 @@ class GraphicsError(RuntimeError):
 
 
 def choose_backend() -> str:
-    """Return the name of the OpenGL backend to use: egl, osmesa or glfw.
+    """Return the name of the OpenGL backend to use, egl or osmesa.
 
     Raises GraphicsError when MUJOCO_GL names another one, or when the machine has none.
     """
     wanted = os.environ.get("MUJOCO_GL", "").strip().lower()
     if wanted:
         if wanted not in _BACKENDS:
-            raise GraphicsError(f"MUJOCO_GL: expected one of {', '.join(_BACKENDS)}, got {wanted}")
+            raise GraphicsError(f"MUJOCO_GL: expected {' or '.join(_BACKENDS)}, got {wanted}")
         return wanted
     if _has_egl_device():
         return "egl"
@@ -59,7 +59,7 @@ class OffscreenContext:
             raise GraphicsError(
                 f"the OpenGL backend {backend} does not work here "
                 f"({type(error).__name__}: {error}): {_INSTALL}; "
-                "MUJOCO_GL chooses another backend"
+                f"MUJOCO_GL chooses between {' and '.join(_BACKENDS)}"
             ) from error
 
     @property

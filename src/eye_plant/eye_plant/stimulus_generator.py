@@ -19,6 +19,7 @@ from lockstep.randomness import generator
 # Lengths are for pictures of this size and scale with it.
 _REFERENCE_PX = 1920
 _LARGEST_LEAF_PX = 500.0  # half its extent
+_DARKEST, _BRIGHTEST = 8.0, 245.0
 _FIXED_POINT_BITS = 3  # cv2 takes vertices in eighths of a pixel
 _N_DISC_VERTICES = 14
 
@@ -32,8 +33,8 @@ class _Style:
     upright_share: float
     n_panels: int
     texture_grey: float  # median standard deviation of the texture
-    darkest: float
-    brightest: float
+    luminance_grey: np.ndarray  # (16, 16), mean grey level of the shapes in each part
+    contrast_grey: float  # standard deviation of the shapes' grey levels about it
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def generate_stimulus(seed: int, role: str, number: int, size_px: int) -> np.nda
     scale = size_px / _REFERENCE_PX
     style = _draw_style(random)
     canvas = np.empty((size_px, size_px, 3), np.uint8)
-    canvas[:] = _surface_values(random, style, 1)[0]
+    canvas[:] = _surface_values(random, style, np.array([[0.5, 0.5]]))[0]
     leaves = _draw_leaves(random, style, size_px)
     starts = np.sort(random.integers(0, len(leaves.values) + 1, style.n_panels))
     ends = [*starts[1:], len(leaves.values)]
@@ -76,8 +77,8 @@ def _draw_style(random: np.random.Generator) -> _Style:
         upright_share=random.uniform(0.4, 0.9),
         n_panels=int(random.integers(10, 40)),
         texture_grey=_log_uniform(random, 8.0, 22.0),
-        darkest=random.uniform(5.0, 50.0),
-        brightest=random.uniform(190.0, 250.0),
+        luminance_grey=random.uniform(90.0, 140.0) + 42.0 * octaves_noise(random, 16),
+        contrast_grey=random.uniform(25.0, 45.0),
     )
 
 
@@ -102,7 +103,7 @@ def _draw_leaves(random: np.random.Generator, style: _Style, size_px: int) -> _S
     vertices = [
         _placed(_OUTLINES[outline[i]], half_extent[i], angle[i], centre[i]) for i in range(n_leaves)
     ]
-    return _Shapes(vertices, _surface_values(random, style, n_leaves))
+    return _Shapes(vertices, _surface_values(random, style, centre / size_px))
 
 
 def _draw_panel(random: np.random.Generator, style: _Style, size_px: int) -> _Shapes:
@@ -125,9 +126,9 @@ def _draw_panel(random: np.random.Generator, style: _Style, size_px: int) -> _Sh
     for cell_centre in cell_centres:
         square = cell_centre + _SQUARE * fill / counts
         vertices.append(_placed(square, half_extent, angle, centre))
-    wall, cell = _surface_values(random, style, 2)
+    wall, cell = _surface_values(random, style, np.stack((centre, centre)) / size_px)
     varied = cell[0] + random.normal(0.0, random.uniform(0.0, 30.0), len(cells))
-    greys = np.clip(varied, style.darkest, style.brightest).astype(int)
+    greys = np.clip(varied, _DARKEST, _BRIGHTEST).astype(int)
     return _Shapes(vertices, [wall, *((int(grey), cell[1], cell[2]) for grey in greys)])
 
 
@@ -139,10 +140,18 @@ def _draw_angles(random: np.random.Generator, style: _Style, n: int) -> np.ndarr
 
 
 def _surface_values(
-    random: np.random.Generator, style: _Style, n: int
+    random: np.random.Generator, style: _Style, where: np.ndarray
 ) -> list[tuple[int, int, int]]:
-    """Return n canvas values: grey, texture strength (log-normal) and texture mix."""
-    grey = random.uniform(style.darkest, style.brightest, n)
+    """Return canvas values of surfaces at where (n, 2), x and y from 0 to 1.
+
+    Grey is the surroundings' luminance with a deviation of its own, since what stands together is
+    often alike; texture strength is log-normal, its mix uniform.
+    """
+    n = len(where)
+    n_parts = len(style.luminance_grey)
+    column, row = np.clip(where * n_parts, 0, n_parts - 1).astype(int).T
+    deviation = style.contrast_grey * random.normal(size=n)
+    grey = np.clip(style.luminance_grey[row, column] + deviation, _DARKEST, _BRIGHTEST)
     strength = np.clip(4.0 * style.texture_grey * np.exp(random.normal(0.0, 0.6, n)), 0.0, 255.0)
     mix = random.uniform(0.0, 255.0, n)
     return list(zip(*(c.astype(int).tolist() for c in (grey, strength, mix)), strict=True))
@@ -169,18 +178,15 @@ def _paint_lines(
 ) -> None:
     """Paint poles, wires and branches: long thin lines, most of them about upright."""
     n_lines = int(random.integers(5, 40))
-    size_px = canvas.shape[0]
-    values = _surface_values(random, style, n_lines)
+    middle = random.uniform(0.0, 1.0, (n_lines, 2))
+    values = _surface_values(random, style, middle)
     angle = _draw_angles(random, style, n_lines) + np.pi / 2.0
+    direction = np.column_stack((np.cos(angle), np.sin(angle)))
     for i in range(n_lines):
-        middle = random.uniform(0.0, size_px, 2)
-        half = (
-            _log_uniform(random, 60.0, 1500.0)
-            * scale
-            * np.array([np.cos(angle[i]), np.sin(angle[i])])
-        )
+        half = _log_uniform(random, 60.0, 1500.0) * scale * direction[i]
         thickness_px = max(1, round(_log_uniform(random, 2.0, 24.0) * scale))
-        ends = np.rint([middle - half, middle + half]).astype(int).tolist()
+        centre_px = middle[i] * canvas.shape[0]
+        ends = np.rint([centre_px - half, centre_px + half]).astype(int).tolist()
         cv2.line(canvas, ends[0], ends[1], values[i], thickness_px)
 
 
