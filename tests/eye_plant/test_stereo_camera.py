@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import cv2
 import numpy as np
@@ -11,7 +12,6 @@ from scipy.ndimage import gaussian_filter
 
 from eye_plant.camera_config import CameraConfig
 from eye_plant.geometry import desired_vergence_deg, disparity_px
-from eye_plant.offscreen import GraphicsError, choose_backend
 from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli import StimulusSet
 from lockstep.errors import InputError
@@ -67,7 +67,7 @@ def camera(stimuli: StimulusSet) -> Iterator[StereoCamera]:
 def make_camera(stimuli: StimulusSet) -> Iterator[Callable[..., StereoCamera]]:
     made: list[StereoCamera] = []
 
-    def make(**changes: object) -> StereoCamera:
+    def make(**changes: Any) -> StereoCamera:
         made.append(StereoCamera(replace(CameraConfig(), **changes), stimuli, EYE_HEIGHT_M))
         return made[-1]
 
@@ -295,7 +295,7 @@ def test_a_stimulus_of_another_kind_is_refused(stimulus: np.ndarray) -> None:
     ],
 )
 def test_a_configuration_that_cannot_be_drawn_is_refused(
-    changes: dict[str, float], message: str
+    changes: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(InputError, match=message):
         replace(CameraConfig(), **changes)
@@ -374,30 +374,6 @@ def test_occlusion_blackens_one_eye(
     )
     assert (covered[i_eye] == 0).all()
     np.testing.assert_array_equal(covered[1 - i_eye], plain[1 - i_eye])
-
-
-# --- the machine
-
-
-def test_a_machine_without_graphics_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("MUJOCO_GL", raising=False)
-    monkeypatch.setattr("eye_plant.offscreen._load_library", lambda _: None)
-    with pytest.raises(GraphicsError, match=r"libegl1 and libgl1-mesa-dri .* or libosmesa6"):
-        choose_backend()
-
-
-def test_osmesa_is_taken_where_egl_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("MUJOCO_GL", raising=False)
-    monkeypatch.setattr("eye_plant.offscreen._load_library", lambda name: "OSMesa" in name or None)
-    assert choose_backend() == "osmesa"
-
-
-def test_the_environment_chooses_the_backend(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("MUJOCO_GL", "OSMesa")
-    assert choose_backend() == "osmesa"
-    monkeypatch.setenv("MUJOCO_GL", "vulkan")
-    with pytest.raises(GraphicsError, match="MUJOCO_GL: expected egl or osmesa, got vulkan"):
-        choose_backend()
 
 
 @pytest.mark.skipif("ABV_MCGILL" not in os.environ, reason="ABV_MCGILL names no real pictures")

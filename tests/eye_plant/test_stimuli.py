@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -15,12 +16,17 @@ from lockstep.errors import InputError
 SIZE_PX = 96
 
 
-def small(cache: Path, **changes: object) -> StimuliConfig:
-    parameters = {"n_training": 4, "n_test": 2, "size_px": SIZE_PX, "cache_directory": str(cache)}
+def small(cache: Path, **changes: Any) -> StimuliConfig:
+    parameters: dict[str, Any] = {
+        "n_training": 4,
+        "n_test": 2,
+        "size_px": SIZE_PX,
+        "cache_directory": str(cache),
+    }
     return StimuliConfig(**(parameters | changes))
 
 
-def of_directory(directory: Path, **changes: object) -> StimuliConfig:
+def of_directory(directory: Path, **changes: Any) -> StimuliConfig:
     return small(Path(), directory=str(directory), **changes)
 
 
@@ -291,8 +297,9 @@ def test_a_train_directory_without_test_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["n_training", "n_test", "size_px"])
 def test_numbers_that_make_no_set_are_refused(name: str) -> None:
+    none: dict[str, Any] = {name: 0}
     with pytest.raises(InputError, match=rf"stimuli\.{name}: expected .* got 0"):
-        StimuliConfig(**{name: 0})
+        StimuliConfig(**none)
 
 
 @pytest.mark.skipif("ABV_MCGILL" not in os.environ, reason="ABV_MCGILL names no real pictures")
