@@ -1,5 +1,16 @@
 """The one error that bad input raises."""
 
+_LONGEST = 500
+
 
 class InputError(ValueError):
-    """An input was refused: the message says what was expected and what came."""
+    """An input was refused: the message says what was expected and what came.
+
+    A text too long to read is shortened in its middle: what came may be of any size.
+    """
+
+    def __init__(self, text: str) -> None:
+        """text: the message."""
+        if len(text) > _LONGEST:
+            text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
+        super().__init__(text)

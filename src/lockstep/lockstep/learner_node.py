@@ -16,7 +16,7 @@ from lockstep.gather import Gather
 from lockstep.parameters import declare_config
 from lockstep.qos import LOCKSTEP_QOS
 from lockstep.requests import END_RUN, START_RUN, Arguments, RequestServer
-from lockstep.stamps import to_ns
+from lockstep.stamps import checked_ns
 from lockstep.state_file import read_state, write_state
 
 
@@ -79,22 +79,22 @@ class LearnerNode(Node):
         """Publish the last answer again."""
 
     def _receive(self, topic: str, message: Any) -> None:
-        stamp_ns = to_ns(message.header.stamp)
-        observation = self._gather.add(topic, stamp_ns, message)
-        if observation is None:
-            return
+        try:
+            stamp_ns = checked_ns(message.header.stamp)
+            observation = self._gather.add(topic, stamp_ns, message)
+            if observation is not None:
+                self._observe(stamp_ns, observation)
+        except InputError as error:
+            self.diagnostics.refuse(str(error))
+
+    def _observe(self, stamp_ns: int, observation: Mapping[str, Any]) -> None:
         verdict = self._answers.judge(stamp_ns)
         if verdict is Verdict.REPEATED:
             self.repeat()
-        if verdict is not Verdict.NEW:
-            return
-        try:
+        elif verdict is Verdict.NEW:
             self.answer(stamp_ns, observation)
-        except InputError as error:
-            self.diagnostics.refuse(str(error))
-            return
-        self._answers.answered(stamp_ns)
-        self.diagnostics.count()
+            self._answers.answered(stamp_ns)
+            self.diagnostics.count()
 
     def _start_run(self, arguments: Arguments) -> None:
         _expect_none(START_RUN, arguments)

@@ -46,7 +46,7 @@ class RequestServer:
         self._diagnostics = diagnostics
         self._handlers = handlers
         self._run_id = ""
-        self._last_accepted: Arguments = {}
+        self._last_accepted: Arguments | None = None
         node.create_service(SetParametersAtomically, service_name(node.get_name()), self._answer)
 
     def _answer(

@@ -2,7 +2,11 @@
 
 from builtin_interfaces.msg import Time
 
+from lockstep.errors import InputError
+
 _NS_PER_S = 1_000_000_000
+# The last that a ROS time, with its 32-bit seconds, can carry.
+MAX_STAMP_NS = (1 << 31) * _NS_PER_S - 1
 
 
 def period_ns(control_period_s: float) -> int:
@@ -11,10 +15,22 @@ def period_ns(control_period_s: float) -> int:
 
 
 def to_time(stamp_ns: int) -> Time:
-    """Return the ROS time of a stamp; stamp_ns in [0, 2^31 s)."""
+    """Return the ROS time of a stamp; stamp_ns in [0, MAX_STAMP_NS]."""
     return Time(sec=stamp_ns // _NS_PER_S, nanosec=stamp_ns % _NS_PER_S)
 
 
 def to_ns(time: Time) -> int:
     """Return the stamp of a ROS time in nanoseconds."""
     return int(time.sec) * _NS_PER_S + int(time.nanosec)
+
+
+def checked_ns(time: Time) -> int:
+    """Return the stamp of a ROS time that came from elsewhere, in nanoseconds.
+
+    Raises InputError for a time that no stamp can have.
+    """
+    if time.sec < 0 or time.nanosec >= _NS_PER_S:
+        raise InputError(
+            f"stamp: expected sec >= 0 and nanosec < 10^9, got {time.sec} s, {time.nanosec} ns"
+        )
+    return to_ns(time)

@@ -1,8 +1,7 @@
 """A learner's state on disk: named arrays in one file that is there whole or not at all."""
 
+import contextlib
 import os
-import zipfile
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -28,7 +27,8 @@ def write_state(path: Path, kind: str, state: Mapping[str, np.ndarray]) -> None:
             os.fsync(file.fileno())
         os.replace(temporary, path)
     except OSError as error:
-        temporary.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            temporary.unlink()
         raise InputError(f"state file {path}: cannot be written: {error}") from error
 
 
@@ -40,7 +40,7 @@ def read_state(path: Path, kind: str) -> dict[str, np.ndarray]:
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error) as error:
+    except Exception as error:  # zip, zlib, numpy and its tokenizer raise errors of their own
         raise InputError(f"state file {path}: expected a state of {kind}: {error}") from error
     found, version = arrays.pop(_KIND, None), arrays.pop(_FORMAT, None)
     if found is None or version is None or str(found) != kind or int(version) != _VERSION:

@@ -15,6 +15,9 @@ from lockstep.errors import InputError
 from lockstep.qos import LOCKSTEP_QOS
 from lockstep.stamps import to_time
 
+# Up to here every whole number is a double of its own.
+_MAX_WHOLE = 2.0**53
+
 Vector = np.ndarray | Sequence[float]
 
 
@@ -87,6 +90,20 @@ def values_of(
     if not np.isfinite(values).all():
         raise InputError(f"{topic}: expected finite values, got {field} {values.tolist()}")
     return values
+
+
+def whole_values_of(message: JointState, names: Sequence[str], topic: str) -> list[int]:
+    """Return positions that count something, in the order of names.
+
+    Raises InputError as `values_of`, and for a value that is no whole number from 0 to 2^53.
+    """
+    values = values_of(message, names, topic)
+    if not ((values >= 0.0) & (values <= _MAX_WHOLE) & (values == np.floor(values))).all():
+        raise InputError(
+            f"{topic}: expected whole numbers from 0 to 2^53 as {', '.join(names)}, "
+            f"got {values.tolist()}"
+        )
+    return [int(value) for value in values]
 
 
 def _indices(have: Sequence[str], want: Sequence[str], topic: str) -> list[int]:

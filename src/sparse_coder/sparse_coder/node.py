@@ -10,7 +10,7 @@ from lockstep.learner_node import LearnerNode
 from lockstep.process import run_node
 from lockstep.qos import LOCKSTEP_QOS
 from lockstep.topics import HORIZONTAL_RECTI, PICTURES, REWARD_NAMES, TRAINING
-from lockstep.vectors import VectorPublisher, values_of
+from lockstep.vectors import VectorPublisher, values_of, whole_values_of
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.messages import FeaturesMessage, picture_of
@@ -36,7 +36,7 @@ class SparseCoderNode(LearnerNode):
     def answer(self, stamp_ns: int, observation: Mapping[str, Any]) -> None:
         """Publish features and reward, then let the dictionaries learn while others work."""
         left, right = (picture_of(observation[topic], topic) for topic in PICTURES)
-        (phase,) = values_of(observation["episode"], ("phase",), "episode")
+        (phase,) = whole_values_of(observation["episode"], ("phase",), "episode")
         rates_w = values_of(
             observation["muscle_activations"], HORIZONTAL_RECTI, "muscle_activations", "effort"
         )

@@ -12,7 +12,7 @@ from sensor_msgs.msg import Image, JointState
 from lockstep.learner_node import LearnerNode
 from lockstep.process import run_node
 from lockstep.topics import ACTOR_CRITIC_NAMES, COMMAND_NAMES, HORIZONTAL_RECTI, TRAINING
-from lockstep.vectors import VectorPublisher, values_of
+from lockstep.vectors import VectorPublisher, values_of, whole_values_of
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
 from vergence_rl.messages import features_of
@@ -43,7 +43,7 @@ class VergenceRlNode(LearnerNode):
         """Publish the command that follows from an observation, and what the learner thought."""
         features = features_of(observation["features"])
         (reward_t,) = values_of(observation["reward"], ("reward",), "reward")
-        phase, iteration, training_iteration = values_of(
+        phase, iteration, training_iteration = whole_values_of(
             observation["episode"], _EPISODE, "episode"
         )
         left_right = values_of(
@@ -54,8 +54,8 @@ class VergenceRlNode(LearnerNode):
             features,
             left_right.mean(axis=0),
             float(reward_t),
-            int(iteration),
-            int(training_iteration),
+            iteration,
+            training_iteration,
             learning=self.learning and in_training,
             exploration=self.exploration and in_training,
         )

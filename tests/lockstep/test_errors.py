@@ -1,0 +1,19 @@
+"""InputError: a ValueError whose text stays readable."""
+
+from lockstep.errors import InputError
+
+
+def test_short_texts_stay() -> None:
+    assert str(InputError("expected a, got b")) == "expected a, got b"
+
+
+def test_long_texts_keep_their_ends() -> None:
+    text = str(InputError("begin " + "x" * 100_000 + " end"))
+    assert len(text) < 600
+    assert text.startswith("begin x")
+    assert " ... " in text
+    assert text.endswith("x end")
+
+
+def test_it_is_a_value_error() -> None:
+    assert isinstance(InputError(""), ValueError)
