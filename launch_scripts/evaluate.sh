@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Test what a run has learned, on its own test stimuli or on other images.
+# Measure what a run has learned: vergence error and energy after each of its tests.
 #
-# usage: launch_scripts/evaluate.sh RUN [--stimuli DIR] [more options]
+# usage: launch_scripts/evaluate.sh RUN [options]
 set -euo pipefail
 # shellcheck source=launch_scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Show what a bag holds: topics, types, counts, stamps.
 #
-# usage: launch_scripts/inspect_bag.sh BAG [more options]
+# usage: launch_scripts/inspect_bag.sh BAG [options]
 set -euo pipefail
 # shellcheck source=launch_scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
