@@ -45,7 +45,11 @@ def write_results(path: Path, **values: Any) -> None:
     Raises ValueError for a number that is not finite, OSError when the disk refuses; then the
     older file is untouched.
     """
-    document = results_document(**values)
+    write_document(path, results_document(**values))
+
+
+def write_document(path: Path, document: dict[str, Any]) -> None:
+    """Write what results_document returned; errors as for write_results."""
     replace_file(Path(path), (json.dumps(document, indent=2, allow_nan=False) + "\n").encode())
 
 
