@@ -55,6 +55,7 @@ class ExperimentManagerNode(Node):
         self._period_ns = period_ns(self.config.mechanics.period_s)
         self.run = Run(self.config)
         self._record: EpisodeRecord | None = None
+        self._n_awaited = 0
         self._stop_wanted = False
         self._is_over = False
         self._message_s = self._matched_s = time.monotonic()
@@ -148,7 +149,19 @@ class ExperimentManagerNode(Node):
         self._sample_pictures()
         self._record = EpisodeRecord(episode, self._period_ns)
         self._message_s = time.monotonic()
-        self._ask_all([(PLANT, "episode", episode.as_arguments())], self.run.prepare)
+        self._n_awaited = 2
+        self._ask_all([(PLANT, "episode", episode.as_arguments())], self._acknowledged)
+
+    def _acknowledged(self) -> None:
+        # The plant is busy now; what is drawn here costs the run no time.
+        self.run.prepare()
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Begin the next episode when the last one is both acknowledged and recorded."""
+        self._n_awaited -= 1
+        if self._n_awaited == 0:
+            self._next_episode()
 
     def _sample_pictures(self) -> None:
         """Subscribe one episode early, so that all is matched when the sampled one begins."""
@@ -204,7 +217,7 @@ class ExperimentManagerNode(Node):
         self._record = None
         self.diagnostics.count()
         self.run.end_episode()
-        self._next_episode()
+        self._go_on()
 
     # Checkpoints and the end
 

@@ -6,11 +6,12 @@ from collections.abc import Callable
 from types import FrameType
 
 import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from lockstep.errors import InputError
+from lockstep.executor import LockstepExecutor
 
 EXIT_BAD_INPUT = 2
 
@@ -36,7 +37,7 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
 
     signal.signal(signal.SIGINT, on_signal)
     signal.signal(signal.SIGTERM, on_signal)
-    executor = SingleThreadedExecutor()
+    executor = LockstepExecutor()
     executor.add_node(node)
     try:
         executor.spin()
