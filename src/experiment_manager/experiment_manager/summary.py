@@ -14,7 +14,7 @@ _COLUMNS = (
 )
 
 
-def results_table(results: Mapping[str, Any], directory: Path) -> str:
+def results_table(results: Mapping[str, Any], directory: Path, figure: Path) -> str:
     """Return the tests of a results.json as text, and where everything lies."""
     widths = [len(form.format(0)) for _, _, form in _COLUMNS]
     lines = [
@@ -28,7 +28,7 @@ def results_table(results: Mapping[str, Any], directory: Path) -> str:
     lines += [
         "",
         f"results: {directory / 'results.json'}",
-        f"figure:  {directory / 'figures' / 'learning_curve.png'}",
+        f"figure:  {figure}",
         f"bag:     {directory / 'bag'}",
     ]
     return "\n".join(lines)

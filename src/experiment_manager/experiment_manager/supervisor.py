@@ -1,6 +1,5 @@
 """run_experiment.sh: starts the nodes of a run, watches them, and rolls back after a fault."""
 
-import json
 import signal
 import subprocess
 import sys
@@ -12,17 +11,23 @@ from types import FrameType
 from experiment_manager import checkpoint
 from experiment_manager.domains import own_domain
 from experiment_manager.durable_files import replace_file
+from experiment_manager.figures import learning_curve
 from experiment_manager.heartbeats import Heartbeats
 from experiment_manager.node import EXIT_INTERRUPTED
 from experiment_manager.options import (
+    Configuration,
     arguments,
     configuration_of,
     configuration_text,
     read_configuration,
 )
 from experiment_manager.processes import MANAGER, NodeProcesses
+from experiment_manager.results import read_results
 from experiment_manager.run import CONFIG_FILE, RESULTS_FILE
 from experiment_manager.summary import results_table
+from eye_plant.config import EyePlantConfig
+from eye_plant.stimuli import load_stimuli
+from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.process import EXIT_BAD_INPUT
 
@@ -120,6 +125,13 @@ def _source_commit() -> str:
     return done.stdout.strip() or "unknown"
 
 
+def _prepare_stimuli(configuration: Configuration) -> None:
+    """Make the generated stimuli now if they are not in the cache: a node has no time for that."""
+    plant = build(EyePlantConfig, configuration["eye_plant"])
+    print("preparing the stimuli (the first time, they are generated: about a minute)")
+    load_stimuli(plant.stimuli)
+
+
 def _prepare(argv: Sequence[str] | None) -> Path:
     """Return the run directory that the command line asks for, with its config.yaml."""
     options = arguments(argv)
@@ -127,6 +139,7 @@ def _prepare(argv: Sequence[str] | None) -> Path:
         read_configuration(options.resume / CONFIG_FILE)
         return Path(options.resume).resolve()
     configuration = configuration_of(options, _source_commit())
+    _prepare_stimuli(configuration)
     name = time.strftime("%Y%m%d-%H%M%S")
     directory = (options.out or Path("runs") / name).resolve()
     if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
@@ -152,8 +165,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
     if code == 0:
-        results = json.loads((directory / RESULTS_FILE).read_text())
-        print(results_table(results, directory))
+        figure = learning_curve(directory)
+        print(results_table(read_results(directory / RESULTS_FILE), directory, figure))
     elif code != EXIT_BAD_INPUT:
         print(f"to go on: launch_scripts/run_experiment.sh --resume {directory}", file=sys.stderr)
     return code
