@@ -40,7 +40,7 @@ def _muscle(
         mass_kg=mass_kg,
         shortest=0.35,
         longest=1.6,
-        passive_stiffness=1.5,
+        passive_stiffness=2.0,
         tonic_activation=tonic_activation,
     )
 

@@ -38,13 +38,13 @@ class Equilibrium:
         data.act[:] = activations
         data.qpos[:] = 0.0 if start_rad is None else start_rad
         for _ in range(_MAX_ITERATIONS):
-            step = self._creep(self._torque())
+            step = self._creep(self.torque())
             data.qpos[:] += step
             if np.abs(step).max() < _CONVERGED_RAD:
                 break
         mujoco.mj_forward(self._model, data)
 
-    def _torque(self) -> Array:
+    def torque(self) -> Array:
         """Net torque (6,) about the joints, in N m, at the present angles."""
         mujoco.mj_fwdPosition(self._model, self._data)
         mujoco.mj_fwdVelocity(self._model, self._data)
@@ -58,7 +58,7 @@ class Equilibrium:
         for i_axis in range(3):
             self._data.qpos[:] = angles
             self._data.qpos[i_axis::3] += _PROBE_RAD
-            columns[:, :, i_axis] = ((torque - self._torque()) / _PROBE_RAD).reshape(2, 3)
+            columns[:, :, i_axis] = ((torque - self.torque()) / _PROBE_RAD).reshape(2, 3)
         self._data.qpos[:] = angles
         return columns
 

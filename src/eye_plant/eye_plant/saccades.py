@@ -80,21 +80,22 @@ class Saccade:
 
 
 def holding_pair(eyes: Oculomotor, adduction_deg: float) -> tuple[float, float]:
-    """Medial and lateral activations that hold an eye at an adduction from 0 to 45 deg.
+    """Medial and lateral activations that hold an eye at an adduction from -45 to 45 deg.
 
-    Reciprocal: the lateral rectus falls from its tonic level to silence at 30 deg. Settles eyes.
+    Reciprocal: the antagonist falls from its tonic level to silence at 30 deg. Settles eyes.
     """
-    tonic = float(eyes.tonic_activations[LATERAL[0]])
-    lateral = tonic * max(0.0, 1.0 - adduction_deg / SILENT_ANTAGONIST_DEG)
+    agonists, antagonists = (MEDIAL, LATERAL) if adduction_deg >= 0.0 else (LATERAL, MEDIAL)
+    activations = eyes.tonic_activations
+    activations[antagonists] *= max(0.0, 1.0 - abs(adduction_deg) / SILENT_ANTAGONIST_DEG)
     low, high = 0.0, 1.0
     for _ in range(40):
-        medial = 0.5 * (low + high)
-        eyes.settle(eyes.activations_from(medial, lateral))
-        if np.degrees(eyes.data.qpos[0]) < adduction_deg:
-            low = medial
+        activations[agonists] = 0.5 * (low + high)
+        eyes.settle(activations)
+        if np.sign(adduction_deg) * np.degrees(eyes.data.qpos[0]) < abs(adduction_deg):
+            low = activations[agonists[0]]
         else:
-            high = medial
-    return medial, lateral
+            high = activations[agonists[0]]
+    return float(activations[MEDIAL[0]]), float(activations[LATERAL[0]])
 
 
 def make_saccade(
