@@ -50,6 +50,8 @@ def hash_of(path: Path) -> str:
 def commit(checkpoints: Path, manifest: Manifest) -> None:
     """Make the checkpoint of the states already written valid, then delete those before the last.
 
+    What a kill left behind without a manifest is deleted too.
+
     Raises OSError when the disk refuses; then the older checkpoints are untouched.
     """
     directory = place_directory(checkpoints, manifest.place)
@@ -59,7 +61,9 @@ def commit(checkpoints: Path, manifest: Manifest) -> None:
     for old in done[:-_N_KEPT]:
         # Without its manifest a half-deleted directory is no checkpoint.
         (old / _MANIFEST).unlink()
-        shutil.rmtree(old)
+    for path in checkpoints.iterdir():
+        if path.is_dir() and not (path / _MANIFEST).exists():
+            shutil.rmtree(path)
 
 
 def newest(checkpoints: Path) -> tuple[Manifest, Path] | None:
@@ -76,7 +80,10 @@ def newest(checkpoints: Path) -> tuple[Manifest, Path] | None:
     for name, expected in manifest.state_hashes.items():
         state = path.parent / name
         if not state.is_file() or hash_of(state) != expected:
-            raise InputError(f"checkpoint {path.parent}: {name} is missing or was changed")
+            raise InputError(
+                f"checkpoint {path.parent}: {name} is missing or was changed; "
+                "delete this directory to go on from the checkpoint before"
+            )
     return manifest, path.parent
 
 
@@ -86,9 +93,28 @@ def _read(path: Path) -> Manifest:
         version = document.pop("version")
         if version != _VERSION:
             raise InputError(f"checkpoint {path}: expected version {_VERSION}, got {version}")
-        document["bag_files"] = tuple(document["bag_files"])
-        return Manifest(**document)
+        manifest = Manifest(**document)
     except InputError:
         raise
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"checkpoint {path}: expected a manifest: {error}") from error
+    if not _is_sound(manifest):
+        raise InputError(f"checkpoint {path}: expected a manifest, got other values: {manifest}")
+    return dataclasses.replace(manifest, bag_files=tuple(manifest.bag_files))
+
+
+def _is_sound(manifest: Manifest) -> bool:
+    """Whether the values read are of the types that were written."""
+    # As read from JSON: a list of bag files, and whatever somebody may have written instead.
+    bag_files: Any = manifest.bag_files
+    hashes: Any = manifest.state_hashes
+    return (
+        type(manifest.place) is int
+        and manifest.place >= 0
+        and isinstance(manifest.config_hash, str)
+        and isinstance(bag_files, list)
+        and all(isinstance(name, str) for name in bag_files)
+        and isinstance(hashes, dict)
+        and all(isinstance(h, str) and Path(name).name == name for name, h in hashes.items())
+        and isinstance(manifest.progress, dict)
+    )

@@ -1,5 +1,6 @@
 """Settings of the experiment manager."""
 
+import math
 from dataclasses import dataclass, field
 
 from experiment_manager.protocol import ProtocolConfig
@@ -41,6 +42,11 @@ class ExperimentManagerConfig:
         """Check the ranges."""
         if self.model not in MODELS:
             raise InputError(f"model: expected {' or '.join(MODELS)}, got {self.model!r}")
+        weight = self.metabolic_cost_weight
+        if not (math.isfinite(weight) and weight >= 0.0):
+            raise InputError(
+                f"metabolic_cost_weight: expected a finite number, 0 or more, got {weight}"
+            )
         for name in ("checkpoint_period_s", "gap_s"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"{name}: expected more than 0 s, got {getattr(self, name)}")

@@ -139,7 +139,10 @@ def _setting(text: str) -> tuple[str, str, Any]:
             f"--set: expected NODE.PARAMETER=VALUE with a node of {', '.join(CONFIG_CLASSES)}, "
             f"got {text!r}"
         )
-    return node, name, yaml.safe_load(value)
+    try:
+        return node, name, yaml.safe_load(value)
+    except yaml.YAMLError as error:
+        raise InputError(f"--set {text}: expected a value as YAML has it") from error
 
 
 def _whole(text: str) -> int:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from experiment_manager.metrics import SHARE_ITERATIONS, test_summary
+from lockstep.errors import InputError
 from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
 
 _N_RUNNING = 200
@@ -69,7 +70,8 @@ class Progress:
         if not count:
             return None
         priced = metabolic_cost_weight * cost_w
-        return priced / (error + priced)
+        total = error + priced
+        return priced / total if total else None
 
     @property
     def running_median_error_deg(self) -> float | None:
@@ -90,8 +92,12 @@ class Progress:
         return np.array(self._trial_rows, dtype=np.float64).reshape(-1, len(GROUND_TRUTH_NAMES))
 
     def restore(self, document: dict[str, Any], trial_rows: np.ndarray) -> None:
-        """Take over what `document` and `trial_rows` returned."""
-        self.tests = list(document["tests"])
+        """Take over what `document` and `trial_rows` returned; InputError for anything else."""
+        try:
+            tests = list(document["tests"])
+            sums = {end: list(document["sums"][end]) for end in self._sums}
+            errors_deg = deque(document["running_errors_deg"], maxlen=_N_RUNNING)
+        except (KeyError, TypeError) as error:
+            raise InputError(f"expected a run's progress, got {document}: {error!r}") from error
+        self.tests, self._sums, self._running_errors_deg = tests, sums, errors_deg
         self._trial_rows = trial_rows.tolist()
-        self._sums = {end: list(sums) for end, sums in document["sums"].items()}
-        self._running_errors_deg = deque(document["running_errors_deg"], maxlen=_N_RUNNING)

@@ -44,11 +44,13 @@ class ProgressBar:
 
     def say(self, test: dict[str, Any]) -> None:
         """Print the line of a test."""
+        reduction = test["median_cost_reduction"]
+        saved = "undefined" if reduction is None else f"{reduction:.2f}"
         self._bar.write(
             f"test at {test['iteration']:>8} iterations: median |vergence error| "
             f"{test['median_abs_vergence_error_deg']:.3f} deg, "
             f"IQR {test['iqr_abs_vergence_error_deg']:.3f} deg, "
-            f"cost reduction {test['median_cost_reduction']:.2f} ({test['n_trials']} trials)",
+            f"cost reduction {saved} ({test['n_trials']} trials)",
             file=sys.stderr,
         )
 

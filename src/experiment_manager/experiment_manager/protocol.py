@@ -25,10 +25,11 @@ PAPER_TEST_ITERATIONS = (
 )
 
 
+_LEAST_DISTANCE_M = 0.1
 # Parameters that are a lowest and a highest value, and the least that either may be.
 _BOUNDS = {
-    "object_distance_m": 0.1,
-    "fixation_distance_m": 0.1,
+    "object_distance_m": _LEAST_DISTANCE_M,
+    "fixation_distance_m": _LEAST_DISTANCE_M,
     "medial_rectus_limits": 0.0,
     "lateral_rectus_limits": 0.0,
 }
@@ -89,10 +90,19 @@ class ProtocolConfig:
             )
         for name, least in _BOUNDS.items():
             values = getattr(self, name)
-            if len(values) != 2 or not least <= values[0] <= values[1]:
+            if len(values) != 2 or not least <= values[0] <= values[1] < math.inf:
                 raise InputError(
                     f"{name}: expected [lowest, highest] from {least} on, got {list(values)}"
                 )
+        if not all(_LEAST_DISTANCE_M <= d < math.inf for d in self.test_distances_m):
+            raise InputError(
+                f"test_distances_m: expected {_LEAST_DISTANCE_M} m or more, "
+                f"got {list(self.test_distances_m)}"
+            )
+        if self.least_start_error_deg > 0:
+            raise InputError(
+                f"least_start_error_deg: expected 0 or less, got {self.least_start_error_deg}"
+            )
 
 
 def bounds(values: tuple[float, ...]) -> tuple[float, float]:

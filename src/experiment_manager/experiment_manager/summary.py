@@ -23,7 +23,7 @@ def results_table(results: Mapping[str, Any], directory: Path, figure: Path) -> 
         " ".join(title.rjust(width) for (_, title, _), width in zip(_COLUMNS, widths, strict=True)),
     ]
     lines += [
-        " ".join(form.format(test[key]) for key, _, form in _COLUMNS) for test in results["tests"]
+        " ".join(_cell(test[key], form) for key, _, form in _COLUMNS) for test in results["tests"]
     ]
     lines += [
         "",
@@ -32,3 +32,8 @@ def results_table(results: Mapping[str, Any], directory: Path, figure: Path) -> 
         f"bag:     {directory / 'bag'}",
     ]
     return "\n".join(lines)
+
+
+def _cell(value: float | None, form: str) -> str:
+    """Return a number in its form; a test of few trials may have no cost reduction."""
+    return "-".rjust(len(form.format(0))) if value is None else form.format(value)
