@@ -249,3 +249,27 @@ def test_garbage_behind_a_cut_is_left_out(chunked: tuple[Path, np.ndarray], tmp_
         assert len(bag.files[0].chunks) == 5
         assert np.array_equal(table.position, values[: len(table.position)])
         assert 0 < bag.files[0].n_lost_bytes <= n_garbage
+
+
+def test_damaged_bytes_are_one_clear_error_or_do_no_harm(
+    chunked: tuple[Path, np.ndarray], tmp_path: Path
+) -> None:
+    path, values = chunked
+    content = path.read_bytes()
+    rng = np.random.default_rng(14)
+    n_refused = 0
+    for n_damaged in (1, 2, 30) * 60:
+        damaged = bytearray(content)
+        # The first eight bytes are another test's; half the damage goes to the index at the end.
+        first = 8 if rng.random() < 0.5 else len(content) - 6000
+        for place in rng.integers(first, len(content), n_damaged).tolist():
+            damaged[place] = int(rng.integers(256))
+        (tmp_path / "damaged.mcap").write_bytes(damaged)
+        try:
+            table = Bag(tmp_path / "damaged.mcap").vectors("a")["a"]
+        except InputError:
+            n_refused += 1
+            continue
+        assert len(table.position) <= len(values)
+        assert np.isin(table.position, values).all(), "a wrong number passed for a recorded one"
+    assert 0 < n_refused < 180

@@ -126,7 +126,8 @@ class Bag:
         for file, place, data in self._chunks(names.values()):
             for topic, name in names.items():
                 parts[topic].extend(_tables(data, file.entries(place, name)))
-        return {topic: _joined(tables) for topic, tables in parts.items()}
+        # One topic after the other: a full run's parts and whole tables would fill a gigabyte.
+        return {topic: _joined(parts.pop(topic)) for topic in topics}
 
     def images(
         self, topic: str, stamps_ns: Iterable[int] | None = None
@@ -144,7 +145,7 @@ class Bag:
                     entries = entries[np.isin(entries["log_time"], wanted)]
                 if not len(entries):
                     continue
-                data = _read(file, place)
+                data = file.read_chunk(place)
                 for stamp, offset in entries.tolist():
                     yield stamp, image_array(message_at(data, offset))
 
@@ -154,7 +155,7 @@ class Bag:
             channels = {i for i, channel in file.channels.items() if channel.topic in wanted}
             for place in file.chunks:
                 if channels & place.channel_ids:
-                    yield file, place, _read(file, place)
+                    yield file, place, file.read_chunk(place)
 
 
 def read_vectors(path: Path, topic: str) -> VectorTable:
@@ -191,13 +192,6 @@ def _listed(metadata: Path) -> Sequence[str]:
 def _natural(path: Path) -> list[tuple[int, str]]:
     """Sort key that puts bag_10 behind bag_9."""
     return [(int(part or 0), text) for text, part in re.findall(r"(\D*)(\d*)", path.name)]
-
-
-def _read(file: McapFile, place: ChunkPlace) -> np.ndarray:
-    try:
-        return file.read_chunk(place)
-    except Exception as error:
-        raise InputError(f"{file.path}: broken chunk at byte {place.offset}: {error}") from error
 
 
 def message_at(data: np.ndarray, offset: int) -> bytes:

@@ -139,6 +139,7 @@ def performance_figure(groups: Sequence[Group]) -> Figure:
     _mark_pixel(lower)
     lower.set(yscale="log", ylabel=r"$|\Delta\gamma|$ / deg", xlabel="training iterations")
     lower.yaxis.set_major_formatter(mpl.ticker.FormatStrFormatter("%g"))
+    lower.yaxis.set_minor_formatter(mpl.ticker.NullFormatter())
     figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure
 
@@ -151,12 +152,14 @@ def _performance(axes: Axes, groups: Sequence[Group]) -> list[Any]:
     for group in groups:
         handles.append(_draw_errors(axes, group))
         delta_w = [float(np.median(_deltas_w(group.tests_at(at)))) for at in group.iterations]
-        right.plot(group.iterations, delta_w, "--", color=group.colour, lw=1.2)
+        right.plot(group.iterations, delta_w, "--", marker=".", color=group.colour, lw=1.2)
     _mark_pixel(axes)
     axes.set(xlabel="training iterations", ylabel=r"$|\Delta\gamma|$ / deg", ylim=(0, None))
     axes.xaxis.set_major_formatter(mpl.ticker.EngFormatter(sep=""))
     right.set_ylabel(r"$\Delta C$ / W")
-    right.set_ylim(min(0.0, right.get_ylim()[0]), None)
+    # With 0 in sight the height of a line tells its size.
+    right.axhline(0.0, alpha=0.0)
+    right.margins(y=0.08)
     handles += [
         Line2D([], [], color="0.3", label=r"median $|\Delta\gamma|$ (left)"),
         Patch(color="0.3", alpha=0.2, lw=0, label="its quartiles"),
@@ -234,7 +237,8 @@ def box_figure(groups: Sequence[Group]) -> Figure:
     upper.set(ylabel=r"$|\Delta\gamma|$ / deg", ylim=(0, None))
     lower.set(ylabel="$c$ / %", xlabel="iteration of the trial")
     lower.set_xticks(range(len(shown)), [str(k) for k in shown])
-    upper.legend(handles=[Patch(color=g.colour, alpha=0.6, label=g.label) for g in groups])
+    handles = [Patch(color=group.colour, alpha=0.6, label=group.label) for group in groups]
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(3, len(handles)))
     return figure
 
 

@@ -24,17 +24,38 @@ from mcap.stream_reader import get_chunk_data_stream
 from experiment_manager.bag_metadata import FileSummary
 from lockstep.errors import InputError
 
+_INDEX_HEADER = struct.Struct("<BQHI")  # opcode, length of the body, channel, bytes of entries
+_FOOTER = struct.Struct("<BQQQI")  # opcode, length, start of the summary, of its offsets, checksum
 _MAGIC = b"\x89MCAP0\r\n"
 _RECORD = struct.Struct("<BQ")  # opcode, length of the body
 MESSAGE_STRUCT = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
-_LEAST_BYTES = 2 * len(_MAGIC) + 29  # magic, footer, magic
+_LEAST_BYTES = 2 * len(_MAGIC) + _FOOTER.size
 _CHUNK_LIMIT_BYTES = 1 << 31
 # A message index entry; and what a message record is made of before its data.
 INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
 RECORD_HEADER_BYTES = _RECORD.size
 MESSAGE_HEADER_BYTES = RECORD_HEADER_BYTES + MESSAGE_STRUCT.size
+_MESSAGE_HEAD = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<u8"),
+        ("publish_time", "<u8"),
+    ]
+)
 # What broken bytes make of the readers of records, checksums and compressed blocks.
-_BROKEN = (McapError, EOFError, struct.error, ValueError, zstandard.ZstdError, RuntimeError)
+_BROKEN = (
+    McapError,
+    EOFError,
+    struct.error,
+    ValueError,
+    OverflowError,
+    MemoryError,
+    RuntimeError,
+    zstandard.ZstdError,
+)
 
 
 @dataclass(frozen=True)
@@ -96,10 +117,24 @@ class McapFile:
         return schema.name if schema else ""
 
     def read_chunk(self, place: ChunkPlace) -> np.ndarray:
-        """Return the records of a chunk, decompressed: (n_bytes,) uint8."""
-        with self.path.open("rb") as stream:
-            stream.seek(place.offset + _RECORD.size)
-            return np.frombuffer(_chunk_data(Chunk.read(ReadDataStream(stream))), np.uint8)
+        """Return the records of a chunk, decompressed: (n_bytes,) uint8.
+
+        Raises InputError when the chunk does not fit its checksum, or its index does not fit it:
+        what is returned may be trusted.
+        """
+        try:
+            with self.path.open("rb") as stream:
+                stream.seek(place.offset + _RECORD.size)
+                data = _chunk_data(Chunk.read(ReadDataStream(stream)))
+        except _BROKEN as error:
+            raise InputError(
+                f"{self.path}: broken chunk at byte {place.offset}: {error}"
+            ) from error
+        records = np.frombuffer(data, np.uint8)
+        for channel_id in place.channel_ids:
+            if not _index_fits(records, place.entries(channel_id), channel_id):
+                raise InputError(f"{self.path}: broken index of the chunk at byte {place.offset}")
+        return records
 
     def log_times_ns(self, channel_id: int) -> np.ndarray:
         """Return the stamps of all messages of a channel (n,) int64, in the file's order."""
@@ -139,7 +174,7 @@ class McapFile:
     def _read_summary(self, stream: BinaryIO) -> bool:
         size = stream.seek(0, 2)
         stream.seek(max(0, size - len(_MAGIC)))
-        if stream.read() != _MAGIC or size < _LEAST_BYTES:
+        if stream.read() != _MAGIC or size < _LEAST_BYTES or not _summary_fits(stream, size):
             return False
         stream.seek(0)
         try:
@@ -165,10 +200,15 @@ class McapFile:
             if offset is None:
                 return np.zeros(0, INDEX_ENTRY)
             with self.path.open("rb") as stream:
-                # opcode, length of the record, channel, length of the entries in bytes
-                stream.seek(offset + _RECORD.size + 2)
-                (n_bytes,) = struct.unpack("<I", stream.read(4))
-                return np.frombuffer(stream.read(n_bytes), INDEX_ENTRY)
+                stream.seek(offset)
+                head = stream.read(_INDEX_HEADER.size)
+                if len(head) == _INDEX_HEADER.size:
+                    opcode, _, found_id, n_bytes = _INDEX_HEADER.unpack(head)
+                    body = stream.read(min(n_bytes, _CHUNK_LIMIT_BYTES))
+                    whole = len(body) == n_bytes and not n_bytes % INDEX_ENTRY.itemsize
+                    if (opcode, found_id, whole) == (Opcode.MESSAGE_INDEX, channel_id, True):
+                        return np.frombuffer(body, INDEX_ENTRY)
+            raise InputError(f"{self.path}: broken message index at byte {offset}")
 
         return ChunkPlace(index.chunk_start_offset, entries, frozenset(index.message_index_offsets))
 
@@ -225,6 +265,35 @@ class McapFile:
     def _keep(self, metadata: list[Metadata], attachments: list[Attachment]) -> None:
         self.metadata |= {record.name: dict(record.metadata) for record in metadata}
         self.attachments |= {record.name: record.data for record in attachments}
+
+
+def _summary_fits(stream: BinaryIO, size: int) -> bool:
+    """Whether the index at the end of a file of that size has its checksum."""
+    stream.seek(size - len(_MAGIC) - _FOOTER.size)
+    footer = stream.read(_FOOTER.size)
+    opcode, _, start, _, checksum = _FOOTER.unpack(footer)
+    if opcode != Opcode.FOOTER or not len(_MAGIC) <= start < size:
+        return False
+    stream.seek(start)
+    summary = stream.read(size - len(_MAGIC) - _FOOTER.size - start)
+    covered = footer[: _FOOTER.size - 4]
+    return checksum == 0 or zlib.crc32(covered, zlib.crc32(summary)) == checksum
+
+
+def _index_fits(records: np.ndarray, entries: np.ndarray, channel_id: int) -> bool:
+    """Whether each entry (n,) leads to a message of the channel with the entry's stamp."""
+    offsets = entries["offset"].astype(np.int64)
+    if (offsets > len(records) - MESSAGE_HEADER_BYTES).any() or (offsets < 0).any():
+        return False
+    heads = np.ndarray(
+        (max(0, len(records) - MESSAGE_HEADER_BYTES + 1),), _MESSAGE_HEAD, records, strides=(1,)
+    )[offsets]
+    return bool(
+        (heads["opcode"] == Opcode.MESSAGE).all()
+        and (heads["channel"] == channel_id).all()
+        and (heads["log_time"] == entries["log_time"]).all()
+        and (heads["length"] <= len(records) - offsets - RECORD_HEADER_BYTES).all()
+    )
 
 
 def _is_indexed(summary: Any) -> bool:

@@ -73,7 +73,7 @@ def motor_space_figure(space: MotorSpace, groups: Sequence[Group]) -> Figure:
     figure.colorbar(image, ax=panels, label="metabolic rate $C$ / W", shrink=0.85)
     handles = [panels[0].plot([], [], color=group.colour, label=group.label)[0] for group in groups]
     handles += panels[0].plot([], [], "o", color=_END_COLOUR, ms=4, label="after the trial")
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(handles)))
     return figure
 
 

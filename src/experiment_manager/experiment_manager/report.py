@@ -117,6 +117,11 @@ def _tables(groups: Sequence[Group]) -> list[str]:
         runs_table(groups),
         report_page.heading("The paper and ours, after 20 iterations of a trial"),
         comparison_table(groups),
+        report_page.paragraph(
+            "The paper's numbers come from code that leaves out trials with zero start error, and "
+            "from a plant and pictures of its own. It gives four interquartile ranges, 0.319 and "
+            "1.076 deg. A muscle is silent below an activation of 0.005."
+        ),
         report_page.heading("During a trial, at the end of training"),
         iterations_table(groups),
     ]
