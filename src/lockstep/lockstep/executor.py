@@ -113,10 +113,18 @@ class LockstepExecutor(SingleThreadedExecutor):
             future = client.get_pending_request(header.request_id.sequence_number)
         except KeyError:
             return  # nobody waits for it any more
-        # Without an executor the future would turn an exception of its callback into a warning.
+        # With an executor, the future's callbacks become tasks; without, their exceptions warnings.
         future._set_executor(self)
         future.set_result(response)
-        self.spin_once(timeout_sec=0.0)
+        self._run_tasks()
+
+    def _run_tasks(self) -> None:
+        with self._tasks_lock:
+            tasks = list(self._tasks)
+            self._tasks.clear()
+        for task, _, _ in tasks:
+            task()
+            task.result()  # raises what the callback raised
 
 
 def _answer(service: Service) -> None:
