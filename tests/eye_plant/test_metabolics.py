@@ -103,6 +103,22 @@ def test_k17_cost_is_the_power_law_with_a_floor_of_the_charged_activation():
         np.testing.assert_array_equal(state.activations[:2], [medial, lateral])
 
 
+@pytest.mark.parametrize("parameter_set", ["k17", "anatomical"])
+def test_the_settled_rate_is_the_sum_of_the_terms_at_rest(parameter_set):
+    eyes = Oculomotor(MechanicsConfig(parameter_set=parameter_set))
+    for medial, lateral in ((0.0, 0.0), (0.6, 0.0), (0.05, 0.2)):
+        eyes.settle(eyes.activations_from(medial, lateral))
+        state = eyes.state()
+        terms = eyes.musculature.metabolic_terms(
+            state.activations,
+            state.activations,
+            state.lengths_m,
+            state.velocities_m_s,
+            state.forces_n,
+        )
+        np.testing.assert_allclose(terms.total_w, state.metabolic_rate_w, rtol=1e-12)
+
+
 def test_mean_rate_of_a_period_in_which_nothing_happens_is_the_settled_rate():
     eyes = Oculomotor(MechanicsConfig(parameter_set="anatomical"))
     activations = eyes.activations_from(0.1, 0.05)

@@ -142,5 +142,5 @@ ANATOMICAL = ParameterSet(
     activation_law="muscle",
     activation_time_s=(0.010, 0.040),
     control_period_s=0.4,
-    timestep_s=0.004,
+    timestep_s=0.0025,
 )

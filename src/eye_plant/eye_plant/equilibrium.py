@@ -29,7 +29,9 @@ class Equilibrium:
     def solve(self, activations: Array, start_rad: Array | None = None) -> None:
         """Put data at rest at the equilibrium of activations (12,); start_rad (6,) speeds it up.
 
-        Zero angles are where the search starts otherwise, so the result has no history.
+        The search starts at zero angles otherwise, so the result has no history. Angles that find
+        no rest within a hundred steps stay where they are then; only muscles that all pull at
+        once, at full strength, can bring that about.
         """
         data = self._data
         data.qvel[:] = 0.0

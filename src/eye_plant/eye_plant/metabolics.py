@@ -94,6 +94,27 @@ def shortening_lengthening_w_per_kg(
     return energetics.scaling * heat * np.asarray(isometric_force)
 
 
+def settled_rate_w(
+    *,
+    activation: ArrayLike,
+    length: ArrayLike,
+    isometric_force: ArrayLike,
+    mass_kg: ArrayLike,
+    energetics: Energetics,
+) -> Array:
+    """Metabolic rate of muscles that neither move nor change their activation."""
+    charged = np.maximum(activation, energetics.minimum_activation)
+    left = _force_left(length, isometric_force, energetics)
+    heat = activation_maintenance_w_per_kg(charged, left, energetics)
+    return np.maximum(heat, MINIMUM_HEAT_W_PER_KG) * np.asarray(mass_kg)
+
+
+def _force_left(length: ArrayLike, isometric_force: ArrayLike, energetics: Energetics) -> Array:
+    """Isometric force above the optimal length, 1 below it or where length does not count."""
+    above = energetics.length_dependent & (np.asarray(length) > 1.0)
+    return np.where(above, isometric_force, 1.0)
+
+
 def metabolic_terms(
     *,
     excitation: ArrayLike,
@@ -116,8 +137,7 @@ def metabolic_terms(
     excitation, activation = np.asarray(excitation), np.asarray(activation)
     charged = np.where(excitation > activation, excitation, 0.5 * (excitation + activation))
     charged = np.maximum(charged, energetics.minimum_activation)
-    above = energetics.length_dependent & (np.asarray(length) > 1.0)
-    left = np.where(above, isometric_force, 1.0)
+    left = _force_left(length, isometric_force, energetics)
     maintenance = activation_maintenance_w_per_kg(charged, left, energetics)
     sliding = shortening_lengthening_w_per_kg(
         charged, velocity_per_s, max_velocity_per_s, left, energetics

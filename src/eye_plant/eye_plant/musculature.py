@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from eye_plant.metabolics import MetabolicTerms, metabolic_terms
+from eye_plant.metabolics import MetabolicTerms, metabolic_terms, settled_rate_w
 from eye_plant.model import MechanicsConfig
-from eye_plant.muscles import MUSCLES, N_MUSCLES, SIDES, force_length, passive_force_length
+from eye_plant.muscles import MUSCLES, SIDES, force_length, passive_force_length
 
 Array = NDArray[np.float64]
 
@@ -72,8 +72,11 @@ class Musculature:
 
     def settled_rate_w(self, activations: Array, path_lengths_m: Array) -> Array:
         """Metabolic rate (12,) of muscles that neither move nor change their activation."""
-        still = np.zeros(N_MUSCLES)
-        passive_n = self.passive_forces_n(path_lengths_m)
-        return self.metabolic_terms(
-            activations, activations, path_lengths_m, still, passive_n
-        ).total_w
+        lengths = self.fibre_lengths(path_lengths_m)
+        return settled_rate_w(
+            activation=activations,
+            length=lengths,
+            isometric_force=force_length(lengths, self.shortest, self.longest),
+            mass_kg=self.mass_kg,
+            energetics=self._energetics,
+        )

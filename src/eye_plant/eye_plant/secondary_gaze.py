@@ -34,8 +34,7 @@ def gaze_directions(eyes: Oculomotor) -> Array:
         ],
         axis=1,
     )
-    directions: Array = np.linalg.pinv(turns_deg)[:, :2].T
-    return directions
+    return np.array(np.linalg.pinv(turns_deg)[:, :2].T, dtype=np.float64)
 
 
 def gaze_along(eyes: Oculomotor, directions: Array, wanted_deg: Array) -> Array:
