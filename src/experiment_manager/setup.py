@@ -23,6 +23,8 @@ setup(
         "console_scripts": [
             "node = experiment_manager.node:main",
             "run_experiment = experiment_manager.supervisor:main",
+            "evaluate = experiment_manager.evaluation:main",
+            "report = experiment_manager.report:main",
             "inspect_bag = experiment_manager.inspect_bag:main",
         ]
     },

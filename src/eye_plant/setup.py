@@ -23,6 +23,7 @@ setup(
     entry_points={
         "console_scripts": [
             "node = eye_plant.node:main",
+            "validate_plant = eye_plant.validation:main",
         ]
     },
 )

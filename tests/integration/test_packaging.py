@@ -1,6 +1,8 @@
 """The packages as a ROS workspace sees them: built by colcon, started from what it installed."""
 
+import ast
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -82,7 +84,7 @@ for entry in installed.entry_points:
     function = entry.load()
     assert callable(function), entry
     assert function.__code__.co_filename.startswith(folder), function.__code__.co_filename
-    print(entry.name)
+    print(entry.module)
 """
 
 
@@ -97,7 +99,12 @@ def test_entry_points_lead_into_what_was_installed(workspace: Path, package: str
         check=False,
     )
     assert loaded.returncode == 0, loaded.stderr
-    assert "node" in loaded.stdout.split()
+    with_main = {
+        f"{package}.{file.stem}"
+        for file in (ROOT / "src" / package / package).glob("*.py")
+        if "\ndef main(" in file.read_text()
+    }
+    assert set(loaded.stdout.split()) == with_main
 
 
 @pytest.mark.parametrize("package", NODES)
@@ -113,3 +120,28 @@ def test_installed_node_names_an_unknown_parameter(workspace: Path, package: str
     )
     assert started.returncode == 2, started.stderr
     assert "no_such_parameter" in started.stderr.splitlines()[-1]
+
+
+_ROSDEP_KEYS = {
+    "cv2": "python3-opencv",
+    "matplotlib": "python3-matplotlib",
+    "numpy": "python3-numpy",
+    "psutil": "python3-psutil",
+    "tqdm": "python3-tqdm",
+    "yaml": "python3-yaml",
+}
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_manifest_names_what_the_package_imports(package: str) -> None:
+    folder = ROOT / "src" / package
+    trees = [ast.parse(file.read_text()) for file in (folder / package).glob("*.py")]
+    nodes = [node for tree in trees for node in ast.walk(tree)]
+    names = [a.name for n in nodes if isinstance(n, ast.Import) for a in n.names]
+    names += [n.module or package for n in nodes if isinstance(n, ast.ImportFrom)]
+    imported = {name.split(".")[0] for name in names} - {package} - sys.stdlib_module_names
+    manifest = (folder / "package.xml").read_text()
+    comments = " ".join(re.findall("<!--(.*?)-->", manifest))
+    named = set(re.findall("<exec_depend>(.*?)</exec_depend>", manifest))
+    named |= set(re.findall(r"\w+", comments))  # those from PyPI, which rosdep does not know
+    assert {_ROSDEP_KEYS.get(name, name) for name in imported} <= named
