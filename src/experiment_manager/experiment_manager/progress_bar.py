@@ -1,7 +1,6 @@
 """What a person sees of a run while it goes on."""
 
 import sys
-from typing import Any
 
 from tqdm import tqdm
 
@@ -42,17 +41,9 @@ class ProgressBar:
         self._bar.set_description("test" if is_test else "training", refresh=False)
         self._bar.update(config.iterations_per_trial if is_test else config.iterations_per_episode)
 
-    def say(self, test: dict[str, Any]) -> None:
-        """Print the line of a test."""
-        reduction = test["median_cost_reduction"]
-        saved = "undefined" if reduction is None else f"{reduction:.2f}"
-        self._bar.write(
-            f"test at {test['iteration']:>8} iterations: median |vergence error| "
-            f"{test['median_abs_vergence_error_deg']:.3f} deg, "
-            f"IQR {test['iqr_abs_vergence_error_deg']:.3f} deg, "
-            f"cost reduction {saved} ({test['n_trials']} trials)",
-            file=sys.stderr,
-        )
+    def say(self, text: str) -> None:
+        """Print a line above the bar."""
+        self._bar.write(text, file=sys.stderr)
 
     def close(self) -> None:
         """Leave the bar as it stands."""

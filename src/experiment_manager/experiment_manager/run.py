@@ -21,6 +21,7 @@ from experiment_manager.progress_bar import ProgressBar
 from experiment_manager.protocol import Protocol, bounds
 from experiment_manager.recording import takes_pictures
 from experiment_manager.results import write_results
+from experiment_manager.tables import test_line
 from eye_plant.episode import Episode
 from eye_plant.inverse import Inverse
 from lockstep.configuration import flatten
@@ -95,7 +96,7 @@ class Run:
         segment = self.protocol.segment(self.place)
         self.place += 1
         if segment.i_test >= 0 and self.place == segment.first + segment.n_episodes:
-            self._bar.say(self.progress.end_test())
+            self._bar.say(test_line(self.progress.end_test()))
         self._bar.advance(self.progress.running_median_error_deg)
 
     # Checkpoints

@@ -1,6 +1,6 @@
 """Plain text tables for a terminal."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 _BAR_WIDTH = 20
@@ -22,6 +22,16 @@ def text_table(header: Sequence[str], rows: Sequence[Sequence[str]], n_left: int
 def number(value: float | None, n_digits: int = 3) -> str:
     """Return a number with n_digits behind the point, or a dash."""
     return "-" if value is None else f"{value:.{n_digits}f}"
+
+
+def test_line(test: Mapping[str, Any]) -> str:
+    """Return one test of a results.json in one line."""
+    return (
+        f"test at {test['iteration']} iterations: "
+        f"median |vergence error| {number(test['median_abs_vergence_error_deg'])} deg, "
+        f"IQR {number(test['iqr_abs_vergence_error_deg'])} deg, "
+        f"c {number(test['median_cost_reduction'])} ({test['n_trials']} trials)"
+    )
 
 
 def tests_table(tests: Sequence[dict[str, Any]]) -> str:
