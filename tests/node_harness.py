@@ -16,6 +16,7 @@ from rclpy.parameter import Parameter
 from rclpy.qos import HistoryPolicy, QoSProfile
 
 from experiment_manager.domains import own_domain
+from lockstep.diagnostics import Diagnostics
 from lockstep.requests import service_name
 from lockstep.stamps import to_ns
 
@@ -114,6 +115,13 @@ class Outsider(Node):
         """Return the stamps heard so far."""
         return [to_ns(message.header.stamp) for message in self.heard[topic]]
 
+    def distinct(self, topic: str) -> list[Any]:
+        """Return the first message of each stamp: a plant that waits repeats itself."""
+        first: dict[int, Any] = {}
+        for stamp_ns, message in zip(self.stamps_ns(topic), self.heard[topic], strict=True):
+            first.setdefault(stamp_ns, message)
+        return list(first.values())
+
     def future_answer(self, node: str, values: Mapping[str, Any]) -> Any:
         """Send named values to a node's request service."""
         if node not in self._clients_by_node:
@@ -136,7 +144,7 @@ class Bench:
     RUN = "run_of_this_test"
 
     def __init__(
-        self, graph: Graph, node: Node, publishes: Mapping[str, type], hears: Mapping[str, type]
+        self, graph: Graph, node: Any, publishes: Mapping[str, type], hears: Mapping[str, type]
     ) -> None:
         self.graph = graph
         self.node = node
@@ -162,6 +170,13 @@ class Bench:
         self.graph.spin_until(lambda: len(heard) >= n_messages, f"{n_messages} of {topic}")
         return heard
 
+    def wait_distinct(self, topic: str, n_stamps: int) -> list[Any]:
+        """Wait for n different stamps of a topic; return the first message of each."""
+        self.graph.spin_until(
+            lambda: len(self.outsider.distinct(topic)) >= n_stamps, f"{n_stamps} stamps of {topic}"
+        )
+        return self.outsider.distinct(topic)
+
     def next_status(self) -> dict[str, str]:
         """Return what the node says on /diagnostics after this moment, by key."""
         n_statuses = self.outsider.n_statuses
@@ -173,9 +188,9 @@ class Bench:
 
     def wait_refused(self, n_refused: int) -> str:
         """Wait until the node has counted n refused inputs; return the last one's reason."""
+        diagnostics: Diagnostics = self.node.diagnostics
         self.graph.spin_until(
-            lambda: int(self.outsider.status.get("refused_inputs", "0")) >= n_refused,
-            f"{n_refused} refused inputs",
+            lambda: diagnostics.n_refused >= n_refused, f"{n_refused} refused inputs"
         )
-        assert self.outsider.status["refused_inputs"] == str(n_refused)
-        return self.outsider.status["last_refused"]
+        assert diagnostics.n_refused == n_refused
+        return diagnostics.last_refused
