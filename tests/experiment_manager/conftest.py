@@ -1,6 +1,9 @@
 """Serialized messages of the graph's topics, and bags of them, for the tests of this package."""
 
 import math
+import os
+import subprocess
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +19,7 @@ from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES
 VECTOR = "sensor_msgs/msg/JointState"
 IMAGE = "sensor_msgs/msg/Image"
 PERIOD_NS = 100_000_000
+STIMULUS_PX = 64
 
 VectorBytes = Callable[..., bytes]
 ImageBytes = Callable[[np.ndarray, int], bytes]
@@ -267,3 +271,28 @@ def run_directories(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]
         model: SyntheticRun(parent / model, model, 1, n_iterations=400, n_stimuli=1).write()
         for model in ("M", "M_C")
     }
+
+
+@pytest.fixture(scope="session")
+def small_run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
+    """A whole run through the graph: 60 training iterations, three tests, every picture recorded.
+
+    Other tests copy it before they change anything.
+    """
+    directory = tmp_path_factory.mktemp("small") / "run"
+    settings = {
+        "experiment_manager.protocol.test_distances_m": "[2.0]",
+        "experiment_manager.protocol.iterations_per_trial": "4",
+        "experiment_manager.pictures_every_n_episodes": "1",
+        "experiment_manager.pictures_every_n_trials": "1",
+        "eye_plant.stimuli.size_px": str(STIMULUS_PX),
+        "vergence_rl.output_initial_width": "0.1",
+    }
+    line = [sys.executable, "-m", "experiment_manager.supervisor", "--out", str(directory)]
+    line += ["--iterations", "60", "--tests", "0,30", "--stimuli", str(pictures)]
+    for name, value in settings.items():
+        line += ["--set", f"{name}={value}"]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
+    done = subprocess.run(line, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return directory

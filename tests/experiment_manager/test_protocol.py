@@ -78,6 +78,16 @@ def test_the_order_of_phases() -> None:
     }
 
 
+def test_training_iterations_before_each_place() -> None:
+    protocol = _protocol()
+    counted = 0
+    for place in range(len(protocol)):
+        episode = protocol.episode(place)
+        assert protocol.training_iterations_before(place) == counted == episode.training_iteration
+        counted += episode.n_iterations if episode.phase == TRAINING else 0
+    assert protocol.training_iterations_before(len(protocol)) == counted == 120
+
+
 def test_observations_are_numbered_without_a_gap() -> None:
     protocol = _protocol()
     expected = 0

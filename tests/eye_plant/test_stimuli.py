@@ -1,6 +1,7 @@
 """Generated stimuli, their cache, and directories of the user's own pictures."""
 
 import os
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,13 @@ import numpy as np
 import pytest
 
 from eye_plant import stimulus_generator
-from eye_plant.stimuli import StimuliConfig, StimulusSet, count_stimuli, load_stimuli
+from eye_plant.stimuli import (
+    StimuliConfig,
+    StimulusSet,
+    count_stimuli,
+    load_stimuli,
+    load_unseen_stimuli,
+)
 from eye_plant.stimulus_generator import generate_stimulus
 from lockstep.errors import InputError
 
@@ -198,6 +205,32 @@ def test_a_small_directory_is_split_in_proportion(tmp_path: Path) -> None:
     config = of_directory(tmp_path, n_training=100, n_test=40)
     assert count_stimuli(config) == (5, 2)
     assert sorted(greys(load_stimuli(config).all)) == list(range(10, 17))
+
+
+def test_unseen_stimuli_are_a_whole_directory(tmp_path: Path) -> None:
+    write_pictures(tmp_path, 7)
+    config = small(Path())
+    stimuli = load_unseen_stimuli(str(tmp_path), config, 40)
+    assert sorted(greys(stimuli)) == list(range(10, 17))
+    assert stimuli[0].shape == (SIZE_PX, SIZE_PX)
+    assert greys(load_unseen_stimuli(str(tmp_path), config, 2)) == greys(stimuli)[:2]
+
+
+def test_unseen_stimuli_of_a_part_for_tests_are_in_the_order_of_a_run(tmp_path: Path) -> None:
+    write_pictures(tmp_path / "train", 1)
+    write_pictures(tmp_path / "test", 9)
+    config = of_directory(tmp_path, n_test=5)
+    expected = greys(load_stimuli(config).test)
+    assert greys(load_unseen_stimuli(str(tmp_path), config, 5)) == expected
+    shutil.rmtree(tmp_path / "train")
+    assert greys(load_unseen_stimuli(str(tmp_path), config, 5)) == expected
+
+
+@pytest.mark.parametrize("part", ["", "test"])
+def test_unseen_stimuli_that_are_none(tmp_path: Path, part: str) -> None:
+    (tmp_path / part).mkdir(exist_ok=True)
+    with pytest.raises(InputError, match="expected 1 or more pictures"):
+        load_unseen_stimuli(str(tmp_path), small(Path()), 40)
 
 
 def test_two_pictures_are_one_each(tmp_path: Path) -> None:

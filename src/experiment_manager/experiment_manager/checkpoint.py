@@ -73,9 +73,25 @@ def newest(checkpoints: Path) -> tuple[Manifest, Path] | None:
     are missing or changed.
     """
     found = sorted(checkpoints.glob(f"*/{_MANIFEST}"))
-    if not found:
-        return None
-    path = found[-1]
+    return _checked(found[-1]) if found else None
+
+
+def at(checkpoints: Path, place: int) -> tuple[Manifest, Path]:
+    """Return the checkpoint after so many episodes and its directory.
+
+    Raises InputError, naming those that are there, when it is not; and as newest does.
+    """
+    path = place_directory(checkpoints, place) / _MANIFEST
+    if not path.is_file():
+        there = sorted(int(p.parent.name) for p in checkpoints.glob(f"*/{_MANIFEST}"))
+        raise InputError(
+            f"{checkpoints}: expected a checkpoint after {place} episodes, there is one after "
+            f"{', '.join(map(str, there)) or 'none'}"
+        )
+    return _checked(path)
+
+
+def _checked(path: Path) -> tuple[Manifest, Path]:
     manifest = _read(path)
     for name, expected in manifest.state_hashes.items():
         state = path.parent / name

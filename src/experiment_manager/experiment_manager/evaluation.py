@@ -1,12 +1,14 @@
-"""Recomputes every number of results.json from the bag alone, and says whether they agree."""
+"""Measures a run: from its bag alone, or what its frozen learners do with other pictures."""
 
 import argparse
+import json
 import math
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from experiment_manager.frozen import FrozenTest
 from experiment_manager.recorded_run import RecordedRun
 from experiment_manager.results import RESULTS_FILE, read_results, write_document
 from experiment_manager.tables import number, tests_table
@@ -20,8 +22,16 @@ _RELATIVE_TOLERANCE = 1e-9
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return 0, 1 when the bag tells other numbers, 2 for bad input."""
-    options = _parser().parse_args(arguments)
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    is_frozen = options.stimuli is not None or options.checkpoint is not None
+    if not is_frozen and (options.stimuli_per_test is not None or options.out is not None):
+        parser.error("--stimuli-per-test and --out go with --stimuli or --checkpoint")
+    if is_frozen and options.write:
+        parser.error("--write goes without --stimuli and --checkpoint: it is about the run itself")
     try:
+        if is_frozen:
+            return _test_frozen(options)
         return _evaluate(options.run, write=options.write)
     except (InputError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
@@ -31,13 +41,52 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="evaluate.sh",
-        description="Recompute the measures of a run from its bag and compare with results.json.",
+        description="Recompute the measures of a run from its bag and compare with results.json."
+        " With --stimuli or --checkpoint: test the frozen learners of a checkpoint instead, in this"
+        " process; that needs config.yaml and checkpoints/ of the run alone.",
     )
     parser.add_argument("run", type=Path, metavar="RUN", help="run directory")
+    parser.add_argument(
+        "--stimuli",
+        type=Path,
+        metavar="DIR",
+        help="test with the pictures in DIR/test, or all in DIR (default: the run's own)",
+    )
+    parser.add_argument(
+        "--checkpoint",
+        type=int,
+        metavar="PLACE",
+        help="learners to test: the number that names a directory in checkpoints/ (default: the"
+        " newest)",
+    )
+    parser.add_argument(
+        "--stimuli-per-test",
+        type=int,
+        metavar="K",
+        help="pictures at most, 39 trials each (default: as in the run's own tests)",
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="write the test's summary as JSON, too"
+    )
     parser.add_argument(
         "--write", action="store_true", help="write results.json from the bag instead"
     )
     return parser
+
+
+def _test_frozen(options: argparse.Namespace) -> int:
+    test = FrozenTest(options.run, options.checkpoint, options.stimuli, options.stimuli_per_test)
+    document = test.document()
+    print(
+        f"model {document['model']}, seed {document['seed']}, checkpoint after "
+        f"{document['checkpoint']} episodes, {document['n_stimuli']} pictures of "
+        f"{document['stimuli'] or 'its own test stimuli'}\n\n{tests_table(document['tests'])}\n\n"
+        f"{json.dumps(document['tests'][0], indent=2)}"
+    )
+    if options.out is not None:
+        write_document(options.out, document)
+        print(f"\nwritten: {options.out}")
+    return 0
 
 
 def _evaluate(directory: Path, *, write: bool) -> int:

@@ -1,17 +1,23 @@
 """The whole loop in one process, without ROS: the oracle of the graph, and its yardstick."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.observation import Observation
 from eye_plant.plant import EyePlant
+from eye_plant.stimuli import StimulusSet
+from lockstep.configuration import build
 from lockstep.topics import COMMAND_NAMES, HORIZONTAL_RECTI, TRAINING
 from sparse_coder.coder import SparseCoder
+from sparse_coder.config import SparseCoderConfig
 from sparse_coder.reward import reward
 from vergence_rl.agent import Agent, Decision
+from vergence_rl.config import VergenceRlConfig
 
 
 @dataclass(frozen=True)
@@ -82,3 +88,20 @@ class InProcessLoop:
         return Answer(
             encoding.features, encoding.reconstruction_error, metabolic_rate_w, reward_t, decision
         )
+
+
+def make_loop(
+    parameters: Mapping[str, Mapping[str, Any]], stimuli: StimulusSet | None = None
+) -> InProcessLoop:
+    """Return the loop of a run, untrained, from all parameters by node.
+
+    stimuli: instead of those that the plant's parameters ask for. Raises InputError for whatever a
+    node would refuse.
+    """
+    coder = build(SparseCoderConfig, parameters["sparse_coder"])
+    return InProcessLoop(
+        EyePlant(build(EyePlantConfig, parameters["eye_plant"]), stimuli),
+        SparseCoder(coder),
+        Agent(build(VergenceRlConfig, parameters["vergence_rl"])),
+        coder.metabolic_cost_weight,
+    )

@@ -200,6 +200,16 @@ class Protocol:
             raise IndexError(f"episode {place} of {len(self)}")
         return self.segments[bisect.bisect_right(self._firsts, place) - 1]
 
+    def training_iterations_before(self, place: int) -> int:
+        """Return the training iterations that the episodes before a place have made."""
+        if place == len(self):
+            return self.config.n_training_iterations
+        segment = self.segment(place)
+        if segment.i_test >= 0:
+            return segment.training_iteration
+        n_episodes = place - segment.first
+        return segment.training_iteration + n_episodes * self.config.iterations_per_episode
+
     def episode(self, place: int) -> Episode:
         """Return the episode at a place in the sequence; raises IndexError beyond the end."""
         return self._cached(place)

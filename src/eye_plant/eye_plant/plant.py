@@ -12,7 +12,7 @@ from eye_plant.inverse import Inverse
 from eye_plant.mechanics import Oculomotor, OculomotorState
 from eye_plant.observation import GroundTruth, Observation
 from eye_plant.stereo_camera import StereoCamera
-from eye_plant.stimuli import load_stimuli
+from eye_plant.stimuli import StimulusSet, load_stimuli
 from lockstep.errors import InputError
 
 
@@ -23,13 +23,19 @@ class EyePlant:
     before, so the same episode and commands give the same observations.
     """
 
-    def __init__(self, config: EyePlantConfig) -> None:
-        """Load the stimuli and set up mechanics and camera; raises InputError when they cannot."""
+    def __init__(self, config: EyePlantConfig, stimuli: StimulusSet | None = None) -> None:
+        """Set up mechanics and camera; raises InputError when they cannot.
+
+        stimuli: instead of those that the configuration asks for.
+        """
         self._config = config
         self.oculomotor = Oculomotor(config.mechanics)
         self._inverse = Inverse(config.mechanics)
-        stimuli = load_stimuli(config.stimuli)
-        self._camera = StereoCamera(config.camera, stimuli, config.mechanics.eye_height_m)
+        self._camera = StereoCamera(
+            config.camera,
+            load_stimuli(config.stimuli) if stimuli is None else stimuli,
+            config.mechanics.eye_height_m,
+        )
         self.n_stimuli = self._camera.n_stimuli
         self._episode: Episode | None = None
         self._iteration = 0

@@ -9,7 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from eye_plant.stimulus_cache import load_generated
-from eye_plant.stimulus_directory import ChosenFiles, choose_files, read_picture
+from eye_plant.stimulus_directory import (
+    ChosenFiles,
+    choose_files,
+    choose_test_files,
+    read_picture,
+)
 from lockstep.errors import InputError
 
 SMALLEST_PX = 64
@@ -73,6 +78,20 @@ def load_stimuli(config: StimuliConfig) -> StimulusSet:
         for paths in (chosen.training, chosen.test)
     )
     return StimulusSet(training, test)
+
+
+def load_unseen_stimuli(
+    directory: str, config: StimuliConfig, n_most: int
+) -> tuple[np.ndarray, ...]:
+    """Return up to n_most pictures to test with, of another directory than was trained on.
+
+    Its subdirectory test if it has one, else all its pictures; in an order of config.seed, and of
+    config.size_px. Raises InputError naming the directory or file that cannot be used.
+    """
+    return tuple(
+        read_picture(path, config.size_px, SMALLEST_PX)
+        for path in choose_test_files(directory, config.seed)[:n_most]
+    )
 
 
 def count_stimuli(config: StimuliConfig) -> tuple[int, int]:

@@ -29,9 +29,7 @@ def choose_files(directory: str, seed: int, n_training: int, n_test: int) -> Cho
     one each. The order of names on disk does not matter. Raises InputError naming the directory
     that is missing, holds too few pictures or something that is no picture.
     """
-    root = Path(directory).expanduser()
-    if not root.is_dir():
-        raise InputError(f"stimuli.directory: expected a directory of pictures, got {directory}")
+    root = _root(directory)
     parts = {name: root / name for name in ("train", "test")}
     if any(part.is_dir() for part in parts.values()):
         return ChosenFiles(
@@ -44,6 +42,24 @@ def choose_files(directory: str, seed: int, n_training: int, n_test: int) -> Cho
     n_test_chosen = min(max(share, 1), n_chosen - 1)
     n_training_chosen = n_chosen - n_test_chosen
     return ChosenFiles(files[:n_training_chosen], files[n_training_chosen:n_chosen])
+
+
+def choose_test_files(directory: str, seed: int) -> tuple[Path, ...]:
+    """Return the files of a directory's subdirectory test, or all files if it has none.
+
+    In the order in which choose_files gives those of a subdirectory test. Raises InputError naming
+    the directory that is missing, empty or holds something that is no picture.
+    """
+    root = _root(directory)
+    part = root / "test"
+    return _shuffled(_pictures_in(part if part.is_dir() else root, 1), seed, "test")
+
+
+def _root(directory: str) -> Path:
+    root = Path(directory).expanduser()
+    if not root.is_dir():
+        raise InputError(f"stimuli.directory: expected a directory of pictures, got {directory}")
+    return root
 
 
 def read_picture(path: Path, size_px: int, smallest_px: int) -> np.ndarray:
