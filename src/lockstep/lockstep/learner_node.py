@@ -122,10 +122,9 @@ class LearnerNode(Node):
 
     def _load(self, arguments: Arguments) -> None:
         path = _path_of(arguments)
+        state = read_state(path, self.get_name())
         try:
-            self.learner.restore(read_state(path, self.get_name()))
-        except InputError:
-            raise
+            self.learner.restore(state)
         except ValueError as error:
             raise InputError(f"state file {path}: {error}") from error
         self.get_logger().info(f"loaded {self.learner.learning_steps} learning steps from {path}")

@@ -46,7 +46,7 @@ class RequestServer:
         self._diagnostics = diagnostics
         self._handlers = handlers
         self._run_id = ""
-        self._last_accepted: Arguments | None = None
+        self._last_accepted = ""
         node.create_service(SetParametersAtomically, service_name(node.get_name()), self._answer)
 
     def _answer(
@@ -63,7 +63,9 @@ class RequestServer:
         return response
 
     def _handle(self, arguments: Arguments) -> None:
-        if arguments == self._last_accepted:
+        # As text, since True == 1 == 1.0 in Python.
+        text = repr(arguments)
+        if text == self._last_accepted:
             return
         kind, run_id = arguments.get("request"), arguments.get("run_id")
         if not isinstance(run_id, str) or not run_id:
@@ -79,7 +81,7 @@ class RequestServer:
         values = {k: v for k, v in arguments.items() if k not in ("run_id", "request")}
         self._handlers[kind](values)
         self._run_id = "" if kind == END_RUN else run_id
-        self._last_accepted = arguments
+        self._last_accepted = text
 
 
 def _arguments_of(request: SetParametersAtomically.Request) -> Arguments:

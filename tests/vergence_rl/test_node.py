@@ -1,0 +1,303 @@
+"""The node vergence_rl: one command per observation, learned from once, and what is refused."""
+
+import array
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import Image, JointState
+
+from lockstep.errors import InputError
+from lockstep.stamps import to_time
+from lockstep.state_file import write_state
+from lockstep.topics import (
+    ACTOR_CRITIC_NAMES,
+    COMMAND_NAMES,
+    EPISODE_NAMES,
+    HORIZONTAL_RECTI,
+    REWARD_NAMES,
+    TEST,
+    TRAINING,
+)
+from lockstep.vectors import vector_message
+from tests.node_harness import Bench, Graph, ros_graph
+from vergence_rl.agent import Agent, Decision
+from vergence_rl.config import VergenceRlConfig
+from vergence_rl.node import INPUTS, VergenceRlNode
+
+N_BASES = 8
+SMALL = {"n_features": 2 * N_BASES, "n_training_iterations": 100, "n_hidden": 4}
+CONFIG = VergenceRlConfig(n_features=2 * N_BASES, n_training_iterations=100, n_hidden=4)
+ANSWERS = {"muscle_command": JointState, "actor_critic": JointState}
+ACTIVATIONS = (0.02, 0.04, 0.04, 0.06)  # medial and lateral rectus, left then right
+
+
+@pytest.fixture
+def graph() -> Iterator[Graph]:
+    """Yield a domain of the test's own."""
+    with ros_graph() as graph:
+        yield graph
+
+
+@pytest.fixture
+def bench(graph: Graph) -> Bench:
+    """Return a small learner whose run has started."""
+    bench = Bench(graph, graph.add(VergenceRlNode, **SMALL), INPUTS, ANSWERS)
+    assert bench.request("start_run") == (True, "")
+    return bench
+
+
+def _features(number: int) -> np.ndarray:
+    return np.random.default_rng(number).random((2, N_BASES), dtype=np.float32)
+
+
+def _features_message(features: np.ndarray, stamp_ns: int) -> Image:
+    height, width = features.shape
+    message = Image(height=height, width=width, step=4 * width, encoding="32FC1")
+    message.header.stamp = to_time(stamp_ns)
+    message.data = array.array("B", features.tobytes())
+    return message
+
+
+def _reward(number: int) -> float:
+    return -0.1 * number
+
+
+def _observation(number: int, phase: int = TRAINING, **changes: float) -> dict[str, Any]:
+    """Return the messages of iteration `number` of an episode, by topic; stamped with it in s."""
+    stamp_ns = number * 10**9
+    episode = dict.fromkeys(EPISODE_NAMES, 0.0) | {
+        "phase": phase,
+        "iteration": number,
+        "training_iteration": number,
+    }
+    episode |= changes
+    reward = dict.fromkeys(REWARD_NAMES, 0.0) | {"reward": _reward(number)}
+    return {
+        "features": _features_message(_features(number), stamp_ns),
+        "reward": vector_message(stamp_ns, tuple(reward), tuple(reward.values())),
+        "episode": vector_message(stamp_ns, tuple(episode), tuple(episode.values())),
+        "muscle_activations": vector_message(stamp_ns, HORIZONTAL_RECTI, ACTIVATIONS),
+    }
+
+
+def _show(bench: Bench, messages: dict[str, Any]) -> None:
+    for topic, message in messages.items():
+        bench.outsider.send(topic, message)
+
+
+def _decide(agent: Agent, number: int, phase: int = TRAINING) -> Decision:
+    """Return what the pure agent decides on the same observation."""
+    in_training = phase == TRAINING
+    activations = np.array([(0.02 + 0.04) / 2, (0.04 + 0.06) / 2])
+    return agent.observe(
+        _features(number),
+        activations,
+        _reward(number),
+        number,
+        number,
+        learning=in_training,
+        exploration=in_training,
+    )
+
+
+def _expected(decision: Decision, learning_steps: int) -> list[float]:
+    return [
+        decision.value,
+        decision.td_error,
+        decision.td_variance,
+        decision.actor_learning_rate,
+        decision.critic_learning_rate,
+        *decision.action,
+        learning_steps,
+    ]
+
+
+def _weights(bench: Bench) -> dict[str, bytes]:
+    return {name: array.tobytes() for name, array in bench.node.learner.state().items()}
+
+
+def test_commands_and_thoughts_are_the_agents(bench: Bench) -> None:
+    agent = Agent(CONFIG)
+    for number in range(4):
+        _show(bench, _observation(number))
+        command = bench.wait_distinct("muscle_command", number + 1)[-1]
+        thought = bench.wait_distinct("actor_critic", number + 1)[-1]
+        decision = _decide(agent, number)
+        assert command.header.stamp == thought.header.stamp == to_time(number * 10**9)
+        assert tuple(command.name) == COMMAND_NAMES
+        assert list(command.position) == decision.command.tolist()
+        assert tuple(thought.name) == ACTOR_CRITIC_NAMES
+        assert list(thought.position) == pytest.approx(
+            _expected(decision, number), rel=0.0, abs=0.0, nan_ok=True
+        )
+    # Four observations of an episode are three TD updates.
+    assert bench.node.learner.learning_steps == agent.learning_steps == 3
+
+
+def test_the_same_observation_is_answered_again_and_learned_from_once(bench: Bench) -> None:
+    _show(bench, _observation(0))
+    for _ in range(3):
+        _show(bench, _observation(1))
+    bench.wait_heard("muscle_command", 4)
+    thoughts = bench.wait_heard("actor_critic", 4)
+    assert thoughts[1] == thoughts[2] == thoughts[3]
+    commands = bench.outsider.heard["muscle_command"]
+    assert commands[1] == commands[2] == commands[3]
+    assert bench.node.learner.learning_steps == 1
+
+
+def test_an_older_observation_is_ignored(bench: Bench) -> None:
+    for number in (5, 4, 6):
+        _show(bench, _observation(number))
+    bench.wait_distinct("actor_critic", 2)
+    assert bench.outsider.stamps_ns("actor_critic") == [5 * 10**9, 6 * 10**9]
+
+
+def test_tests_are_answered_without_noise_and_not_learned_from(bench: Bench) -> None:
+    before, agent = _weights(bench), Agent(CONFIG)
+    for number in (0, 1):
+        _show(bench, _observation(number, TEST))
+        command = bench.wait_distinct("muscle_command", number + 1)[-1]
+        assert list(command.position) == _decide(agent, number, TEST).command.tolist()
+    assert _weights(bench) == before
+
+
+def test_exploration_can_be_switched_off(bench: Bench) -> None:
+    assert bench.request("modes", learning=False, exploration=False) == (True, "")
+    before = _weights(bench)
+    _show(bench, _observation(0))
+    command = bench.wait_distinct("muscle_command", 1)[0]
+    assert list(command.position) == _decide(Agent(CONFIG), 0, TEST).command.tolist()
+    assert _weights(bench) == before
+
+
+def test_a_saved_state_goes_on_bit_for_bit(bench: Bench, tmp_path: Path) -> None:
+    path = tmp_path / "state.npz"
+    for number in (0, 1):
+        _show(bench, _observation(number))
+    bench.wait_distinct("actor_critic", 2)
+    assert bench.request("save", path=str(path)) == (True, "")
+    saved = _weights(bench)
+    assert bench.request("end_run") == (True, "")
+    assert bench.request("start_run", run_id="next") == (True, "")
+    assert _weights(bench) == {k: v.tobytes() for k, v in Agent(CONFIG).state().items()}
+    assert bench.request("load", run_id="next", path=str(path)) == (True, "")
+    assert _weights(bench) == saved
+
+
+@pytest.mark.parametrize("damage", ["foreign", "of another size", "not finite"])
+def test_a_bad_state_is_refused_and_changes_nothing(
+    bench: Bench, tmp_path: Path, damage: str
+) -> None:
+    path = tmp_path / "state.npz"
+    n_hidden = 5 if damage == "of another size" else 4
+    config = VergenceRlConfig(n_features=16, n_training_iterations=100, n_hidden=n_hidden, seed=9)
+    state = Agent(config).state()
+    if damage == "not finite":
+        state["critic"][3] = math.nan
+    write_state(path, "sparse_coder" if damage == "foreign" else "vergence_rl", state)
+    before = _weights(bench)
+    successful, reason = bench.request("load", path=str(path))
+    assert not successful
+    assert str(path) in reason
+    assert _weights(bench) == before
+
+
+def _with(topic: str, **changes: Any) -> Callable[[dict[str, Any]], None]:
+    def change(messages: dict[str, Any]) -> None:
+        for name, value in changes.items():
+            setattr(messages[topic], name, value)
+
+    return change
+
+
+def _feature(value: float) -> Callable[[dict[str, Any]], None]:
+    def change(messages: dict[str, Any]) -> None:
+        features = _features(1)
+        features[1, 3] = value
+        messages["features"] = _features_message(features, 10**9)
+
+    return change
+
+
+def _fewer(messages: dict[str, Any]) -> None:
+    messages["features"] = _features_message(np.zeros((2, 4), np.float32), 10**9)
+
+
+def _episode(**changes: float) -> Callable[[dict[str, Any]], None]:
+    def change(messages: dict[str, Any]) -> None:
+        messages["episode"] = _observation(1, **changes)["episode"]  # type: ignore[arg-type]
+
+    return change
+
+
+_NAN_REWARD = array.array("d", [0.0, 0.0, 0.0, math.nan, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (_with("features", encoding="mono8"), "features: expected little-endian 32FC1"),
+        (_with("features", is_bigendian=1), "features: expected little-endian 32FC1"),
+        (_with("features", height=3), "features: expected little-endian 32FC1 with 2 rows"),
+        (_with("features", width=7), "features: expected little-endian 32FC1 with 2 rows"),
+        (_fewer, "features: expected 16, got shape (2, 4)"),
+        (_feature(math.nan), "features: expected finite values, got NaN or infinity"),
+        (_feature(-math.inf), "features: expected finite values, got NaN or infinity"),
+        (_with("reward", position=_NAN_REWARD), "reward: expected finite values"),
+        (_with("reward", name=list("abcde")), "reward: expected names reward; reward did not come"),
+        (_with("muscle_activations", position=array.array("d")), "expected one position per name"),
+        (_episode(iteration=-1.0), "episode: expected whole numbers from 0 to 2^53"),
+        (_episode(iteration=0.5), "episode: expected whole numbers from 0 to 2^53"),
+        (_episode(training_iteration=1e300), "episode: expected whole numbers from 0 to 2^53"),
+        (_episode(training_iteration=-1.0), "episode: expected whole numbers from 0 to 2^53"),
+        (_episode(phase=math.nan), "episode: expected finite values"),
+    ],
+)
+def test_a_bad_observation_is_refused_and_the_good_one_answered(
+    bench: Bench, change: Callable[[dict[str, Any]], None], reason: str
+) -> None:
+    agent = Agent(CONFIG)
+    _show(bench, _observation(0))
+    bench.wait_distinct("actor_critic", 1)
+    _decide(agent, 0)
+    before = _weights(bench)
+    messages = _observation(1)
+    change(messages)
+    _show(bench, messages)
+    assert reason in bench.wait_refused(1)
+    assert _weights(bench) == before
+    _show(bench, _observation(1))
+    thought = bench.wait_distinct("actor_critic", 2)[1]
+    assert list(thought.position) == _expected(_decide(agent, 1), 1)
+    assert _weights(bench) == {k: v.tobytes() for k, v in agent.state().items()}
+
+
+def test_the_last_training_iteration_there_can_be(bench: Bench) -> None:
+    _show(bench, _observation(1, training_iteration=2.0**53))
+    bench.wait_distinct("muscle_command", 1)
+    assert bench.node.diagnostics.n_refused == 0
+
+
+def test_it_never_hears_the_ground_truth(bench: Bench) -> None:
+    assert set(INPUTS) == {"features", "reward", "episode", "muscle_activations"}
+    heard = {name for name, _ in bench.node.get_subscriber_names_and_types_by_node(bench.name, "/")}
+    assert {name.lstrip("/") for name in heard} == set(INPUTS)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"discount": 1.0}, "discount: expected"),
+        ({"discount": "high"}, "discount: expected a number, got 'high'"),
+        ({"medial_limits": [0.2, 0.1]}, "medial_limits: expected two activations"),
+        ({"gamma": 0.3}, "unknown parameter gamma"),
+    ],
+)
+def test_a_bad_configuration(graph: Graph, parameters: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        graph.add(VergenceRlNode, **parameters)
