@@ -170,7 +170,9 @@ def _performance(axes: Axes, groups: Sequence[Group]) -> list[Any]:
 
 def _draw_errors(axes: Axes, group: Group) -> Line2D:
     at = group.iterations
-    quartiles_deg = np.array([_quartiles(_errors_deg(group.tests_at(n))) for n in at])
+    quartiles_deg = np.array([_quartiles(_errors_deg(group.tests_at(n))) for n in at]).reshape(
+        -1, 3
+    )
     (line,) = axes.plot(
         at, quartiles_deg[:, 1], color=group.colour, marker="o", ms=3, label=group.label
     )

@@ -53,6 +53,14 @@ class TrainingCurve:
     quartiles_deg: np.ndarray
 
 
+@dataclass(frozen=True)
+class _Measures:
+    tests: tuple[RecordedTest, ...]
+    training_curve: TrainingCurve
+    cost_shares: tuple[float | None, float | None]
+    first_observation: int
+
+
 class RecordedRun:
     """A run directory, read from its bag; everything in one pass, on first use."""
 
@@ -104,18 +112,29 @@ class RecordedRun:
 
     @property
     def tests(self) -> tuple[RecordedTest, ...]:
-        """All complete tests, in their order."""
-        return self._measured[0]
+        """All tests that begin in the bag, in their order; of the last one, its whole trials."""
+        return self._measured.tests
+
+    @property
+    def first_observation(self) -> int:
+        """Number of the first observation in the bag.
+
+        Not 0 where the run was resumed from a checkpoint alone, without the bag of what was before.
+        """
+        return self._measured.first_observation
 
     @property
     def training_curve(self) -> TrainingCurve:
         """How the error fell in training."""
-        return self._measured[1]
+        return self._measured.training_curve
 
     @property
     def cost_shares(self) -> tuple[float | None, float | None]:
-        """Lambda's share of the reward over the first and last 5,000 training iterations."""
-        return self._measured[2]
+        """Lambda's share of the reward over the first and last 5,000 training iterations.
+
+        None where they are not all in the bag.
+        """
+        return self._measured.cost_shares
 
     def results(self) -> dict[str, Any]:
         """Return what results.json holds, from the bag alone."""
@@ -132,9 +151,7 @@ class RecordedRun:
         )
 
     @cached_property
-    def _measured(
-        self,
-    ) -> tuple[tuple[RecordedTest, ...], TrainingCurve, tuple[float | None, float | None]]:
+    def _measured(self) -> _Measures:
         # The tables of a full run fill half a gigabyte; only what is made of them is kept.
         tables = self.bag.vectors("ground_truth", "reward", "muscle_activations")
         truth = tables["ground_truth"]
@@ -142,22 +159,30 @@ class RecordedRun:
         recorded = tuple(
             _recorded(trials, truth, tables["reward"], tables["muscle_activations"])
             for trials in split_tests(rows)
+            if trials.trial[0] == 0
         )
-        return recorded, _training_curve(truth), self._shares(truth, tables["reward"])
+        return _Measures(
+            recorded,
+            _training_curve(truth),
+            self._shares(truth, tables["reward"]),
+            int(truth.column("observation")[0]) if len(rows) else 0,
+        )
 
     def _shares(self, truth: VectorTable, reward: VectorTable) -> tuple[float | None, float | None]:
         rows = truth.at(reward.stamps_ns)
         training = (rows >= 0) & (truth.column("phase")[rows] == TRAINING)
         iteration = truth.column("training_iteration")[rows]
         error, cost_w = _total_error(reward), reward.column("metabolic_rate_w")
-        first, last = (
-            training & (iteration < SHARE_ITERATIONS),
-            training & (iteration >= self.n_iterations - SHARE_ITERATIONS),
-        )
-        return (
-            cost_share(error[first], cost_w[first], self.metabolic_cost_weight),
-            cost_share(error[last], cost_w[last], self.metabolic_cost_weight),
-        )
+        begin = iteration[training].min(initial=self.n_iterations)
+
+        def share(first: int, end: int) -> float | None:
+            chosen = training & (iteration >= first) & (iteration < end)
+            if begin > first:
+                return None
+            return cost_share(error[chosen], cost_w[chosen], self.metabolic_cost_weight)
+
+        n = self.n_iterations
+        return share(0, SHARE_ITERATIONS), share(max(0, n - SHARE_ITERATIONS), n)
 
 
 def _about(configuration: str, path: Path) -> Mapping[str, Any]:

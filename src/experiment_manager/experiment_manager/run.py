@@ -49,6 +49,7 @@ class Run:
         self.place = 0
         self.stamp_ns = 0
         self._loaded_from: Path | None = None
+        self._bag_is_elsewhere = False
         bag_files = self._resume() if config.resume else None
         self.directory.mkdir(parents=True, exist_ok=True)
         self.writer = BagWriter(
@@ -61,6 +62,8 @@ class Run:
         # A new run has its first checkpoint before its first episode: so saving is known to work.
         self._checkpoint_s = time.monotonic() if config.resume else -math.inf
         self._bar = ProgressBar(self.protocol, self.place)
+        if self._bag_is_elsewhere:
+            self._bar.say(f"{self.directory / 'bag'}: not here; it begins with what comes now")
 
     # Where the run stands
 
@@ -153,7 +156,12 @@ class Run:
         self.place = manifest.place
         trials = read_state(self._loaded_from / TRIALS_FILE, TRIALS_KIND)
         self.progress.restore(manifest.progress, trials["rows"])
-        return manifest.bag_files
+        # A checkpoint that was copied without the bag is enough to go on.
+        bag = self.directory / "bag"
+        self._bag_is_elsewhere = bool(manifest.bag_files) and not (
+            bag.is_dir() and any(bag.iterdir())
+        )
+        return () if self._bag_is_elsewhere else manifest.bag_files
 
     def _config_hash(self) -> str:
         values = {k: v for k, v in flatten(self._config).items() if k not in _FREE_TO_CHANGE}

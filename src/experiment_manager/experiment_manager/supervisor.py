@@ -155,6 +155,15 @@ def _prepare(argv: Sequence[str] | None) -> Path:
     return directory
 
 
+def _figure(directory: Path) -> Path | None:
+    """Draw the learning curve; None when the bag has nothing to draw it from."""
+    try:
+        return learning_curve(directory)
+    except InputError as error:
+        print(f"no learning curve: {error}", file=sys.stderr)
+        return None
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one experiment; return the exit code."""
     try:
@@ -165,8 +174,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
     if code == 0:
-        figure = learning_curve(directory)
-        print(results_table(read_results(directory / RESULTS_FILE), directory, figure))
+        print(results_table(read_results(directory / RESULTS_FILE), directory, _figure(directory)))
     elif code != EXIT_BAD_INPUT:
         print(f"to go on: launch_scripts/run_experiment.sh --resume {directory}", file=sys.stderr)
     return code
