@@ -38,12 +38,15 @@ class EyePlantNode(Node):
         self._plant = EyePlant(config)
         self._period_ns = period_ns(config.mechanics.period_s)
         self._observation: Observation | None = None
-        self.diagnostics = Diagnostics(self, self._state_of_run)
+        is_free = config.free_running.rate_hz > 0.0
+        self.diagnostics = Diagnostics(
+            self, (lambda: {"state": "free running"}) if is_free else self._state_of_run
+        )
         self._publisher = ObservationPublisher(self, config)
         self.get_logger().info(
             f"{self._plant.n_stimuli} stimuli resident, {config.mechanics.parameter_set} eyes"
         )
-        if config.free_running.rate_hz > 0.0:
+        if is_free:
             self._free_running = FreeRunning(
                 self, config, self._plant, self._publisher, self.diagnostics
             )
@@ -116,7 +119,7 @@ class EyePlantNode(Node):
 
     def _state_of_run(self) -> dict[str, str]:
         if self._observation is None:
-            return {"state": "no episode"}
+            return {"state": "waiting for an episode"}
         return {"state": "in an episode", "observation": str(self._observation.number)}
 
     def destroy_node(self) -> None:

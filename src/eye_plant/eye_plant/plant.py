@@ -81,12 +81,23 @@ class EyePlant:
         Raises InputError, having changed nothing, when no command is expected or an activation is
         out of range.
         """
-        episode = self._episode
-        if episode is None or not self.is_waiting:
-            raise InputError("expected a command during an episode only, got one outside")
+        episode = self._episode_under_way()
         self.oculomotor.step(activations)
         self._iteration += 1
         return self._observe(episode, self.oculomotor.state())
+
+    def advance(self, activations: np.ndarray, duration_s: float) -> Observation:
+        """Simulate for a while towards the target activations, without settling; like `execute`."""
+        episode = self._episode_under_way()
+        self.oculomotor.advance(activations, duration_s)
+        self._iteration += 1
+        return self._observe(episode, self.oculomotor.state())
+
+    def _episode_under_way(self) -> Episode:
+        episode = self._episode
+        if episode is None or not self.is_waiting:
+            raise InputError("expected a command during an episode only, got one outside")
+        return episode
 
     def _observe(self, episode: Episode, state: OculomotorState) -> Observation:
         pictures = None

@@ -1,0 +1,67 @@
+"""The plant at a fixed rate: it waits for nobody, and a command acts when it comes."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import Image, JointState
+
+from eye_plant.config import FreeRunningConfig
+from eye_plant.node import EyePlantNode
+from lockstep.errors import InputError
+from lockstep.topics import EYE_STATE_NAMES, PICTURES, PLANT_VECTORS
+from lockstep.vectors import vector_message
+from tests.node_harness import Bench, ros_graph
+
+HEARD = dict.fromkeys(PLANT_VECTORS, JointState) | dict.fromkeys(PICTURES, Image)
+RATE_HZ = 50.0
+PERIOD_NS = 20_000_000
+_LEFT_ADDUCTION = EYE_STATE_NAMES.index("left_adduction")
+
+
+@pytest.fixture
+def bench(pictures: Path) -> Iterator[Bench]:
+    """Yield a free-running plant."""
+    with ros_graph() as graph:
+        plant = graph.add(
+            EyePlantNode,
+            stimuli__directory=str(pictures),
+            stimuli__size_px=64,
+            free_running__rate_hz=RATE_HZ,
+        )
+        yield Bench(graph, plant, {"muscle_command": JointState}, HEARD)
+
+
+def test_observations_follow_each_other_without_any_command(bench: Bench) -> None:
+    bench.wait_heard("left/image_raw", 5)
+    steps_ns = np.diff(bench.outsider.stamps_ns("ground_truth"))
+    assert (steps_ns == PERIOD_NS).all()
+
+
+def test_a_command_turns_the_eyes_whatever_its_stamp(bench: Bench) -> None:
+    bench.wait_heard("eye_states", 2)
+    before_rad = bench.outsider.heard["eye_states"][-1].position[_LEFT_ADDUCTION]
+    bench.outsider.send("muscle_command", vector_message(0, ["medial_rectus"], [0.1]))
+    bench.graph.spin_until(
+        lambda: bench.outsider.heard["eye_states"][-1].position[_LEFT_ADDUCTION]
+        > before_rad + np.radians(2.0),
+        "adduction by a medial rectus of 0.1",
+    )
+
+
+def test_a_bad_command_is_refused_and_the_plant_goes_on(bench: Bench) -> None:
+    bench.outsider.send("muscle_command", vector_message(0, ["medial_rectus"], [1.5]))
+    status = bench.next_status()
+    while status["refused_inputs"] == "0":
+        status = bench.next_status()
+    assert "expected activations in [0, 1], got [1.5]" in status["last_refused"]
+    assert status["state"] == "free running"
+    n_heard = len(bench.outsider.heard["episode"])
+    bench.wait_heard("episode", n_heard + 2)
+
+
+@pytest.mark.parametrize("rate_hz", [-1.0, float("nan"), 1e6])
+def test_a_rate_that_is_none_is_refused(rate_hz: float) -> None:
+    with pytest.raises(InputError, match=r"free_running.rate_hz: expected 0 to 1000"):
+        FreeRunningConfig(rate_hz=rate_hz)
