@@ -3,6 +3,7 @@
 import resource
 import signal
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -333,24 +334,25 @@ def test_an_idle_writer_flushes_when_asked(
         assert McapFile.open(path).summary().n_messages == 1
 
 
-@pytest.fixture
+@contextmanager
 def small_files_only() -> Iterator[None]:
     """Let the system refuse to make any file longer than 4 kB, as a full disk would."""
     handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (4096, limits[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-    signal.signal(signal.SIGXFSZ, handler)
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, handler)
 
 
-@pytest.mark.usefixtures("small_files_only")
 def test_a_refused_write_is_raised_and_ends_the_writer(
     tmp_path: Path, messages: list[tuple[str, bytes, int]]
 ) -> None:
     writer = BagWriter(tmp_path / "bag", TOPICS, METADATA)
     writer.write(*messages[0])
-    with pytest.raises(OSError, match="File too large"):
+    with small_files_only(), pytest.raises(OSError, match="File too large"):
         writer.commit()
     with pytest.raises(OSError, match="an earlier write failed"):
         writer.write(*messages[1])

@@ -73,7 +73,7 @@ def test_maps_are_optional_but_a_wrong_path_is_named(monkeypatch, tmp_path):
 
 
 def test_a_saccade_is_measured_between_its_threshold_crossings():
-    time_s = np.arange(8) * 1e-3
+    time_s = np.arange(8.0) * 1e-3
     velocity = np.array([0.0, 20.0, 40.0, 300.0, 50.0, 10.0, 35.0, 0.0])
     saccade = Saccade(time_s, np.arange(8.0), velocity)
     assert saccade.duration_ms == pytest.approx(3.0)
