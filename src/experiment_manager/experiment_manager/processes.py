@@ -9,6 +9,8 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from experiment_manager.progress_bar import TERMINAL_VARIABLE
+
 PACKAGES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")
 MANAGER = "experiment_manager"
 _PR_SET_PDEATHSIG = 1
@@ -29,7 +31,13 @@ class NodeProcesses:
     ) -> None:
         """more: further command-line arguments by package."""
         logs.mkdir(parents=True, exist_ok=True)
-        environment = os.environ | {"ROS_DOMAIN_ID": str(domain), "PYTHONUNBUFFERED": "1"}
+        # The manager draws its progress bar where the supervisor writes; all else goes to the logs.
+        terminal = sys.stderr.fileno()
+        environment = os.environ | {
+            "ROS_DOMAIN_ID": str(domain),
+            "PYTHONUNBUFFERED": "1",
+            TERMINAL_VARIABLE: str(terminal),
+        }
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
         for package in PACKAGES:
             command = [sys.executable, "-m", f"{package}.node", "--ros-args"]
@@ -40,8 +48,8 @@ class NodeProcesses:
                     env=environment,
                     stdin=subprocess.DEVNULL,
                     stdout=log,
-                    # The manager draws the progress bar; all else is for the log.
-                    stderr=None if package == MANAGER else log,
+                    stderr=log,
+                    pass_fds=(terminal,) if package == MANAGER else (),
                     # Ctrl-C in the terminal is for the supervisor alone.
                     start_new_session=True,
                     preexec_fn=_die_with_parent,  # noqa: PLW1509 (no threads yet: nodes come first)

@@ -1,28 +1,44 @@
 """What a person sees of a run while it goes on."""
 
+import os
 import sys
+from typing import TextIO
 
 from tqdm import tqdm
 
 from experiment_manager.protocol import Protocol
+
+# The number of an open file to draw on, from a parent whose standard error is not this process's.
+TERMINAL_VARIABLE = "ABV_TERMINAL_FD"
+
+
+def _terminal() -> TextIO:
+    given = os.environ.get(TERMINAL_VARIABLE, "")
+    return os.fdopen(int(given), "w") if given.isdigit() else sys.stderr
 
 
 class ProgressBar:
     """A bar over all iterations with rate, time left and running error, and a line per test."""
 
     def __init__(self, protocol: Protocol, place: int) -> None:
-        """place: episodes already done."""
+        """place: episodes already done. The bar appears with the first episode that is done."""
         self._protocol = protocol
         self._place = place
-        self._bar = tqdm(
-            total=self._iterations_before(len(protocol)),
-            initial=self._iterations_before(place),
-            unit="it",
-            file=sys.stderr,
-            # Often enough for a person, seldom enough for a log file.
-            mininterval=1.0 if sys.stderr.isatty() else 30.0,
-            dynamic_ncols=True,
-        )
+        self._terminal = _terminal()
+        self._bar: tqdm | None = None
+
+    def _started(self) -> tqdm:
+        if self._bar is None:
+            self._bar = tqdm(
+                total=self._iterations_before(len(self._protocol)),
+                initial=self._iterations_before(self._place),
+                unit="it",
+                file=self._terminal,
+                # Often enough for a person, seldom enough for a log file.
+                mininterval=1.0 if self._terminal.isatty() else 30.0,
+                dynamic_ncols=True,
+            )
+        return self._bar
 
     def _iterations_before(self, place: int) -> int:
         if place == 0:
@@ -33,18 +49,20 @@ class ProgressBar:
 
     def advance(self, running_median_error_deg: float | None) -> None:
         """Go on by one episode."""
+        bar = self._started()
+        is_test = self._protocol.segment(self._place).i_test >= 0
         self._place += 1
-        config = self._protocol.config
-        is_test = self._protocol.segment(self._place - 1).i_test >= 0
         if running_median_error_deg is not None:
-            self._bar.set_postfix_str(f"|error| {running_median_error_deg:.2f} deg", refresh=False)
-        self._bar.set_description("test" if is_test else "training", refresh=False)
-        self._bar.update(config.iterations_per_trial if is_test else config.iterations_per_episode)
+            bar.set_postfix_str(f"|error| {running_median_error_deg:.2f} deg", refresh=False)
+        bar.set_description("test" if is_test else "training", refresh=False)
+        config = self._protocol.config
+        bar.update(config.iterations_per_trial if is_test else config.iterations_per_episode)
 
     def say(self, text: str) -> None:
         """Print a line above the bar."""
-        self._bar.write(text, file=sys.stderr)
+        self._started().write(text, file=self._terminal)
 
     def close(self) -> None:
         """Leave the bar as it stands."""
-        self._bar.close()
+        if self._bar is not None:
+            self._bar.close()
