@@ -32,7 +32,8 @@ class NodeProcesses:
         """more: further command-line arguments by package."""
         logs.mkdir(parents=True, exist_ok=True)
         # The manager draws its progress bar where the supervisor writes; all else goes to the logs.
-        terminal = sys.stderr.fileno()
+        # Under a number of its own, since the child's standard error is its log.
+        terminal = os.dup(sys.stderr.fileno())
         environment = os.environ | {
             "ROS_DOMAIN_ID": str(domain),
             "PYTHONUNBUFFERED": "1",
@@ -54,6 +55,7 @@ class NodeProcesses:
                     start_new_session=True,
                     preexec_fn=_die_with_parent,  # noqa: PLW1509 (no threads yet: nodes come first)
                 )
+        os.close(terminal)
 
     def __enter__(self) -> "NodeProcesses":
         """Return the running processes."""
