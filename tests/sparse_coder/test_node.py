@@ -124,7 +124,8 @@ def test_an_older_observation_is_ignored(bench: Bench) -> None:
 
 
 def test_topics_in_any_order(bench: Bench) -> None:
-    for number, order in enumerate((reversed, sorted), start=1):
+    orders: tuple[Callable[..., Any], ...] = (reversed, sorted)
+    for number, order in enumerate(orders, start=1):
         messages = _observation(number)
         _show(bench, {topic: messages[topic] for topic in order(list(messages))})
         bench.wait_distinct("features", number)

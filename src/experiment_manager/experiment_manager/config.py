@@ -18,8 +18,10 @@ class ExperimentManagerConfig:
     in 1/W, as the sparse coder has it; run_directory: where the run is written ("": a new one
     under runs/); run_id: what requests carry ("": the directory's name); commit: of the source;
     checkpoint_period_s: steady time between checkpoints; gap_s: without a new message for so long,
-    the run has a fault; pictures_every_n_episodes, pictures_every_n_trials: 0 records none;
-    resume: continue from the newest checkpoint of the run directory; mechanics: as the plant has
+    the run has a fault; pictures_every_n_episodes, pictures_every_n_trials: 0 records none (a test
+    has 39 conditions per stimulus: a multiple of 39 would show one condition alone);
+    resume: continue from the newest checkpoint of the run directory; supervised: somebody starts
+    all nodes again after a fault, so that what could be waited out is one too; mechanics: as the plant has
     it, for the first activations of an episode.
     Raises InputError for a value out of range.
     """
@@ -33,8 +35,9 @@ class ExperimentManagerConfig:
     checkpoint_period_s: float = 120.0
     gap_s: float = 5.0
     pictures_every_n_episodes: int = 1000
-    pictures_every_n_trials: int = 312
+    pictures_every_n_trials: int = 230
     resume: bool = False
+    supervised: bool = False
     protocol: ProtocolConfig = field(default_factory=ProtocolConfig)
     mechanics: MechanicsConfig = field(default_factory=MechanicsConfig)
 

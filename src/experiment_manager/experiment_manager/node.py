@@ -53,10 +53,13 @@ class ExperimentManagerNode(Node):
         self.exit_code = 0
         self.config = declare_config(self, ExperimentManagerConfig)
         self._period_ns = period_ns(self.config.mechanics.period_s)
-        self.run = Run(self.config)
+        try:
+            self.run = Run(self.config)
+        except OSError as error:
+            raise InputError(f"run directory: expected one to write into: {error}") from error
         self._record: EpisodeRecord | None = None
         self._n_awaited = 0
-        self._stop_wanted = False
+        self._n_interrupts = 0
         self._is_over = False
         self._message_s = self._matched_s = time.monotonic()
         self._said_waiting = ""
@@ -127,7 +130,7 @@ class ExperimentManagerNode(Node):
 
         def on_answer(successful: bool, reason: str) -> None:
             if successful:
-                self._ask_all(rest, then)
+                self._guarded(partial(self._ask_all, rest, then))
             else:
                 self._fault(f"{name} refused {kind}: {reason}")
 
@@ -139,8 +142,8 @@ class ExperimentManagerNode(Node):
         self._next = _nothing
         run = self.run
         is_last = run.is_over
-        if is_last or self._stop_wanted or run.checkpoint_is_due():
-            self._checkpoint(self._finish if is_last or self._stop_wanted else self._request)
+        if is_last or self._n_interrupts or run.checkpoint_is_due():
+            self._checkpoint(self._finish if is_last or self._n_interrupts else self._request)
         else:
             self._request()
 
@@ -173,7 +176,10 @@ class ExperimentManagerNode(Node):
                 self.destroy_subscription(subscription)
             self._subscriptions_of_pictures = []
 
-    def _receive(self, topic: str, message: bytes) -> None:  # noqa: PLR0911
+    def _receive(self, topic: str, message: bytes) -> None:
+        self._guarded(partial(self._take, topic, message))
+
+    def _take(self, topic: str, message: bytes) -> None:
         record = self._record
         if record is None:
             return
@@ -192,11 +198,7 @@ class ExperimentManagerNode(Node):
         if topic in FREE_TOPICS or topic in SAMPLED_TOPICS:
             return
         self.run.stamp_ns = max(self.run.stamp_ns, stamp_ns)
-        try:
-            self._measure(topic, message, record, stamp_ns)
-        except InputError as error:
-            self._fault(str(error))
-            return
+        self._measure(topic, message, record, stamp_ns)
         record.count(topic)
         if record.is_complete:
             self._end_episode()
@@ -253,30 +255,63 @@ class ExperimentManagerNode(Node):
     def _stop(self) -> None:
         self._is_over = True
         self._record = None
-        self.run.close()
+        try:
+            self.run.close()
+        except OSError as error:
+            self.get_logger().error(f"{self.run.directory} cannot be written: {error}")
         self.context.try_shutdown()
 
     def interrupt(self) -> None:
-        """Stop after the episode under way, with a checkpoint; the second time, at once."""
-        if self._stop_wanted or self._next is not _nothing:
-            self.exit_code = EXIT_INTERRUPTED
-            self._stop()
-        self._stop_wanted = True
+        """Stop after the episode under way, with a checkpoint; the second time, at once.
+
+        Called from a signal handler, amid anything: it takes note, and the watch acts.
+        """
+        self._n_interrupts += 1
 
     def _watch(self) -> None:
+        self._guarded(self._look)
+
+    def _look(self) -> None:
         if self._is_over:
+            return
+        # Before the first episode there is nothing to wait for.
+        if self._n_interrupts > 1 or (self._n_interrupts and self._next is not _nothing):
+            self.exit_code = EXIT_INTERRUPTED
+            self._stop()
             return
         self._next()
         self.run.writer.flush_when_due()
-        record = self._record
-        if record is None:
-            return
-        waited_s = time.monotonic() - self._message_s
-        if waited_s > self.config.gap_s:
-            self._fault(f"no message for {waited_s:.1f} s; missing: {record.missing()}")
+        if self._record is not None:
+            self._look_for_faults(self._record)
+
+    def _look_for_faults(self, record: EpisodeRecord) -> None:
         doubled = [topic for topic in SMALL_TOPICS if self.count_publishers(topic) > 1]
         if doubled:
-            self._fault(f"more than one publisher on {', '.join(doubled)}")
+            self._fault(f"expected one publisher per topic, found more on {', '.join(doubled)}")
+        waited_s = time.monotonic() - self._message_s
+        if waited_s > self.config.gap_s:
+            missing = f"no message for {self.config.gap_s:g} s; missing: {record.missing()}"
+            if self.config.supervised:
+                self._fault(missing)
+            else:
+                # The plant repeats itself: whoever comes back can still answer.
+                self._say_waiting(missing)
+
+    def _guarded(self, act: Callable[[], None]) -> None:
+        """Act; input that is refused and a disk that refuses are faults."""
+        try:
+            act()
+        except InputError as error:
+            self._fault(str(error))
+        except OSError as error:
+            self._fault(f"{self.run.directory} cannot be written: {error}")
+
+    def destroy_node(self) -> None:
+        """Close the bag with the node, if the run was ended from outside."""
+        if not self._is_over:
+            self.exit_code = EXIT_INTERRUPTED
+            self._stop()
+        super().destroy_node()
 
     def _state_of_run(self) -> dict[str, str]:
         return {"episode": str(self.run.place), "episodes": str(len(self.run.protocol))}

@@ -33,7 +33,14 @@ CONFIG_FILE = "config.yaml"
 RESULTS_FILE = "results.json"
 TRIALS_FILE, TRIALS_KIND = "trials.npz", "trials"
 # What may differ between a run and its resumption without touching a number of it.
-_FREE_TO_CHANGE = ("run_directory", "resume", "checkpoint_period_s", "gap_s", "commit")
+_FREE_TO_CHANGE = (
+    "run_directory",
+    "resume",
+    "supervised",
+    "checkpoint_period_s",
+    "gap_s",
+    "commit",
+)
 
 
 class Run:

@@ -6,7 +6,9 @@ from collections.abc import Callable
 from types import FrameType
 
 import rclpy
+from rclpy.exceptions import NameValidationException
 from rclpy.executors import ExternalShutdownException
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
@@ -14,26 +16,35 @@ from lockstep.errors import InputError
 from lockstep.executor import LockstepExecutor
 
 EXIT_BAD_INPUT = 2
+_ROS_ERRORS = (_rclpy.RCLError, _rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError)
 
 
 def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) -> int:
     """Spin the node until it is told to stop; return the exit code of the process.
 
-    SIGINT and SIGTERM call the node's `interrupt` if it has one, and end the process otherwise.
+    SIGTERM ends the process; so does SIGINT, unless the node has an `interrupt` to call instead.
     The code is the node's `exit_code` if it has one, else 0; it is 2 when the node cannot start
     because of what it was given: then the reason is the last line on standard error.
     """
-    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    except _ROS_ERRORS as error:
+        print(f"error: expected ROS arguments: {_in_one_line(error)}", file=sys.stderr)
+        return EXIT_BAD_INPUT
     try:
         node = make_node()
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
+    except (InputError, NameValidationException, *_ROS_ERRORS) as error:
+        print(f"error: {_in_one_line(error)}", file=sys.stderr)
         rclpy.try_shutdown()
         return EXIT_BAD_INPUT
 
     def on_signal(number: int, frame: FrameType | None) -> None:
         # Python runs this between two bytecodes: the 1 Hz diagnostics wake an idle executor.
-        getattr(node, "interrupt", rclpy.try_shutdown)()
+        interrupt = getattr(node, "interrupt", None)
+        if number == signal.SIGINT and interrupt is not None:
+            interrupt()
+        else:
+            rclpy.try_shutdown()
 
     signal.signal(signal.SIGINT, on_signal)
     signal.signal(signal.SIGTERM, on_signal)
@@ -47,3 +58,7 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
         node.destroy_node()
         rclpy.try_shutdown()
     return int(getattr(node, "exit_code", 0))
+
+
+def _in_one_line(error: Exception) -> str:
+    return " ".join(str(error).split())

@@ -1,0 +1,177 @@
+"""Whole graphs as processes, in a configuration small enough for tests, and what they recorded."""
+
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from experiment_manager.bag_reader import Bag, VectorTable
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.loop import InProcessLoop, Step
+from experiment_manager.options import (
+    arguments,
+    configuration_of,
+    configuration_text,
+    read_configuration,
+)
+from experiment_manager.run import make_protocol
+from eye_plant.config import EyePlantConfig
+from eye_plant.episode import Episode
+from eye_plant.plant import EyePlant
+from lockstep.configuration import build
+from lockstep.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
+from sparse_coder.coder import SparseCoder
+from sparse_coder.config import SparseCoderConfig
+from vergence_rl.agent import Agent
+from vergence_rl.config import VergenceRlConfig
+
+# Generous: the machine may have ten times the work that it can do.
+PATIENCE_S = 300.0
+SCRIPTS = Path(__file__).parents[1] / "launch_scripts"
+SMALL_VECTORS = (*PLANT_VECTORS, *CODER_VECTORS, *LEARNER_VECTORS)
+
+
+def environment() -> dict[str, str]:
+    """Return the environment of a graph: the user's domain is none of its business."""
+    return {k: v for k, v in os.environ.items() if k != "ROS_DOMAIN_ID"}
+
+
+def small_run(pictures: Path, n_iterations: int = 200, *more: str) -> list[str]:
+    """Return the command line of a run of two tests of 4 trials with training between them."""
+    settings = (
+        "eye_plant.stimuli.size_px=64",
+        "experiment_manager.protocol.test_distances_m=[1.0]",
+        "experiment_manager.protocol.least_start_error_deg=0",
+        "experiment_manager.pictures_every_n_episodes=7",
+        "experiment_manager.pictures_every_n_trials=3",
+        *more,
+    )
+    return [
+        "--profile",
+        "paper",
+        "--iterations",
+        str(n_iterations),
+        "--tests",
+        "0",
+        "--test-stimuli",
+        "1",
+        "--stimuli",
+        str(pictures),
+        *(word for setting in settings for word in ("--set", setting)),
+    ]
+
+
+def supervisor(line: Sequence[str]) -> "subprocess.Popen[str]":
+    """Start a supervisor; its output is one stream."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "experiment_manager.supervisor", *line],
+        env=environment(),
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+def finished(process: "subprocess.Popen[str]", code: int = 0) -> str:
+    """Wait for the end of a process with that exit code; return what it printed."""
+    try:
+        output, _ = process.communicate(timeout=PATIENCE_S)
+    finally:
+        process.kill()
+    assert process.returncode == code, f"exit code {process.returncode}:\n{output}"
+    return output
+
+
+def write_configuration(path: Path, line: Sequence[str]) -> None:
+    """Write the config.yaml that a supervisor would make of a command line."""
+    path.write_text(configuration_text(configuration_of(arguments(line), "0123abc")))
+
+
+class NodeProcess:
+    """One node started by its script, as a person would in a terminal."""
+
+    def __init__(self, package: str, domain: int, config_file: Path, *more: str) -> None:
+        script = SCRIPTS / f"{package}.sh"
+        self.process = subprocess.Popen(
+            [script, "--ros-args", "--params-file", config_file, *more],
+            env=environment() | {"ROS_DOMAIN_ID": str(domain)},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        self.lines: list[str] = []
+        self._watchdog = threading.Timer(PATIENCE_S, self.process.kill)
+        self._watchdog.start()
+
+    def wait_for_line(self, text: str) -> str:
+        """Read what the node says up to a line with that text; return the line."""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.lines.append(line)
+            if text in line:
+                return line
+        raise AssertionError(f"ended without {text!r}:\n{''.join(self.lines)}")
+
+    def finished(self, code: int = 0) -> str:
+        """Wait for the end with that exit code; return all that the node said."""
+        assert self.process.stdout is not None
+        self.lines.extend(self.process.stdout)
+        got = self.process.wait()
+        output = "".join(self.lines)
+        assert got == code, f"exit code {got}:\n{output}"
+        return output
+
+    def close(self) -> None:
+        """End the process, however it stands."""
+        self._watchdog.cancel()
+        self.process.kill()
+        self.process.communicate()
+
+
+def vectors(directory: Path) -> dict[str, VectorTable]:
+    """Return all small messages of a run's bag."""
+    return Bag(directory / "bag").vectors(*SMALL_VECTORS)
+
+
+def assert_same_numbers(one: Path, other: Path) -> None:
+    """Check that two runs recorded the same small messages, bit for bit."""
+    first, second = vectors(one), vectors(other)
+    for topic in SMALL_VECTORS:
+        for field in ("stamps_ns", "position", "velocity", "effort"):
+            a, b = getattr(first[topic], field), getattr(second[topic], field)
+            assert a.shape == b.shape, f"{topic}.{field}: {a.shape} and {b.shape}"
+            assert a.tobytes() == b.tobytes(), f"{topic}.{field} differs"
+
+
+class OracleRun:
+    """The same run as in a config.yaml, in this process and without ROS."""
+
+    def __init__(self, config_file: Path) -> None:
+        configuration = read_configuration(config_file)
+        manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
+        self.protocol = make_protocol(manager)
+        self.coder = SparseCoder(build(SparseCoderConfig, configuration["sparse_coder"]))
+        self.agent = Agent(build(VergenceRlConfig, configuration["vergence_rl"]))
+        self.plant = EyePlant(build(EyePlantConfig, configuration["eye_plant"]))
+        self._loop = InProcessLoop(
+            self.plant, self.coder, self.agent, manager.metabolic_cost_weight
+        )
+
+    def steps(self) -> Iterator[tuple[Episode, Step]]:
+        """Yield all steps of all episodes; pictures are valid until the next step."""
+        for place in range(len(self.protocol)):
+            episode = self.protocol.episode(place)
+            for step in self._loop.run_episode(episode):
+                yield episode, step
+        self.plant.close()
+
+
+def stacked(rows: Sequence[Sequence[float] | np.ndarray]) -> np.ndarray:
+    """Return rows of numbers as an array of doubles."""
+    return np.array(rows, dtype=np.float64)

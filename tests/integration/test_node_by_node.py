@@ -1,0 +1,162 @@
+"""Nodes started one by one, in any order, and one of them somebody else's."""
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+from sensor_msgs.msg import Image, JointState
+
+from experiment_manager.options import CONFIG_CLASSES
+from lockstep.qos import LOCKSTEP_QOS
+from lockstep.topics import ACTOR_CRITIC_NAMES, LEARNER_VECTORS
+from lockstep.vectors import VectorPublisher, vector_message
+from tests.graph_harness import (
+    NodeProcess,
+    OracleRun,
+    finished,
+    small_run,
+    stacked,
+    supervisor,
+    vectors,
+    write_configuration,
+)
+from tests.node_harness import Graph, ros_graph
+
+N_TRAINING = 20
+Start = Callable[..., NodeProcess]
+
+
+@pytest.fixture
+def graph() -> Iterator[Graph]:
+    """Yield a domain of the test's own."""
+    with ros_graph() as graph:
+        yield graph
+
+
+@pytest.fixture
+def config_file(tmp_path: Path, pictures: Path) -> Path:
+    """Return the configuration of a very short run."""
+    path = tmp_path / "config.yaml"
+    write_configuration(path, small_run(pictures, N_TRAINING))
+    return path
+
+
+@pytest.fixture
+def start(graph: Graph, config_file: Path) -> Iterator[Start]:
+    """Return a function that starts the script of a node in the test's domain."""
+    with ExitStack() as stack:
+
+        def start(package: str, *more: str) -> NodeProcess:
+            node = NodeProcess(package, graph.domain, config_file, *more)
+            stack.callback(node.close)
+            return node
+
+        yield start
+
+
+def _in_run(directory: Path) -> tuple[str, str]:
+    return "-p", f"run_directory:={directory}"
+
+
+def test_any_order_and_a_late_learner_give_the_same_numbers(
+    start: Start, tmp_path: Path, config_file: Path
+) -> None:
+    run = tmp_path / "run"
+    manager = start("experiment_manager", *_in_run(run))
+    manager.wait_for_line("waiting for episode, ")
+    start("vergence_rl").wait_for_line("ready, untrained")
+    start("eye_plant").wait_for_line("5 stimuli resident")
+    # The coder joins when all others have been waiting for it.
+    manager.wait_for_line("waiting for reward")
+    start("sparse_coder")
+    manager.finished()
+    steps = [step for _, step in OracleRun(config_file).steps()]
+    tables = vectors(run)
+    truth = [step.observation.ground_truth_values() for step in steps]
+    commands = [step.answer.decision.command for step in steps if step.answer is not None]
+    assert tables["ground_truth"].position.tolist() == stacked(truth).tolist()
+    assert tables["muscle_command"].position.tolist() == stacked(commands).tolist()
+
+
+class Scripted(Node):
+    """A vergence_rl of somebody else's: it knows the topics, and nothing of our requests."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("my_own_controller", **kwargs)
+        self._thought = VectorPublisher(self, "actor_critic", ACTOR_CRITIC_NAMES)
+        self._command = self.create_publisher(JointState, "muscle_command", LOCKSTEP_QOS)
+        self.create_subscription(Image, "features", self._answer, LOCKSTEP_QOS)
+
+    def _answer(self, features: Image) -> None:
+        stamp_ns = features.header.stamp.sec * 10**9 + features.header.stamp.nanosec
+        self._thought.publish(stamp_ns, (0.0,) * len(ACTOR_CRITIC_NAMES))
+        names = ("left_medial_rectus", "right_medial_rectus", "lateral_rectus")
+        self._command.publish(vector_message(stamp_ns, names, (0.06, 0.04, 0.01)))
+
+
+def test_a_foreign_node_needs_only_its_topics(graph: Graph, start: Start, tmp_path: Path) -> None:
+    run = tmp_path / "run"
+    graph.add(Scripted)
+    for package in ("eye_plant", "sparse_coder"):
+        start(package)
+    manager = start("experiment_manager", *_in_run(run))
+    graph.spin_until(lambda: manager.process.poll() is not None, "the end of the run")
+    output = manager.finished()
+    assert "vergence_rl answers no requests: the run goes on, without checkpoints" in output
+    assert not list((run / "checkpoints").glob("*/manifest.json"))
+    results = json.loads((run / "results.json").read_text())
+    assert [test["n_trials"] for test in results["tests"]] == [4, 4]
+    tables = vectors(run)
+    n_answered = N_TRAINING + 2 * 4 * 20
+    for topic in LEARNER_VECTORS:
+        assert len(tables[topic].stamps_ns) == n_answered
+    activations = tables["muscle_activations"]
+    after_first = tables["episode"].column("iteration") > 0
+    assert set(activations.column("left_medial_rectus")[after_first]) == {0.06}
+    assert set(activations.column("right_medial_rectus")[after_first]) == {0.04}
+    # Without a checkpoint there is nothing to go on from; what was recorded stays.
+    (run / "config.yaml").write_bytes((tmp_path / "config.yaml").read_bytes())
+    assert "error: " in finished(supervisor(["--resume", str(run)]), code=2)
+    assert vectors(run)["ground_truth"].stamps_ns.tolist() == (
+        tables["ground_truth"].stamps_ns.tolist()
+    )
+
+
+@pytest.mark.parametrize("package", CONFIG_CLASSES)
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("-p", "colour:=red"), "unknown parameter colour"),
+        (("-p", "SOME:=[a, 1.5"), "expected ROS arguments"),
+        (("--params-file", "/nowhere.yaml"), "expected ROS arguments"),
+    ],
+)
+def test_bad_parameters_stop_a_node_with_one_line(
+    start: Start, tmp_path: Path, package: str, arguments: tuple[str, ...], message: str
+) -> None:
+    more = _in_run(tmp_path / "run") if package == "experiment_manager" else ()
+    output = start(package, *more, *arguments).finished(code=2)
+    (line,) = [line for line in output.splitlines() if line.startswith("error: ")]
+    assert message in line
+    assert "Traceback" not in output
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize(
+    ("package", "argument", "message"),
+    [
+        ("eye_plant", "camera.width_px:=wide", "camera.width_px: expected an integer, got 'wide'"),
+        ("sparse_coder", "n_bases:=0", "n_bases: expected 1 or more, got 0"),
+        ("vergence_rl", "discount:=fast", "discount: expected a number, got 'fast'"),
+        ("experiment_manager", "model:=X", "model: expected M or M_C, got 'X'"),
+    ],
+)
+def test_bad_values_stop_a_node_with_one_line(
+    start: Start, package: str, argument: str, message: str
+) -> None:
+    output = start(package, "-p", argument).finished(code=2)
+    assert output.splitlines()[-1] == f"error: {message}"
