@@ -214,7 +214,7 @@ def test_a_bag_that_lacks_a_file_is_refused(tmp_path: Path, drive: Drive) -> Non
         _commit(run)
     run.close()
     (run.directory / "bag" / "bag_0.mcap").unlink()
-    with pytest.raises(InputError, match="bag_0.mcap"):
+    with pytest.raises(InputError, match=r"bag_0\.mcap"):
         Run(_config(run.directory, resume=True))
 
 

@@ -143,6 +143,7 @@ def test_what_is_published_is_what_the_plant_computes(bench: Bench, pictures: Pa
             (heard["muscle_activations"].position, state.activations),
             (heard["muscle_activations"].effort, state.metabolic_rate_w),
             (heard["muscle_states"].position, state.lengths_m),
+            (heard["muscle_activations"].velocity, state.mean_metabolic_rate_w),
             (heard["muscle_states"].velocity, state.velocities_m_s),
             (heard["muscle_states"].effort, state.forces_n),
             (heard["eye_states"].position, state.eye_angles_rad.ravel()),

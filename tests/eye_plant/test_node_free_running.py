@@ -44,8 +44,10 @@ def test_a_command_turns_the_eyes_whatever_its_stamp(bench: Bench) -> None:
     before_rad = bench.outsider.heard["eye_states"][-1].position[_LEFT_ADDUCTION]
     bench.outsider.send("muscle_command", vector_message(0, ["medial_rectus"], [0.1]))
     bench.graph.spin_until(
-        lambda: bench.outsider.heard["eye_states"][-1].position[_LEFT_ADDUCTION]
-        > before_rad + np.radians(2.0),
+        lambda: (
+            bench.outsider.heard["eye_states"][-1].position[_LEFT_ADDUCTION]
+            > before_rad + np.radians(2.0)
+        ),
         "adduction by a medial rectus of 0.1",
     )
 

@@ -46,7 +46,9 @@ class ObservationPublisher:
         """
         state = observation.state
         self._episode.publish(stamp_ns, observation.episode_values())
-        self._activations.publish(stamp_ns, state.activations, effort=state.metabolic_rate_w)
+        self._activations.publish(
+            stamp_ns, state.activations, state.mean_metabolic_rate_w, state.metabolic_rate_w
+        )
         if observation.pictures is not None:
             self._publish_pictures(stamp_ns, observation.pictures)
         self._truth.publish(stamp_ns, observation.ground_truth_values())
