@@ -10,12 +10,13 @@ import yaml
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.options import (
     CONFIG_CLASSES,
-    DEFAULT_METABOLIC_COST_WEIGHT,
+    DEFAULT_METABOLIC_COST_WEIGHTS,
     arguments,
     configuration_of,
     configuration_text,
     read_configuration,
 )
+from eye_plant.parameter_sets import PARAMETER_SETS
 from lockstep.configuration import flatten
 from lockstep.errors import InputError
 
@@ -70,7 +71,12 @@ def test_the_demonstration_differs_in_named_settings_alone() -> None:
     [
         ((), 0.0),
         (("--model", "M"), 0.0),
-        (("--model", "M_C"), DEFAULT_METABOLIC_COST_WEIGHT),
+        (("--model", "M_C"), DEFAULT_METABOLIC_COST_WEIGHTS["k17"]),
+        (
+            ("--model", "M_C", "--set", "eye_plant.mechanics.parameter_set=anatomical"),
+            DEFAULT_METABOLIC_COST_WEIGHTS["anatomical"],
+        ),
+        (("--model", "M_C", "--set", "sparse_coder.metabolic_cost_weight=0.05"), 0.05),
         (("--model", "M_C", "--lambda", "0.035"), 0.035),
         (("--model", "M", "--lambda", "0.01"), 0.01),
     ],
@@ -79,6 +85,10 @@ def test_the_price_of_energy(line: tuple[str, ...], expected: float) -> None:
     configuration = _configuration(*line)
     assert configuration["sparse_coder"]["metabolic_cost_weight"] == expected
     assert configuration["experiment_manager"]["metabolic_cost_weight"] == expected
+
+
+def test_each_set_of_eyes_has_its_own_price() -> None:
+    assert set(DEFAULT_METABOLIC_COST_WEIGHTS) == set(PARAMETER_SETS)
 
 
 def test_the_seed_goes_to_all_who_draw_and_not_to_the_stimuli() -> None:
@@ -138,6 +148,9 @@ def test_set_reads_values_as_yaml_does() -> None:
         (("--set", "retina.gain=1"), "--set: expected NODE.PARAMETER=VALUE with a node of"),
         (("--lambda", "-1"), "metabolic_cost_weight: expected a finite number, 0 or more"),
         (("--lambda", "nan"), "metabolic_cost_weight: expected a finite number, 0 or more"),
+        (("--lambda-share", "1"), "--lambda-share: expected a share in [0, 1), got 1.0"),
+        (("--lambda-share", "nan"), "--lambda-share: expected a share in [0, 1), got nan"),
+        (("--lambda-share", "0.2", "--lambda", "0.1"), "expected it without --lambda, got both"),
         (("--stimuli", "/nowhere"), "stimuli.directory: expected a directory of pictures"),
     ],
 )

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import FrameType
 
 from experiment_manager import checkpoint
+from experiment_manager.cost_weight import first_iterations, with_weight
 from experiment_manager.domains import own_domain
 from experiment_manager.durable_files import replace_file
 from experiment_manager.figures import learning_curve
@@ -132,6 +133,18 @@ def _prepare_stimuli(configuration: Configuration) -> None:
     load_stimuli(plant.stimuli)
 
 
+def _with_share(configuration: Configuration, share: float) -> Configuration:
+    """Return the configuration with the lambda that gives energy this share of the reward."""
+    first = first_iterations(configuration)
+    weight = first.weight_for(share)
+    print(
+        f"over the first {first.n_iterations} iterations with lambda 0: mean E "
+        f"{first.reconstruction_error:.4f}, mean C {first.metabolic_rate_w:.4f} W; lambda "
+        f"{weight:.6g} per W makes lambda C {share:g} of E + lambda C"
+    )
+    return with_weight(configuration, weight)
+
+
 def _prepare(argv: Sequence[str] | None) -> Path:
     """Return the run directory that the command line asks for, with its config.yaml."""
     options = arguments(argv)
@@ -140,6 +153,8 @@ def _prepare(argv: Sequence[str] | None) -> Path:
         return Path(options.resume).resolve()
     configuration = configuration_of(options, _source_commit())
     _prepare_stimuli(configuration)
+    if options.share is not None:
+        configuration = _with_share(configuration, options.share)
     name = time.strftime("%Y%m%d-%H%M%S")
     directory = (options.out or Path("runs") / name).resolve()
     if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
