@@ -8,6 +8,7 @@ from experiment_manager.recording import (
     SAMPLED_TOPICS,
     SMALL_TOPICS,
     EpisodeRecord,
+    learning_steps,
     takes_pictures,
 )
 from eye_plant.episode import Episode
@@ -108,3 +109,21 @@ def test_zero_samples_nothing() -> None:
     config = ExperimentManagerConfig(pictures_every_n_episodes=0, pictures_every_n_trials=0)
     assert not takes_pictures(config, _episode(TRAINING, 0))
     assert not takes_pictures(config, _episode(TEST, 0))
+
+
+@pytest.mark.parametrize(
+    ("topic", "phase", "iteration", "expected"),
+    [
+        # 30 training iterations in 3 episodes came before: 30 of the coder, 27 TD updates.
+        ("reward", TRAINING, 0, 30),
+        ("reward", TRAINING, 4, 34),
+        ("reward", TEST, 4, 30),
+        ("actor_critic", TRAINING, 0, 27),
+        ("actor_critic", TRAINING, 4, 31),
+        ("actor_critic", TEST, 4, 27),
+    ],
+)
+def test_learning_steps_follow_from_the_place_in_the_protocol(
+    topic: str, phase: int, iteration: int, expected: int
+) -> None:
+    assert learning_steps(topic, _episode(phase), iteration) == expected

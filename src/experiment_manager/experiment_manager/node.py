@@ -20,6 +20,7 @@ from experiment_manager.recording import (
     SAMPLED_TOPICS,
     SMALL_TOPICS,
     EpisodeRecord,
+    learning_steps,
     takes_pictures,
 )
 from experiment_manager.run import Run
@@ -36,6 +37,7 @@ from lockstep.vectors import values_of
 EXIT_FAULT = 3
 EXIT_INTERRUPTED = 130
 LEARNERS = ("sparse_coder", "vergence_rl")
+LEARNER_OF = {"reward": "sparse_coder", "actor_critic": "vergence_rl"}
 PLANT = "eye_plant"
 _WATCH_PERIOD_S = 0.5
 # A foreign node has no request service: a few seconds tell it from one that is still starting.
@@ -209,10 +211,26 @@ class ExperimentManagerNode(Node):
             self.run.add_truth(
                 values_of(vector, GROUND_TRUTH_NAMES, topic), is_last=stamp_ns == record.last_ns
             )
-        elif topic == "reward":
+        elif topic in LEARNER_OF:
             vector = deserialize_message(message, JointState)
-            self.run.add_reward(
-                record.episode, record.iteration(stamp_ns), values_of(vector, REWARD_NAMES, topic)
+            iteration = record.iteration(stamp_ns)
+            self._check_learner(topic, vector, record, iteration)
+            if topic == "reward":
+                values = values_of(vector, REWARD_NAMES, topic)
+                self.run.add_reward(record.episode, iteration, values)
+
+    def _check_learner(
+        self, topic: str, vector: JointState, record: EpisodeRecord, iteration: int
+    ) -> None:
+        """Find the learner that was restarted, or learned what it should not have."""
+        if not self.config.supervised or LEARNER_OF[topic] not in self._ask:
+            return
+        expected = learning_steps(topic, record.episode, iteration)
+        (found,) = values_of(vector, ("learning_steps",), topic)
+        if found != expected:
+            raise InputError(
+                f"{LEARNER_OF[topic]}: expected {expected} learning steps in episode "
+                f"{record.episode.episode}, got {found:g}"
             )
 
     def _end_episode(self) -> None:

@@ -63,3 +63,14 @@ def takes_pictures(config: ExperimentManagerConfig, episode: Episode) -> bool:
     else:
         every, number = config.pictures_every_n_trials, episode.trial
     return every > 0 and number % every == 0
+
+
+def learning_steps(topic: str, episode: Episode, iteration: int) -> int:
+    """Return the learning steps that a learner must count in its answer, K17's protocol kept.
+
+    The sparse coder (`reward`) learns once per training iteration, after it has answered; the
+    actor-critic (`actor_critic`) once per training iteration but the first of each episode, before.
+    """
+    in_episode = iteration if episode.phase == TRAINING else 0
+    n_episodes = episode.episode if topic == "actor_critic" else 0
+    return episode.training_iteration - n_episodes + in_episode
