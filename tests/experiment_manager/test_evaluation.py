@@ -43,9 +43,12 @@ def test_the_tests_are_joined_by_stamp(run: RecordedRun) -> None:
 
 def test_the_training_curve_is_of_episode_ends(run: RecordedRun) -> None:
     curve = run.training_curve
-    # 40 episodes make 40 bins of one; an episode's last observation is 10 iterations in.
-    assert curve.iteration.tolist() == [10.0 * (i + 1) for i in range(40)]
-    assert curve.quartiles_deg.shape == (3, 40)
+    # 40 episodes make 2 bins of 20; an episode's last observation is 10 iterations in.
+    assert curve.iteration.tolist() == [105.0, 305.0]
+    truth = run.bag.vectors("ground_truth")["ground_truth"]
+    ends = (truth.column("phase") == 0) & (truth.column("iteration") == 10)
+    errors_deg = np.abs(truth.column("vergence_error_deg")[ends]).reshape(2, 20)
+    assert np.allclose(curve.quartiles_deg, np.quantile(errors_deg, (0.25, 0.5, 0.75), axis=1))
 
 
 def test_the_share_of_the_cost_is_that_of_training(run: RecordedRun) -> None:

@@ -21,8 +21,8 @@ class ExperimentManagerConfig:
     the run has a fault; pictures_every_n_episodes, pictures_every_n_trials: 0 records none (a test
     has 39 conditions per stimulus: a multiple of 39 would show one condition alone);
     resume: continue from the newest checkpoint of the run directory; supervised: somebody starts
-    all nodes again after a fault, so that what could be waited out is one too; mechanics: as the plant has
-    it, for the first activations of an episode.
+    all nodes again after a fault, so that what could be waited out is one too; mechanics: as the
+    plant has it, for the first activations of an episode.
     Raises InputError for a value out of range.
     """
 

@@ -13,6 +13,7 @@ SCALES = ("coarse", "fine")
 _PX_PER_PIXEL = (4.0, 1.0)
 _SIDE = 8
 _N_COLUMNS = 16
+_N_BINS = 37  # odd: one is centred on 0
 # Beyond half a patch too little of both eyes' parts overlaps to tell a match from chance.
 _LARGEST_SHIFT = 4
 # The weaker eye's part of an atom's norm, from 0 (monocular) to 1 (equal).
@@ -92,12 +93,12 @@ def dictionary_figure(atoms: np.ndarray) -> Figure:
         tiles[i].set_axis_off()
         n_binocular = int(found.binocular.sum())
         tiles[i].set_title(
-            f"{scale} scale: {n_binocular} of {len(atoms[i])} binocular, by preferred disparity",
+            f"{scale} scale: {n_binocular} of {len(atoms[i])} prefer a disparity and come first",
             fontsize=9,
         )
         disparity_px = found.disparity[found.binocular] * _PX_PER_PIXEL[i]
         reach = (_LARGEST_SHIFT + 0.5) * _PX_PER_PIXEL[i]
-        histograms[i].hist(disparity_px, bins=np.linspace(-reach, reach, 37), color="0.35")
+        histograms[i].hist(disparity_px, bins=np.linspace(-reach, reach, _N_BINS + 1), color="0.35")
         histograms[i].axvline(0.0, color="#d62728", lw=0.8)
         histograms[i].set(xlabel="preferred disparity / px of the picture", xlim=(-reach, reach))
     histograms[0].set_ylabel("basis functions")

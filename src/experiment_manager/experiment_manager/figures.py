@@ -81,7 +81,7 @@ def _label(key: tuple[Any, ...], same_model: Sequence[tuple[Any, ...]], n_runs: 
     model, weight, n_iterations = key
     parts = [r"$\mathcal{M}$" if model == "M" else r"$\mathcal{M}_C$" if model == "M_C" else model]
     if weight:
-        parts.append(rf"$\lambda$ = {weight:g}/W")
+        parts.append(rf"$\lambda$ = {weight:.3g}/W")
     if len({other[2] for other in same_model}) > 1:
         parts.append(f"{n_iterations:,} iterations")
     parts.append(f"{n_runs} run{'s' if n_runs > 1 else ''}")
@@ -182,13 +182,14 @@ def _draw_errors(axes: Axes, group: Group) -> Line2D:
     return line
 
 
-def _mark_pixel(axes: Axes, *, right: bool = False) -> None:
+def _mark_pixel(axes: Axes, *, outside: bool = False) -> None:
+    """Draw a line at 1 px; outside: its name stands to the right of the axes."""
     axes.axhline(PX_DEG, color="0.5", lw=0.7, ls=":")
     axes.annotate(
         "1 px",
-        (float(right), PX_DEG),
-        (-3 if right else 3, 1),
-        ha="right" if right else "left",
+        (float(outside), PX_DEG),
+        (3, 0 if outside else 1),
+        va="center" if outside else "baseline",
         xycoords=("axes fraction", "data"),
         textcoords="offset points",
         color="0.4",
@@ -227,7 +228,7 @@ def box_figure(groups: Sequence[Group]) -> Figure:
     n_iterations = min(test.trials.n_iterations for tests in last for test in tests)
     shown = [k for k in REPORTED_ITERATIONS if k <= n_iterations]
     upper.axhspan(0, PX_DEG, color="0.85", lw=0)
-    _mark_pixel(upper, right=True)
+    _mark_pixel(upper, outside=True)
     for level in (0, 100):
         lower.axhline(level, color="0.6", lw=0.7, ls=":")
     width = 0.7 / len(groups)
@@ -240,7 +241,7 @@ def box_figure(groups: Sequence[Group]) -> Figure:
     lower.set(ylabel="$c$ / %", xlabel="iteration of the trial")
     lower.set_xticks(range(len(shown)), [str(k) for k in shown])
     handles = [Patch(color=group.colour, alpha=0.6, label=group.label) for group in groups]
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(3, len(handles)))
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(2, len(handles)))
     return figure
 
 

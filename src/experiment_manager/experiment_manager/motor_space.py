@@ -56,7 +56,7 @@ def motor_space_figure(space: MotorSpace, groups: Sequence[Group]) -> Figure:
     Two panels, one for trials at the nearest and one at the farthest distance of the test; the
     solid line is correct gaze there, the dashed ones are 1 px off. Drawn are the trials of the
     first test stimulus of each group's first run, for start errors of -3, -1, 1 and 3 deg where
-    there are; a path's red dot is its end, the first path's cost there is written beside it.
+    there are; a path's red dot is its end, the median cost there is written in the corner.
     """
     figure = new_figure(7.2, 4.6)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
@@ -64,8 +64,11 @@ def motor_space_figure(space: MotorSpace, groups: Sequence[Group]) -> Figure:
     distances_m = last[0].trials.object_distance_m
     for axes, distance_m in zip(panels, (distances_m.min(), distances_m.max()), strict=True):
         image = _draw_maps(axes, space, float(distance_m))
-        for group, test in zip(groups, last, strict=True):
+        costs_w = [
             _draw_paths(axes, test, float(distance_m), group.colour)
+            for group, test in zip(groups, last, strict=True)
+        ]
+        _write_costs(axes, costs_w, [group.colour for group in groups])
         axes.set_title(f"object at {distance_m:g} m", fontsize=9)
         axes.set_xlabel("lateral rectus activation")
     panels[0].set_ylabel("medial rectus activation")
@@ -73,7 +76,7 @@ def motor_space_figure(space: MotorSpace, groups: Sequence[Group]) -> Figure:
     figure.colorbar(image, ax=panels, label="metabolic rate $C$ / W", shrink=0.85)
     handles = [panels[0].plot([], [], color=group.colour, label=group.label)[0] for group in groups]
     handles += panels[0].plot([], [], "o", color=_END_COLOUR, ms=4, label="after the trial")
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(handles)))
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(3, len(handles)))
     return figure
 
 
@@ -97,21 +100,30 @@ def _draw_maps(axes: Axes, space: MotorSpace, distance_m: float) -> QuadMesh:
     return image
 
 
-def _draw_paths(axes: Axes, test: RecordedTest, distance_m: float, colour: str) -> None:
-    for place, i_trial in enumerate(_shown_trials(test, distance_m)):
+def _draw_paths(axes: Axes, test: RecordedTest, distance_m: float, colour: str) -> float:
+    """Draw the paths of the trials shown; return the median metabolic rate at their ends, W."""
+    shown = _shown_trials(test, distance_m)
+    for i_trial in shown:
         medial, lateral = test.activations[i_trial].T
         axes.plot(lateral, medial, color=colour, lw=1.1, marker=".", ms=2.5, clip_on=False)
         axes.plot(lateral[-1], medial[-1], "o", color=_END_COLOUR, ms=4, zorder=5, clip_on=False)
-        if place == 0:
-            axes.annotate(
-                f"{test.trials.metabolic_rate_w[i_trial, -1]:.2f} W",
-                (lateral[-1], medial[-1]),
-                (8, 8 if medial[-1] < _MEDIAL_LIMIT / 8 else -14),
-                textcoords="offset points",
-                fontsize=8,
-                bbox={"facecolor": "white", "edgecolor": colour, "lw": 0.8, "pad": 1.5},
-                zorder=6,
-            )
+    return float(np.median(test.trials.metabolic_rate_w[shown, -1]))
+
+
+def _write_costs(axes: Axes, costs_w: Sequence[float], colours: Sequence[str]) -> None:
+    """Write one cost below the other into the corner that no path needs."""
+    for i, (cost_w, colour) in enumerate(zip(reversed(costs_w), reversed(colours), strict=True)):
+        axes.annotate(
+            f"{cost_w:.2f} W",
+            (1.0, 0.0),
+            (-6, 6 + 15 * i),
+            xycoords="axes fraction",
+            textcoords="offset points",
+            ha="right",
+            fontsize=8,
+            bbox={"facecolor": "white", "edgecolor": colour, "lw": 1.0, "pad": 1.5},
+            zorder=6,
+        )
 
 
 def _shown_trials(test: RecordedTest, distance_m: float) -> list[int]:

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullFormatter
 
 from experiment_manager.figures import PX_DEG, Group, new_figure
 from experiment_manager.recorded_run import RecordedRun, RecordedTest
@@ -14,6 +15,7 @@ from experiment_manager.recorded_run import RecordedRun, RecordedTest
 _BIN_DEG = 0.25
 _RANGE_DEG = 3.25
 _LEAST_PER_BIN = 20
+_LEAST_START_ERROR_DEG = 0.5
 # The coarse scale's window, centred in the picture (K17 II).
 _WINDOW_PX = 128
 
@@ -34,8 +36,12 @@ def encoding_figure(groups: Sequence[Group]) -> Figure:
         axes.axvspan(-PX_DEG, PX_DEG, color="0.9", lw=0, zorder=0)
         axes.set_title(group.label, fontsize=9)
         axes.set_xlabel(r"vergence error $\Delta\gamma$ / deg")
-        axes.legend(loc="lower left", fontsize=8)
-    panels[0].set(ylabel="reconstruction error $E$", xlim=(-_RANGE_DEG, _RANGE_DEG), ylim=(0, None))
+        axes.legend(loc="center", bbox_to_anchor=(0.5, 0.7), fontsize=8)
+    # Before and after learning E differs by an order of magnitude; its dip must show in both.
+    panels[0].set(ylabel="reconstruction error $E$", xlim=(-_RANGE_DEG, _RANGE_DEG), yscale="log")
+    panels[0].yaxis.set_major_locator(FixedLocator((0.05, 0.1, 0.2, 0.5, 1.0)))
+    panels[0].yaxis.set_major_formatter(FormatStrFormatter("%g"))
+    panels[0].yaxis.set_minor_formatter(NullFormatter())
     return figure
 
 
@@ -51,7 +57,9 @@ def _draw_binned(axes: Axes, tests: Sequence[RecordedTest], colour: str, label: 
     for i, k in enumerate(bins):
         if (number == k).sum() >= _LEAST_PER_BIN:
             quartiles[i] = np.quantile(encoding[number == k], (0.25, 0.5, 0.75))
-    at_deg = bins * _BIN_DEG
+    # Before learning trials stay at their whole degrees: the bins between are empty.
+    filled = ~np.isnan(quartiles[:, 1])
+    at_deg, quartiles = bins[filled] * _BIN_DEG, quartiles[filled]
     axes.plot(at_deg, quartiles[:, 1], color=colour, marker=".", label=label)
     axes.fill_between(at_deg, quartiles[:, 0], quartiles[:, 2], color=colour, alpha=0.2, lw=0)
 
@@ -67,6 +75,11 @@ class RecordedTrial:
     def start_error_deg(self) -> float:
         """Vergence error before the first command."""
         return float(self.test.trials.vergence_error_deg[self.i_trial, 0])
+
+    @property
+    def end_error_deg(self) -> float:
+        """Absolute vergence error after the last command."""
+        return abs(float(self.test.trials.vergence_error_deg[self.i_trial, -1]))
 
 
 def recorded_trials(run: RecordedRun, test: RecordedTest) -> list[RecordedTrial]:
@@ -86,21 +99,26 @@ def anaglyph(left: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 def anaglyph_figure(run: RecordedRun) -> Figure | None:
-    """Return anaglyphs before and after a trial, in the first and in the last test.
+    """Return anaglyphs at the start and at the end of a trial, in the first and in the last test.
 
-    The trial of the largest start error among those with pictures in both tests; None when there
-    is none. Red and cyan fringes are disparity; the frame is the coarse scale's window.
+    Of the trials with pictures in both tests and a start error, the one whose last error in the
+    last test is the median; None when there is none. Red and cyan fringes are disparity; the frame
+    is the coarse scale's window.
     """
     first, last = run.tests[0], run.tests[-1]
     by_number = [
-        {int(t.test.trials.trial[t.i_trial]): t for t in recorded_trials(run, test)}
+        {
+            int(t.test.trials.trial[t.i_trial]): t
+            for t in recorded_trials(run, test)
+            if abs(t.start_error_deg) > _LEAST_START_ERROR_DEG
+        }
         for test in (first, last)
     ]
     common = sorted(set(by_number[0]) & set(by_number[1]))
     if not common:
         return None
-    # Whole degrees but for settling: the first of the largest, on any machine.
-    number = max(common, key=lambda n: (round(abs(by_number[0][n].start_error_deg), 1), -n))
+    common.sort(key=lambda number: (by_number[1][number].end_error_deg, number))
+    number = common[(len(common) - 1) // 2]
     figure = new_figure(7.0, 5.6)
     rows = figure.subplots(2, 2)
     for axes_row, trials in zip(rows, by_number, strict=True):
@@ -122,7 +140,7 @@ def _draw_trial(axes_row: Sequence[Axes], run: RecordedRun, recorded: RecordedTr
         axes.add_patch(_frame(corner))
         error_deg = trials.vergence_error_deg[recorded.i_trial, iteration]
         axes.set_title(
-            f"after {trials.training_iteration:,} iterations, trial iteration {iteration}:\n"
+            f"trained for {trials.training_iteration:,} iterations, after {iteration} commands:\n"
             f"$\\Delta\\gamma$ = {error_deg:+.2f} deg ({error_deg / PX_DEG:+.1f} px)",
             fontsize=8,
         )

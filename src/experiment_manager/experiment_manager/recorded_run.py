@@ -22,7 +22,9 @@ from experiment_manager.results import results_document
 from lockstep.errors import InputError
 from lockstep.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, TRAINING
 
-_N_CURVE_BINS = 100
+# The error of a single episode says how hard it was; a median over some says what was learned.
+_MOST_CURVE_BINS = 100
+_EPISODES_PER_BIN = 25
 
 
 @dataclass(frozen=True)
@@ -235,7 +237,8 @@ def _training_curve(truth: VectorTable) -> TrainingCurve:
     # An episode's last observation: the next row, if any, is not its continuation.
     follows = np.append(iteration[1:] == iteration[:-1] + 1, [False])
     ends = np.flatnonzero(training & ~follows)
-    bins = [part for part in np.array_split(ends, _N_CURVE_BINS) if len(part)]
+    n_bins = min(_MOST_CURVE_BINS, -(-len(ends) // _EPISODES_PER_BIN))
+    bins = np.array_split(ends, n_bins) if n_bins else []
     error_deg = np.abs(truth.column("vergence_error_deg"))
     at = truth.column("training_iteration")
     quartiles = [np.quantile(error_deg[part], (0.25, 0.5, 0.75)) for part in bins]

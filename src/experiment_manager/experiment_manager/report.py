@@ -150,7 +150,8 @@ def _drawings(groups: Sequence[Group]) -> Iterator[_Drawing]:
             "Muscles and their cost (K17 Fig. 4)",
             "Metabolic rate (grey, white contours) over the activations of both eyes' horizontal "
             "recti. Black: gaze on the object, dashed: 1 px off. Paths of the last test's trials of"
-            " the first stimulus that start at -3, -1, 1 and 3 deg of error.",
+            " the first stimulus that start at -3, -1, 1 and 3 deg of error; in the corner the "
+            "median rate at their ends, by the colour of the frame.",
             partial(_motor_space, mechanics, members),
         )
     yield _Drawing(
@@ -168,16 +169,19 @@ def _drawings_of_run(run: RecordedRun, mark: str) -> Iterator[_Drawing]:
     yield _Drawing(
         f"dictionaries_{mark}",
         f"Basis functions of {run.name}",
-        "Left eye's part beside the right eye's. Binocular ones first, by preferred disparity, "
-        "positive when the pattern lies farther right in the left eye; below, their numbers.",
+        "Left eye's part beside the right eye's, each pair scaled by its largest entry. First "
+        "those whose parts match when shifted along the row, by that preferred disparity, positive "
+        "when the pattern lies farther right in the left eye; then the others, the most alike in "
+        "strength first. Below, how many prefer which disparity.",
         lambda: _dictionaries(run),
         f"{run.name} has no checkpoint to take basis functions from.",
     )
     yield _Drawing(
         f"anaglyphs_{mark}",
         f"What the eyes of {run.name} see",
-        "One trial in the first and in the last test, before and after it: left eye in red, right "
-        "eye in cyan. Colour fringes are disparity; the frame is the coarse scale's window.",
+        "One trial in the first and in the last test, at its start and at its end: left eye in red,"
+        " right eye in cyan. Colour fringes are disparity; the frame is the coarse scale's window. "
+        "Of the trials with pictures, the one that ends with the median error.",
         lambda: anaglyph_figure(run),
         f"The bag of {run.name} has no pictures of a trial common to its first and last test.",
     )

@@ -50,7 +50,7 @@ def runs_table(groups: Sequence[Group]) -> str:
             run.model,
             str(run.seed),
             f"{run.n_iterations:,}",
-            f"{run.metabolic_cost_weight:g}",
+            f"{run.metabolic_cost_weight:.4g}",
             *(_percent(share) for share in run.cost_shares),
             run.commit[:12] or "unknown",
         )
@@ -65,7 +65,7 @@ def comparison_table(groups: Sequence[Group]) -> str:
     header = ["measure"]
     columns: list[list[str]] = []
     for group in groups:
-        if group.model in _PAPER:
+        if group.model in _PAPER and f"paper, {group.model}" not in header:
             header.append(f"paper, {group.model}")
             columns.append(_paper_column(_PAPER[group.model]))
         header.append(f"ours, {group.model}")
@@ -113,7 +113,7 @@ def _column(group: Group) -> list[str]:
         f"{group.iterations[-1]:,}",
         str(len(group.runs)),
         f"{all_trials['n_trials']:,}",
-        f"{group.runs[0].metabolic_cost_weight:g}",
+        f"{group.runs[0].metabolic_cost_weight:.4g}",
         number(all_trials["median_abs_vergence_error_deg"]),
         number(all_trials["iqr_abs_vergence_error_deg"]),
         number(all_trials["median_delta_cost_w"]),
@@ -128,7 +128,15 @@ def _column(group: Group) -> list[str]:
 
 def iterations_table(groups: Sequence[Group]) -> str:
     """Return each group's measures after 1, 2, 3 and 20 iterations of the last test."""
-    header = ("model", "after", "median |error| / deg", "IQR / deg", "within 1 px", "median c")
+    header = (
+        "model",
+        "trained for",
+        "after",
+        "median |error| / deg",
+        "IQR / deg",
+        "within 1 px",
+        "median c",
+    )
     rows = []
     for group in groups:
         trials = pooled(group.tests_at(group.iterations[-1]))
@@ -138,6 +146,7 @@ def iterations_table(groups: Sequence[Group]) -> str:
             rows.append(
                 (
                     group.model,
+                    f"{trials.training_iteration:,}",
                     str(k),
                     number(told["median_abs_vergence_error_deg"]),
                     number(told["iqr_abs_vergence_error_deg"]),
