@@ -3,6 +3,7 @@
 import struct
 import sys
 import time
+from collections import deque
 from collections.abc import Callable
 from functools import partial
 from importlib import import_module
@@ -36,6 +37,8 @@ from lockstep.vectors import values_of
 
 EXIT_FAULT = 3
 EXIT_INTERRUPTED = 130
+# Before the reason, in the last line of the log: the supervisor reads it there.
+FAULT_TEXT = "the run cannot go on: "
 LEARNERS = ("sparse_coder", "vergence_rl")
 LEARNER_OF = {"reward": "sparse_coder", "actor_critic": "vergence_rl"}
 PLANT = "eye_plant"
@@ -60,6 +63,8 @@ class ExperimentManagerNode(Node):
         except OSError as error:
             raise InputError(f"run directory: expected one to write into: {error}") from error
         self._record: EpisodeRecord | None = None
+        # The one under way and the last one: a picture may come after all that is counted.
+        self._records: deque[EpisodeRecord] = deque(maxlen=2)
         self._n_awaited = 0
         self._n_interrupts = 0
         self._is_over = False
@@ -115,6 +120,7 @@ class ExperimentManagerNode(Node):
 
     def _start_run(self) -> None:
         self._next = _nothing
+        self._sample_pictures()
         asks: list[tuple[str, str, Arguments]] = [(name, START_RUN, {}) for name in self._ask]
         loaded = self.run.states_to_load(self._learners())
         asks += [(name, "load", {"path": str(path)}) for name, path in loaded.items()]
@@ -153,6 +159,7 @@ class ExperimentManagerNode(Node):
         episode = self.run.episode()
         self._sample_pictures()
         self._record = EpisodeRecord(episode, self._period_ns)
+        self._records.appendleft(self._record)
         self._message_s = time.monotonic()
         self._n_awaited = 2
         self._ask_all([(PLANT, "episode", episode.as_arguments())], self._acknowledged)
@@ -182,15 +189,16 @@ class ExperimentManagerNode(Node):
         self._guarded(partial(self._take, topic, message))
 
     def _take(self, topic: str, message: bytes) -> None:
-        record = self._record
-        if record is None:
+        if self._is_over:
             return
         if topic == "/diagnostics":
+            # Its own stamp is of another clock.
             self.run.writer.write(topic, message, self.run.stamp_ns)
             return
         stamp_s, stamp_rest_ns = _HEADER_STAMP.unpack_from(message, _HEADER_OFFSET)
         stamp_ns = stamp_s * 1_000_000_000 + stamp_rest_ns
-        if not record.holds(stamp_ns):
+        record = next((r for r in self._records if r.holds(stamp_ns)), None)
+        if record is None:
             return
         if topic in SAMPLED_TOPICS and not takes_pictures(self.config, record.episode):
             return
@@ -267,7 +275,7 @@ class ExperimentManagerNode(Node):
         if self._is_over:
             return
         self.exit_code = EXIT_FAULT
-        self.get_logger().error(f"the run cannot go on: {reason}")
+        self.get_logger().error(f"{FAULT_TEXT}{reason}")
         self._stop()
 
     def _stop(self) -> None:
