@@ -126,11 +126,14 @@ def test_set_reads_values_as_yaml_does() -> None:
         "--set",
         "vergence_rl.discount=0.5",
         "--set",
+        "vergence_rl.exploration_variance=2e-5",
+        "--set",
         "vergence_rl.medial_limits=[0.0, 0.1]",
         "--set",
         "eye_plant.mechanics.parameter_set=anatomical",
     )
     assert configuration["vergence_rl"]["discount"] == 0.5
+    assert configuration["vergence_rl"]["exploration_variance"] == 2e-5
     assert configuration["vergence_rl"]["medial_limits"] == [0.0, 0.1]
     assert configuration["experiment_manager"]["mechanics.parameter_set"] == "anatomical"
 

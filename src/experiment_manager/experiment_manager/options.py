@@ -169,9 +169,18 @@ def _setting(text: str) -> tuple[str, str, Any]:
             f"got {text!r}"
         )
     try:
-        return node, name, yaml.safe_load(value)
+        read = yaml.safe_load(value)
     except yaml.YAMLError as error:
         raise InputError(f"--set {text}: expected a value as YAML has it") from error
+    return node, name, _number(read) if isinstance(read, str) else read
+
+
+def _number(text: str) -> float | str:
+    """Return the number that a text is, or the text: YAML takes 1e-5 for a word."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def _whole(text: str) -> int:

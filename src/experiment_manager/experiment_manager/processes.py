@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 from experiment_manager.progress_bar import TERMINAL_VARIABLE
@@ -18,9 +19,11 @@ _LIBC = ctypes.CDLL(None, use_errno=True)
 _POLL_S = 0.02
 
 
-def _die_with_parent() -> None:
+def _die_with(parent: int) -> None:
     """Ask the kernel for a SIGKILL when the parent dies, even if by kill -9 (Linux, prctl(2))."""
     _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:
+        os._exit(1)  # it died before we could ask
 
 
 class NodeProcesses:
@@ -53,7 +56,7 @@ class NodeProcesses:
                     pass_fds=(terminal,) if package == MANAGER else (),
                     # Ctrl-C in the terminal is for the supervisor alone.
                     start_new_session=True,
-                    preexec_fn=_die_with_parent,  # noqa: PLW1509 (no threads yet: nodes come first)
+                    preexec_fn=partial(_die_with, os.getpid()),  # noqa: PLW1509 (no threads yet)
                 )
         os.close(terminal)
 

@@ -1,5 +1,8 @@
 """run_experiment.sh: starts the nodes of a run, watches them, and rolls back after a fault."""
 
+import os
+import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,7 +17,7 @@ from experiment_manager.domains import own_domain
 from experiment_manager.durable_files import replace_file
 from experiment_manager.figures import learning_curve
 from experiment_manager.heartbeats import Heartbeats
-from experiment_manager.node import EXIT_INTERRUPTED
+from experiment_manager.node import EXIT_INTERRUPTED, FAULT_TEXT
 from experiment_manager.options import (
     Configuration,
     arguments,
@@ -25,6 +28,7 @@ from experiment_manager.options import (
 from experiment_manager.processes import MANAGER, NodeProcesses
 from experiment_manager.results import read_results
 from experiment_manager.run import CONFIG_FILE, RESULTS_FILE
+from experiment_manager.shared_memory import remove_ports, remove_stale_segments
 from experiment_manager.summary import results_table
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli import load_stimuli
@@ -34,7 +38,10 @@ from lockstep.process import EXIT_BAD_INPUT
 
 EXIT_FAULT = 3
 _SAME_FAULT_LIMIT = 3
-_LOG_LINES_SHOWN = 15
+# Faults of different kinds without a checkpoint between them: somebody should look.
+_ANY_FAULT_LIMIT = 10
+# The same fault may name another time or count.
+_NUMBER = re.compile(r"[0-9.]+")
 
 
 class Supervisor:
@@ -59,28 +66,49 @@ class Supervisor:
             with own_domain(frozenset(used_domains)) as domain:
                 used_domains.add(domain)
                 print(f"to listen from another terminal: export ROS_DOMAIN_ID={domain}")
-                code, fault = self._attempt(domain)
+                code, fault = self._attempt(domain, is_first=not faults)
+                remove_stale_segments()
+                if "ROS_DOMAIN_ID" not in os.environ:
+                    remove_ports(domain)
             if fault is None:
                 return code
-            faults.append((self._place(), fault))
             print(f"fault: {fault}", file=sys.stderr)
-            if faults.count(faults[-1]) >= _SAME_FAULT_LIMIT:
-                print(
-                    f"error: the same fault {_SAME_FAULT_LIMIT} times after episode "
-                    f"{faults[-1][0]}: {fault}; logs are in {self._directory / 'logs'}",
-                    file=sys.stderr,
-                )
+            if self._interrupts:
+                return EXIT_INTERRUPTED
+            faults.append((self._place(), _NUMBER.sub("", fault)))
+            if error := self._hopeless(faults, fault):
+                print(f"error: {error}; logs: {self._directory / 'logs'}", file=sys.stderr)
                 return EXIT_FAULT
             print("rolling back to the newest checkpoint", file=sys.stderr)
+
+    def _hopeless(self, faults: Sequence[tuple[int, str]], fault: str) -> str:
+        """Return why another attempt would be in vain, or "" when it would not."""
+        place, _ = faults[-1]
+        where = f"after episode {place}" if place >= 0 else "before the first checkpoint"
+        if faults.count(faults[-1]) >= _SAME_FAULT_LIMIT:
+            return f"the same fault {_SAME_FAULT_LIMIT} times {where}: {fault}"
+        if sum(at == place for at, _ in faults) >= _ANY_FAULT_LIMIT:
+            return f"{_ANY_FAULT_LIMIT} faults {where}, the last one: {fault}"
+        return ""
 
     def _place(self) -> int:
         found = checkpoint.newest(self._directory / "checkpoints")
         return found[0].place if found else -1
 
-    def _attempt(self, domain: int) -> tuple[int, str | None]:
+    def _attempt(self, domain: int, *, is_first: bool) -> tuple[int, str | None]:
         """Run the nodes until they are done or fail; return (exit code, fault or None)."""
-        resume = "true" if self._place() >= 0 else "false"
-        more = {MANAGER: ("-p", f"run_directory:={self._directory}", "-p", f"resume:={resume}")}
+        if self._interrupts:
+            return EXIT_INTERRUPTED, None
+        resume = self._place() >= 0
+        if not resume and not is_first:
+            # Nothing was committed yet: what the last attempt left is of no use.
+            shutil.rmtree(self._directory / "bag", ignore_errors=True)
+        given = {
+            "run_directory": self._directory,
+            "resume": str(resume).lower(),
+            "supervised": "true",
+        }
+        more = {MANAGER: [word for k, v in given.items() for word in ("-p", f"{k}:={v}")]}
         config, logs = self._directory / CONFIG_FILE, self._directory / "logs"
         with (
             NodeProcesses(config, domain, logs, more) as processes,
@@ -91,23 +119,25 @@ class Supervisor:
                 silent = heartbeats.wait()
                 if silent:
                     return EXIT_FAULT, f"{silent} gives no sign of life"
-            if MANAGER not in codes:
-                # The manager may be a moment behind the node that died because of it.
-                name, code = next(iter(codes.items()))
-                return self._ended(name, code)
-            return self._ended(MANAGER, codes[MANAGER])
+            # Of several that have ended, the manager knows best why.
+            name = MANAGER if MANAGER in codes else next(iter(codes))
+            return self._ended(name, codes[name])
 
     def _ended(self, name: str, code: int) -> tuple[int, str | None]:
         if name == MANAGER and code in (0, EXIT_INTERRUPTED):
             return code, None
+        if code < 0:
+            return EXIT_FAULT, f"{name} was killed by {signal.Signals(-code).name}"
+        last_line = self._last_line_of_log(name)
         if code == EXIT_BAD_INPUT:
-            print(self._end_of_log(name), file=sys.stderr)
+            print(last_line, file=sys.stderr)
             return code, None
-        return EXIT_FAULT, f"{name} ended with exit code {code}"
+        return EXIT_FAULT, f"{name} ended: {last_line.rpartition(FAULT_TEXT)[2]}"
 
-    def _end_of_log(self, name: str) -> str:
+    def _last_line_of_log(self, name: str) -> str:
         log = self._directory / "logs" / f"{name}.log"
-        return "\n".join(log.read_text(errors="replace").splitlines()[-_LOG_LINES_SHOWN:])
+        lines = log.read_text(errors="replace").split("\n")
+        return next((line for line in reversed(lines) if line.strip()), "without a word")
 
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
         self._interrupts += 1

@@ -1,0 +1,75 @@
+"""Removes what killed nodes leave in shared memory; Fast DDS removes it only when a node ends well.
+
+A participant keeps its data in a segment, /dev/shm/fastrtps_<16 hex digits>, and listens on ports,
+fastrtps_port<number> with sem.fastrtps_port<number>_mutex. Beside each lies a file ..._el that its
+owner holds locked (flock) while it lives.
+"""
+
+import contextlib
+import fcntl
+import os
+import re
+import time
+from pathlib import Path
+
+DIRECTORY = Path("/dev/shm")
+_SEGMENT_LOCK = re.compile(r"^fastrtps_[0-9a-f]{16}_el$")
+# RTPS 2.2, 9.6.1.1: a domain's ports begin at 7400 + 250 times its number.
+_PORT_BASE, _DOMAIN_GAIN = 7400, 250
+# A file this young may belong to a node that is about to lock it.
+_YOUNG_S = 5.0
+
+
+def remove_stale_segments(directory: Path = DIRECTORY) -> int:
+    """Remove the segments of this user's dead nodes, whatever their domain; return how many.
+
+    Nobody else opens a segment anew, and who still has it open keeps it.
+    """
+    n_removed = 0
+    for lock in _files(directory):
+        if not _SEGMENT_LOCK.match(lock.name) or not _is_abandoned(lock):
+            continue
+        for path in (lock.with_name(lock.name.removesuffix("_el")), lock):
+            path.unlink(missing_ok=True)
+        n_removed += 1
+    return n_removed
+
+
+def remove_ports(domain: int, directory: Path = DIRECTORY) -> int:
+    """Remove the ports of a domain that was ours alone and has been left; return how many.
+
+    In a domain with others, somebody may still send to a port whose listener died: leave those.
+    """
+    first = _PORT_BASE + _DOMAIN_GAIN * domain
+    n_removed = 0
+    for number in range(first, first + _DOMAIN_GAIN):
+        port = directory / f"fastrtps_port{number}"
+        lock = directory / f"{port.name}_el"
+        if not port.exists() or (lock.exists() and _is_locked(lock)):
+            continue
+        for path in (port, lock, directory / f"sem.{port.name}_mutex"):
+            path.unlink(missing_ok=True)
+        n_removed += 1
+    return n_removed
+
+
+def _files(directory: Path) -> list[Path]:
+    return list(directory.iterdir()) if directory.is_dir() else []
+
+
+def _is_abandoned(lock: Path) -> bool:
+    try:
+        status = lock.stat()
+    except FileNotFoundError:
+        return False
+    is_young = time.time() - status.st_mtime < _YOUNG_S
+    return status.st_uid == os.getuid() and not is_young and not _is_locked(lock)
+
+
+def _is_locked(lock: Path) -> bool:
+    with contextlib.suppress(FileNotFoundError), lock.open("rb") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+    return False
