@@ -1,16 +1,15 @@
 """Publishes an observation of the plant on all its topics."""
 
-import array
-
 import numpy as np
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo
 
 from eye_plant.config import EyePlantConfig
 from eye_plant.messages import camera_info, picture_message
 from eye_plant.muscles import MUSCLE_NAMES
 from eye_plant.observation import Observation
+from lockstep.images import ImagePublisher
 from lockstep.qos import LOCKSTEP_QOS
 from lockstep.stamps import to_time
 from lockstep.topics import EPISODE_NAMES, EYE_STATE_NAMES, GROUND_TRUTH_NAMES, SIDES
@@ -29,7 +28,8 @@ class ObservationPublisher:
         self._truth = VectorPublisher(node, "ground_truth", GROUND_TRUTH_NAMES)
         self._clock = node.create_publisher(Clock, "/clock", LOCKSTEP_QOS)
         self._pictures = [
-            node.create_publisher(Image, f"{side}/image_raw", LOCKSTEP_QOS) for side in SIDES
+            ImagePublisher(node, f"{side}/image_raw", picture_message(config.camera, i_eye))
+            for i_eye, side in enumerate(SIDES)
         ]
         self._infos = [
             node.create_publisher(CameraInfo, f"{side}/camera_info", LOCKSTEP_QOS) for side in SIDES
@@ -37,7 +37,6 @@ class ObservationPublisher:
         self._info_messages = [
             camera_info(config.camera, i_eye, config.mechanics.baseline_m) for i_eye in range(2)
         ]
-        self._picture_messages = [picture_message(config.camera, i_eye) for i_eye in range(2)]
 
     def publish(self, stamp_ns: int, observation: Observation) -> None:
         """Publish everything under one stamp.
@@ -59,12 +58,8 @@ class ObservationPublisher:
         self._clock.publish(Clock(clock=to_time(stamp_ns)))
 
     def _publish_pictures(self, stamp_ns: int, pictures: np.ndarray) -> None:
-        for publisher, message, picture in zip(
-            self._pictures, self._picture_messages, pictures, strict=True
-        ):
-            message.header.stamp = to_time(stamp_ns)
-            message.data = array.array("B", picture.tobytes())
-            publisher.publish(message)
+        for pictures_of_eye, picture in zip(self._pictures, pictures, strict=True):
+            pictures_of_eye.publish(stamp_ns, picture)
         for publisher, info in zip(self._infos, self._info_messages, strict=True):
             if publisher.get_subscription_count():
                 info.header.stamp = to_time(stamp_ns)

@@ -4,24 +4,24 @@ from builtin_interfaces.msg import Time
 
 from lockstep.errors import InputError
 
-_NS_PER_S = 1_000_000_000
+NS_PER_S = 1_000_000_000
 # The last that a ROS time, with its 32-bit seconds, can carry.
-MAX_STAMP_NS = (1 << 31) * _NS_PER_S - 1
+MAX_STAMP_NS = (1 << 31) * NS_PER_S - 1
 
 
 def period_ns(control_period_s: float) -> int:
     """Return the control period in whole nanoseconds."""
-    return round(control_period_s * _NS_PER_S)
+    return round(control_period_s * NS_PER_S)
 
 
 def to_time(stamp_ns: int) -> Time:
     """Return the ROS time of a stamp; stamp_ns in [0, MAX_STAMP_NS]."""
-    return Time(sec=stamp_ns // _NS_PER_S, nanosec=stamp_ns % _NS_PER_S)
+    return Time(sec=stamp_ns // NS_PER_S, nanosec=stamp_ns % NS_PER_S)
 
 
 def to_ns(time: Time) -> int:
     """Return the stamp of a ROS time in nanoseconds."""
-    return int(time.sec) * _NS_PER_S + int(time.nanosec)
+    return int(time.sec) * NS_PER_S + int(time.nanosec)
 
 
 def checked_ns(time: Time) -> int:
@@ -29,7 +29,7 @@ def checked_ns(time: Time) -> int:
 
     Raises InputError for a time that no stamp can have.
     """
-    if time.sec < 0 or time.nanosec >= _NS_PER_S:
+    if time.sec < 0 or time.nanosec >= NS_PER_S:
         raise InputError(
             f"stamp: expected sec >= 0 and nanosec < 10^9, got {time.sec} s, {time.nanosec} ns"
         )

@@ -13,10 +13,12 @@ from sensor_msgs.msg import JointState
 
 from lockstep.errors import InputError
 from lockstep.qos import LOCKSTEP_QOS
+from lockstep.stamped_bytes import StampedBytes
 from lockstep.stamps import to_time
 
 # Up to here every whole number is a double of its own.
 _MAX_WHOLE = 2.0**53
+_FIRST_PLACE = np.uint64(0x7FF4_0000_0000_0000)
 
 Vector = np.ndarray | Sequence[float]
 
@@ -49,25 +51,43 @@ class VectorPublisher:
     def __init__(self, node: Node, topic: str, names: Sequence[str]) -> None:
         """names: the entries of each vector, in order."""
         self.publisher: Publisher = node.create_publisher(JointState, topic, LOCKSTEP_QOS)
-        self._message = vector_message(0, names, np.zeros(len(names)))
-        self._published = False
+        self._names = tuple(names)
+        self._layouts: dict[tuple[bool, bool], StampedBytes] = {}
+        self._last = b""
 
     def publish(
         self, stamp_ns: int, position: Vector, velocity: Vector = (), effort: Vector = ()
     ) -> None:
         """Publish (n_names,) values; velocity and effort may be empty."""
-        message = self._message
-        message.header.stamp = to_time(stamp_ns)
-        message.position = _doubles(position)
-        message.velocity = _doubles(velocity)
-        message.effort = _doubles(effort)
-        self.publisher.publish(message)
-        self._published = True
+        has_velocity, has_effort = len(velocity) > 0, len(effort) > 0
+        layout = self._layouts.get((has_velocity, has_effort))
+        if layout is None:
+            layout = _layout(self._names, has_velocity, has_effort)
+            self._layouts[has_velocity, has_effort] = layout
+        values = [position]
+        if has_velocity:
+            values.append(velocity)
+        if has_effort:
+            values.append(effort)
+        self._last = layout.fill(stamp_ns, *values)
+        self.publisher.publish(self._last)
 
     def repeat(self) -> None:
         """Publish the last vector again, if there was one."""
-        if self._published:
-            self.publisher.publish(self._message)
+        if self._last:
+            self.publisher.publish(self._last)
+
+
+def _layout(names: Sequence[str], has_velocity: bool, has_effort: bool) -> StampedBytes:
+    # Numbers that are no numbers, each another: no name and no length looks like them.
+    places = (np.arange(3 * len(names), dtype=np.uint64) + _FIRST_PLACE).view(np.float64)
+    fields = [
+        place if is_there else np.zeros(0)
+        for place, is_there in zip(
+            places.reshape(3, -1), (True, has_velocity, has_effort), strict=True
+        )
+    ]
+    return StampedBytes(vector_message(0, names, *fields), *(f for f in fields if f.size))
 
 
 def values_of(

@@ -1,12 +1,9 @@
 """Pictures from, and features into, sensor_msgs/Image."""
 
-import array
-
 import numpy as np
 from sensor_msgs.msg import Image
 
 from lockstep.errors import InputError
-from lockstep.stamps import to_time
 
 
 def picture_of(message: Image, topic: str) -> np.ndarray:
@@ -23,15 +20,9 @@ def picture_of(message: Image, topic: str) -> np.ndarray:
     return np.frombuffer(message.data, dtype=np.uint8).reshape(height, step)[:, :width]
 
 
-class FeaturesMessage:
-    """The features as a picture of 32-bit floats, one row per scale: it opens in any viewer."""
+def features_message(n_bases: int) -> Image:
+    """Return the message of features (2, n_bases) float32, without stamp and data.
 
-    def __init__(self, n_bases: int) -> None:
-        """n_bases: features per scale."""
-        self.message = Image(height=2, width=n_bases, encoding="32FC1", step=4 * n_bases)
-
-    def fill(self, stamp_ns: int, features: np.ndarray) -> Image:
-        """Return the message of features (2, n_bases) float32; it is valid until the next call."""
-        self.message.header.stamp = to_time(stamp_ns)
-        self.message.data = array.array("B", features.tobytes())
-        return self.message
+    A picture of 32-bit floats, one row per scale: it opens in any viewer.
+    """
+    return Image(height=2, width=n_bases, encoding="32FC1", step=4 * n_bases)

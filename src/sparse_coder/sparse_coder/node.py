@@ -6,14 +6,14 @@ from typing import Any
 
 from sensor_msgs.msg import Image, JointState
 
+from lockstep.images import ImagePublisher
 from lockstep.learner_node import LearnerNode
 from lockstep.process import run_node
-from lockstep.qos import LOCKSTEP_QOS
 from lockstep.topics import HORIZONTAL_RECTI, PICTURES, REWARD_NAMES, TRAINING
 from lockstep.vectors import VectorPublisher, values_of, whole_values_of
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
-from sparse_coder.messages import FeaturesMessage, picture_of
+from sparse_coder.messages import features_message, picture_of
 from sparse_coder.reward import reward
 
 INPUTS = dict.fromkeys(PICTURES, Image) | {"episode": JointState, "muscle_activations": JointState}
@@ -25,8 +25,7 @@ class SparseCoderNode(LearnerNode):
     def __init__(self, **kwargs: Any) -> None:
         """Set up the coder; raises InputError for a bad configuration."""
         super().__init__("sparse_coder", SparseCoderConfig, INPUTS, **kwargs)
-        self._features_message = FeaturesMessage(self.config.n_bases)
-        self._features = self.create_publisher(Image, "features", LOCKSTEP_QOS)
+        self._features = ImagePublisher(self, "features", features_message(self.config.n_bases))
         self._reward = VectorPublisher(self, "reward", REWARD_NAMES)
 
     def make_learner(self) -> SparseCoder:
@@ -47,14 +46,14 @@ class SparseCoderNode(LearnerNode):
         self._reward.publish(
             stamp_ns, (*errors, metabolic_rate_w, reward_t, self.learner.learning_steps)
         )
-        self._features.publish(self._features_message.fill(stamp_ns, encoding.features))
+        self._features.publish(stamp_ns, encoding.features)
         if self.learning and phase == TRAINING:
             self.learner.learn(encoding)
 
     def repeat(self) -> None:
         """Publish the last features and reward again."""
         self._reward.repeat()
-        self._features.publish(self._features_message.message)
+        self._features.repeat()
 
 
 def main() -> None:

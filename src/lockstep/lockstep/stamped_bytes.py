@@ -1,0 +1,34 @@
+"""Messages as the bytes that travel, made once; then only the stamp and the numbers are put in.
+
+To make a message, convert and serialize it costs five times as much, at each message of the loop.
+"""
+
+import struct
+from typing import Any
+
+import numpy as np
+from rclpy.serialization import serialize_message
+
+from lockstep.stamps import NS_PER_S
+
+_STAMP = struct.Struct("<iI")
+_STAMP_OFFSET = 4  # behind the encapsulation (CDR, little-endian): a header comes first
+
+
+class StampedBytes:
+    """A serialized message of a type with a header, whose parts keep their sizes."""
+
+    def __init__(self, message: Any, *places: np.ndarray) -> None:
+        """places: arrays whose bytes are in the message once each, where values will go."""
+        self._data = bytearray(serialize_message(message))
+        self._fields = [
+            np.frombuffer(self._data, place.dtype, place.size, self._data.index(place.tobytes()))
+            for place in places
+        ]
+
+    def fill(self, stamp_ns: int, *values: Any) -> bytes:
+        """Return the message of a stamp with values in the places, each as large as its place."""
+        _STAMP.pack_into(self._data, _STAMP_OFFSET, *divmod(stamp_ns, NS_PER_S))
+        for field, value in zip(self._fields, values, strict=True):
+            field[:] = value
+        return bytes(self._data)

@@ -1,0 +1,96 @@
+"""Messages that are filled in as bytes are the messages that ROS would have made."""
+
+import itertools
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.serialization import deserialize_message
+from sensor_msgs.msg import Image, JointState
+
+from lockstep.images import ImagePublisher
+from lockstep.stamped_bytes import StampedBytes
+from lockstep.vectors import VectorPublisher, vector_message
+
+
+@pytest.fixture
+def node() -> Iterator[Node]:
+    context = Context()
+    context.init(domain_id=97)
+    node = Node("stamped_bytes", context=context)
+    yield node
+    node.destroy_node()
+    context.try_shutdown()
+
+
+class _Recorder:
+    """Stands in for a publisher."""
+
+    def __init__(self) -> None:
+        self.sent: list[bytes] = []
+
+    def publish(self, message: bytes) -> None:
+        self.sent.append(message)
+
+
+@pytest.mark.parametrize("n_names", [1, 2, 5, 12])
+def test_a_vector_of_any_layout_is_the_vector_that_was_meant(node: Node, n_names: int) -> None:
+    names = [f"{'x' * i}{i}" for i in range(n_names)]
+    publisher = VectorPublisher(node, "vector", names)
+    publisher.publisher = recorder = _Recorder()
+    values = np.random.default_rng(0).normal(size=(3, n_names))
+    for has_velocity, has_effort in itertools.product((False, True), repeat=2):
+        velocity = values[1] if has_velocity else ()
+        effort = values[2] if has_effort else ()
+        for stamp_ns in (0, 7_123_456_789):
+            publisher.publish(stamp_ns, tuple(values[0]), velocity, effort)
+            expected = vector_message(stamp_ns, names, values[0], velocity, effort)
+            assert deserialize_message(recorder.sent[-1], JointState) == expected
+
+
+def test_a_vector_may_hold_what_is_no_number(node: Node) -> None:
+    publisher = VectorPublisher(node, "vector", ("a", "b"))
+    publisher.publisher = recorder = _Recorder()
+    publisher.publish(0, (np.nan, -np.inf))
+    position = deserialize_message(recorder.sent[0], JointState).position
+    np.testing.assert_array_equal(position, [np.nan, -np.inf])
+
+
+def test_a_picture_is_the_picture_that_was_meant(node: Node) -> None:
+    message = Image(height=5, width=60, encoding="32FC1", step=240)
+    message.header.frame_id = "left_eye"
+    publisher = ImagePublisher(node, "picture", message)
+    publisher.publisher = recorder = _Recorder()
+    picture = np.random.default_rng(0).normal(size=(5, 60)).astype(np.float32)
+    publisher.publish(3_000_000_004, picture)
+    received = deserialize_message(recorder.sent[0], Image)
+    assert (received.header.stamp.sec, received.header.stamp.nanosec) == (3, 4)
+    assert (received.header.frame_id, received.encoding) == ("left_eye", "32FC1")
+    assert (received.height, received.width, received.step) == (5, 60, 240)
+    assert bytes(received.data) == picture.tobytes()
+
+
+def test_what_was_sent_does_not_change_when_the_next_is_filled_in() -> None:
+    place = np.array([0.125])
+    filled = StampedBytes(vector_message(0, ("a",), place), place)
+    first = filled.fill(0, [1.0])
+    filled.fill(1, [2.0])
+    assert list(deserialize_message(first, JointState).position) == [1.0]
+
+
+def test_a_repeat_sends_the_last_one_again_and_nothing_before_the_first(node: Node) -> None:
+    vector = VectorPublisher(node, "vector", ("a",))
+    vector.publisher = vectors = _Recorder()
+    image = ImagePublisher(node, "picture", Image(height=2, width=3, encoding="mono8", step=3))
+    image.publisher = images = _Recorder()
+    vector.repeat()
+    image.repeat()
+    assert vectors.sent == images.sent == []
+    vector.publish(5, (1.0,))
+    image.publish(5, np.zeros((2, 3), np.uint8))
+    vector.repeat()
+    image.repeat()
+    assert vectors.sent[0] == vectors.sent[1]
+    assert images.sent[0] == images.sent[1]
