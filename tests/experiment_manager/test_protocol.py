@@ -78,6 +78,14 @@ def test_the_order_of_phases() -> None:
     }
 
 
+def test_the_kind_of_a_place_is_that_of_its_episode() -> None:
+    protocol = _protocol()
+    for place in range(len(protocol)):
+        episode = protocol.episode(place)
+        number = episode.episode if episode.phase == TRAINING else episode.trial
+        assert protocol.kind(place) == (episode.phase, number)
+
+
 def test_training_iterations_before_each_place() -> None:
     protocol = _protocol()
     counted = 0

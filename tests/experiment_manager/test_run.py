@@ -1,5 +1,6 @@
 """A run on disk goes on from its newest checkpoint, with its bag or without it."""
 
+import dataclasses
 import json
 import os
 import shutil
@@ -163,6 +164,20 @@ def test_a_copied_checkpoint_is_enough_to_go_on(
     tests = [segment for segment in second.protocol.segments if segment.i_test >= 0]
     assert kept == [test.training_iteration for test in tests if test.first >= place]
     assert learning_curve(directory).is_file()
+
+
+def test_pictures_are_listened_to_around_a_sampled_episode(tmp_path: Path, drive: Drive) -> None:
+    # 9 trials, 3 episodes, 9 trials, 3 episodes, 9 trials; sampled: the first of each test.
+    config = dataclasses.replace(
+        _config(tmp_path / "run"), pictures_every_n_episodes=0, pictures_every_n_trials=9
+    )
+    run = Run(config)
+    sampled = [0, 12, 24]
+    for place in range(len(run.protocol)):
+        drive(run, place)
+        expected = any(place - 1 <= s < place + 10 for s in sampled)
+        assert run.takes_pictures_soon() == expected
+    run.close()
 
 
 def test_the_next_interruption_finds_the_new_bag(

@@ -176,7 +176,7 @@ class ExperimentManagerNode(Node):
             self._next_episode()
 
     def _sample_pictures(self) -> None:
-        """Subscribe one episode early, so that all is matched when the sampled one begins."""
+        """Subscribe some episodes early, so that all is matched when the sampled one begins."""
         wanted = self.run.takes_pictures_soon()
         if wanted and not self._subscriptions_of_pictures:
             self._subscriptions_of_pictures = [self._subscribe(name) for name in SAMPLED_TOPICS]

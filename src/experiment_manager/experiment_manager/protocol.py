@@ -200,6 +200,14 @@ class Protocol:
             raise IndexError(f"episode {place} of {len(self)}")
         return self.segments[bisect.bisect_right(self._firsts, place) - 1]
 
+    def kind(self, place: int) -> tuple[int, int]:
+        """Return phase and number, of the training episode or the trial, without drawing it."""
+        segment = self.segment(place)
+        offset = place - segment.first
+        if segment.i_test >= 0:
+            return TEST, offset
+        return TRAINING, segment.training_iteration // self.config.iterations_per_episode + offset
+
     def training_iterations_before(self, place: int) -> int:
         """Return the training iterations that the episodes before a place have made."""
         if place == len(self):

@@ -19,7 +19,7 @@ from experiment_manager.durable_files import replace_file
 from experiment_manager.progress import Progress
 from experiment_manager.progress_bar import ProgressBar
 from experiment_manager.protocol import Protocol, bounds
-from experiment_manager.recording import takes_pictures
+from experiment_manager.recording import is_sampled
 from experiment_manager.results import write_results
 from experiment_manager.tables import test_line
 from eye_plant.episode import Episode
@@ -32,6 +32,8 @@ from lockstep.topics import TOPIC_TYPES
 CONFIG_FILE = "config.yaml"
 RESULTS_FILE = "results.json"
 TRIALS_FILE, TRIALS_KIND = "trials.npz", "trials"
+# On a busy machine DDS needs a good part of a second to match a new reader.
+_EPISODES_AHEAD = 10
 # What may differ between a run and its resumption without touching a number of it.
 _FREE_TO_CHANGE = (
     "run_directory",
@@ -89,9 +91,14 @@ class Run:
             self.protocol.episode(self.place + 1)
 
     def takes_pictures_soon(self) -> bool:
-        """Return whether the next episode, or the one after it, is sampled with its pictures."""
-        places = range(self.place, min(self.place + 2, len(self.protocol)))
-        return any(takes_pictures(self._config, self.protocol.episode(place)) for place in places)
+        """Return whether an episode is sampled that is close: just over, next, or soon to come.
+
+        Whoever then begins to listen is known to the plant in time, and hears the last pictures.
+        """
+        places = range(
+            max(self.place - 1, 0), min(self.place + _EPISODES_AHEAD, len(self.protocol))
+        )
+        return any(is_sampled(self._config, *self.protocol.kind(place)) for place in places)
 
     def add_truth(self, values: np.ndarray, is_last: bool) -> None:
         """Count one observation's ground truth, (n_names,) of lockstep.topics."""
