@@ -5,14 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from experiment_manager.condition_figures import conditions_figure
 from experiment_manager.dictionary_figures import dictionary_figure, preference
 from experiment_manager.figures import (
     PX_DEG,
     box_figure,
-    groups_of,
     learning_curve,
     performance_figure,
 )
+from experiment_manager.groups import groups_of
 from experiment_manager.motor_space import MotorSpace, motor_space, motor_space_figure
 from experiment_manager.picture_figures import anaglyph, anaglyph_figure, encoding_figure
 from experiment_manager.recorded_run import RecordedRun
@@ -36,6 +37,26 @@ def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[Reco
     assert groups[0].colour != groups[1].colour
     assert groups[0].iterations == [0, 130, 270, 400]
     assert len(groups[0].tests_at(130)) == 2
+
+
+def test_runs_with_other_settings_are_not_pooled(
+    runs: list[RecordedRun], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = runs[0]
+    other = RecordedRun(run.directory)
+    for own, free in (("mechanics.parameter_set: k17", "seed: 2"), ("seed: 3", "commit: abc")):
+        text = run.configuration.replace("commit: 0123abc", free).replace("seed: 1", "seed: 5")
+        monkeypatch.setattr(other, "configuration", text)
+        assert len(groups_of([run, other])) == 1, own
+    text = run.configuration.replace(
+        "mechanics.parameter_set: k17",
+        "mechanics.parameter_set: anatomical\n    stimuli.directory: /my/photos",
+    )
+    monkeypatch.setattr(other, "configuration", text)
+    first, second = groups_of([run, other])
+    assert first.label.endswith("parameter_set k17, 1 run")
+    assert second.label.endswith("photos stimuli, parameter_set anatomical, 1 run")
+    assert first.colour != second.colour
 
 
 def test_fig_2_shows_the_medians_of_the_tests(runs: list[RecordedRun]) -> None:
@@ -117,6 +138,23 @@ def test_fig_4_draws_each_trial_to_its_end(runs: list[RecordedRun]) -> None:
             found = np.stack([path.get_ydata(), path.get_xdata()], axis=1)
             assert np.array_equal(found, runs[0].tests[-1].activations[i_trial])
     assert near.get_title() == "object at 0.5 m"
+
+
+def test_conditions_show_the_median_of_their_trials(runs: list[RecordedRun]) -> None:
+    figure = conditions_figure(groups_of(runs))
+    axes = figure.axes[0]
+    shown = np.ma.getmaskarray(axes.images[0].get_array())
+    assert shown.shape == (7, 10)
+    assert (~shown).sum() == 39
+    trials = runs[0].tests[-1].trials
+    start_deg = np.round(trials.vergence_error_deg[:, 0])
+    here = (trials.object_distance_m == 2.0) & (start_deg == -1.0)
+    expected = np.median(np.abs(trials.vergence_error_deg[here, -1]))
+    row = [label.get_text() for label in axes.get_yticklabels()].index("2")
+    column = [label.get_text() for label in axes.get_xticklabels()].index("-1")
+    values = np.asarray(axes.images[0].get_array())
+    assert values[row, column] == pytest.approx(expected)
+    assert f"{expected:.2f}" in {text.get_text() for text in axes.texts}
 
 
 def test_encoding_is_binned_by_vergence_error(runs: list[RecordedRun]) -> None:

@@ -34,12 +34,13 @@ def test_the_report_of_two_models(
     text = (out / "report.html").read_text()
 
     sources = re.findall(r'(?:src|href)="([^"]{0,30})', text)
-    assert len(sources) == 7, "Fig. 2, 3, 4, encoding, one dictionary, two anaglyphs"
+    assert len(sources) == 8, "Fig. 2, 3, 4, conditions, encoding, a dictionary, two anaglyphs"
     assert all(source.startswith("data:image/png;base64,") for source in sources)
     assert sorted(path.name for path in (out / "figures").iterdir()) == [
         "anaglyphs_0_M.png",
         "anaglyphs_1_M_C.png",
         "boxes.png",
+        "conditions.png",
         "dictionaries_0_M.png",
         "encoding.png",
         "motor_space.png",

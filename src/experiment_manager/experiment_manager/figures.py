@@ -1,7 +1,6 @@
 """K17's figures 2 and 3 and a run's learning curve, drawn from bags."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from experiment_manager.groups import Group, groups_of
 from experiment_manager.metrics import REPORTED_ITERATIONS
 from experiment_manager.recorded_run import RecordedRun, RecordedTest
 
 FIGURES = "figures"
 # The visual angle of one pixel at the picture's centre, atan(1 / 257.34) (K17 II).
 PX_DEG = 0.2226
-# K17's colours: M blue, M_C green. Lightness tells further groups of a model apart.
-_COLOURS = {"M": ("#1f5fa8", "#6aa5e0", "#0c2f57"), "M_C": ("#2b8a3e", "#7cc68a", "#14451f")}
 _DPI = 150
 
 # For mpl.rc_context around whoever draws.
@@ -29,63 +27,6 @@ STYLE = {
     "axes.spines.right": False,
     "legend.frameon": False,
 }
-
-
-@dataclass(frozen=True)
-class Group:
-    """Runs that differ in nothing but the seed; their trials are pooled, as K17 does.
-
-    tests: per test the recorded tests of all runs, only where all runs have that test.
-    """
-
-    label: str
-    colour: str
-    model: str
-    runs: tuple[RecordedRun, ...]
-
-    @property
-    def iterations(self) -> list[int]:
-        """Training iterations before each test that all runs made, in order."""
-        made = [{test.trials.training_iteration for test in run.tests} for run in self.runs]
-        return sorted(set.intersection(*made))
-
-    def tests_at(self, iteration: int) -> list[RecordedTest]:
-        """Return each run's test after so many training iterations."""
-        return [
-            test
-            for run in self.runs
-            for test in run.tests
-            if test.trials.training_iteration == iteration
-        ]
-
-
-def groups_of(runs: Sequence[RecordedRun]) -> list[Group]:
-    """Return the runs by what they have in common, M before M_C, in the order given."""
-    keys = sorted(dict.fromkeys(_key(run) for run in runs), key=lambda key: (key[0] != "M", key[0]))
-    found = []
-    for key in keys:
-        members = tuple(run for run in runs if _key(run) == key)
-        same_model = [other for other in keys if other[0] == key[0]]
-        shades = _COLOURS.get(key[0], ("#555555",))
-        colour = shades[same_model.index(key) % len(shades)]
-        found.append(Group(_label(key, same_model, len(members)), colour, key[0], members))
-    return found
-
-
-def _key(run: RecordedRun) -> tuple[Any, ...]:
-    return run.model, run.metabolic_cost_weight, run.n_iterations
-
-
-def _label(key: tuple[Any, ...], same_model: Sequence[tuple[Any, ...]], n_runs: int) -> str:
-    """Return a group's name: what tells it from the others of its model, and the number of runs."""
-    model, weight, n_iterations = key
-    parts = [r"$\mathcal{M}$" if model == "M" else r"$\mathcal{M}_C$" if model == "M_C" else model]
-    if weight:
-        parts.append(rf"$\lambda$ = {weight:.3g}/W")
-    if len({other[2] for other in same_model}) > 1:
-        parts.append(f"{n_iterations:,} iterations")
-    parts.append(f"{n_runs} run{'s' if n_runs > 1 else ''}")
-    return ", ".join(parts)
 
 
 def save(figure: Figure, path: Path) -> Path:
@@ -140,7 +81,7 @@ def performance_figure(groups: Sequence[Group]) -> Figure:
     lower.set(yscale="log", ylabel=r"$|\Delta\gamma|$ / deg", xlabel="training iterations")
     lower.yaxis.set_major_formatter(mpl.ticker.FormatStrFormatter("%g"))
     lower.yaxis.set_minor_formatter(mpl.ticker.NullFormatter())
-    figure.legend(handles=handles, loc="outside lower center", ncols=3)
+    figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure
 
 

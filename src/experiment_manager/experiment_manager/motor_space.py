@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
-from experiment_manager.figures import PX_DEG, Group, new_figure
+from experiment_manager.figures import PX_DEG, new_figure
+from experiment_manager.groups import Group
 from experiment_manager.recorded_run import RecordedTest
 from eye_plant.mechanics import Oculomotor
 from eye_plant.model import MechanicsConfig
@@ -76,7 +77,7 @@ def motor_space_figure(space: MotorSpace, groups: Sequence[Group]) -> Figure:
     figure.colorbar(image, ax=panels, label="metabolic rate $C$ / W", shrink=0.85)
     handles = [panels[0].plot([], [], color=group.colour, label=group.label)[0] for group in groups]
     handles += panels[0].plot([], [], "o", color=_END_COLOUR, ms=4, label="after the trial")
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(3, len(handles)))
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(2, len(handles)))
     return figure
 
 

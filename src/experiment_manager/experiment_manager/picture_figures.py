@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullFormatter
 
-from experiment_manager.figures import PX_DEG, Group, new_figure
+from experiment_manager.figures import PX_DEG, new_figure
+from experiment_manager.groups import Group
 from experiment_manager.recorded_run import RecordedRun, RecordedTest
 
 _BIN_DEG = 0.25

@@ -13,17 +13,17 @@ import yaml
 from matplotlib.figure import Figure
 
 from experiment_manager import checkpoint, report_page
+from experiment_manager.condition_figures import conditions_figure
 from experiment_manager.dictionary_figures import dictionary_figure
 from experiment_manager.durable_files import replace_file
 from experiment_manager.figures import (
     FIGURES,
     STYLE,
-    Group,
     box_figure,
-    groups_of,
     performance_figure,
     save,
 )
+from experiment_manager.groups import Group, groups_of
 from experiment_manager.motor_space import motor_space, motor_space_figure
 from experiment_manager.picture_figures import anaglyph_figure, encoding_figure
 from experiment_manager.recorded_run import RecordedRun
@@ -154,6 +154,13 @@ def _drawings(groups: Sequence[Group]) -> Iterator[_Drawing]:
             "median rate at their ends, by the colour of the frame.",
             partial(_motor_space, mechanics, members),
         )
+    yield _Drawing(
+        "conditions",
+        "Where it succeeds, and where not",
+        "Median absolute vergence error after the last test's trials in deg, by where the object "
+        "stands and by the error that the trial starts with. White is 1 px, blue less, red more.",
+        lambda: conditions_figure(groups),
+    )
     yield _Drawing(
         "encoding",
         "What drives the learning",

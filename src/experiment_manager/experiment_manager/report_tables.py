@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiment_manager import report_page
-from experiment_manager.figures import PX_DEG, Group
+from experiment_manager.figures import PX_DEG
+from experiment_manager.groups import Group
 from experiment_manager.metrics import REPORTED_ITERATIONS, TestTrials, summary
 from experiment_manager.recorded_run import RecordedRun, RecordedTest
 from experiment_manager.tables import number
