@@ -143,9 +143,9 @@ def test_fig_4_draws_each_trial_to_its_end(runs: list[RecordedRun]) -> None:
 def test_conditions_show_the_median_of_their_trials(runs: list[RecordedRun]) -> None:
     figure = conditions_figure(groups_of(runs))
     axes = figure.axes[0]
-    shown = np.ma.getmaskarray(axes.images[0].get_array())
-    assert shown.shape == (7, 10)
-    assert (~shown).sum() == 39
+    mask = np.ma.getmaskarray(np.ma.asarray(axes.images[0].get_array()))
+    assert mask.shape == (7, 10)
+    assert (~mask).sum() == 39
     trials = runs[0].tests[-1].trials
     start_deg = np.round(trials.vergence_error_deg[:, 0])
     here = (trials.object_distance_m == 2.0) & (start_deg == -1.0)
