@@ -8,10 +8,11 @@ import pytest
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
+from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import Image, JointState
 
 from lockstep.images import ImagePublisher
-from lockstep.stamped_bytes import StampedBytes
+from lockstep.stamped_bytes import StampedBytes, exact_bytes
 from lockstep.vectors import VectorPublisher, vector_message
 
 
@@ -94,3 +95,22 @@ def test_a_repeat_sends_the_last_one_again_and_nothing_before_the_first(node: No
     image.repeat()
     assert vectors.sent[0] == vectors.sent[1]
     assert images.sent[0] == images.sent[1]
+
+
+@pytest.mark.parametrize("n_names", [0, 1, 2, 5])
+@pytest.mark.parametrize(("has_velocity", "has_effort"), itertools.product((False, True), repeat=2))
+def test_no_byte_is_there_that_no_reader_expects(
+    n_names: int, has_velocity: bool, has_effort: bool
+) -> None:
+    names = [f"{'x' * i}{i}" for i in range(n_names)]
+    store = get_typestore(Stores.ROS2_JAZZY)
+    parts = [np.ones(n_names * there) for there in (True, has_velocity, has_effort)]
+    header = store.types["std_msgs/msg/Header"](
+        store.types["builtin_interfaces/msg/Time"](0, 0), ""
+    )
+    vector = store.types["sensor_msgs/msg/JointState"](header, names, *parts)
+    expected = bytes(store.serialize_cdr(vector, "sensor_msgs/msg/JointState"))
+    found = exact_bytes(vector_message(0, names, *parts))
+    assert len(found) == len(expected)
+    # Padding between fields is whatever lay there.
+    assert store.deserialize_cdr(found, "sensor_msgs/msg/JointState").name == names

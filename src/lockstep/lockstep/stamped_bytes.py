@@ -7,7 +7,7 @@ import struct
 from typing import Any
 
 import numpy as np
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 
 from lockstep.stamps import NS_PER_S
 
@@ -20,7 +20,7 @@ class StampedBytes:
 
     def __init__(self, message: Any, *places: np.ndarray) -> None:
         """places: arrays whose bytes are in the message once each, where values will go."""
-        self._data = bytearray(serialize_message(message))
+        self._data = bytearray(exact_bytes(message))
         self._fields = [
             np.frombuffer(self._data, place.dtype, place.size, self._data.index(place.tobytes()))
             for place in places
@@ -32,3 +32,23 @@ class StampedBytes:
         for field, value in zip(self._fields, values, strict=True):
             field[:] = value
         return bytes(self._data)
+
+
+def exact_bytes(message: Any) -> bytes:
+    """Return the serialized message as it travels.
+
+    For a message that ends with empty arrays of numbers serialize_message returns a few bytes too
+    many, from wherever they lay in memory; strict readers of a bag refuse these.
+    """
+    data: bytes = serialize_message(message)
+    while _is_whole(data[:-1], type(message)):
+        data = data[:-1]
+    return data
+
+
+def _is_whole(data: bytes, kind: type) -> bool:
+    try:
+        deserialize_message(data, kind)
+    except Exception:  # of the middleware, private to rclpy
+        return False
+    return True
