@@ -65,11 +65,11 @@ def small_run(pictures: Path, n_iterations: int = 200, *more: str) -> list[str]:
     ]
 
 
-def supervisor(line: Sequence[str]) -> "subprocess.Popen[str]":
-    """Start a supervisor; its output is one stream."""
+def supervisor(line: Sequence[str], **variables: str) -> "subprocess.Popen[str]":
+    """Start a supervisor; its output is one stream. variables: more of its environment."""
     return subprocess.Popen(
         [sys.executable, "-m", "experiment_manager.supervisor", *line],
-        env=environment(),
+        env=environment() | variables,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

@@ -46,6 +46,12 @@ def _beyond(run: SupervisedRun, n_episodes: int) -> Callable[[], bool]:
     return lambda: run.place() >= n_episodes and len(run.nodes()) == len(PACKAGES)
 
 
+def _wait_for_rollback(run: SupervisedRun) -> None:
+    """Wait until none of the nodes of now is left."""
+    nodes = run.nodes().values()
+    assert run.wait_until(lambda: not any(is_alive(i) for i in nodes), "the roll-back")
+
+
 def _recording(run: SupervisedRun) -> Callable[[], bool]:
     n_before = len(list((run.directory / "bag").glob("*.mcap")))
     return lambda: len(list((run.directory / "bag").glob("*.mcap"))) > n_before
@@ -64,10 +70,7 @@ def test_each_node_killed_once_and_one_stopped(
             assert run.wait_until(_beyond(run, 1 + 8 * i), f"a checkpoint before {package} dies")
             assert run.wait_until(_recording(run), "a message after the checkpoint")
             assert run.signal_node(package, signal.SIGKILL)
-            victims = run.nodes()
-            assert run.wait_until(
-                lambda gone=victims: not any(is_alive(i) for i in gone.values()), "the roll-back"
-            )
+            _wait_for_rollback(run)
         # ... and one that only hangs.
         assert run.wait_until(_beyond(run, 25), "a checkpoint before the hang")
         assert run.signal_node("sparse_coder", signal.SIGSTOP)

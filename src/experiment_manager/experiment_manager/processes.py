@@ -30,9 +30,14 @@ class NodeProcesses:
     """One process per package, each with a log of its own; stopped when the block is left."""
 
     def __init__(
-        self, parameter_file: Path, domain: int, logs: Path, more: Mapping[str, Sequence[str]]
+        self,
+        parameter_file: Path,
+        domain: int,
+        logs: Path,
+        more: Mapping[str, Sequence[str]],
+        packages: Sequence[str] = PACKAGES,
     ) -> None:
-        """more: further command-line arguments by package."""
+        """more: further command-line arguments by package; packages: which nodes to start."""
         logs.mkdir(parents=True, exist_ok=True)
         # The manager draws its progress bar where the supervisor writes; all else goes to the logs.
         # Under a number of its own, since the child's standard error is its log.
@@ -43,7 +48,7 @@ class NodeProcesses:
             TERMINAL_VARIABLE: str(terminal),
         }
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
-        for package in PACKAGES:
+        for package in packages:
             command = [sys.executable, "-m", f"{package}.node", "--ros-args"]
             command += ["--params-file", str(parameter_file), *more.get(package, ())]
             with (logs / f"{package}.log").open("ab") as log:

@@ -11,11 +11,13 @@ from typing import Any
 from rclpy.client import Client
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+from rclpy.logging import get_logger
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
 _FOREVER_NS = -1
+_LOGGER = get_logger("lockstep")
 # Messages taken from one topic before others get their turn, so that a flood cannot starve them.
 _MAX_IN_A_ROW = 16
 
@@ -129,9 +131,16 @@ class LockstepExecutor(SingleThreadedExecutor):
 
 def _answer(service: Service) -> None:
     request, header = service.handle.service_take_request(service.srv_type.Request)
-    if header is not None:
+    if header is None:
+        return
+    try:
         response = service.callback(request, service.srv_type.Response())
-        service.send_response(response, header)
+    except ValueError as error:
+        # rclpy's own parameter services raise it for a value of no known type: that is no reason
+        # to end. There is no answer to such a request.
+        _LOGGER.error(f"{service.srv_name}: {error}", throttle_duration_sec=1.0)
+        return
+    service.send_response(response, header)
 
 
 def _fire(timer: Timer) -> None:

@@ -60,6 +60,9 @@ class RequestServer:
         except InputError as error:
             self._diagnostics.refuse(f"request: {error}")
             response.result = SetParametersResult(successful=False, reason=str(error))
+        except ValueError as error:
+            # Not of the request's making; the executor would take it for one.
+            raise RuntimeError(f"a request failed in its making: {error}") from error
         return response
 
     def _handle(self, arguments: Arguments) -> None:
