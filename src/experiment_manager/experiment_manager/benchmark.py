@@ -1,0 +1,205 @@
+"""benchmark.sh: how fast the graph is, how fast the same loop in one process, and where time goes.
+
+Ratios are medians over rounds in which the parties take turns, so that they hold on a machine that
+has other work to do.
+"""
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from experiment_manager.benchmark_encoding import encoding_times_ms
+from experiment_manager.benchmark_graph import MeasuredGraph, nodes_of, supervised_run
+from experiment_manager.benchmark_loop import STAGES, LoopWindow, TimedLoop
+from experiment_manager.benchmark_messages import hop_times_ms, recording_ms
+from experiment_manager.benchmark_report import critical_path_ms, report
+from experiment_manager.benchmark_samples import (
+    Sample,
+    cpu_ms_per_iteration,
+    flatness,
+    rate_hz,
+)
+from experiment_manager.options import Configuration, arguments, configuration_of
+
+# Longer than any benchmark, so that all of it is training; a test comes only at the end.
+_ENDLESS = 1_000_000
+# A pause is no gap: the nodes are stopped while another party has its turn.
+_PATIENT = ["--set", "experiment_manager.gap_s=3600.0"]
+_ROI = ["--set", "eye_plant.camera.roi_width_px=128", "--set", "eye_plant.camera.roi_height_px=128"]
+_WARM_UP_ITERATIONS = 300
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How long to measure: rounds of turns, and a run without interruption for the flatness."""
+
+    n_rounds: int
+    turn_s: float
+    n_flatness_iterations: int
+    n_encodings: int
+    n_round_trips: int
+
+
+FULL = Plan(
+    n_rounds=9, turn_s=5.0, n_flatness_iterations=20_000, n_encodings=400, n_round_trips=2000
+)
+QUICK = Plan(
+    n_rounds=3, turn_s=3.0, n_flatness_iterations=3_000, n_encodings=100, n_round_trips=500
+)
+
+
+@dataclass(frozen=True)
+class Round:
+    """One turn of each party."""
+
+    graph: list[Sample]
+    roi: list[Sample]
+    loop: LoopWindow
+
+
+def _arguments(more: Sequence[str]) -> list[str]:
+    return [
+        *("--profile", "paper", "--iterations", str(_ENDLESS), "--tests", str(_ENDLESS)),
+        *more,
+    ]
+
+
+def _configuration(more: Sequence[str]) -> Configuration:
+    return configuration_of(arguments(_arguments([*_PATIENT, *more])), "benchmark")
+
+
+def measure(plan: Plan, directory: Path) -> dict[str, Any]:
+    """Return all results of one benchmark, as benchmark.sh writes them to JSON.
+
+    directory: for the runs, empty. Raises RuntimeError when a graph does not get going.
+    """
+    results = _measure_run(plan, directory / "run")
+    loop = TimedLoop(_configuration([]))
+    try:
+        rounds = _take_turns(plan, loop, directory)
+        results |= _summary(rounds)
+        _say("encoding, messages, recording")
+        encoding_ms = encoding_times_ms(loop.coder, loop.pictures, plan.n_encodings)
+    finally:
+        loop.close()
+    hops_ms = hop_times_ms(plan.n_round_trips)
+    stages_ms = {name: _median([r.loop.stages_ms[name] for r in rounds]) for name in STAGES} | {
+        "message_hop": hops_ms["vector"],
+        "pictures_hop": hops_ms["pictures"],
+        "recording": recording_ms(directory / "run" / "bag", directory / "copy"),
+    }
+    ours_ms, numpy_ms = encoding_ms["ours"], encoding_ms["numpy"]
+    assert ours_ms is not None
+    assert numpy_ms is not None
+    return results | {
+        "encode_pair_ms": ours_ms,
+        "encode_numpy_ms": numpy_ms,
+        "encode_sklearn_omp_ms": encoding_ms["sklearn"],
+        "encode_to_numpy": ours_ms / numpy_ms,
+        "stages_ms": stages_ms,
+        "critical_path_ms": critical_path_ms(
+            stages_ms, hops_ms, 1e3 / results["graph_iterations_per_s"]
+        ),
+    }
+
+
+def _measure_run(plan: Plan, directory: Path) -> dict[str, Any]:
+    """Return what a run without interruption shows: its start, its memory, its flatness."""
+    _say(f"one run of {plan.n_flatness_iterations} iterations")
+    with supervised_run(_arguments([]), directory) as graph:
+        graph.await_start(_WARM_UP_ITERATIONS)
+        i_first = len(graph.samples) - 1
+        last = graph.samples[i_first].n_iterations + plan.n_flatness_iterations
+        graph.listen_until(lambda: graph.samples[-1].n_iterations >= last)
+        assert graph.first_episode_s is not None
+        rate, work = flatness(graph.samples[i_first:])
+        return {
+            "start_to_first_iteration_s": graph.first_episode_s - graph.started_s,
+            "flatness": rate,
+            "flatness_of_work": work,
+            "peak_memory_mb": dict(graph.peak_memory_mb),
+            "peak_memory_total_mb": sum(graph.peak_memory_mb.values()),
+        }
+
+
+def _take_turns(plan: Plan, loop: TimedLoop, directory: Path) -> list[Round]:
+    """Return the rounds; while one party has its turn, the others are stopped."""
+    _say(f"{plan.n_rounds} rounds: graph, graph with region of interest, one process")
+    with ExitStack() as stack:
+        graphs = []
+        for name, more in (("full", []), ("roi", _ROI)):
+            graph = stack.enter_context(nodes_of(_configuration(more), directory / name))
+            graph.await_start(_WARM_UP_ITERATIONS)
+            graph.pause()
+            graphs.append(graph)
+        loop.window(plan.turn_s / 2.0)
+        full, roi = graphs
+        return [
+            Round(_turn(full, plan), _turn(roi, plan), loop.window(plan.turn_s))
+            for _ in range(plan.n_rounds)
+        ]
+
+
+def _turn(graph: MeasuredGraph, plan: Plan) -> list[Sample]:
+    graph.go_on()
+    samples = graph.window(plan.turn_s)
+    graph.pause()
+    return samples
+
+
+def _summary(rounds: Sequence[Round]) -> dict[str, Any]:
+    graph_hz = [rate_hz(r.graph) for r in rounds]
+    works = [cpu_ms_per_iteration(r.graph) for r in rounds]
+    return {
+        "graph_iterations_per_s": _median(graph_hz),
+        "graph_roi_iterations_per_s": _median([rate_hz(r.roi) for r in rounds]),
+        "in_process_iterations_per_s": _median([r.loop.rate_hz for r in rounds]),
+        "graph_to_in_process": _median(
+            [hz / r.loop.rate_hz for hz, r in zip(graph_hz, rounds, strict=True)]
+        ),
+        "cpu_ms_per_iteration": {
+            name: _median([work[name] for work in works]) for name in works[0]
+        },
+    }
+
+
+def _median(values: Sequence[float]) -> float:
+    return float(np.median(values))
+
+
+def _say(text: str) -> None:
+    print(f"measuring {text}", file=sys.stderr, flush=True)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Measure, print the table, and write JSON if asked; return the exit code."""
+    parser = argparse.ArgumentParser(
+        prog="benchmark.sh", description="Measure the speed of the graph and of its stages."
+    )
+    parser.add_argument("--quick", action="store_true", help="less than two minutes, less exact")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all numbers there")
+    options = parser.parse_args(argv)
+    with tempfile.TemporaryDirectory(prefix="benchmark-") as directory:
+        try:
+            results = measure(QUICK if options.quick else FULL, Path(directory))
+        except RuntimeError as error:
+            print(f"error: {error}", file=sys.stderr)
+            return 1
+    results |= {"n_cores": os.cpu_count(), "load_average": os.getloadavg()[0]}
+    print(report(results))
+    if options.json is not None:
+        options.json.write_text(json.dumps(results, indent=2) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
