@@ -1,0 +1,253 @@
+"""torture.sh: the long tests of reliability, and their figures."""
+
+import argparse
+import dataclasses
+import json
+import signal
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from experiment_manager.disturbance import (
+    SupervisedRun,
+    differences,
+    is_alive,
+    n_messages,
+    stamp_faults,
+)
+from experiment_manager.fuzz import FuzzedGraph, memory_mb
+from experiment_manager.hostility import LARGEST_BYTES
+from experiment_manager.options import arguments, configuration_of, configuration_text
+from experiment_manager.processes import PACKAGES
+from lockstep.errors import InputError
+from lockstep.qos import QUEUE_DEPTH
+
+_SETTINGS = (
+    "eye_plant.stimuli.size_px=64",
+    "eye_plant.stimuli.n_training=3",
+    "eye_plant.stimuli.n_test=1",
+    "experiment_manager.protocol.test_distances_m=[1.0]",
+    "experiment_manager.protocol.least_start_error_deg=0",
+)
+_SMALL_LEARNERS = ("sparse_coder.n_bases=32", "vergence_rl.n_features=64")
+_OFTEN = ("experiment_manager.checkpoint_period_s=1.0",)
+_N_DISTURBED_ITERATIONS = 2000
+_EPISODES_PER_PASS = 40
+_INPUTS_PER_OBSERVATION = 20
+# Longest time from one disturbance to the next: starting, catching up and working all get some.
+_LONGEST_PAUSE_S = 12.0
+_SAMPLE_PERIOD_S = 2.0
+_SOAK_GROWTH_LIMIT_MB = 32.0
+_SUPERVISOR = "supervisor"
+
+
+@dataclasses.dataclass(frozen=True)
+class Outcome:
+    """What one part of the torture has measured; problems: empty when all held."""
+
+    name: str
+    figures: dict[str, Any]
+    problems: list[str]
+
+
+def _line(n_iterations: int, *settings: str) -> list[str]:
+    words = ["--profile", "paper", "--iterations", str(n_iterations), "--tests", "0"]
+    for setting in (*_SETTINGS, *settings):
+        words += ["--set", setting]
+    return words
+
+
+def disturb(directory: Path, n_kills: int, draw: np.random.Generator) -> Outcome:
+    """Kill or stop nodes, and sometimes the supervisor, until n_kills; compare the numbers."""
+    line = _line(_N_DISTURBED_ITERATIONS, *_SMALL_LEARNERS, *_OFTEN)
+    reference = directory / "undisturbed"
+    with SupervisedRun(line, reference) as run:
+        if run.wait() != 0:
+            return Outcome("kills", {}, [f"the undisturbed run failed: {run.output()}"])
+    done: Counter[str] = Counter()
+    problems: list[str] = []
+    n_runs = 0
+    while done.total() < n_kills and not problems:
+        disturbed = directory / f"disturbed_{n_runs}"
+        code, output = _disturbed_run(line, disturbed, n_kills, draw, done)
+        n_runs += 1
+        if code != 0:
+            problems.append(f"{disturbed.name} ended with exit code {code}:\n{output}")
+        else:
+            problems += differences(disturbed, reference) + stamp_faults(disturbed)
+        print(f"run {n_runs}: {done.total()} of {n_kills} disturbances, {problems or 'all held'}")
+    figures = {
+        "disturbances": done.total(),
+        "by_kind": dict(sorted(done.items())),
+        "runs": n_runs,
+        "messages_compared": n_runs * n_messages(reference),
+    }
+    return Outcome("kills", figures, problems)
+
+
+def _disturbed_run(
+    line: Sequence[str],
+    directory: Path,
+    n_kills: int,
+    draw: np.random.Generator,
+    done: Counter[str],
+) -> tuple[int, str]:
+    """Make one run under disturbances; return its exit code and what it said."""
+    resume, at_place = False, Counter[tuple[int, str]]()
+    while True:
+        with SupervisedRun(line, directory, resume=resume) as run:
+            while True:
+                _pause(run, float(draw.uniform(0.0, _LONGEST_PAUSE_S)))
+                if run.process.poll() is not None:
+                    return run.process.returncode, run.output()
+                if done.total() >= n_kills:
+                    return run.wait(), run.output()
+                what = _disturb_once(run, draw, at_place)
+                done.update([what] if what else [])
+                if what.startswith(_SUPERVISOR):
+                    break
+            # Its nodes die with it, whatever they were doing; then a person resumes the run.
+            resume = True
+
+
+def _pause(run: SupervisedRun, duration_s: float) -> None:
+    end_s = time.monotonic() + duration_s
+    run.wait_until(lambda: time.monotonic() >= end_s, "the pause")
+
+
+def _disturb_once(
+    run: SupervisedRun, draw: np.random.Generator, at_place: Counter[tuple[int, str]]
+) -> str:
+    """Kill or stop somebody; return what was done, "" when it could not be."""
+    if draw.random() < 0.1 and run.place() >= 0:
+        nodes = run.nodes().values()
+        run.process.kill()
+        run.process.wait()
+        if any(is_alive(process_id) for process_id in nodes):
+            raise RuntimeError(f"nodes outlive their supervisor: {nodes}")
+        return f"{_SUPERVISOR} killed"
+    package = PACKAGES[int(draw.integers(len(PACKAGES)))]
+    number = signal.SIGSTOP if draw.random() < 0.2 else signal.SIGKILL
+    # The third of a kind at one place ends a run, as it should.
+    key = (run.place(), f"{package} {number.name}")
+    if at_place[key] >= 2 or not run.signal_node(package, number):
+        return ""
+    at_place[key] += 1
+    verb = "stopped" if number == signal.SIGSTOP else "killed"
+    return f"{package} {verb}"
+
+
+def pelt(directory: Path, n_inputs: int, seed: int) -> Outcome:
+    """Throw hostile input at the nodes until n_inputs; compare the numbers."""
+    directory.mkdir(parents=True, exist_ok=True)
+    config_file = directory / "config.yaml"
+    line = _line(_N_DISTURBED_ITERATIONS, *_SMALL_LEARNERS)
+    config_file.write_text(configuration_text(configuration_of(arguments(line), "")))
+    figures: dict[str, Any] = {"inputs": 0, "refused": 0, "numbers_compared": 0, "growth_mb": 0.0}
+    problems: list[str] = []
+    bound_mb = 4 * QUEUE_DEPTH * LARGEST_BYTES / 2**20
+    n_passes = 0
+    while figures["inputs"] < n_inputs and not problems:
+        logs = directory / f"pass_{n_passes}"
+        logs.mkdir()
+        report = FuzzedGraph(config_file, seed + n_passes).run(
+            _EPISODES_PER_PASS, _INPUTS_PER_OBSERVATION, logs
+        )
+        n_passes += 1
+        figures["inputs"] += report.n_inputs
+        figures["refused"] += report.n_refused
+        figures["numbers_compared"] += report.n_compared
+        figures["growth_mb"] = round(max(figures["growth_mb"], *report.growth_mb.values()), 1)
+        problems += report.differences
+        if figures["growth_mb"] > bound_mb:
+            problems.append(f"memory grew by {figures['growth_mb']} MB, expected {bound_mb:.0f}")
+        print(
+            f"pass {n_passes}: {figures['inputs']} of {n_inputs} inputs, {problems or 'all held'}"
+        )
+    return Outcome("hostile input", figures, problems)
+
+
+def soak(directory: Path, n_iterations: int) -> Outcome:
+    """Make one long run with the paper's sizes; look at its memory and its stamps."""
+    samples: dict[str, list[float]] = {package: [] for package in PACKAGES}
+    began_s = time.monotonic()
+    with SupervisedRun(_line(n_iterations), directory / "soak") as run:
+        while run.process.poll() is None:
+            for package, process_id in run.nodes().items():
+                try:
+                    samples[package].append(memory_mb(process_id))
+                except (FileNotFoundError, ProcessLookupError):
+                    continue
+            _pause(run, _SAMPLE_PERIOD_S)
+        code, output = run.process.returncode, run.output()
+    if code != 0:
+        return Outcome("soak", {}, [f"the run ended with exit code {code}:\n{output}"])
+    growth_mb = {package: round(_growth_mb(values), 1) for package, values in samples.items()}
+    problems = stamp_faults(directory / "soak")
+    problems += [
+        f"{package} grew by {mb} MB over the run's last three quarters"
+        for package, mb in growth_mb.items()
+        if mb > _SOAK_GROWTH_LIMIT_MB
+    ]
+    if "fault: " in output:
+        problems.append(f"faults during the soak:\n{output}")
+    figures = {
+        "iterations": n_iterations,
+        "messages": n_messages(directory / "soak"),
+        "duration_s": round(time.monotonic() - began_s),
+        "peak_mb": {package: round(max(values), 1) for package, values in samples.items()},
+        "growth_mb": growth_mb,
+    }
+    return Outcome("soak", figures, problems)
+
+
+def _growth_mb(samples: Sequence[float]) -> float:
+    """Return how much more memory the last quarter of the samples has than the second one."""
+    quarter = len(samples) // 4
+    if quarter < 1:
+        return 0.0
+    return float(np.median(samples[-quarter:]) - np.median(samples[quarter : 2 * quarter]))
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the parts asked for; return 0 when all held."""
+    line = argparse.ArgumentParser(prog="torture.sh", description="The long tests of reliability.")
+    line.add_argument("--kills", type=int, default=40, metavar="N", help="0: none (default 40)")
+    line.add_argument("--inputs", type=int, default=30_000, metavar="N", help="default 30000")
+    line.add_argument("--soak", type=int, default=200_000, metavar="N", help="default 200000")
+    line.add_argument("--seed", type=int, default=1, metavar="S", help="of all that is random")
+    line.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
+    line.add_argument("--out", type=Path, metavar="DIR", help="keep the runs there")
+    options = line.parse_args(argv)
+    with tempfile.TemporaryDirectory(prefix="torture_") as temporary:
+        directory = Path(options.out or temporary).resolve()
+        directory.mkdir(parents=True, exist_ok=True)
+        draw = np.random.default_rng(options.seed)
+        parts: list[tuple[int, Callable[[], Outcome]]] = [
+            (options.kills, lambda: disturb(directory, options.kills, draw)),
+            (options.inputs, lambda: pelt(directory / "pelted", options.inputs, options.seed)),
+            (options.soak, lambda: soak(directory, options.soak)),
+        ]
+        try:
+            outcomes = [part() for count, part in parts if count]
+        except InputError as error:
+            print(f"error: {error}", file=sys.stderr)
+            return 2
+    for outcome in outcomes:
+        print(f"{outcome.name}: {json.dumps(outcome.figures)}")
+        for problem in outcome.problems:
+            print(f"{outcome.name}: FAILED: {problem}", file=sys.stderr)
+    if options.json is not None:
+        document = [dataclasses.asdict(outcome) for outcome in outcomes]
+        options.json.write_text(json.dumps(document, indent=2) + "\n")
+    return int(any(outcome.problems for outcome in outcomes))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
