@@ -10,7 +10,6 @@ import os
 import sys
 import tempfile
 from collections.abc import Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from experiment_manager.benchmark_encoding import encoding_times_ms
-from experiment_manager.benchmark_graph import MeasuredGraph, nodes_of, supervised_run
+from experiment_manager.benchmark_graph import supervised_run
 from experiment_manager.benchmark_loop import STAGES, LoopWindow, TimedLoop
 from experiment_manager.benchmark_messages import hop_times_ms, recording_ms
 from experiment_manager.benchmark_report import critical_path_ms, report
@@ -28,12 +27,10 @@ from experiment_manager.benchmark_samples import (
     flatness,
     rate_hz,
 )
-from experiment_manager.options import Configuration, arguments, configuration_of
+from experiment_manager.options import arguments, configuration_of
 
 # Longer than any benchmark, so that all of it is training; a test comes only at the end.
 _ENDLESS = 1_000_000
-# A pause is no gap: the nodes are stopped while another party has its turn.
-_PATIENT = ["--set", "experiment_manager.gap_s=3600.0"]
 _ROI = ["--set", "eye_plant.camera.roi_width_px=128", "--set", "eye_plant.camera.roi_height_px=128"]
 _WARM_UP_ITERATIONS = 300
 
@@ -50,20 +47,21 @@ class Plan:
 
 
 FULL = Plan(
-    n_rounds=9, turn_s=5.0, n_flatness_iterations=20_000, n_encodings=400, n_round_trips=2000
+    n_rounds=7, turn_s=5.0, n_flatness_iterations=20_000, n_encodings=400, n_round_trips=2000
 )
 QUICK = Plan(
-    n_rounds=3, turn_s=3.0, n_flatness_iterations=3_000, n_encodings=100, n_round_trips=500
+    n_rounds=2, turn_s=4.0, n_flatness_iterations=3_000, n_encodings=100, n_round_trips=500
 )
 
 
 @dataclass(frozen=True)
 class Round:
-    """One turn of each party."""
+    """One turn of each party; starts_s: of the two graphs, to the first iteration."""
 
     graph: list[Sample]
     roi: list[Sample]
     loop: LoopWindow
+    starts_s: tuple[float, float]
 
 
 def _arguments(more: Sequence[str]) -> list[str]:
@@ -73,19 +71,16 @@ def _arguments(more: Sequence[str]) -> list[str]:
     ]
 
 
-def _configuration(more: Sequence[str]) -> Configuration:
-    return configuration_of(arguments(_arguments([*_PATIENT, *more])), "benchmark")
-
-
 def measure(plan: Plan, directory: Path) -> dict[str, Any]:
     """Return all results of one benchmark, as benchmark.sh writes them to JSON.
 
     directory: for the runs, empty. Raises RuntimeError when a graph does not get going.
     """
     results = _measure_run(plan, directory / "run")
-    loop = TimedLoop(_configuration([]))
+    loop = TimedLoop(configuration_of(arguments(_arguments([])), "benchmark"))
     try:
-        rounds = _take_turns(plan, loop, directory)
+        loop.window(plan.turn_s / 2.0)
+        rounds = [_round(plan, loop, directory / f"round_{i}") for i in range(plan.n_rounds)]
         results |= _summary(rounds)
         _say("encoding, messages, recording")
         encoding_ms = encoding_times_ms(loop.coder, loop.pictures, plan.n_encodings)
@@ -113,17 +108,15 @@ def measure(plan: Plan, directory: Path) -> dict[str, Any]:
 
 
 def _measure_run(plan: Plan, directory: Path) -> dict[str, Any]:
-    """Return what a run without interruption shows: its start, its memory, its flatness."""
-    _say(f"one run of {plan.n_flatness_iterations} iterations")
+    """Return what one long run shows: its memory and its flatness."""
+    _say(f"a run of {plan.n_flatness_iterations} iterations")
     with supervised_run(_arguments([]), directory) as graph:
         graph.await_start(_WARM_UP_ITERATIONS)
         i_first = len(graph.samples) - 1
         last = graph.samples[i_first].n_iterations + plan.n_flatness_iterations
         graph.listen_until(lambda: graph.samples[-1].n_iterations >= last)
-        assert graph.first_episode_s is not None
         rate, work = flatness(graph.samples[i_first:])
         return {
-            "start_to_first_iteration_s": graph.first_episode_s - graph.started_s,
             "flatness": rate,
             "flatness_of_work": work,
             "peak_memory_mb": dict(graph.peak_memory_mb),
@@ -131,35 +124,23 @@ def _measure_run(plan: Plan, directory: Path) -> dict[str, Any]:
         }
 
 
-def _take_turns(plan: Plan, loop: TimedLoop, directory: Path) -> list[Round]:
-    """Return the rounds; while one party has its turn, the others are stopped."""
-    _say(f"{plan.n_rounds} rounds: graph, graph with region of interest, one process")
-    with ExitStack() as stack:
-        graphs = []
-        for name, more in (("full", []), ("roi", _ROI)):
-            graph = stack.enter_context(nodes_of(_configuration(more), directory / name))
-            graph.await_start(_WARM_UP_ITERATIONS)
-            graph.pause()
-            graphs.append(graph)
-        loop.window(plan.turn_s / 2.0)
-        full, roi = graphs
-        return [
-            Round(_turn(full, plan), _turn(roi, plan), loop.window(plan.turn_s))
-            for _ in range(plan.n_rounds)
-        ]
-
-
-def _turn(graph: MeasuredGraph, plan: Plan) -> list[Sample]:
-    graph.go_on()
-    samples = graph.window(plan.turn_s)
-    graph.pause()
-    return samples
+def _round(plan: Plan, loop: TimedLoop, directory: Path) -> Round:
+    """Return one round: the graph, the graph with a region of interest, the loop."""
+    _say(f"{directory.name}: graph, graph with region of interest, one process")
+    directory.mkdir()
+    turns, starts_s = [], []
+    for name, more in (("graph", []), ("roi", _ROI)):
+        with supervised_run(_arguments(more), directory / name) as graph:
+            starts_s.append(graph.await_start(_WARM_UP_ITERATIONS))
+            turns.append(graph.window(plan.turn_s))
+    return Round(turns[0], turns[1], loop.window(plan.turn_s), (starts_s[0], starts_s[1]))
 
 
 def _summary(rounds: Sequence[Round]) -> dict[str, Any]:
     graph_hz = [rate_hz(r.graph) for r in rounds]
     works = [cpu_ms_per_iteration(r.graph) for r in rounds]
     return {
+        "start_to_first_iteration_s": _median([s for r in rounds for s in r.starts_s]),
         "graph_iterations_per_s": _median(graph_hz),
         "graph_roi_iterations_per_s": _median([rate_hz(r.roi) for r in rounds]),
         "in_process_iterations_per_s": _median([r.loop.rate_hz for r in rounds]),

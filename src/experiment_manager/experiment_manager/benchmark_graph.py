@@ -1,4 +1,4 @@
-"""Graphs that run to be measured: started, listened to, paused, and stopped.
+"""Graphs that run to be measured: started, listened to, and stopped.
 
 The listener reads /diagnostics, one message a second from each node, and so disturbs nothing.
 """
@@ -10,7 +10,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack
 from pathlib import Path
 
 import psutil
@@ -22,9 +21,6 @@ from sensor_msgs.msg import JointState
 
 from experiment_manager.benchmark_samples import Sample
 from experiment_manager.domains import own_domain
-from experiment_manager.options import Configuration, configuration_text
-from experiment_manager.processes import MANAGER, NodeProcesses
-from experiment_manager.run import CONFIG_FILE
 from lockstep.diagnostics import TOPIC
 from lockstep.qos import LOCKSTEP_QOS
 
@@ -40,9 +36,9 @@ class MeasuredGraph:
 
     def __init__(self, domain: int, process_ids: Callable[[], Mapping[str, int]]) -> None:
         """process_ids: of the nodes that are running, by name."""
-        self.started_s = time.monotonic()
+        self._started_s = time.monotonic()
         self.samples: list[Sample] = []
-        self.first_episode_s: float | None = None
+        self._first_episode_s: float | None = None
         self.peak_memory_mb: dict[str, float] = {}
         self._process_ids = process_ids
         self._context = Context()
@@ -64,8 +60,8 @@ class MeasuredGraph:
         self._context.try_shutdown()
 
     def _hear_episode(self, message: JointState) -> None:
-        if self.first_episode_s is None:
-            self.first_episode_s = time.monotonic()
+        if self._first_episode_s is None:
+            self._first_episode_s = time.monotonic()
 
     def _hear(self, message: DiagnosticArray) -> None:
         for status in message.status:
@@ -91,17 +87,22 @@ class MeasuredGraph:
             if time.monotonic() > end_s:
                 raise RuntimeError(f"the graph did not get there in {_LIMIT_S:.0f} s")
 
-    def await_start(self, n_iterations: int) -> None:
-        """Listen until so many iterations are done; then episodes are no longer read."""
-        self.listen_until(lambda: self.first_episode_s is not None)
+    def await_start(self, n_iterations: int) -> float:
+        """Listen until so many iterations are done; return the seconds to the first one.
+
+        From then on episodes are no longer read, only what the nodes say once a second.
+        """
+        self.listen_until(lambda: self._first_episode_s is not None)
+        assert self._first_episode_s is not None
         self._node.destroy_subscription(self._episodes)
         self.listen_until(
             lambda: bool(self.samples) and self.samples[-1].n_iterations >= n_iterations
         )
+        return self._first_episode_s - self._started_s
 
     def window(self, duration_s: float) -> list[Sample]:
-        """Listen for so long, after the next sample; return the samples."""
-        i_first = len(self.samples)
+        """Listen for so long from the last sample on; return the samples."""
+        i_first = len(self.samples) - 1
 
         def is_enough() -> bool:
             new = self.samples[i_first:]
@@ -109,19 +110,6 @@ class MeasuredGraph:
 
         self.listen_until(is_enough)
         return self.samples[i_first:]
-
-    def pause(self) -> None:
-        """Stop all processes of the graph where they are."""
-        self._signal(signal.SIGSTOP)
-
-    def go_on(self) -> None:
-        """Let the stopped processes go on."""
-        self._signal(signal.SIGCONT)
-
-    def _signal(self, number: signal.Signals) -> None:
-        for process_id in self._process_ids().values():
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(process_id, number)
 
 
 def _peak_memory_mb(process_id: int) -> float:
@@ -132,30 +120,12 @@ def _peak_memory_mb(process_id: int) -> float:
 
 
 @contextlib.contextmanager
-def nodes_of(configuration: Configuration, directory: Path) -> Iterator[MeasuredGraph]:
-    """Run the nodes without a supervisor, so that they may be paused."""
-    directory.mkdir(parents=True)
-    config = directory / CONFIG_FILE
-    config.write_text(configuration_text(configuration))
-    more = {MANAGER: ("-p", f"run_directory:={directory}")}
-    with ExitStack() as stack:
-        domain = stack.enter_context(own_domain())
-        # The manager's progress bar is not wanted here.
-        with (directory / "progress.log").open("w") as log, contextlib.redirect_stderr(log):
-            processes = NodeProcesses(config, domain, directory / "logs", more)
-        stack.enter_context(processes)
-        graph = MeasuredGraph(domain, processes.process_ids)
-        try:
-            yield graph
-        finally:
-            graph.go_on()
-            graph.close()
-
-
-@contextlib.contextmanager
 def supervised_run(arguments: list[str], directory: Path) -> Iterator[MeasuredGraph]:
-    """Run the graph as run_experiment.sh does, with its supervisor; interrupt it at the end."""
-    with own_domain() as domain, (directory.parent / "supervisor.log").open("wb") as log:
+    """Run the graph as run_experiment.sh does, with its supervisor; interrupt it at the end.
+
+    What it says goes to a file beside the directory.
+    """
+    with own_domain() as domain, directory.with_suffix(".log").open("wb") as log:
         command = [sys.executable, "-m", "experiment_manager.supervisor", "--out", str(directory)]
         process = subprocess.Popen(
             [*command, *arguments],

@@ -43,6 +43,8 @@ class EchoNode(Node):
         self.create_subscription(JointState, "ping", self._echo, LOCKSTEP_QOS)
         self.create_subscription(Image, _PICTURES[0], lambda message: None, LOCKSTEP_QOS)
         self.create_subscription(Image, _PICTURES[1], self._echo, LOCKSTEP_QOS)
+        # An executor that sleeps for ever would not let Python see a SIGTERM.
+        self.create_timer(_RESEND_S, lambda: None)
 
     def _echo(self, message: JointState | Image) -> None:
         self._answer.publish(to_ns(message.header.stamp), np.zeros(len(_NAMES)))
