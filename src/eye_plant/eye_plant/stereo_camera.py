@@ -18,7 +18,7 @@ from eye_plant.scene import (
     set_projection,
 )
 from eye_plant.stimuli import StimulusSet
-from eye_plant.textures import upload_grey_texture
+from eye_plant.textures import upload_grey_texture, upload_picture
 from lockstep.errors import InputError
 
 __all__ = ["CameraConfig", "StereoCamera"]
@@ -32,8 +32,8 @@ class StereoCamera:
     """Draws what two eyes see: stimulus i on the plane at a distance, the landscape behind it.
 
     The camera owns its scene and knows nothing of muscles: it takes the eyes' poses. All stimuli
-    live in the graphics memory (one byte per pixel and a third for the mip-maps), and nothing of
-    them is kept outside it. Both eyes are drawn by one call of the renderer, side by side.
+    live in the graphics memory (one byte per pixel, doubled by smaller copies), and nothing of them
+    is kept outside it. Both eyes are drawn by one call of the renderer, side by side.
 
     Deterministic: the same arguments give the same bits on one machine. Use it from one thread.
     """
@@ -87,7 +87,7 @@ class StereoCamera:
         for i_eye in range(_N_EYES):
             set_pose(self._scene.camera[i_eye], eye_positions_m[i_eye], eye_rotations[i_eye])
         self._scene.geoms[PLANE_GEOM].pos = (distance_m, 0.0, self._eye_height_m)
-        self._renderer.texture[PLANE_GEOM] = self._stimulus_names[i_stimulus]
+        self._renderer.texture[PLANE_GEOM] = self._texture_name(i_stimulus, distance_m)
         mujoco.mjr_render(self._viewport, self._scene, self._renderer)
         return self._manipulated(self._read())
 
@@ -104,7 +104,9 @@ class StereoCamera:
     def close(self) -> None:
         """Free the graphics memory; the camera draws no more."""
         self._offscreen.make_current()
-        self._offscreen.gl.glDeleteTextures([*self._stimulus_names, self._landscape_name])
+        self._offscreen.gl.glDeleteTextures(
+            [name for t in self._textures for name in (t.full, t.reduced)] + [self._landscape_name]
+        )
         self._renderer.free()
         self._offscreen.close()
 
@@ -115,10 +117,19 @@ class StereoCamera:
 
     def _upload(self, stimuli: tuple[np.ndarray, ...]) -> None:
         gl = self._offscreen.gl
-        self._stimulus_names = [upload_grey_texture(gl, stimulus) for stimulus in stimuli]
+        self._textures = [upload_picture(gl, stimulus) for stimulus in stimuli]
         landscape = landscape_picture(self._config.landscape_seed)
         self._landscape_name = upload_grey_texture(gl, landscape)
         self._renderer.texture[LANDSCAPE_GEOM] = self._landscape_name
+
+    def _texture_name(self, i_stimulus: int, distance_m: float) -> int:
+        """Return the OpenGL name of the stimulus at the size that suits the distance.
+
+        An eye's magnification must not touch what the other eye sees, and does not count.
+        """
+        config, texture = self._config, self._textures[i_stimulus]
+        pixel_m = distance_m / config.focal_length_px
+        return texture.name_for(pixel_m * texture.size_px / config.plane_size_m)
 
     def _mask_what_is_not_drawn(self) -> None:
         """Let the stencil buffer stop all drawing outside the region of interest, from here on.
