@@ -18,6 +18,7 @@ MODULES = {
     "report": "experiment_manager.report",
     "inspect_bag": "experiment_manager.inspect_bag",
     "benchmark": "experiment_manager.benchmark",
+    "torture": "experiment_manager.torture",
     "validate_plant": "eye_plant.validation",
 }
 

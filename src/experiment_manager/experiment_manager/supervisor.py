@@ -12,6 +12,7 @@ from pathlib import Path
 from types import FrameType
 
 from experiment_manager import checkpoint
+from experiment_manager.bag_reader import Bag
 from experiment_manager.cost_weight import first_iterations, with_weight
 from experiment_manager.domains import own_domain
 from experiment_manager.durable_files import replace_file
@@ -37,6 +38,8 @@ from lockstep.errors import InputError
 from lockstep.process import EXIT_BAD_INPUT
 
 EXIT_FAULT = 3
+# A bag's file before its first message: schemas, and the configuration.
+_HEADER_BYTES = 1 << 16
 _SAME_FAULT_LIMIT = 3
 # Faults of different kinds without a checkpoint between them: somebody should look.
 _ANY_FAULT_LIMIT = 10
@@ -66,7 +69,7 @@ class Supervisor:
             with own_domain(frozenset(used_domains)) as domain:
                 used_domains.add(domain)
                 print(f"to listen from another terminal: export ROS_DOMAIN_ID={domain}")
-                code, fault = self._attempt(domain, is_first=not faults)
+                code, fault = self._attempt(domain)
                 remove_stale_segments()
                 if "ROS_DOMAIN_ID" not in os.environ:
                     remove_ports(domain)
@@ -95,13 +98,13 @@ class Supervisor:
         found = checkpoint.newest(self._directory / "checkpoints")
         return found[0].place if found else -1
 
-    def _attempt(self, domain: int, *, is_first: bool) -> tuple[int, str | None]:
+    def _attempt(self, domain: int) -> tuple[int, str | None]:
         """Run the nodes until they are done or fail; return (exit code, fault or None)."""
         if self._interrupts:
             return EXIT_INTERRUPTED, None
         resume = self._place() >= 0
-        if not resume and not is_first:
-            # Nothing was committed yet: what the last attempt left is of no use.
+        if not resume and not _holds_observations(self._directory / "bag"):
+            # Left by an attempt that ended before its first episode.
             shutil.rmtree(self._directory / "bag", ignore_errors=True)
         given = {
             "run_directory": self._directory,
@@ -145,6 +148,17 @@ class Supervisor:
             self._processes.interrupt_manager()
         if self._interrupts == 1:
             print("\nstopping after this episode, with a checkpoint", file=sys.stderr)
+
+
+def _holds_observations(bag: Path) -> bool:
+    """Return whether a bag, which may be cut off, holds anything of an episode."""
+    files = list(bag.glob("*.mcap"))
+    try:
+        opened = Bag(bag)
+        return opened.has("episode") and len(opened.stamps_ns("episode")) > 0
+    except InputError:
+        # Cut off before anything could be read; what is larger is somebody's to repair.
+        return any(file.stat().st_size > _HEADER_BYTES for file in files)
 
 
 def _source_commit() -> str:
@@ -218,6 +232,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        print("stopped before the run began", file=sys.stderr)
+        return EXIT_INTERRUPTED
     if code == 0:
         print(results_table(read_results(directory / RESULTS_FILE), directory, _figure(directory)))
     elif code != EXIT_BAD_INPUT:

@@ -5,7 +5,8 @@ rclpy's own executor builds a new wait set, a coroutine and a task for each sing
 on, and takes every message that is there after one wait.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 from rclpy.client import Client
@@ -17,6 +18,7 @@ from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
 _FOREVER_NS = -1
+_KINDS = ("client", "service", "timer")
 _LOGGER = get_logger("lockstep")
 # Messages taken from one topic before others get their turn, so that a flood cannot starve them.
 _MAX_IN_A_ROW = 16
@@ -24,6 +26,9 @@ _MAX_IN_A_ROW = 16
 
 class LockstepExecutor(SingleThreadedExecutor):
     """Serves messages, requests, answers and timers itself; all else goes the base class's way.
+
+    A node may say which messages are worth waking up for: `awaited_subscriptions`, asked before
+    each wait, returns them; the others are taken when something wakes it. Without it, all are.
 
     Callbacks must be plain functions, and nodes must not be shared with another executor. Uses the
     parts of rclpy that its own `wait_for_message` is made of; the lock file pins their version.
@@ -49,6 +54,10 @@ class LockstepExecutor(SingleThreadedExecutor):
         self._stale = False
         nodes = self.get_nodes()
         self._subscriptions: list[Subscription] = [s for n in nodes for s in n.subscriptions]
+        self._awaited: list[Callable[[], Iterable[Subscription]]] = [
+            getattr(node, "awaited_subscriptions", partial(list, node.subscriptions))
+            for node in nodes
+        ]
         self._services: list[Service] = [s for n in nodes for s in n.services]
         self._timers: list[Timer] = [t for n in nodes for t in n.timers]
         self._clients: list[Client] = [c for n in nodes for c in n.clients]
@@ -73,8 +82,9 @@ class LockstepExecutor(SingleThreadedExecutor):
     def _wait(self) -> None:
         wait_set = self._wait_set
         wait_set.clear_entities()
-        for subscription in self._subscriptions:
-            wait_set.add_subscription(subscription.handle)
+        for awaited in self._awaited:
+            for subscription in awaited():
+                wait_set.add_subscription(subscription.handle)
         for service in self._services:
             wait_set.add_service(service.handle)
         for timer in self._timers:
@@ -86,11 +96,15 @@ class LockstepExecutor(SingleThreadedExecutor):
         wait_set.wait(_FOREVER_NS)
 
     def _serve(self) -> None:
-        """Call back for what is ready; stop early when a callback has changed the entities."""
-        ready = {kind: set(self._wait_set.get_ready_entities(kind)) for kind in self._serving}
+        """Call back for what is ready; stop early when a callback has changed the entities.
+
+        Whatever ended the wait, messages are taken from all topics, also those not waited on.
+        """
+        ready = {kind: set(self._wait_set.get_ready_entities(kind)) for kind in _KINDS}
         for kind, (entities, serve) in self._serving.items():
-            for entity in entities if ready[kind] else ():
-                if entity.handle.pointer in ready[kind]:
+            is_ready = ready.get(kind)
+            for entity in entities if is_ready or is_ready is None else ():
+                if is_ready is None or entity.handle.pointer in is_ready:
                     serve(entity)
                     if self._stale or not self._context.ok():
                         return
@@ -119,6 +133,14 @@ class LockstepExecutor(SingleThreadedExecutor):
         future._set_executor(self)
         future.set_result(response)
         self._run_tasks()
+
+    def _take_service(self, srv: Service) -> Any:
+        """Return what answers a request that the base class comes upon."""
+
+        async def answer() -> None:
+            _answer(srv)
+
+        return answer
 
     def _run_tasks(self) -> None:
         with self._tasks_lock:

@@ -1,0 +1,129 @@
+"""A plant and two learners that know the protocol and nothing else, for the manager's tests."""
+
+from typing import Any
+
+from rclpy.node import Node
+from sensor_msgs.msg import Image, JointState
+
+from eye_plant.episode import Episode
+from lockstep.diagnostics import Diagnostics
+from lockstep.errors import InputError
+from lockstep.qos import LOCKSTEP_QOS
+from lockstep.requests import RequestServer
+from lockstep.stamps import to_ns
+from lockstep.topics import (
+    ACTOR_CRITIC_NAMES,
+    COMMAND_NAMES,
+    EPISODE_NAMES,
+    GROUND_TRUTH_NAMES,
+    PLANT_VECTORS,
+    REWARD_NAMES,
+)
+from lockstep.vectors import VectorPublisher
+
+PERIOD_NS = 200_000_000
+
+
+class Scripted(Node):
+    """Answers requests with yes, but for the kind that it is told to refuse; notes them all."""
+
+    kinds: tuple[str, ...] = ("start_run", "save", "load", "end_run")
+
+    def __init__(self, name: str, **kwargs: Any) -> None:
+        super().__init__(name, **kwargs)
+        self.asked: list[str] = []
+        self.refuses = ""
+        self.server = RequestServer(
+            self, Diagnostics(self), {kind: self._handler(kind) for kind in self.kinds}
+        )
+
+    def _handler(self, kind: str) -> Any:
+        def handle(arguments: dict[str, Any]) -> None:
+            if kind == self.refuses:
+                raise InputError("expected another mood")
+            self.asked.append(kind)
+            self.do(kind, arguments)
+
+        return handle
+
+    def do(self, kind: str, arguments: dict[str, Any]) -> None:
+        """Do what was asked: a learner writes a file to the path of `save`."""
+        if kind == "save":
+            with open(arguments["path"], "w") as file:
+                file.write(self.get_name())
+
+
+class ScriptedPlant(Scripted):
+    """Publishes observations of constant content."""
+
+    kinds = ("start_run", "episode", "end_run")
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("eye_plant", **kwargs)
+        self.episodes: list[Episode] = []
+        self._iteration = 0
+        names = {
+            "episode": EPISODE_NAMES,
+            "ground_truth": GROUND_TRUTH_NAMES,
+        }
+        self._ends = {t: VectorPublisher(self, t, names.get(t, ("x",))) for t in PLANT_VECTORS}
+        self.create_publisher(Image, "left/image_raw", LOCKSTEP_QOS)
+        self.create_subscription(JointState, "muscle_command", self._answered, LOCKSTEP_QOS)
+
+    def do(self, kind: str, arguments: dict[str, Any]) -> None:
+        """Begin an episode."""
+        if kind == "episode":
+            self.episodes.append(Episode.from_arguments(arguments))
+            self._iteration = 0
+            self.send()
+
+    def _answered(self, message: JointState) -> None:
+        episode = self.episodes[-1]
+        stamp_ns = (episode.first_observation + self._iteration) * PERIOD_NS
+        if to_ns(message.header.stamp) == stamp_ns and self._iteration < episode.n_iterations:
+            self._iteration += 1
+            self.send()
+
+    def send(self) -> None:
+        """Publish the observation of now, as often as wanted."""
+        episode, i = self.episodes[-1], self._iteration
+        number = episode.first_observation + i
+        training = episode.training_iteration + (i if episode.phase == 0 else 0)
+        numbers = (episode.phase, episode.test, episode.trial, episode.episode, i, training, number)
+        measures = (episode.stimulus, episode.object_distance_m, 1.0, 2.0, 1.0, 1.5, 2.0, 1.0)
+        values = {"episode": numbers, "ground_truth": (*numbers, *measures)}
+        for topic, end in self._ends.items():
+            end.publish(number * PERIOD_NS, values.get(topic, (0.0,)))
+
+
+class ScriptedCoder(Scripted):
+    """Answers each observation but the last with a reward, unless it is mute."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("sparse_coder", **kwargs)
+        self.is_mute = False
+        self._reward = VectorPublisher(self, "reward", REWARD_NAMES)
+        self.create_publisher(Image, "features", LOCKSTEP_QOS)
+        self.create_subscription(Image, "left/image_raw", lambda m: None, LOCKSTEP_QOS)
+        self.create_subscription(JointState, "episode", self._answer, LOCKSTEP_QOS)
+
+    def _answer(self, message: JointState) -> None:
+        phase, iteration = message.position[0], message.position[4]
+        if not self.is_mute and iteration < (20 if phase else 10):
+            self._reward.publish(to_ns(message.header.stamp), (0.1, 0.1, 1.0, -0.2, 0.0))
+
+
+class ScriptedLearner(Scripted):
+    """Answers each reward with a command."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("vergence_rl", **kwargs)
+        self._command = VectorPublisher(self, "muscle_command", COMMAND_NAMES)
+        self._thought = VectorPublisher(self, "actor_critic", ACTOR_CRITIC_NAMES)
+        self.create_subscription(Image, "features", lambda m: None, LOCKSTEP_QOS)
+        self.create_subscription(JointState, "reward", self._answer, LOCKSTEP_QOS)
+
+    def _answer(self, message: JointState) -> None:
+        stamp_ns = to_ns(message.header.stamp)
+        self._thought.publish(stamp_ns, (0.0,) * len(ACTOR_CRITIC_NAMES))
+        self._command.publish(stamp_ns, (0.1, 0.1))
