@@ -41,6 +41,7 @@ export_variables() {
   export ROS_AUTOMATIC_DISCOVERY_RANGE=${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}
   # Each process works on matrices too small to share out; threads would only fight for the cores.
   export OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1} OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}
+  export PYTHONUNBUFFERED=1 # what is said first is shown first, also through a pipe
   export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$venv/numba_cache}
 }
 
