@@ -2,14 +2,20 @@
 
 import threading
 from collections.abc import Iterator
+from functools import partial
+from typing import Any
 
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import SetParameters
+from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
+from rclpy.subscription import Subscription
+from sensor_msgs.msg import JointState
 
 from lockstep.executor import LockstepExecutor
+from lockstep.qos import LOCKSTEP_QOS
 from tests.node_harness import Graph, ros_graph
 
 
@@ -56,3 +62,49 @@ def test_parameters_of_no_known_type_end_nobody(graph: Graph, way: str) -> None:
     node.destroy_node()
     assert errors == []
     assert good.result().results == []
+
+
+class _Listener(Node):
+    """Waits for b alone, until it has come; ends its context when it has heard a, b and c."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("listener", **kwargs)
+        self.heard: list[str] = []
+        self._topics = {
+            topic: self.create_subscription(JointState, topic, partial(self._hear, topic), 10)
+            for topic in ("a", "b", "c")
+        }
+
+    def awaited_subscriptions(self) -> list[Subscription]:
+        return [*self._topics.values()] if "b" in self.heard else [self._topics["b"]]
+
+    def _hear(self, topic: str, message: JointState) -> None:
+        self.heard.append(topic)
+        if {*self.heard} == {*self._topics}:
+            self.context.try_shutdown()
+
+
+def test_messages_not_waited_for_are_taken_with_those_that_are(graph: Graph) -> None:
+    sender = graph.add(lambda **kwargs: Node("sender", **kwargs))
+    publishers = {t: sender.create_publisher(JointState, t, LOCKSTEP_QOS) for t in ("a", "b", "c")}
+    context = Context()
+    context.init(domain_id=graph.domain)
+    listener = _Listener(context=context)
+    executor = LockstepExecutor(context=context)
+    executor.add_node(listener)
+    graph.spin_until(
+        lambda: (
+            all(p.get_subscription_count() for p in publishers.values())
+            and all(listener.count_publishers(topic) for topic in publishers)
+        ),
+        "the listener",
+    )
+    worker = threading.Thread(target=executor.spin)
+    worker.start()
+    publishers["a"].publish(JointState())
+    publishers["b"].publish(JointState())
+    graph.spin_until(lambda: "b" in listener.heard, "what is waited for")
+    publishers["c"].publish(JointState())
+    worker.join()
+    listener.destroy_node()
+    assert sorted(listener.heard) == ["a", "b", "c"]

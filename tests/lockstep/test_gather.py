@@ -81,3 +81,13 @@ def test_after_a_reset_stamps_start_anew() -> None:
     assert gather.add("b", 10, 2) is None
     assert gather.add("a", 0, 1) is None
     assert gather.add("b", 0, 2) == {"a": 1, "b": 2}
+
+
+def test_a_topic_is_held_while_others_of_its_stamp_are_missing() -> None:
+    gather = Gather(("a", "b"))
+    assert not gather.holds("a")
+    gather.add("a", 1, 1)
+    assert gather.holds("a")
+    assert not gather.holds("b")
+    gather.add("b", 1, 2)
+    assert not gather.holds("a")

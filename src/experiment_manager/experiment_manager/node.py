@@ -43,6 +43,8 @@ LEARNERS = ("sparse_coder", "vergence_rl")
 LEARNER_OF = {"reward": "sparse_coder", "actor_critic": "vergence_rl"}
 PLANT = "eye_plant"
 _WATCH_PERIOD_S = 0.5
+# Of an observation, the plant sends its small messages while the others compute, this one last.
+_LAST_TOPIC = "eye_states"
 # A foreign node has no request service: a few seconds tell it from one that is still starting.
 _SERVICE_WAIT_S = 5.0
 _HEADER_STAMP = struct.Struct("<iI")
@@ -73,8 +75,8 @@ class ExperimentManagerNode(Node):
         self.diagnostics = Diagnostics(self, self._state_of_run)
         self._ask = {name: RequestClient(self, name) for name in (PLANT, *LEARNERS)}
         self._subscriptions_of_pictures: list[Subscription] = []
-        for topic in (*SMALL_TOPICS, *FREE_TOPICS):
-            self._subscribe(topic)
+        self._recorded = {topic: self._subscribe(topic) for topic in (*SMALL_TOPICS, *FREE_TOPICS)}
+        self._others_are_late = False
         self._next: Callable[[], None] = self._await_graph
         self.create_timer(
             _WATCH_PERIOD_S, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME)
@@ -89,6 +91,15 @@ class ExperimentManagerNode(Node):
         return self.create_subscription(
             kind, topic, partial(self._receive, topic), LOCKSTEP_QOS, raw=True
         )
+
+    def awaited_subscriptions(self) -> list[Subscription]:
+        """Return the topic that comes last of an observation, and all when it came before others.
+
+        To wake up for each message would take a core from the nodes whose answer is awaited.
+        """
+        if self._others_are_late:
+            return list(self._recorded.values())
+        return [self._recorded[_LAST_TOPIC]]
 
     def _await_graph(self) -> None:
         """Wait until whoever publishes a topic of the table is there, and who answers requests."""
@@ -212,6 +223,8 @@ class ExperimentManagerNode(Node):
         record.count(topic)
         if record.is_complete:
             self._end_episode()
+        elif topic == _LAST_TOPIC and stamp_ns == record.last_ns:
+            self._others_are_late = True
 
     def _measure(self, topic: str, message: bytes, record: EpisodeRecord, stamp_ns: int) -> None:
         if topic == "ground_truth":
@@ -243,6 +256,7 @@ class ExperimentManagerNode(Node):
 
     def _end_episode(self) -> None:
         self._record = None
+        self._others_are_late = False
         self.diagnostics.count()
         self.run.end_episode()
         self._go_on()

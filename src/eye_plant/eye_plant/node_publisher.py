@@ -41,21 +41,22 @@ class ObservationPublisher:
     def publish(self, stamp_ns: int, observation: Observation) -> None:
         """Publish everything under one stamp.
 
-        What the next answer needs goes first; the rest is sent while others already compute.
+        What the next answer needs goes first, the activations last of it: they wake the coder. The
+        rest is sent while others already compute, the eyes' states last: they wake the recorder.
         """
         state = observation.state
+        if observation.pictures is not None:
+            self._publish_pictures(stamp_ns, observation.pictures)
         self._episode.publish(stamp_ns, observation.episode_values())
         self._activations.publish(
             stamp_ns, state.activations, state.mean_metabolic_rate_w, state.metabolic_rate_w
         )
-        if observation.pictures is not None:
-            self._publish_pictures(stamp_ns, observation.pictures)
         self._truth.publish(stamp_ns, observation.ground_truth_values())
         self._muscles.publish(stamp_ns, state.lengths_m, state.velocities_m_s, state.forces_n)
+        self._clock.publish(Clock(clock=to_time(stamp_ns)))
         self._eyes.publish(
             stamp_ns, state.eye_angles_rad.ravel(), state.eye_velocities_rad_s.ravel()
         )
-        self._clock.publish(Clock(clock=to_time(stamp_ns)))
 
     def _publish_pictures(self, stamp_ns: int, pictures: np.ndarray) -> None:
         for pictures_of_eye, picture in zip(self._pictures, pictures, strict=True):

@@ -55,7 +55,7 @@ class LockstepExecutor(SingleThreadedExecutor):
         nodes = self.get_nodes()
         self._subscriptions: list[Subscription] = [s for n in nodes for s in n.subscriptions]
         self._awaited: list[Callable[[], Iterable[Subscription]]] = [
-            getattr(node, "awaited_subscriptions", partial(list, node.subscriptions))
+            getattr(node, "awaited_subscriptions", partial(list, [*node.subscriptions]))
             for node in nodes
         ]
         self._services: list[Service] = [s for n in nodes for s in n.services]

@@ -27,6 +27,10 @@ class Gather:
         """Number of incomplete stamps held."""
         return len(self._pending)
 
+    def holds(self, topic: str) -> bool:
+        """Return whether a message of the topic waits for others of its stamp."""
+        return any(topic in messages for messages in self._pending.values())
+
     def add(self, topic: str, stamp_ns: int, message: Any) -> dict[str, Any] | None:
         """Add a message; return {topic: message} when this one completes its stamp."""
         if stamp_ns < self._complete_ns:

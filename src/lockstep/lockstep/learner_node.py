@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 from rclpy.node import Node
+from rclpy.subscription import Subscription
 
 from lockstep.answer_once import AnswerOnce, Verdict
 from lockstep.diagnostics import Diagnostics
@@ -42,7 +43,10 @@ class LearnerNode(Node):
     def __init__(
         self, name: str, config_class: type, inputs: Mapping[str, type], **kwargs: Any
     ) -> None:
-        """inputs: the message type of each topic that makes up an observation."""
+        """inputs: the message type of each topic that makes up an observation, the last one last.
+
+        Which one is published last makes no difference to what is answered, only to its cost.
+        """
         super().__init__(name, **kwargs)
         self.config: Any = declare_config(self, config_class)
         self.learner = self.make_learner()
@@ -51,8 +55,11 @@ class LearnerNode(Node):
         self.diagnostics = Diagnostics(self, self._state_of_learning)
         self._gather = Gather(tuple(inputs))
         self._answers = AnswerOnce()
-        for topic, kind in inputs.items():
+        self._inputs = [
             self.create_subscription(kind, topic, partial(self._receive, topic), LOCKSTEP_QOS)
+            for topic, kind in inputs.items()
+        ]
+        self._last_topic = tuple(inputs)[-1]
         self._requests = RequestServer(
             self,
             self.diagnostics,
@@ -77,6 +84,13 @@ class LearnerNode(Node):
     @abstractmethod
     def repeat(self) -> None:
         """Publish the last answer again."""
+
+    def awaited_subscriptions(self) -> list[Subscription]:
+        """Return the last input alone, unless it is there and others are late.
+
+        To wake up for each of them would take this core from whoever is about to send the rest.
+        """
+        return self._inputs if self._gather.holds(self._last_topic) else self._inputs[-1:]
 
     def _receive(self, topic: str, message: Any) -> None:
         try:

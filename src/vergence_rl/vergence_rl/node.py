@@ -18,10 +18,10 @@ from vergence_rl.config import VergenceRlConfig
 from vergence_rl.messages import features_of
 
 INPUTS = {
-    "features": Image,
-    "reward": JointState,
     "episode": JointState,
     "muscle_activations": JointState,
+    "reward": JointState,
+    "features": Image,
 }
 _EPISODE = ("phase", "iteration", "training_iteration")
 
