@@ -29,6 +29,7 @@ def _results(**changes: float | None) -> dict[str, Any]:
         "flatness_of_work": 1.0,
         "peak_memory_total_mb": 2000.0,
         "start_to_first_iteration_s": 9.0,
+        "cores_busy_elsewhere": 0.02,
         "stages_ms": STAGES_MS,
         "critical_path_ms": {"physics": 1.0, "rest": 3.0},
         "peak_memory_mb": {"eye_plant": 1500.0, "supervisor": 500.0},

@@ -4,6 +4,7 @@ import pytest
 
 from experiment_manager.benchmark_samples import (
     Sample,
+    cores_elsewhere,
     cpu_ms_per_iteration,
     flatness,
     rate_hz,
@@ -12,7 +13,11 @@ from lockstep.errors import InputError
 
 
 def _samples(*rows: tuple[float, int, float, float]) -> list[Sample]:
-    return [Sample(time_s, n, {"plant": a, "coder": b}) for time_s, n, a, b in rows]
+    """Two processes, and as much again of other work."""
+    return [
+        Sample(time_s, n, {"plant": a, "coder": b}, machine_cpu_s=100.0 + 2.0 * (a + b))
+        for time_s, n, a, b in rows
+    ]
 
 
 def test_rate_and_work_lie_between_the_first_and_the_last_sample() -> None:
@@ -20,6 +25,10 @@ def test_rate_and_work_lie_between_the_first_and_the_last_sample() -> None:
     assert rate_hz(samples) == pytest.approx(200.0)
     work_ms = cpu_ms_per_iteration(samples)
     assert work_ms == pytest.approx({"plant": 5.0, "coder": 0.5})
+
+
+def test_what_others_keep_busy_is_what_is_not_ours() -> None:
+    assert cores_elsewhere(_samples((0.0, 0, 1.0, 1.0), (4.0, 9, 2.0, 3.0))) == pytest.approx(0.75)
 
 
 def test_an_even_run_is_flat() -> None:

@@ -23,6 +23,7 @@ from experiment_manager.benchmark_messages import hop_times_ms, recording_ms
 from experiment_manager.benchmark_report import critical_path_ms, report
 from experiment_manager.benchmark_samples import (
     Sample,
+    cores_elsewhere,
     cpu_ms_per_iteration,
     flatness,
     rate_hz,
@@ -147,6 +148,7 @@ def _summary(rounds: Sequence[Round]) -> dict[str, Any]:
         "graph_to_in_process": _median(
             [hz / r.loop.rate_hz for hz, r in zip(graph_hz, rounds, strict=True)]
         ),
+        "cores_busy_elsewhere": _median([cores_elsewhere(r.graph) for r in rounds]),
         "cpu_ms_per_iteration": {
             name: _median([work[name] for work in works]) for name in works[0]
         },

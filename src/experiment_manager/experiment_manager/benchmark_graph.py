@@ -77,7 +77,9 @@ class MeasuredGraph:
                 times = psutil.Process(process_id).cpu_times()
                 cpu_s[name] = times.user + times.system
                 self.peak_memory_mb[name] = _peak_memory_mb(process_id)
-        self.samples.append(Sample(time_s, n_iterations, cpu_s))
+        machine = psutil.cpu_times()
+        busy_s = sum(machine) - machine.idle - machine.iowait
+        self.samples.append(Sample(time_s, n_iterations, cpu_s, busy_s))
 
     def listen_until(self, is_enough: Callable[[], bool]) -> None:
         """Listen; raises RuntimeError when a node has ended or it takes minutes."""

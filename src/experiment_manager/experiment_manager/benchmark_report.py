@@ -35,6 +35,8 @@ BOUNDS = {
     "flatness": Bound(0.95, 1),
     "peak_memory_total_mb": Bound(4096.0, -1),
     "start_to_first_iteration_s": Bound(15.0, -1),
+    # With more, the rates say as much of the machine as of the graph.
+    "cores_busy_elsewhere": Bound(0.1, -1),
 }
 
 
@@ -89,6 +91,7 @@ _SCALARS = (
     "flatness_of_work",
     "peak_memory_total_mb",
     "start_to_first_iteration_s",
+    "cores_busy_elsewhere",
 )
 
 

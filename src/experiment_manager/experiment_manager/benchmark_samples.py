@@ -14,12 +14,13 @@ _TENTH = 0.1
 class Sample:
     """Iterations answered so far, and what the processes have used for them.
 
-    time_s: steady; cpu_s: of each process, all its threads, by name.
+    time_s: steady; cpu_s: of each process, all its threads, by name; machine_cpu_s: of all there is.
     """
 
     time_s: float
     n_iterations: int
     cpu_s: dict[str, float]
+    machine_cpu_s: float
 
 
 def rate_hz(samples: Sequence[Sample]) -> float:
@@ -33,6 +34,14 @@ def cpu_ms_per_iteration(samples: Sequence[Sample]) -> dict[str, float]:
     first, last = _ends(samples)
     n = last.n_iterations - first.n_iterations
     return {name: 1e3 * (last.cpu_s[name] - first.cpu_s[name]) / n for name in last.cpu_s}
+
+
+def cores_elsewhere(samples: Sequence[Sample]) -> float:
+    """Return how many cores other work kept busy between the first and the last sample."""
+    first, last = _ends(samples)
+    ours_s = sum(last.cpu_s.values()) - sum(first.cpu_s.values())
+    all_s = last.machine_cpu_s - first.machine_cpu_s
+    return max(0.0, all_s - ours_s) / (last.time_s - first.time_s)
 
 
 def flatness(samples: Sequence[Sample]) -> tuple[float, float]:
