@@ -14,7 +14,8 @@ _TENTH = 0.1
 class Sample:
     """Iterations answered so far, and what the processes have used for them.
 
-    time_s: steady; cpu_s: of each process, all its threads, by name; machine_cpu_s: of all there is.
+    time_s: steady; cpu_s: of each process, all its threads, by name; machine_cpu_s: of everything
+    on the machine.
     """
 
     time_s: float
