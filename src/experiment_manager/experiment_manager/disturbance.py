@@ -6,13 +6,14 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from experiment_manager import checkpoint
 from experiment_manager.bag_reader import Bag
-from experiment_manager.processes import PACKAGES
+from experiment_manager.processes import PACKAGES, die_with
 from experiment_manager.recording import SMALL_TOPICS
 from experiment_manager.results import RESULTS_FILE, read_results
 
@@ -36,6 +37,7 @@ class SupervisedRun:
             stdin=subprocess.DEVNULL,
             stdout=self._log,
             stderr=self._log,
+            preexec_fn=partial(die_with, os.getpid()),  # noqa: PLW1509 (no threads yet)
         )
 
     def __enter__(self) -> "SupervisedRun":

@@ -19,7 +19,7 @@ _LIBC = ctypes.CDLL(None, use_errno=True)
 _POLL_S = 0.02
 
 
-def _die_with(parent: int) -> None:
+def die_with(parent: int) -> None:
     """Ask the kernel for a SIGKILL when the parent dies, even if by kill -9 (Linux, prctl(2))."""
     _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:
@@ -61,7 +61,7 @@ class NodeProcesses:
                     pass_fds=(terminal,) if package == MANAGER else (),
                     # Ctrl-C in the terminal is for the supervisor alone.
                     start_new_session=True,
-                    preexec_fn=partial(_die_with, os.getpid()),  # noqa: PLW1509 (no threads yet)
+                    preexec_fn=partial(die_with, os.getpid()),  # noqa: PLW1509 (no threads yet)
                 )
         os.close(terminal)
 
