@@ -8,6 +8,7 @@ import pytest
 
 from experiment_manager.disturbance import (
     SupervisedRun,
+    are_gone,
     differences,
     is_alive,
     is_intact,
@@ -99,8 +100,8 @@ def test_a_killed_supervisor_takes_its_nodes_with_it_and_the_run_goes_on(
         nodes = run.nodes()
         run.process.kill()
         run.process.wait()
+        assert are_gone(nodes.values())
     with SupervisedRun(line, directory, resume=True) as run:
-        assert not any(is_alive(process_id) for process_id in nodes.values())
         # Ctrl-C: the episode under way is ended, a checkpoint made.
         assert run.wait_until(_beyond(run, 10), "another checkpoint")
         run.process.send_signal(signal.SIGINT)

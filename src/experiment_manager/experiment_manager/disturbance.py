@@ -5,7 +5,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -129,6 +129,16 @@ def is_alive(process_id: int) -> bool:
     except (FileNotFoundError, ProcessLookupError):
         return False
     return state not in "ZX"
+
+
+def are_gone(process_ids: Collection[int]) -> bool:
+    """Wait for the end of processes that are not our children; return whether it came."""
+    end_s = time.monotonic() + PATIENCE_S
+    while any(is_alive(process_id) for process_id in process_ids):
+        if time.monotonic() > end_s:
+            return False
+        time.sleep(_POLL_S)
+    return True
 
 
 def differences(one: Path, other: Path) -> list[str]:

@@ -16,8 +16,8 @@ import numpy as np
 
 from experiment_manager.disturbance import (
     SupervisedRun,
+    are_gone,
     differences,
-    is_alive,
     n_messages,
     stamp_faults,
 )
@@ -129,7 +129,7 @@ def _disturb_once(
         nodes = run.nodes().values()
         run.process.kill()
         run.process.wait()
-        if any(is_alive(process_id) for process_id in nodes):
+        if not are_gone(nodes):
             raise RuntimeError(f"nodes outlive their supervisor: {nodes}")
         return f"{_SUPERVISOR} killed"
     package = PACKAGES[int(draw.integers(len(PACKAGES)))]
