@@ -26,6 +26,7 @@ setup(
             "evaluate = experiment_manager.evaluation:main",
             "report = experiment_manager.report:main",
             "inspect_bag = experiment_manager.inspect_bag:main",
+            "benchmark = experiment_manager.benchmark:main",
             "torture = experiment_manager.torture:main",
         ]
     },
