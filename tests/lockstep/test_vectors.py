@@ -52,6 +52,14 @@ def test_values_are_a_copy() -> None:
         (_message(["a"], position=[1.0, 2.0]), "t: expected one position per name, got 2 for 1"),
         (_message(["a", "b"], position=[]), "t: expected one position per name, got 0 for 2"),
         (_message(["a"], effort=[1.0]), "t: expected one position per name, got 0 for 1"),
+        (
+            _message(["a"], position=[1.0], velocity=[1.0, 1.0]),
+            "t: expected fields of 1 entries, one per name, or none, got [1, 2, 0]",
+        ),
+        (
+            _message(["a"], position=[1.0], effort=[1.0, 1.0]),
+            "t: expected fields of 1 entries, one per name, or none, got [1, 0, 2]",
+        ),
         (_message(["b"], position=[1.0]), "t: expected names a; a did not come"),
         (_message([], position=[]), "t: expected names a; a did not come"),
         (_message(["a", "a"], position=[1.0, 1.0]), "t: expected each name once, got a twice"),

@@ -235,6 +235,10 @@ def _episode(**changes: float) -> Callable[[dict[str, Any]], None]:
     return change
 
 
+def _activation(value: float) -> Callable[[dict[str, Any]], None]:
+    return _with("muscle_activations", position=array.array("d", [0.0, value, 1.0, 0.5]))
+
+
 _NAN_REWARD = array.array("d", [0.0, 0.0, 0.0, math.nan, 0.0])
 
 
@@ -250,7 +254,10 @@ _NAN_REWARD = array.array("d", [0.0, 0.0, 0.0, math.nan, 0.0])
         (_feature(-math.inf), "features: expected finite values, got NaN or infinity"),
         (_with("reward", position=_NAN_REWARD), "reward: expected finite values"),
         (_with("reward", name=list("abcde")), "reward: expected names reward; reward did not come"),
+        (_with("reward", effort=array.array("d", [0.0])), "reward: expected fields of 5 entries"),
         (_with("muscle_activations", position=array.array("d")), "expected one position per name"),
+        (_activation(1.0000001), "muscle_activations: expected activations in [0, 1]"),
+        (_activation(-0.1), "muscle_activations: expected activations in [0, 1]"),
         (_episode(iteration=-1.0), "episode: expected whole numbers from 0 to 2^53"),
         (_episode(iteration=0.5), "episode: expected whole numbers from 0 to 2^53"),
         (_episode(training_iteration=1e300), "episode: expected whole numbers from 0 to 2^53"),

@@ -67,14 +67,18 @@ class Hostility:
 
     def _other_time(self, now_ns: int) -> Time:
         """Return a time that is not of the present: past, far future, none at all."""
-        past_ns = int(self._draw.integers(max(now_ns - self._period_ns, 0) + 1))
         future_ns = now_ns + int(self._draw.integers(_FAR_NS, _END_NS))
         no_time = Time(
             sec=int(self._draw.integers(-(2**31), 2**31)),
             nanosec=int(self._draw.integers(10**9, 2**32)),
         )
         negative = Time(sec=-int(self._draw.integers(1, 2**31)))
-        return self._one_of((to_time(past_ns), to_time(future_ns), no_time, negative))
+        times = [to_time(future_ns), no_time, negative]
+        # Observation 0 has no past; a sound message with its stamp would be taken for ours.
+        if (newest_ns := now_ns - self._period_ns) >= 0:
+            times.append(to_time(int(self._draw.integers(newest_ns + 1))))
+        time: Time = self._one_of(times)
+        return time
 
     def _vector(self, topic: str, *, may_be_sound: bool) -> JointState:
         names = VECTOR_NAMES[topic]

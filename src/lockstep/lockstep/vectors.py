@@ -97,13 +97,18 @@ def values_of(
 
     field: "position", "velocity" or "effort". Further names in the message are ignored, so that a
     foreign publisher may add its own. Raises InputError for a missing or doubled name, a length
-    that differs from that of the names, or a value that is not finite.
+    that differs from that of the names (other fields may be empty), or a value that is not finite.
     """
     values = np.array(getattr(message, field), dtype=np.float64)
-    if len(values) != len(message.name):
+    n_names = len(message.name)
+    if len(values) != n_names:
         raise InputError(
-            f"{topic}: expected one {field} per name, got {len(values)} for "
-            f"{len(message.name)} names"
+            f"{topic}: expected one {field} per name, got {len(values)} for {n_names} names"
+        )
+    lengths = [len(message.position), len(message.velocity), len(message.effort)]
+    if not {0, n_names}.issuperset(lengths):
+        raise InputError(
+            f"{topic}: expected fields of {n_names} entries, one per name, or none, got {lengths}"
         )
     if message.name != list(names):
         values = values[_indices(message.name, names, topic)]

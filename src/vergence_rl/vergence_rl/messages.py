@@ -1,9 +1,11 @@
-"""Features from sensor_msgs/Image."""
+"""Features from sensor_msgs/Image, activations from sensor_msgs/JointState."""
 
 import numpy as np
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import Image, JointState
 
 from lockstep.errors import InputError
+from lockstep.topics import HORIZONTAL_RECTI
+from lockstep.vectors import values_of
 
 _SCALES = 2
 
@@ -29,3 +31,17 @@ def features_of(message: Image) -> np.ndarray:
     if not np.isfinite(features).all():
         raise InputError("features: expected finite values, got NaN or infinity")
     return features
+
+
+def activations_of(message: JointState) -> np.ndarray:
+    """Return the activations (2,) of medial and lateral rectus, the mean of both eyes.
+
+    Raises InputError as `values_of`, and for an activation out of [0, 1].
+    """
+    values = values_of(message, HORIZONTAL_RECTI, "muscle_activations")
+    if not ((values >= 0.0) & (values <= 1.0)).all():
+        raise InputError(
+            f"muscle_activations: expected activations in [0, 1], got {values.tolist()}"
+        )
+    mean: np.ndarray = values.reshape(2, 2).mean(axis=0)
+    return mean

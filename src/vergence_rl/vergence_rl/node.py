@@ -11,11 +11,11 @@ from sensor_msgs.msg import Image, JointState
 
 from lockstep.learner_node import LearnerNode
 from lockstep.process import run_node
-from lockstep.topics import ACTOR_CRITIC_NAMES, COMMAND_NAMES, HORIZONTAL_RECTI, TRAINING
+from lockstep.topics import ACTOR_CRITIC_NAMES, COMMAND_NAMES, TRAINING
 from lockstep.vectors import VectorPublisher, values_of, whole_values_of
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
-from vergence_rl.messages import features_of
+from vergence_rl.messages import activations_of, features_of
 
 INPUTS = {
     "episode": JointState,
@@ -46,13 +46,11 @@ class VergenceRlNode(LearnerNode):
         phase, iteration, training_iteration = whole_values_of(
             observation["episode"], _EPISODE, "episode"
         )
-        left_right = values_of(
-            observation["muscle_activations"], HORIZONTAL_RECTI, "muscle_activations"
-        ).reshape(2, 2)
+        activations = activations_of(observation["muscle_activations"])
         in_training = phase == TRAINING
         decision = self.learner.observe(
             features,
-            left_right.mean(axis=0),
+            activations,
             float(reward_t),
             iteration,
             training_iteration,
