@@ -1,16 +1,40 @@
-"""Hostile input: what `torture.sh --inputs` throws, and a second publisher."""
+"""Hostile input: thousands of malformed messages and requests leave no trace in the numbers."""
 
 from pathlib import Path
 
 from rclpy.node import Node
 
-from experiment_manager.hostility import Hostility
+from experiment_manager.fuzz import NODES, FuzzedGraph
+from experiment_manager.hostility import LARGEST_BYTES, Hostility
+from lockstep.qos import QUEUE_DEPTH
 from lockstep.topics import REWARD_NAMES
 from lockstep.vectors import VectorPublisher
-from tests.graph_harness import finished, small_run, supervisor
+from tests.graph_harness import finished, small_run, supervisor, write_configuration
 from tests.node_harness import ros_graph
 
 SMALL_LEARNERS = ("sparse_coder.n_bases=32", "vergence_rl.n_features=64")
+
+
+def test_two_thousand_hostile_inputs_change_nothing(tmp_path: Path, pictures: Path) -> None:
+    config_file = tmp_path / "config.yaml"
+    write_configuration(
+        config_file,
+        small_run(
+            pictures, 100, *SMALL_LEARNERS, "experiment_manager.protocol.test_distances_m=[6.0]"
+        ),
+    )
+    # One trial, which is not learned from, and 9 episodes of training: 120 observations.
+    report = FuzzedGraph(config_file, seed=1).run(10, 17, tmp_path)
+    assert report.differences == []
+    assert report.n_inputs >= 2000
+    # Ground truth, thoughts, dictionaries and weights.
+    assert report.n_compared > 10_000
+    # Of messages with another stamp most are passed over in silence; requests never are.
+    assert report.n_refused > 100
+    assert set(report.growth_mb) == set(NODES)
+    # What the middleware's queues keep, one message of the largest size in each of their places
+    # for each of at most four topics, and nothing that grows with the number of inputs.
+    assert max(report.growth_mb.values()) < 4 * QUEUE_DEPTH * LARGEST_BYTES / 2**20
 
 
 def test_what_is_thrown_is_a_function_of_the_seed() -> None:
