@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from eye_plant.camera_config import CameraConfig
+from eye_plant.framebuffer import GreyFramebuffer
 from eye_plant.landscape import landscape_picture
 from eye_plant.offscreen import OffscreenContext
 from eye_plant.scene import (
@@ -59,6 +60,9 @@ class StereoCamera:
         model = build_scene_model(config, eye_height_m, buffer_size_px)
         self._renderer = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._renderer)
+        self._framebuffer = GreyFramebuffer(
+            self._offscreen.gl, self._renderer.offFBO, *buffer_size_px
+        )
         self._scene = build_scene(model)
         for camera, magnification in zip(self._scene.camera, config.magnifications, strict=True):
             set_projection(camera, config, magnification)
@@ -107,6 +111,7 @@ class StereoCamera:
         self._offscreen.gl.glDeleteTextures(
             [name for t in self._textures for name in (t.full, t.reduced)] + [self._landscape_name]
         )
+        self._framebuffer.delete()
         self._renderer.free()
         self._offscreen.close()
 
