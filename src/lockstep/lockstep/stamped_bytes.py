@@ -4,26 +4,36 @@ To make a message, convert and serialize it costs five times as much, at each me
 """
 
 import struct
+from itertools import takewhile
 from typing import Any
 
 import numpy as np
-from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.serialization import serialize_message
 
 from lockstep.stamps import NS_PER_S
 
 _STAMP = struct.Struct("<iI")
 _STAMP_OFFSET = 4  # behind the encapsulation (CDR, little-endian): a header comes first
+_LENGTH_BYTES = 4  # of an array; an empty one has nothing else
 
 
 class StampedBytes:
     """A serialized message of a type with a header, whose parts keep their sizes."""
 
     def __init__(self, message: Any, *places: np.ndarray) -> None:
-        """places: arrays whose bytes are in the message once each, where values will go."""
-        self._data = bytearray(exact_bytes(message))
+        """places: arrays whose bytes are in the message once each, where values will go.
+
+        In the message's order; behind the last one come empty arrays only.
+        """
+        data = serialize_message(message)
+        starts = [data.index(place.tobytes()) for place in places]
+        # A few bytes too many come behind empty arrays of numbers, whatever lay in memory there;
+        # strict readers of a bag refuse these.
+        end = starts[-1] + places[-1].nbytes + _LENGTH_BYTES * _n_empty_last(message)
+        self._data = bytearray(data[:end])
         self._fields = [
-            np.frombuffer(self._data, place.dtype, place.size, self._data.index(place.tobytes()))
-            for place in places
+            np.frombuffer(self._data, place.dtype, place.size, start)
+            for place, start in zip(places, starts, strict=True)
         ]
 
     def fill(self, stamp_ns: int, *values: Any) -> bytes:
@@ -34,21 +44,7 @@ class StampedBytes:
         return bytes(self._data)
 
 
-def exact_bytes(message: Any) -> bytes:
-    """Return the serialized message as it travels.
-
-    For a message that ends with empty arrays of numbers serialize_message returns a few bytes too
-    many, from wherever they lay in memory; strict readers of a bag refuse these.
-    """
-    data: bytes = serialize_message(message)
-    while _is_whole(data[:-1], type(message)):
-        data = data[:-1]
-    return data
-
-
-def _is_whole(data: bytes, kind: type) -> bool:
-    try:
-        deserialize_message(data, kind)
-    except Exception:  # of the middleware, private to rclpy
-        return False
-    return True
+def _n_empty_last(message: Any) -> int:
+    """Return how many of the message's last fields are empty arrays."""
+    fields = [getattr(message, name) for name in message.get_fields_and_field_types()]
+    return len(list(takewhile(lambda field: len(field) == 0, reversed(fields))))
