@@ -42,6 +42,7 @@ _EPISODES_PER_PASS = 40
 _INPUTS_PER_OBSERVATION = 20
 # Longest time from one disturbance to the next: starting, catching up and working all get some.
 _LONGEST_PAUSE_S = 12.0
+_MOST_AT_PLACE = 2
 _SAMPLE_PERIOD_S = 2.0
 _SOAK_GROWTH_LIMIT_MB = 32.0
 _SUPERVISOR = "supervisor"
@@ -99,7 +100,7 @@ def _disturbed_run(
     done: Counter[str],
 ) -> tuple[int, str]:
     """Make one run under disturbances; return its exit code and what it said."""
-    resume, at_place = False, Counter[tuple[int, str]]()
+    resume, at_place = False, Counter[int]()
     while True:
         with SupervisedRun(line, directory, resume=resume) as run:
             while True:
@@ -121,11 +122,15 @@ def _pause(run: SupervisedRun, duration_s: float) -> None:
     run.wait_until(lambda: time.monotonic() >= end_s, "the pause")
 
 
-def _disturb_once(
-    run: SupervisedRun, draw: np.random.Generator, at_place: Counter[tuple[int, str]]
-) -> str:
-    """Kill or stop somebody; return what was done, "" when it could not be."""
-    if draw.random() < 0.1 and run.place() >= 0:
+def _disturb_once(run: SupervisedRun, draw: np.random.Generator, at_place: Counter[int]) -> str:
+    """Kill or stop somebody; return what was done, "" when it could not be.
+
+    at_place: disturbances since each checkpoint. A third one might look like the first two, and
+    that ends a run, as it should.
+    """
+    place = run.place()
+    if draw.random() < 0.1 and place >= 0:
+        at_place[place] += 1
         nodes = run.nodes().values()
         run.process.kill()
         run.process.wait()
@@ -134,11 +139,12 @@ def _disturb_once(
         return f"{_SUPERVISOR} killed"
     package = PACKAGES[int(draw.integers(len(PACKAGES)))]
     number = signal.SIGSTOP if draw.random() < 0.2 else signal.SIGKILL
-    # The third of a kind at one place ends a run, as it should.
-    key = (run.place(), f"{package} {number.name}")
-    if at_place[key] >= 2 or not run.signal_node(package, number):
+    if place < 0 or at_place[place]:
+        # Perhaps it is still starting. To find out that it hangs would take two minutes.
+        number = signal.SIGKILL
+    if at_place[place] >= _MOST_AT_PLACE or not run.signal_node(package, number):
         return ""
-    at_place[key] += 1
+    at_place[place] += 1
     verb = "stopped" if number == signal.SIGSTOP else "killed"
     return f"{package} {verb}"
 
