@@ -11,9 +11,7 @@ from typing import Any
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
-from sensor_msgs.msg import JointState
 
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.recording import (
@@ -33,7 +31,7 @@ from lockstep.qos import LOCKSTEP_QOS
 from lockstep.requests import END_RUN, START_RUN, Arguments, RequestClient
 from lockstep.stamps import period_ns
 from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TOPIC_TYPES
-from lockstep.vectors import values_of
+from lockstep.vectors import Vector, VectorReader, values_of
 
 EXIT_FAULT = 3
 EXIT_INTERRUPTED = 130
@@ -76,6 +74,7 @@ class ExperimentManagerNode(Node):
         self._ask = {name: RequestClient(self, name) for name in (PLANT, *LEARNERS)}
         self._subscriptions_of_pictures: list[Subscription] = []
         self._recorded = {topic: self._subscribe(topic) for topic in (*SMALL_TOPICS, *FREE_TOPICS)}
+        self._readers = {name: VectorReader(name) for name in ("ground_truth", *LEARNER_OF)}
         self._others_are_late = False
         self._next: Callable[[], None] = self._await_graph
         self.create_timer(
@@ -228,12 +227,12 @@ class ExperimentManagerNode(Node):
 
     def _measure(self, topic: str, message: bytes, record: EpisodeRecord, stamp_ns: int) -> None:
         if topic == "ground_truth":
-            vector = deserialize_message(message, JointState)
+            vector = self._readers[topic].read(message)
             self.run.add_truth(
                 values_of(vector, GROUND_TRUTH_NAMES, topic), is_last=stamp_ns == record.last_ns
             )
         elif topic in LEARNER_OF:
-            vector = deserialize_message(message, JointState)
+            vector = self._readers[topic].read(message)
             iteration = record.iteration(stamp_ns)
             self._check_learner(topic, vector, record, iteration)
             if topic == "reward":
@@ -241,7 +240,7 @@ class ExperimentManagerNode(Node):
                 self.run.add_reward(record.episode, iteration, values)
 
     def _check_learner(
-        self, topic: str, vector: JointState, record: EpisodeRecord, iteration: int
+        self, topic: str, vector: Vector, record: EpisodeRecord, iteration: int
     ) -> None:
         """Find the learner that was restarted, or learned what it should not have."""
         if not self.config.supervised or LEARNER_OF[topic] not in self._ask:
@@ -329,13 +328,17 @@ class ExperimentManagerNode(Node):
         if doubled:
             self._fault(f"expected one publisher per topic, found more on {', '.join(doubled)}")
         waited_s = time.monotonic() - self._message_s
-        if waited_s > self.config.gap_s:
-            missing = f"no message for {self.config.gap_s:g} s; missing: {record.missing()}"
-            if self.config.supervised:
-                self._fault(missing)
-            else:
-                # The plant repeats itself: whoever comes back can still answer.
-                self._say_waiting(missing)
+        if waited_s <= self.config.gap_s:
+            return
+        missing = f"no message for {self.config.gap_s:g} s; missing: {record.missing()}"
+        absent = [topic for topic in SMALL_TOPICS if not self.count_publishers(topic)]
+        if self.config.supervised and not absent:
+            self._fault(missing)
+        else:
+            # The plant repeats itself: whoever comes back can still answer, in as long again. The
+            # supervisor knows of those that it has started; others may be behind a broken network.
+            self._say_waiting(f"waiting for {', '.join(absent)}" if absent else missing)
+            self._message_s = time.monotonic()
 
     def _guarded(self, act: Callable[[], None]) -> None:
         """Act; input that is refused and a disk that refuses are faults."""

@@ -19,8 +19,8 @@ from lockstep.parameters import declare_config
 from lockstep.process import run_node
 from lockstep.qos import LOCKSTEP_QOS
 from lockstep.requests import END_RUN, START_RUN, RequestServer
-from lockstep.stamps import MAX_STAMP_NS, checked_ns, period_ns
-from lockstep.vectors import values_of
+from lockstep.stamps import MAX_STAMP_NS, period_ns
+from lockstep.vectors import VectorReader, values_of
 
 REPEAT_PERIOD_S = 1.0
 
@@ -54,7 +54,10 @@ class EyePlantNode(Node):
             self._wait_for_episodes()
 
     def _wait_for_episodes(self) -> None:
-        self.create_subscription(JointState, "muscle_command", self._command, LOCKSTEP_QOS)
+        self._reader = VectorReader("muscle_command")
+        self.create_subscription(
+            JointState, "muscle_command", self._command, LOCKSTEP_QOS, raw=True
+        )
         self._requests = RequestServer(
             self,
             self.diagnostics,
@@ -82,23 +85,23 @@ class EyePlantNode(Node):
             )
         self._publish(self._plant.begin(episode))
 
-    def _command(self, message: JointState) -> None:
+    def _command(self, data: bytes) -> None:
         observation = self._observation
         if observation is None or not self._plant.is_waiting:
             # The repeated answer to an observation that is over is no fault.
             return
         expected_ns = observation.number * self._period_ns
         try:
-            stamp_ns = checked_ns(message.header.stamp)
-            if stamp_ns < expected_ns:
+            command = self._reader.read(data)
+            if command.stamp_ns < expected_ns:
                 return
-            if stamp_ns > expected_ns:
+            if command.stamp_ns > expected_ns:
                 raise InputError(
                     f"muscle_command: expected the stamp of the observation it answers, "
-                    f"{expected_ns} ns, got {stamp_ns} ns"
+                    f"{expected_ns} ns, got {command.stamp_ns} ns"
                 )
-            values = values_of(message, message.name, "muscle_command")
-            targets = self._plant.targets(message.name, values)
+            values = values_of(command, command.name, "muscle_command")
+            targets = self._plant.targets(command.name, values)
         except InputError as error:
             self.diagnostics.refuse(str(error))
             return

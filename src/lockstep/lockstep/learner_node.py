@@ -1,7 +1,7 @@
 """What both learners have in common: gathering, answering once, and the requests of a run."""
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
@@ -9,16 +9,23 @@ from typing import Any, Protocol
 import numpy as np
 from rclpy.node import Node
 from rclpy.subscription import Subscription
+from sensor_msgs.msg import Image, JointState
 
 from lockstep.answer_once import AnswerOnce, Verdict
 from lockstep.diagnostics import Diagnostics
 from lockstep.errors import InputError
 from lockstep.gather import Gather
+from lockstep.images import ImageReader
 from lockstep.parameters import declare_config
 from lockstep.qos import LOCKSTEP_QOS
 from lockstep.requests import END_RUN, START_RUN, Arguments, RequestServer
-from lockstep.stamps import checked_ns
 from lockstep.state_file import read_state, write_state
+from lockstep.vectors import VectorReader
+
+_READERS: Mapping[type, Callable[[str], ImageReader | VectorReader]] = {
+    Image: ImageReader,
+    JointState: VectorReader,
+}
 
 
 class Learner(Protocol):
@@ -56,7 +63,13 @@ class LearnerNode(Node):
         self._gather = Gather(tuple(inputs))
         self._answers = AnswerOnce()
         self._inputs = [
-            self.create_subscription(kind, topic, partial(self._receive, topic), LOCKSTEP_QOS)
+            self.create_subscription(
+                kind,
+                topic,
+                partial(self._receive, topic, _READERS[kind](topic)),
+                LOCKSTEP_QOS,
+                raw=True,
+            )
             for topic, kind in inputs.items()
         ]
         self._last_topic = tuple(inputs)[-1]
@@ -92,12 +105,12 @@ class LearnerNode(Node):
         """
         return self._inputs if self._gather.holds(self._last_topic) else self._inputs[-1:]
 
-    def _receive(self, topic: str, message: Any) -> None:
+    def _receive(self, topic: str, reader: ImageReader | VectorReader, data: bytes) -> None:
         try:
-            stamp_ns = checked_ns(message.header.stamp)
-            observation = self._gather.add(topic, stamp_ns, message)
+            message = reader.read(data)
+            observation = self._gather.add(topic, message.stamp_ns, message)
             if observation is not None:
-                self._observe(stamp_ns, observation)
+                self._observe(message.stamp_ns, observation)
         except InputError as error:
             self.diagnostics.refuse(str(error))
 

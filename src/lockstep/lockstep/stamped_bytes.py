@@ -1,6 +1,7 @@
-"""Messages as the bytes that travel, made once; then only the stamp and the numbers are put in.
+"""Messages as the bytes that travel, of which only the stamp and the numbers change.
 
-To make a message, convert and serialize it costs five times as much, at each message of the loop.
+To make a message, convert and serialize it costs five times as much as to put these in, and to
+deserialize one ten times as much as to take them out: at each message of the loop.
 """
 
 import struct
@@ -8,9 +9,10 @@ from itertools import takewhile
 from typing import Any
 
 import numpy as np
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 
-from lockstep.stamps import NS_PER_S
+from lockstep.errors import InputError
+from lockstep.stamps import NS_PER_S, checked_stamp
 
 _STAMP = struct.Struct("<iI")
 _STAMP_OFFSET = 4  # behind the encapsulation (CDR, little-endian): a header comes first
@@ -21,20 +23,23 @@ class StampedBytes:
     """A serialized message of a type with a header, whose parts keep their sizes."""
 
     def __init__(self, message: Any, *places: np.ndarray) -> None:
-        """places: arrays whose bytes are in the message once each, where values will go.
+        """places: arrays, not empty, whose bytes are in the message, where values will go.
 
         In the message's order; behind the last one come empty arrays only.
         """
         data = serialize_message(message)
-        starts = [data.index(place.tobytes()) for place in places]
+        # From the end: a small array may look like something that stands before it.
+        starts = [data.rindex(place.tobytes()) for place in places]
+        ends = [start + place.nbytes for place, start in zip(places, starts, strict=True)]
         # A few bytes too many come behind empty arrays of numbers, whatever lay in memory there;
         # strict readers of a bag refuse these.
-        end = starts[-1] + places[-1].nbytes + _LENGTH_BYTES * _n_empty_last(message)
+        end = ends[-1] + _LENGTH_BYTES * _n_empty_last(message)
         self._data = bytearray(data[:end])
-        self._fields = [
-            np.frombuffer(self._data, place.dtype, place.size, start)
-            for place, start in zip(places, starts, strict=True)
-        ]
+        self._places = [(p.dtype, p.size, start) for p, start in zip(places, starts, strict=True)]
+        self._fields = [np.frombuffer(self._data, *place) for place in self._places]
+        between = zip((_STAMP_OFFSET + _STAMP.size, *ends), (*starts, end), strict=True)
+        self._between = [slice(0, _STAMP_OFFSET), *(slice(*part) for part in between)]
+        self._fixed: list[tuple[slice, bytes]] = []
 
     def fill(self, stamp_ns: int, *values: Any) -> bytes:
         """Return the message of a stamp with values in the places, each as large as its place."""
@@ -42,6 +47,36 @@ class StampedBytes:
         for field, value in zip(self._fields, values, strict=True):
             field[:] = value
         return bytes(self._data)
+
+    def expect(self, data: bytes) -> bool:
+        """Let `read` take messages like this one, which somebody serialized; say whether it can.
+
+        Between the values they may differ from ours: what fills up a word is whatever lay there.
+        """
+        if len(data) != len(self._data) or data[:_STAMP_OFFSET] != self._data[:_STAMP_OFFSET]:
+            return False
+        self._fixed = [(part, data[part]) for part in self._between]
+        return True
+
+    def read(self, data: bytes) -> tuple[int, list[np.ndarray]] | None:
+        """Return stamp (ns) and values of a message like the expected one; None of another.
+
+        The arrays are views of data. Raises InputError for a stamp that cannot be.
+        """
+        if len(data) != len(self._data) or any(data[part] != held for part, held in self._fixed):
+            return None
+        stamp_ns = checked_stamp(*_STAMP.unpack_from(data, _STAMP_OFFSET))
+        return stamp_ns, [np.frombuffer(data, *place) for place in self._places]
+
+
+def deserialized(data: bytes, kind: type, topic: str) -> Any:
+    """Return the message of that type; raises InputError when the bytes are none."""
+    try:
+        return deserialize_message(data, kind)
+    except Exception as error:  # of the middleware, private to rclpy
+        raise InputError(
+            f"{topic}: expected a serialized {kind.__name__}, got {len(data)} bytes that are none"
+        ) from error
 
 
 def _n_empty_last(message: Any) -> int:

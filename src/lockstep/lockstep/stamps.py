@@ -25,12 +25,15 @@ def to_ns(time: Time) -> int:
 
 
 def checked_ns(time: Time) -> int:
-    """Return the stamp of a ROS time that came from elsewhere, in nanoseconds.
+    """Return the stamp of a ROS time that came from elsewhere; see `checked_stamp`."""
+    return checked_stamp(time.sec, time.nanosec)
+
+
+def checked_stamp(sec: int, nanosec: int) -> int:
+    """Return the stamp of seconds and nanoseconds that came from elsewhere, in nanoseconds.
 
     Raises InputError for a time that no stamp can have.
     """
-    if time.sec < 0 or time.nanosec >= NS_PER_S:
-        raise InputError(
-            f"stamp: expected sec >= 0 and nanosec < 10^9, got {time.sec} s, {time.nanosec} ns"
-        )
-    return to_ns(time)
+    if sec < 0 or nanosec >= NS_PER_S:
+        raise InputError(f"stamp: expected sec >= 0 and nanosec < 10^9, got {sec} s, {nanosec} ns")
+    return sec * NS_PER_S + nanosec

@@ -5,6 +5,7 @@ JointState is the one standard message that names its numbers, and every plottin
 
 import array
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from rclpy.node import Node
@@ -13,26 +14,41 @@ from sensor_msgs.msg import JointState
 
 from lockstep.errors import InputError
 from lockstep.qos import LOCKSTEP_QOS
-from lockstep.stamped_bytes import StampedBytes
-from lockstep.stamps import to_time
+from lockstep.stamped_bytes import StampedBytes, deserialized
+from lockstep.stamps import checked_ns, to_time
 
 # Up to here every whole number is a double of its own.
 _MAX_WHOLE = 2.0**53
 _FIRST_PLACE = np.uint64(0x7FF4_0000_0000_0000)
+_NO_VALUES = np.zeros(0)
 
-Vector = np.ndarray | Sequence[float]
+Values = np.ndarray | Sequence[float]
 
 
-def _doubles(values: Vector) -> array.array:
+@dataclass(frozen=True, slots=True)
+class Vector:
+    """What a message of named values holds, under the names of sensor_msgs/JointState.
+
+    position, velocity, effort: (n_names,) float64 or empty, not to be written to.
+    """
+
+    stamp_ns: int
+    name: list[str]
+    position: np.ndarray
+    velocity: np.ndarray
+    effort: np.ndarray
+
+
+def _doubles(values: Values) -> array.array:
     return array.array("d", np.asarray(values, dtype=np.float64).tobytes())
 
 
 def vector_message(
     stamp_ns: int,
     names: Sequence[str],
-    position: Vector,
-    velocity: Vector = (),
-    effort: Vector = (),
+    position: Values,
+    velocity: Values = (),
+    effort: Values = (),
 ) -> JointState:
     """Return the message of named values; position, velocity, effort: (n_names,) or empty."""
     message = JointState()
@@ -56,13 +72,17 @@ class VectorPublisher:
         self._last = b""
 
     def publish(
-        self, stamp_ns: int, position: Vector, velocity: Vector = (), effort: Vector = ()
+        self, stamp_ns: int, position: Values, velocity: Values = (), effort: Values = ()
     ) -> None:
         """Publish (n_names,) values; velocity and effort may be empty."""
         has_velocity, has_effort = len(velocity) > 0, len(effort) > 0
         layout = self._layouts.get((has_velocity, has_effort))
         if layout is None:
-            layout = _layout(self._names, has_velocity, has_effort)
+            n_names = len(self._names)
+            layout = _layout(
+                JointState(name=self._names),
+                (n_names, n_names * has_velocity, n_names * has_effort),
+            )
             self._layouts[has_velocity, has_effort] = layout
         values = [position]
         if has_velocity:
@@ -78,20 +98,52 @@ class VectorPublisher:
             self.publisher.publish(self._last)
 
 
-def _layout(names: Sequence[str], has_velocity: bool, has_effort: bool) -> StampedBytes:
+class VectorReader:
+    """Reads the serialized vectors of one topic."""
+
+    def __init__(self, topic: str) -> None:
+        """topic: for error messages."""
+        self._topic = topic
+        self._name: list[str] = []
+        self._is_there: tuple[bool, ...] = ()
+        self._layout: StampedBytes | None = None
+
+    def read(self, data: bytes) -> Vector:
+        """Return what a message holds, quickly when it is laid out like the one before.
+
+        Raises InputError for bytes that are no sensor_msgs/JointState, and for its stamp.
+        """
+        found = self._layout.read(data) if self._layout is not None else None
+        if found is None:
+            message = deserialized(data, JointState, self._topic)
+            stamp_ns = checked_ns(message.header.stamp)
+            fields = [np.array(f) for f in (message.position, message.velocity, message.effort)]
+            self._name = message.name
+            self._is_there = tuple(field.size > 0 for field in fields)
+            self._layout = None
+            if any(self._is_there):
+                layout = _layout(message, [field.size for field in fields])
+                self._layout = layout if layout.expect(data) else None
+            return Vector(stamp_ns, self._name, *fields)
+        stamp_ns, present = found
+        fields = [present.pop(0) if is_there else _NO_VALUES for is_there in self._is_there]
+        return Vector(stamp_ns, self._name, *fields)
+
+
+def _layout(message: JointState, sizes: Sequence[int]) -> StampedBytes:
+    """Return the message with so many values as position, velocity and effort.
+
+    The message itself is left without values.
+    """
     # Numbers that are no numbers, each another: no name and no length looks like them.
-    places = (np.arange(3 * len(names), dtype=np.uint64) + _FIRST_PLACE).view(np.float64)
-    fields = [
-        place if is_there else np.zeros(0)
-        for place, is_there in zip(
-            places.reshape(3, -1), (True, has_velocity, has_effort), strict=True
-        )
-    ]
-    return StampedBytes(vector_message(0, names, *fields), *(f for f in fields if f.size))
+    places = (np.arange(sum(sizes), dtype=np.uint64) + _FIRST_PLACE).view(np.float64)
+    fields = np.split(places, np.cumsum(sizes)[:-1])
+    message.position, message.velocity, message.effort = map(_doubles, fields)
+    return StampedBytes(message, *(field for field in fields if field.size))
 
 
 def values_of(
-    message: JointState, names: Sequence[str], topic: str, field: str = "position"
+    message: JointState | Vector, names: Sequence[str], topic: str, field: str = "position"
 ) -> np.ndarray:
     """Return the finite values (n_names,) of a message, in the order of names.
 
@@ -117,7 +169,7 @@ def values_of(
     return values
 
 
-def whole_values_of(message: JointState, names: Sequence[str], topic: str) -> list[int]:
+def whole_values_of(message: JointState | Vector, names: Sequence[str], topic: str) -> list[int]:
     """Return positions that count something, in the order of names.
 
     Raises InputError as `values_of`, and for a value that is no whole number from 0 to 2^53.

@@ -4,13 +4,14 @@ import numpy as np
 from sensor_msgs.msg import Image, JointState
 
 from lockstep.errors import InputError
+from lockstep.images import Picture
 from lockstep.topics import HORIZONTAL_RECTI
-from lockstep.vectors import values_of
+from lockstep.vectors import Vector, values_of
 
 _SCALES = 2
 
 
-def features_of(message: Image) -> np.ndarray:
+def features_of(message: Image | Picture) -> np.ndarray:
     """Return the features (2, n_bases) float32 of a 32FC1 message, without a copy.
 
     Raises InputError for another encoding, another number of rows, data that does not match the
@@ -33,7 +34,7 @@ def features_of(message: Image) -> np.ndarray:
     return features
 
 
-def activations_of(message: JointState) -> np.ndarray:
+def activations_of(message: JointState | Vector) -> np.ndarray:
     """Return the activations (2,) of medial and lateral rectus, the mean of both eyes.
 
     Raises InputError as `values_of`, and for an activation out of [0, 1].
