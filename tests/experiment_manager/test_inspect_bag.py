@@ -14,6 +14,7 @@ from rosbags.highlevel import AnyReader
 from experiment_manager.bag_reader import Bag
 from experiment_manager.bag_writer import BagWriter
 from experiment_manager.inspect_bag import main
+from experiment_manager.mcap_file import McapFile
 from lockstep.topics import GROUND_TRUTH_NAMES, TEST
 
 VECTOR = "sensor_msgs/msg/JointState"
@@ -135,6 +136,67 @@ def test_a_repaired_bag_is_whole(
     assert summary is not None
     assert main([str(bag), "--repair"]) == 0
     assert "nothing to repair" in capsys.readouterr().out
+
+
+def _overwritten(path: Path, start: int, n_bytes: int) -> None:
+    noise = np.random.default_rng(5).integers(0, 256, n_bytes, dtype=np.uint8).tobytes()
+    content = path.read_bytes()
+    path.write_bytes(content[:start] + noise + content[start + n_bytes :])
+
+
+def _stamps_ns(path: Path) -> list[set[int]]:
+    """Return the stamps in each chunk of a file."""
+    file = McapFile.open(path)
+    return [set(file.entries(p, "/ground_truth")["log_time"].tolist()) for p in file.chunks]
+
+
+@pytest.mark.parametrize("is_cut_off", [False, True])
+@pytest.mark.parametrize("broken", [(0,), (1,), (1, 2)])
+def test_repairing_keeps_each_whole_chunk_before_and_after_damage(
+    bag: Path, is_cut_off: bool, broken: tuple[int, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with AnyReader([bag]) as reader:
+        messages = [(c.topic, t, raw) for c, t, raw in reader.messages()]
+    path = bag / "bag_1.mcap"
+    places, stamps_ns = McapFile.open(path).chunks, _stamps_ns(path)
+    last = len(places) - 1
+    assert last > max(broken) + 1
+    for i in broken:
+        _overwritten(path, places[i].offset + 60, 20)
+    lost, n_lost_bytes = set(broken), sum(places[i].n_bytes for i in broken)
+    if is_cut_off:
+        path.write_bytes(path.read_bytes()[: places[last].offset + 30])
+        n_lost_bytes += 30
+        # The first chunk announces the topics; without an index their messages have no name.
+        lost |= set(range(last + 1)) if 0 in broken else {last}
+    lost_ns = set().union(*(stamps_ns[i] for i in lost))
+    expected = [row for row in messages if row[1] not in lost_ns]
+
+    assert main([str(bag), "--repair"]) == 0
+    n_kept = len(set().union(*stamps_ns) - lost_ns)
+    assert (
+        f"bag_1.mcap: {n_kept} messages kept; lost: {len(broken)} broken chunks, "
+        f"{n_lost_bytes} bytes in all\n"
+    ) in capsys.readouterr().out
+    with AnyReader([bag]) as reader:
+        assert [(c.topic, t, raw) for c, t, raw in reader.messages()] == expected
+    assert main([str(bag), "--repair"]) == 0
+    assert "nothing to repair" in capsys.readouterr().out
+
+
+def test_repairing_makes_a_broken_index_anew(bag: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with AnyReader([bag]) as reader:
+        expected = [(c.topic, t, raw) for c, t, raw in reader.messages()]
+    path = bag / "bag_1.mcap"
+    place = McapFile.open(path).chunks[1]
+    # The index of a chunk's messages follows it.
+    _overwritten(path, place.offset + place.n_bytes + 15, 8)
+    assert main([str(bag)]) == 2
+    assert "broken index of the chunk" in capsys.readouterr().err
+    assert main([str(bag), "--repair"]) == 0
+    assert "lost: 0 broken chunks, 0 bytes in all" in capsys.readouterr().out
+    with AnyReader([bag]) as reader:
+        assert [(c.topic, t, raw) for c, t, raw in reader.messages()] == expected
 
 
 def test_repairing_writes_a_missing_metadata_file_as_it_was(bag: Path) -> None:

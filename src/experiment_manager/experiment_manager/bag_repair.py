@@ -1,4 +1,4 @@
-"""Makes a bag whole again after a kill: what can be read is kept, the rest of the file goes."""
+"""Makes a bag whole again after a kill or damage: what can be read is kept, the rest goes."""
 
 import os
 from dataclasses import dataclass
@@ -18,44 +18,61 @@ from experiment_manager.bag_metadata import (
 from experiment_manager.bag_reader import Bag, message_at
 from experiment_manager.bag_writer import RUN_METADATA
 from experiment_manager.durable_files import sync_directory
-from experiment_manager.mcap_file import MESSAGE_STRUCT, RECORD_HEADER_BYTES, McapFile
+from experiment_manager.mcap_file import MESSAGE_STRUCT, RECORD_HEADER_BYTES, ChunkPlace, McapFile
 from lockstep.errors import InputError
 
 
 @dataclass(frozen=True)
 class Repair:
-    """What was done to one file: messages kept, bytes behind the last complete chunk lost."""
+    """What was done to one file.
+
+    n_messages: kept; n_broken_chunks: lost; n_lost_bytes: in these and behind the last record.
+    """
 
     name: str
     n_messages: int
+    n_broken_chunks: int
     n_lost_bytes: int
 
 
 def repair_bag(path: Path) -> list[Repair]:
-    """Rewrite each cut-off file of a bag and its metadata.yaml; return what was repaired.
+    """Rewrite each cut-off or damaged file of a bag and its metadata.yaml; return what was done.
 
-    The metadata is only rewritten when it does not fit the files. Each file is replaced as a whole.
+    Every chunk that fits its checksum is kept, those behind a broken one, too. The
+    metadata is only rewritten when it does not fit the files. Each file is replaced as a whole.
     Raises InputError when there is no bag at path.
     """
     bag = Bag(path)
-    repairs = [_rewrite(file) for file in bag.files if not file.complete]
+    repairs = [_rewrite(file.path) for file in bag.files if not _is_whole(file)]
     if path.is_dir():
         _rewrite_metadata(path)
     return repairs
 
 
-def _rewrite(file: McapFile) -> Repair:
-    beside = file.path.with_name(file.path.name + ".part")
+def _is_whole(file: McapFile) -> bool:
+    try:
+        for place in file.chunks:
+            file.read_chunk(place)
+    except InputError:
+        return False
+    return file.complete
+
+
+def _rewrite(path: Path) -> Repair:
+    file = McapFile.open(path, beyond_damage=True)
+    beside = path.with_name(path.name + ".part")
     with beside.open("wb") as stream:
-        n_messages = _copy(file, stream)
+        n_messages, broken = _copy(file, stream)
         stream.flush()
         os.fsync(stream.fileno())
-    beside.replace(file.path)
-    sync_directory(file.path.parent)
-    return Repair(file.path.name, n_messages, file.n_lost_bytes)
+    beside.replace(path)
+    sync_directory(path.parent)
+    n_lost_bytes = file.n_lost_bytes + sum(place.n_bytes for place in broken)
+    return Repair(path.name, n_messages, len(broken), n_lost_bytes)
 
 
-def _copy(file: McapFile, stream: BinaryIO) -> int:
+def _copy(file: McapFile, stream: BinaryIO) -> tuple[int, list[ChunkPlace]]:
+    """Write what can be read; return the number of messages, and the chunks that are broken."""
     writer = Writer(stream)
     writer.start(profile="ros2")
     for name, record in file.metadata.items():
@@ -72,11 +89,18 @@ def _copy(file: McapFile, stream: BinaryIO) -> int:
         )
         for i, channel in file.channels.items()
     }
-    n_messages = 0
+    n_messages, broken = 0, []
     for place in file.chunks:
-        data = file.read_chunk(place)
+        try:
+            data, scanned = file.scan_chunk(place)
+        except InputError:
+            broken.append(place)
+            continue
+        # Of a topic that was announced in a broken chunk nothing can be read.
         offsets = sorted(
-            int(offset) for i in place.channel_ids for offset in place.entries(i)["offset"]
+            int(offset)
+            for i in scanned.channel_ids & channels.keys()
+            for offset in scanned.entries(i)["offset"]
         )
         records = data.tobytes()
         for offset in offsets:
@@ -88,7 +112,7 @@ def _copy(file: McapFile, stream: BinaryIO) -> int:
             )
         n_messages += len(offsets)
     writer.finish()
-    return n_messages
+    return n_messages, broken
 
 
 def _rewrite_metadata(directory: Path) -> None:

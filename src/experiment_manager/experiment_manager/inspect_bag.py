@@ -44,7 +44,9 @@ def _parser() -> argparse.ArgumentParser:
         description="Topics with counts, rates and gaps, the run's configuration, learning curve.",
     )
     parser.add_argument("bag", type=Path, help="bag directory, run directory or .mcap file")
-    parser.add_argument("--repair", action="store_true", help="rewrite a cut-off bag as a whole")
+    parser.add_argument(
+        "--repair", action="store_true", help="rewrite a cut-off or damaged bag as a whole"
+    )
     parser.add_argument(
         "--extract", type=Path, metavar="DIR", help="write all pictures below DIR, as PNG"
     )
@@ -116,8 +118,8 @@ def _print_repairs(path: Path) -> None:
     repairs = repair_bag(path)
     for repair in repairs:
         print(
-            f"{repair.name}: {repair.n_messages} messages kept, "
-            f"{repair.n_lost_bytes} bytes behind them lost"
+            f"{repair.name}: {repair.n_messages} messages kept; lost: "
+            f"{repair.n_broken_chunks} broken chunks, {repair.n_lost_bytes} bytes in all"
         )
     if not repairs:
         print("nothing to repair")

@@ -60,9 +60,10 @@ _BROKEN = (
 
 @dataclass(frozen=True)
 class ChunkPlace:
-    """Where a chunk begins, and its messages: {channel id: entries (n,) of INDEX_ENTRY}."""
+    """Where a chunk is, and its messages: {channel id: entries (n,) of INDEX_ENTRY}."""
 
     offset: int
+    n_bytes: int
     entries: Callable[[int], np.ndarray]
     channel_ids: frozenset[int]
 
@@ -72,7 +73,8 @@ class McapFile:
     """One .mcap file: its records by kind, and its messages chunk by chunk.
 
     complete: it ends as it should. channels, schemas: by id. metadata: {record name: {key: text}}.
-    attachments: {name: content}. n_lost_bytes: what lies behind the last complete record.
+    attachments: {name: content}. n_lost_bytes: what lies behind the last complete record,
+    and in broken ones that are no chunks.
     """
 
     path: Path
@@ -86,10 +88,12 @@ class McapFile:
     _statistics: Statistics | None = None
 
     @classmethod
-    def open(cls, path: Path) -> "McapFile":
+    def open(cls, path: Path, *, beyond_damage: bool = False) -> "McapFile":
         """Read the index of a file, or walk its records when it has none.
 
-        Raises InputError when the path is no file or does not begin as an MCAP file.
+        beyond_damage: do not end a walk at a broken record; broken chunks are then there, too,
+        without messages. Raises InputError when the path is no file or does not begin as an MCAP
+        file.
         """
         if not path.is_file():
             raise InputError(f"expected an .mcap file, {path} is none")
@@ -99,7 +103,7 @@ class McapFile:
             if not _MAGIC.startswith(stream.read(len(_MAGIC))):
                 raise InputError(f"{path}: expected an MCAP file, its first bytes are others")
             if not file._read_summary(stream):
-                file._walk(stream)
+                file._walk(stream, beyond_damage=beyond_damage)
         return file
 
     def channel_id(self, topic: str) -> int | None:
@@ -122,19 +126,29 @@ class McapFile:
         Raises InputError when the chunk does not fit its checksum, or its index does not fit it:
         what is returned may be trusted.
         """
-        try:
-            with self.path.open("rb") as stream:
-                stream.seek(place.offset + _RECORD.size)
-                data = _chunk_data(Chunk.read(ReadDataStream(stream)))
-        except _BROKEN as error:
-            raise InputError(
-                f"{self.path}: broken chunk at byte {place.offset}: {error}"
-            ) from error
-        records = np.frombuffer(data, np.uint8)
+        records = np.frombuffer(self._chunk_data(place), np.uint8)
         for channel_id in place.channel_ids:
             if not _index_fits(records, place.entries(channel_id), channel_id):
                 raise InputError(f"{self.path}: broken index of the chunk at byte {place.offset}")
         return records
+
+    def scan_chunk(self, place: ChunkPlace) -> tuple[np.ndarray, ChunkPlace]:
+        """Return the records of a chunk as `read_chunk`, and its messages without its index.
+
+        Raises InputError when the chunk does not fit its checksum.
+        """
+        data = self._chunk_data(place)
+        return np.frombuffer(data, np.uint8), self._scanned(place.offset, place.n_bytes, data)
+
+    def _chunk_data(self, place: ChunkPlace) -> bytes:
+        try:
+            with self.path.open("rb") as stream:
+                stream.seek(place.offset + _RECORD.size)
+                return _chunk_data(Chunk.read(ReadDataStream(stream)))
+        except _BROKEN as error:
+            raise InputError(
+                f"{self.path}: broken chunk at byte {place.offset}: {error}"
+            ) from error
 
     def log_times_ns(self, channel_id: int) -> np.ndarray:
         """Return the stamps of all messages of a channel (n,) int64, in the file's order."""
@@ -198,7 +212,7 @@ class McapFile:
         def entries(channel_id: int) -> np.ndarray:
             offset = index.message_index_offsets.get(channel_id)
             if offset is None:
-                return np.zeros(0, INDEX_ENTRY)
+                return _no_entries(channel_id)
             with self.path.open("rb") as stream:
                 stream.seek(offset)
                 head = stream.read(_INDEX_HEADER.size)
@@ -210,9 +224,14 @@ class McapFile:
                         return np.frombuffer(body, INDEX_ENTRY)
             raise InputError(f"{self.path}: broken message index at byte {offset}")
 
-        return ChunkPlace(index.chunk_start_offset, entries, frozenset(index.message_index_offsets))
+        return ChunkPlace(
+            index.chunk_start_offset,
+            index.chunk_length,
+            entries,
+            frozenset(index.message_index_offsets),
+        )
 
-    def _walk(self, stream: BinaryIO) -> None:
+    def _walk(self, stream: BinaryIO, *, beyond_damage: bool) -> None:
         end = stream.seek(0, 2)
         position = stream.seek(len(_MAGIC))
         while position + _RECORD.size <= end:
@@ -223,14 +242,23 @@ class McapFile:
             try:
                 self._take(opcode, position, stream, length)
             except _BROKEN:
-                break
+                # Where nothing begins that can be right, no record behind it is found either.
+                if not beyond_damage or opcode not in set(Opcode):
+                    break
+                if opcode == Opcode.CHUNK:
+                    self.chunks.append(
+                        ChunkPlace(position, following - position, _no_entries, frozenset())
+                    )
+                else:
+                    self.n_lost_bytes += following - position
             position = stream.seek(following)
-        self.n_lost_bytes = end - position
+        self.n_lost_bytes += end - position
 
     def _take(self, opcode: int, position: int, stream: BinaryIO, length: int) -> None:
         if opcode == Opcode.CHUNK:
             chunk = Chunk.read(ReadDataStream(stream))
-            self.chunks.append(self._scanned(position, _chunk_data(chunk)))
+            n_bytes = _RECORD.size + length
+            self.chunks.append(self._scanned(position, n_bytes, _chunk_data(chunk)))
         elif opcode == Opcode.METADATA:
             self._keep([Metadata.read(ReadDataStream(stream))], [])
         elif opcode == Opcode.ATTACHMENT:
@@ -239,7 +267,7 @@ class McapFile:
             # Opcodes from 0x80 are for applications; below, nothing unknown can be right.
             raise McapError(f"unknown record {opcode} of {length} bytes at {position}")
 
-    def _scanned(self, offset: int, data: bytes) -> ChunkPlace:
+    def _scanned(self, offset: int, n_bytes: int, data: bytes) -> ChunkPlace:
         found: dict[int, list[tuple[int, int]]] = {}
         for opcode, position, length in _records(data):
             if opcode == Opcode.MESSAGE:
@@ -251,8 +279,9 @@ class McapFile:
                 body = position + _RECORD.size
                 self._announce(opcode, ReadDataStream(BytesIO(data[body : body + length])))
         entries = {i: np.array(pairs, dtype=INDEX_ENTRY) for i, pairs in found.items()}
-        empty = np.zeros(0, INDEX_ENTRY)
-        return ChunkPlace(offset, lambda i: entries.get(i, empty), frozenset(entries))
+        return ChunkPlace(
+            offset, n_bytes, lambda i: entries.get(i, _no_entries(i)), frozenset(entries)
+        )
 
     def _announce(self, opcode: int, record: ReadDataStream) -> None:
         if opcode == Opcode.CHANNEL:
@@ -265,6 +294,10 @@ class McapFile:
     def _keep(self, metadata: list[Metadata], attachments: list[Attachment]) -> None:
         self.metadata |= {record.name: dict(record.metadata) for record in metadata}
         self.attachments |= {record.name: record.data for record in attachments}
+
+
+def _no_entries(channel_id: int) -> np.ndarray:
+    return np.zeros(0, INDEX_ENTRY)
 
 
 def _summary_fits(stream: BinaryIO, size: int) -> bool:
