@@ -118,6 +118,30 @@ def test_under_supervision_a_gap_is_a_fault(
     assert "20 of reward" in error
 
 
+def test_under_supervision_who_is_not_there_is_waited_for(
+    graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    # Nobody whom the supervisor has started: it would know. So it is the network, or a person.
+    _, coder, _ = nodes
+    coder.is_mute = True
+    manager = _start(graph, tmp_path / "run", supervised=True, gap_s=0.3)
+    graph.spin_until(lambda: nodes[0].episodes, "the first episode")
+    graph.remove(coder)
+    said = ""
+
+    def has_said() -> bool:
+        nonlocal said
+        said += capfd.readouterr().err
+        return "waiting for reward" in said
+
+    graph.spin_until(has_said, "the manager to miss somebody")
+    assert not manager._is_over
+    # It is there again, and does not answer.
+    graph.add(ScriptedCoder).is_mute = True
+    assert _finished(graph, manager) == EXIT_FAULT
+    assert "the run cannot go on: no message for 0.3 s; missing: " in capfd.readouterr().err
+
+
 def test_under_supervision_learning_steps_must_fit(
     graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -224,3 +224,17 @@ def test_a_config_yaml_that_is_not_there(tmp_path: Path) -> None:
 def test_the_managers_own_settings(settings: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
         ExperimentManagerConfig(**settings)
+
+
+def test_nodes_elsewhere() -> None:
+    assert arguments([]).elsewhere == ()
+    line = ["--elsewhere", "eye_plant,vergence_rl,eye_plant"]
+    assert arguments(line).elsewhere == ("eye_plant", "vergence_rl")
+
+
+@pytest.mark.parametrize("text", ["experiment_manager", "eye_plant,", "plant"])
+def test_who_cannot_be_elsewhere(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        arguments(["--elsewhere", text])
+    error = capsys.readouterr().err
+    assert "--elsewhere: expected some of eye_plant, sparse_coder, vergence_rl, got " in error

@@ -25,14 +25,24 @@ _POLL_S = 0.02
 class SupervisedRun:
     """A supervisor as a process of its own, and its nodes."""
 
-    def __init__(self, line: Sequence[str], directory: Path, *, resume: bool = False) -> None:
-        """line: the command line of run_experiment.sh without --out and --resume."""
+    def __init__(
+        self,
+        line: Sequence[str],
+        directory: Path,
+        *,
+        resume: bool = False,
+        prefix: Sequence[str] = (),
+    ) -> None:
+        """line: the command line of run_experiment.sh without --out and --resume.
+
+        prefix: a command that becomes the one that follows it, such as env or prlimit.
+        """
         self.directory = directory
         where = ["--resume", str(directory)] if resume else [*line, "--out", str(directory)]
         self._log = directory.with_name(directory.name + ".log").open("a+")
         environment = {k: v for k, v in os.environ.items() if k != "ROS_DOMAIN_ID"}
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "experiment_manager.supervisor", *where],
+            [*prefix, sys.executable, "-m", "experiment_manager.supervisor", *where],
             env=environment,
             stdin=subprocess.DEVNULL,
             stdout=self._log,

@@ -18,6 +18,14 @@ _CANDIDATES = tuple(d for d in range(1, 102) if d != NODE_SCRIPTS_DOMAIN)
 _PORT_BASE, _DOMAIN_GAIN, _UNICAST_OFFSETS = 7400, 250, (10, 11)
 
 
+def given_domain() -> int | None:
+    """Return ROS_DOMAIN_ID, None when it is not set; raise InputError when it is no domain."""
+    given = os.environ.get("ROS_DOMAIN_ID", "")
+    if given and (not given.isdigit() or int(given) > 232):
+        raise InputError(f"ROS_DOMAIN_ID: expected a whole number 0 to 232, got {given!r}")
+    return int(given) if given else None
+
+
 @contextmanager
 def own_domain(avoid: frozenset[int] = frozenset()) -> Iterator[int]:
     """Yield ROS_DOMAIN_ID if it is set, else a domain that nobody on this machine uses.
@@ -26,17 +34,15 @@ def own_domain(avoid: frozenset[int] = frozenset()) -> Iterator[int]:
     held until the block is left. Raises InputError when ROS_DOMAIN_ID is no domain, or none is
     free.
     """
-    given = os.environ.get("ROS_DOMAIN_ID", "")
-    if given:
-        if not given.isdigit() or int(given) > 232:
-            raise InputError(f"ROS_DOMAIN_ID: expected a whole number 0 to 232, got {given!r}")
-        yield int(given)
+    given = given_domain()
+    if given is not None:
+        yield given
         return
     for domain in _CANDIDATES:
         if domain in avoid:
             continue
         with _lock_path(domain).open("w") as lock:
-            if _is_locked(lock.fileno()) or not _is_silent(domain):
+            if _is_locked(lock.fileno()) or not is_silent(domain):
                 continue
             yield domain
             return
@@ -55,7 +61,8 @@ def _is_locked(file: int) -> bool:
     return False
 
 
-def _is_silent(domain: int) -> bool:
+def is_silent(domain: int) -> bool:
+    """Return whether nobody on this machine is in the domain."""
     for offset in _UNICAST_OFFSETS:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:

@@ -1,6 +1,7 @@
 """Which node of a run has gone silent, from what they say on /diagnostics each second."""
 
 import time
+from collections.abc import Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.context import Context
@@ -15,17 +16,21 @@ SILENCE_LIMIT_S = 10.0
 
 
 class Heartbeats:
-    """Listens in one domain, with a ROS context of its own, while the block lasts."""
+    """Listens in one domain, with a ROS context of its own, while the block lasts.
 
-    def __init__(self, domain: int) -> None:
-        """Begin to listen; every node has START_LIMIT_S to say something."""
+    heard: the names of all who have said something.
+    """
+
+    def __init__(self, domain: int, packages: Sequence[str] = PACKAGES) -> None:
+        """Begin to listen to these nodes; each has START_LIMIT_S to say something."""
         self._context = Context()
         self._context.init(domain_id=domain)
         self._node = Node("supervisor", context=self._context, start_parameter_services=False)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._node.create_subscription(DiagnosticArray, TOPIC, self._hear, 10)
-        self._deadline_s = dict.fromkeys(PACKAGES, time.monotonic() + START_LIMIT_S)
+        self.heard: set[str] = set()
+        self._deadline_s = dict.fromkeys(packages, time.monotonic() + START_LIMIT_S)
 
     def __enter__(self) -> "Heartbeats":
         """Return itself."""
@@ -39,6 +44,7 @@ class Heartbeats:
 
     def _hear(self, message: DiagnosticArray) -> None:
         for status in message.status:
+            self.heard.add(status.hardware_id)
             if status.hardware_id in self._deadline_s:
                 self._deadline_s[status.hardware_id] = time.monotonic() + SILENCE_LIMIT_S
 

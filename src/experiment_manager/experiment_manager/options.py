@@ -33,6 +33,8 @@ CONFIG_CLASSES: dict[str, type] = {
 DEFAULT_METABOLIC_COST_WEIGHTS = {"k17": 0.065, "anatomical": 1.19}
 # The pseudo-node of config.yaml that says what the run is; no ROS node has this name.
 RUN_SECTION = "run"
+# Who may be on another machine than the supervisor: all but the one that records.
+MOVABLE_NODES = ("eye_plant", "sparse_coder", "vergence_rl")
 _PACKAGES = ("mujoco", "numpy", "opencv-python-headless", "ros-jazzy-rclpy", "mcap", "numba")
 
 Configuration = dict[str, dict[str, Any]]
@@ -62,6 +64,14 @@ def parser() -> argparse.ArgumentParser:
     )
     line.add_argument("--out", type=Path, metavar="DIR", help="run directory (default: runs/...)")
     line.add_argument("--resume", type=Path, metavar="DIR", help="go on with an interrupted run")
+    line.add_argument(
+        "--elsewhere",
+        default=(),
+        type=_nodes,
+        metavar="NODE,...",
+        help="nodes that you start yourself, on another machine: of "
+        f"{', '.join(MOVABLE_NODES)}; see docs/reliability.md",
+    )
     line.add_argument(
         "--lambda",
         dest="weight",
@@ -222,6 +232,15 @@ def read_configuration(path: Path) -> Configuration:
         raise InputError(f"{path}: {error}") from error
     except (OSError, yaml.YAMLError, KeyError, TypeError) as error:
         raise InputError(f"{path}: expected the configuration of a run: {error}") from error
+
+
+def _nodes(text: str) -> tuple[str, ...]:
+    nodes = tuple(dict.fromkeys(text.split(",")))
+    if unknown := [node for node in nodes if node not in MOVABLE_NODES]:
+        raise argparse.ArgumentTypeError(
+            f"expected some of {', '.join(MOVABLE_NODES)}, got {unknown[0]!r}"
+        )
+    return nodes
 
 
 def arguments(argv: Sequence[str] | None) -> argparse.Namespace:

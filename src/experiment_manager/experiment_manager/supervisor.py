@@ -1,5 +1,6 @@
 """run_experiment.sh: starts the nodes of a run, watches them, and rolls back after a fault."""
 
+import argparse
 import os
 import re
 import shutil
@@ -7,17 +8,19 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from types import FrameType
 
 from experiment_manager import checkpoint
 from experiment_manager.bag_reader import Bag
 from experiment_manager.cost_weight import first_iterations, with_weight
-from experiment_manager.domains import own_domain
+from experiment_manager.domains import NODE_SCRIPTS_DOMAIN, given_domain, own_domain
 from experiment_manager.durable_files import replace_file
 from experiment_manager.figures import learning_curve
 from experiment_manager.heartbeats import Heartbeats
+from experiment_manager.neighbours import addresses, refuse_neighbours
 from experiment_manager.node import EXIT_INTERRUPTED, FAULT_TEXT
 from experiment_manager.options import (
     Configuration,
@@ -26,7 +29,7 @@ from experiment_manager.options import (
     configuration_text,
     read_configuration,
 )
-from experiment_manager.processes import MANAGER, NodeProcesses
+from experiment_manager.processes import MANAGER, PACKAGES, NodeProcesses
 from experiment_manager.results import read_results
 from experiment_manager.run import CONFIG_FILE, RESULTS_FILE
 from experiment_manager.shared_memory import remove_ports, remove_stale_segments
@@ -38,6 +41,11 @@ from lockstep.errors import InputError
 from lockstep.process import EXIT_BAD_INPUT
 
 EXIT_FAULT = 3
+# Of an attempt only: the nodes began without a network that is there now.
+EXIT_NETWORK = 4
+# For nodes elsewhere, in s: a cut shorter than this is not told from a hang. Longer than Fast DDS
+# goes on to count somebody whom it does not hear, 20 s.
+_LEAST_GAP_ELSEWHERE_S = 30.0
 # A bag's file before its first message: schemas, and the configuration.
 _HEADER_BYTES = 1 << 16
 _SAME_FAULT_LIMIT = 3
@@ -50,9 +58,16 @@ _NUMBER = re.compile(r"[0-9.]+")
 class Supervisor:
     """Brings one run to its end: one attempt after another, each from the newest checkpoint."""
 
-    def __init__(self, directory: Path) -> None:
-        """directory: holds config.yaml, and whatever the run has done so far."""
+    def __init__(self, directory: Path, elsewhere: Collection[str] = ()) -> None:
+        """directory: holds config.yaml, and whatever the run has done so far.
+
+        elsewhere: nodes that somebody else starts, in the domain of `known_domain`. What they lack
+        of signs of life the manager notices.
+        """
         self._directory = directory
+        self._elsewhere = frozenset(elsewhere)
+        self._packages = [package for package in PACKAGES if package not in elsewhere]
+        self._known_domain = known_domain(elsewhere)
         self._processes: NodeProcesses | None = None
         self._interrupts = 0
 
@@ -66,13 +81,16 @@ class Supervisor:
         faults: list[tuple[int, str]] = []
         used_domains: set[int] = set()
         while True:
-            with own_domain(frozenset(used_domains)) as domain:
+            with self._domain(frozenset(used_domains)) as domain:
                 used_domains.add(domain)
                 print(f"to listen from another terminal: export ROS_DOMAIN_ID={domain}")
                 code, fault = self._attempt(domain)
                 remove_stale_segments()
-                if "ROS_DOMAIN_ID" not in os.environ:
+                if self._known_domain is None:
                     remove_ports(domain)
+            if code == EXIT_NETWORK:
+                print("the network is back: starting the nodes again", file=sys.stderr)
+                continue
             if fault is None:
                 return code
             print(f"fault: {fault}", file=sys.stderr)
@@ -83,6 +101,14 @@ class Supervisor:
                 print(f"error: {error}; logs: {self._directory / 'logs'}", file=sys.stderr)
                 return EXIT_FAULT
             print("rolling back to the newest checkpoint", file=sys.stderr)
+
+    def _domain(self, used: frozenset[int]) -> AbstractContextManager[int]:
+        known = self._known_domain
+        return own_domain(used) if known is None else nullcontext(known)
+
+    def _gap_s(self) -> float:
+        configuration = read_configuration(self._directory / CONFIG_FILE)
+        return max(_LEAST_GAP_ELSEWHERE_S, configuration[MANAGER]["gap_s"])
 
     def _hopeless(self, faults: Sequence[tuple[int, str]], fault: str) -> str:
         """Return why another attempt would be in vain, or "" when it would not."""
@@ -111,17 +137,23 @@ class Supervisor:
             "resume": str(resume).lower(),
             "supervised": "true",
         }
+        if self._elsewhere:
+            given["gap_s"] = str(self._gap_s())
         more = {MANAGER: [word for k, v in given.items() for word in ("-p", f"{k}:={v}")]}
         config, logs = self._directory / CONFIG_FILE, self._directory / "logs"
+        at_start = addresses()
         with (
-            NodeProcesses(config, domain, logs, more) as processes,
-            Heartbeats(domain) as heartbeats,
+            NodeProcesses(config, domain, logs, more, self._packages) as processes,
+            Heartbeats(domain, self._packages) as heartbeats,
         ):
             self._processes = processes
             while not (codes := processes.exit_codes()):
                 silent = heartbeats.wait()
                 if silent:
                     return EXIT_FAULT, f"{silent} gives no sign of life"
+                if not self._elsewhere <= heartbeats.heard and not addresses() <= at_start:
+                    # Who is elsewhere does not know the way to nodes that are older than it.
+                    return EXIT_NETWORK, None
             # Of several that have ended, the manager knows best why.
             name = MANAGER if MANAGER in codes else next(iter(codes))
             return self._ended(name, codes[name])
@@ -189,9 +221,25 @@ def _with_share(configuration: Configuration, share: float) -> Configuration:
     return with_weight(configuration, weight)
 
 
-def _prepare(argv: Sequence[str] | None) -> Path:
+def known_domain(elsewhere: Collection[str]) -> int | None:
+    """Return the domain in which others expect the run, None when it may be any."""
+    given = given_domain()
+    return NODE_SCRIPTS_DOMAIN if given is None and elsewhere else given
+
+
+def _say_how_to_start(nodes: Collection[str], domain: int | None, config: Path) -> None:
+    """Tell a person what to do on another machine."""
+    reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+    for node in nodes:
+        print(
+            f"{node} is awaited; on its machine, with a copy of {config}:\n"
+            f"  ROS_DOMAIN_ID={domain} ROS_AUTOMATIC_DISCOVERY_RANGE={reach} "
+            f"launch_scripts/{node}.sh --ros-args --params-file {config.name}"
+        )
+
+
+def _prepare(options: argparse.Namespace) -> Path:
     """Return the run directory that the command line asks for, with its config.yaml."""
-    options = arguments(argv)
     if options.resume is not None:
         read_configuration(options.resume / CONFIG_FILE)
         return Path(options.resume).resolve()
@@ -226,9 +274,14 @@ def _figure(directory: Path) -> Path | None:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one experiment; return the exit code."""
     try:
-        directory = _prepare(argv)
+        options = arguments(argv)
+        domain = known_domain(options.elsewhere)
+        if domain is not None:
+            refuse_neighbours(domain, options.elsewhere)
+        directory = _prepare(options)
         print(f"run directory: {directory}")
-        code = Supervisor(directory).run()
+        _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
+        code = Supervisor(directory, options.elsewhere).run()
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT

@@ -1,0 +1,79 @@
+"""The plant on another machine: the network breaks, and the run ends as if it had not."""
+
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from experiment_manager.disturbance import SupervisedRun, is_alive, stamp_faults
+from experiment_manager.run import CONFIG_FILE
+from experiment_manager.two_hosts import NodeOnHost, TwoHosts
+from tests.graph_harness import OracleRun, small_run, stacked, vectors
+
+N_TRAINING, N_TRIALS = 200, 8
+SETTINGS = (
+    "experiment_manager.checkpoint_period_s=0.5",
+    "sparse_coder.n_bases=32",
+    "vergence_rl.n_features=64",
+)
+N_PICTURE_BYTES = (N_TRAINING + 20 * N_TRIALS) * 2 * 320 * 240
+
+
+@pytest.fixture
+def hosts() -> Iterator[TwoHosts]:
+    """Yield two machines with a cable between them."""
+    try:
+        hosts = TwoHosts()
+    except OSError as error:
+        pytest.skip(f"two hosts need root, and ip, unshare and nsenter: {error}")
+    with hosts:
+        yield hosts
+
+
+def _cut_until_something_is_lost(run: SupervisedRun, hosts: TwoHosts) -> None:
+    hosts.cut()
+    n_before = hosts.n_lost()
+    assert run.wait_until(lambda: hosts.n_lost() > n_before, "a packet that finds no way")
+
+
+def test_the_plant_on_another_machine_behind_a_network_that_breaks(
+    hosts: TwoHosts, pictures: Path, tmp_path: Path
+) -> None:
+    directory = tmp_path / "run"
+    line = [*small_run(pictures, N_TRAINING, *SETTINGS), "--elsewhere", "eye_plant"]
+    log = directory / "logs" / "experiment_manager.log"
+    with SupervisedRun(line, directory, prefix=hosts.a.prefix) as run:
+        assert run.wait_until((directory / CONFIG_FILE).exists, "config.yaml")
+        with NodeOnHost(hosts.b, "eye_plant", directory / CONFIG_FILE):
+            assert run.wait_until(lambda: run.place() >= 8, "some episodes")
+            # A cut that is waited out ...
+            _cut_until_something_is_lost(run, hosts)
+            hosts.heal()
+            place = run.place()
+            assert run.wait_until(lambda: run.place() > place, "more episodes")
+            assert "fault" not in run.output()
+            # ... and one during which a node dies: those that follow it begin without a network.
+            _cut_until_something_is_lost(run, hosts)
+            learner = run.nodes()["vergence_rl"]
+            assert run.signal_node("vergence_rl", signal.SIGKILL)
+            assert run.wait_until(lambda: not is_alive(learner), "the roll-back")
+            n_waits = log.read_text().count("waiting for episode")
+            assert run.wait_until(
+                lambda: log.read_text().count("waiting for episode") > n_waits, "the new nodes"
+            )
+            hosts.heal()
+            assert run.wait() == 0, run.output()
+            output = run.output()
+    assert "eye_plant is awaited; on its machine, with a copy of " in output
+    assert output.count("fault: ") == output.count("fault: vergence_rl was killed by SIGKILL") == 1
+    assert "the network is back: starting the nodes again" in output
+    assert stamp_faults(directory) == []
+    steps = [step for _, step in OracleRun(directory / CONFIG_FILE).steps()]
+    tables = vectors(directory)
+    truth = [step.observation.ground_truth_values() for step in steps]
+    commands = [step.answer.decision.command for step in steps if step.answer is not None]
+    assert tables["ground_truth"].position.tolist() == stacked(truth).tolist()
+    assert tables["muscle_command"].position.tolist() == stacked(commands).tolist()
+    # The pictures came over the cable, not through shared memory.
+    assert hosts.n_bytes() > N_PICTURE_BYTES
