@@ -1,6 +1,7 @@
 """From the names and values of a muscle command to the target activations of all muscles."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -30,19 +31,28 @@ def target_activations(
         raise InputError(
             f"muscle_command: expected activations in [0, 1], got {np.asarray(values).tolist()}"
         )
-    place = {name: i for i, name in enumerate(muscle_names)}
     targets = tonic_activations.copy()
-    named: set[str] = set()
-    for name, value in zip(names, values, strict=True):
+    i_muscles, i_values = _wiring(tuple(names), tuple(muscle_names))
+    targets[i_muscles] = values[i_values]
+    return targets
+
+
+@lru_cache(maxsize=8)  # the same few names come each time
+def _wiring(names: tuple[str, ...], muscle_names: tuple[str, ...]) -> tuple[list[int], list[int]]:
+    """Return which muscles are commanded, and by which of the names."""
+    place = {name: i for i, name in enumerate(muscle_names)}
+    i_muscles: list[int] = []
+    i_values: list[int] = []
+    for i_value, name in enumerate(names):
         muscles = [name] if name in place else [f"{side}_{name}" for side in SIDES]
-        unknown = [muscle for muscle in muscles if muscle not in place]
-        if unknown:
+        if not place.keys() >= set(muscles):
             raise InputError(
                 f"muscle_command: unknown muscle {name!r}, expected some of "
                 f"{', '.join(muscle_names)}, or one without its side for both eyes"
             )
-        if not named.isdisjoint(muscles):
+        indices = [place[muscle] for muscle in muscles]
+        if not set(i_muscles).isdisjoint(indices):
             raise InputError(f"muscle_command: expected each muscle once, got {name!r} again")
-        named.update(muscles)
-        targets[[place[muscle] for muscle in muscles]] = value
-    return targets
+        i_muscles += indices
+        i_values += [i_value] * len(indices)
+    return i_muscles, i_values

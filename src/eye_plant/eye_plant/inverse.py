@@ -74,6 +74,10 @@ class Inverse:
             lambda a: self._vergence_deg(a, lateral) - vergence_deg, medial, limits[0]
         ), lateral
 
+    def check(self, vergence_deg: float) -> None:
+        """Raise InputError unless some pair of activations gives the vergence; quick."""
+        self._edge(vergence_deg, FULL_RANGE, 0)
+
     def optimal(self, vergence_deg: float) -> OptimalPair:
         """Least metabolic rate of the horizontal recti with gaze correct (K17: C*).
 
@@ -102,28 +106,29 @@ class Inverse:
 
     def _end(self, vergence_deg: float, limits: Limits, i_end: int) -> Pair:
         """Return the end of the line with the least (0) or the most (1) activation in limits."""
-        medial, lateral = limits[0][i_end], limits[1][i_end]
-        along_medial = self._along(lambda a: (a, lateral), vergence_deg, limits[0])
-        if along_medial is not None:
-            return along_medial
-        along_lateral = self._along(lambda a: (medial, a), vergence_deg, limits[1])
-        if along_lateral is not None:
-            return along_lateral
-        raise InputError(
-            f"no medial activation in {limits[0]} with a lateral one in {limits[1]} gives a "
-            f"vergence of {vergence_deg:g} deg"
-        )
-
-    def _along(
-        self, pair: Callable[[float], Pair], vergence_deg: float, interval: Pair
-    ) -> Pair | None:
-        """Return the pair of the given vergence on one edge of the limits, None if not there."""
+        pair, interval = self._edge(vergence_deg, limits, i_end)
         low, high = (self._corner_deg(pair(a)) - vergence_deg for a in interval)
-        if low * high > 0.0 or low == high:
-            return None
         self._start_rad = None
         return pair(
             _root(lambda a: self._vergence_deg(*pair(a)) - vergence_deg, interval, (low, high))
+        )
+
+    def _edge(
+        self, vergence_deg: float, limits: Limits, i_end: int
+    ) -> tuple[Callable[[float], Pair], Pair]:
+        """Return the edge of the limits with that end of the line: its pairs, and its interval."""
+        medial, lateral = limits[0][i_end], limits[1][i_end]
+        edges: tuple[tuple[Callable[[float], Pair], Pair], ...] = (
+            (lambda a: (a, lateral), limits[0]),
+            (lambda a: (medial, a), limits[1]),
+        )
+        for pair, interval in edges:
+            low, high = (self._corner_deg(pair(a)) - vergence_deg for a in interval)
+            if low * high <= 0.0 and low != high:
+                return pair, interval
+        raise InputError(
+            f"no medial activation in {limits[0]} with a lateral one in {limits[1]} gives a "
+            f"vergence of {vergence_deg:g} deg"
         )
 
     def _mend(self, error_deg: Callable[[float], float], guess: float, interval: Pair) -> float:

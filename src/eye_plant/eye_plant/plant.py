@@ -59,12 +59,14 @@ class EyePlant:
         desired_deg = desired_vergence_deg(
             episode.object_distance_m, self._config.mechanics.baseline_m
         )
-        optimal_rate_w = self._inverse.optimal(desired_deg).metabolic_rate_w
+        self._inverse.check(desired_deg)
         self._episode, self._iteration = episode, 0
-        self._desired_deg, self._optimal_rate_w = desired_deg, optimal_rate_w
+        self._desired_deg = desired_deg
         self.oculomotor.settle(
             self.oculomotor.activations_from(episode.medial_rectus, episode.lateral_rectus)
         )
+        self._start_drawing(episode)
+        self._optimal_rate_w = self._inverse.optimal(desired_deg).metabolic_rate_w
         state = self.oculomotor.state()
         self._initial_rate_w = self.oculomotor.horizontal_metabolic_rate_w(state.metabolic_rate_w)
         return self._observe(episode, state)
@@ -84,6 +86,7 @@ class EyePlant:
         episode = self._episode_under_way()
         self.oculomotor.step(activations)
         self._iteration += 1
+        self._start_drawing(episode)
         return self._observe(episode, self.oculomotor.state())
 
     def advance(self, activations: np.ndarray, duration_s: float) -> Observation:
@@ -91,6 +94,7 @@ class EyePlant:
         episode = self._episode_under_way()
         self.oculomotor.advance(activations, duration_s)
         self._iteration += 1
+        self._start_drawing(episode)
         return self._observe(episode, self.oculomotor.state())
 
     def _episode_under_way(self) -> Episode:
@@ -99,15 +103,17 @@ class EyePlant:
             raise InputError("expected a command during an episode only, got one outside")
         return episode
 
-    def _observe(self, episode: Episode, state: OculomotorState) -> Observation:
-        pictures = None
-        if self._iteration < episode.n_iterations:
-            pictures = self._camera.render(
+    def _start_drawing(self, episode: Episode) -> None:
+        """Have the pictures drawn while the state is read out; the last observation has none."""
+        if self.is_waiting:
+            self._camera.start(
                 self.oculomotor.eye_positions_m(),
                 self.oculomotor.eye_rotations(),
                 episode.stimulus,
                 episode.object_distance_m,
             )
+
+    def _observe(self, episode: Episode, state: OculomotorState) -> Observation:
         truth = GroundTruth(
             vergence_deg=float(np.degrees(state.eye_angles_rad[:, 0].sum())),
             desired_vergence_deg=self._desired_deg,
@@ -115,6 +121,7 @@ class EyePlant:
             initial_metabolic_rate_w=self._initial_rate_w,
             optimal_metabolic_rate_w=self._optimal_rate_w,
         )
+        pictures = self._camera.finish() if self.is_waiting else None
         return Observation(episode, self._iteration, pictures, state, truth)
 
     def close(self) -> None:

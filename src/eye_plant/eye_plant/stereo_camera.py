@@ -76,13 +76,23 @@ class StereoCamera:
         i_stimulus: int,
         distance_m: float,
     ) -> np.ndarray:
-        """Return both eyes' pictures, (2, roi_height, roi_width) uint8, left first, row 0 on top.
+        """Return both eyes' pictures: `start` and `finish`, with nothing in between."""
+        self.start(eye_positions_m, eye_rotations, i_stimulus, distance_m)
+        return self.finish()
+
+    def start(
+        self,
+        eye_positions_m: np.ndarray,
+        eye_rotations: np.ndarray,
+        i_stimulus: int,
+        distance_m: float,
+    ) -> None:
+        """Let the graphics hardware, or the threads that stand in for it, begin to draw.
 
         eye_positions_m (2, 3): the eyes' centres; eye_rotations (2, 3, 3): columns are the eyes'
         x (line of sight), y (left) and z (up) axes in world coordinates, so yaw, pitch and torsion
         all count; i_stimulus in [0, n_stimuli); distance_m from the eyes' frontal plane x = 0, in
-        [0.1, 9] with the default landscape. The array is the caller's own. Raises InputError, with
-        nothing drawn, otherwise.
+        [0.1, 9] with the default landscape. Raises InputError, with nothing drawn, otherwise.
         """
         self.check(i_stimulus, distance_m)
         _check_array("eye_positions_m", eye_positions_m, (_N_EYES, 3))
@@ -93,6 +103,13 @@ class StereoCamera:
         self._scene.geoms[PLANE_GEOM].pos = (distance_m, 0.0, self._eye_height_m)
         self._renderer.texture[PLANE_GEOM] = self._texture_name(i_stimulus, distance_m)
         mujoco.mjr_render(self._viewport, self._scene, self._renderer)
+        self._offscreen.gl.glFlush()
+
+    def finish(self) -> np.ndarray:
+        """Return the pictures that were started, (2, roi_height, roi_width) uint8.
+
+        Left first, row 0 on top; the array is the caller's own.
+        """
         return self._manipulated(self._read())
 
     def check(self, i_stimulus: int, distance_m: float) -> None:

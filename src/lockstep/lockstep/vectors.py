@@ -6,6 +6,7 @@ JointState is the one standard message that names its numbers, and every plottin
 import array
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from rclpy.node import Node
@@ -163,7 +164,7 @@ def values_of(
             f"{topic}: expected fields of {n_names} entries, one per name, or none, got {lengths}"
         )
     if message.name != list(names):
-        values = values[_indices(message.name, names, topic)]
+        values = values[_indices(tuple(message.name), tuple(names), topic)]
     if not np.isfinite(values).all():
         raise InputError(f"{topic}: expected finite values, got {field} {values.tolist()}")
     return values
@@ -183,10 +184,11 @@ def whole_values_of(message: JointState | Vector, names: Sequence[str], topic: s
     return [int(value) for value in values]
 
 
-def _indices(have: Sequence[str], want: Sequence[str], topic: str) -> list[int]:
+@lru_cache(maxsize=8)  # the same few names come each time
+def _indices(have: tuple[str, ...], want: tuple[str, ...], topic: str) -> list[int]:
     place = {name: i for i, name in enumerate(have)}
     if len(place) != len(have):
-        doubled = sorted({name for name in have if list(have).count(name) > 1})
+        doubled = sorted({name for name in have if have.count(name) > 1})
         raise InputError(f"{topic}: expected each name once, got {', '.join(doubled)} twice")
     missing = [name for name in want if name not in place]
     if missing:
