@@ -120,6 +120,19 @@ def test_an_impossible_stamp_is_refused(is_known: bool) -> None:
         reader.read(bytes(data))
 
 
+def test_what_was_refused_leaves_no_trace() -> None:
+    pictures, vectors = ImageReader("picture"), VectorReader("vector")
+    before = pictures.read(picture(1)), vectors.read(vector(1))
+    refused = [picture(1, "mono9", 20), vector(1, (True, True, True))]
+    for reader, data in zip((pictures, vectors), refused, strict=True):
+        never = bytearray(data)
+        never[8:12] = (10**9).to_bytes(4, "little")
+        with pytest.raises(InputError, match="stamp: expected"):
+            reader.read(bytes(never))
+    after = pictures.read(picture(1)), vectors.read(vector(1))
+    assert repr(after) == repr(before)
+
+
 def test_what_was_read_stays_when_the_next_is_read() -> None:
     reader = VectorReader("vector")
     reader.read(vector(1))

@@ -66,8 +66,9 @@ class ImageReader:
         """
         found = self._layout.read(data) if self._layout is not None else None
         if found is None:
-            message = self._last = deserialized(data, Image, self._topic)
+            message = deserialized(data, Image, self._topic)
             stamp_ns = checked_ns(message.header.stamp)
+            self._last = message
             picture = np.asarray(message.data, np.uint8)
             self._layout = None
             if picture.size:
