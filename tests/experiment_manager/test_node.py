@@ -9,7 +9,12 @@ import numpy as np
 import pytest
 
 from experiment_manager.bag_reader import Bag
-from experiment_manager.node import EXIT_FAULT, EXIT_INTERRUPTED, ExperimentManagerNode
+from experiment_manager.node import (
+    EXIT_FAULT,
+    EXIT_INTERRUPTED,
+    EXIT_UNWRITABLE,
+    ExperimentManagerNode,
+)
 from experiment_manager.recording import SMALL_TOPICS
 from eye_plant.model import MechanicsConfig
 from lockstep.errors import InputError
@@ -100,7 +105,8 @@ def test_a_refusal_ends_the_run_with_its_reason(
     who, kind = refusal
     nodes[who].refuses = kind
     name = nodes[who].get_name()
-    assert _finished(graph, _start(graph, tmp_path / "run")) == EXIT_FAULT
+    code = EXIT_UNWRITABLE if kind == "save" else EXIT_FAULT
+    assert _finished(graph, _start(graph, tmp_path / "run")) == code
     assert f"the run cannot go on: {name} refused {kind}: expected another mood" in (
         capfd.readouterr().err
     )
@@ -265,7 +271,7 @@ def test_a_disk_that_refuses_ends_the_run_with_one_error(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(manager.run.writer, "write", refuse)
-    assert _finished(graph, manager) == EXIT_FAULT
+    assert _finished(graph, manager) == EXIT_UNWRITABLE
     error = capfd.readouterr().err
     assert f"the run cannot go on: {tmp_path / 'run'} cannot be written: " in error
     assert "No space left on device" in error

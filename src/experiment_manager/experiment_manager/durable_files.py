@@ -1,7 +1,11 @@
 """Files that are there as a whole or not at all, after a kill or a loss of power."""
 
+import contextlib
 import os
+import tempfile
 from pathlib import Path
+
+_PROBE_BYTES = 1 << 16
 
 
 def replace_file(path: Path, content: bytes) -> None:
@@ -10,11 +14,16 @@ def replace_file(path: Path, content: bytes) -> None:
     The directory is synced too: after this, the content survives a loss of power.
     """
     beside = path.with_name(path.name + ".part")
-    with beside.open("wb") as stream:
-        stream.write(content)
-        stream.flush()
-        os.fsync(stream.fileno())
-    beside.replace(path)
+    try:
+        with beside.open("wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+        beside.replace(path)
+    except OSError:
+        with contextlib.suppress(OSError):
+            beside.unlink()
+        raise
     sync_directory(path.parent)
 
 
@@ -25,3 +34,15 @@ def sync_directory(directory: Path) -> None:
         os.fsync(handle)
     finally:
         os.close(handle)
+
+
+def why_unwritable(directory: Path) -> str:
+    """Return why nothing can be written into a directory, "" when it can."""
+    try:
+        with tempfile.TemporaryFile(dir=directory) as file:
+            file.write(bytes(_PROBE_BYTES))
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError as error:
+        return str(error)
+    return ""

@@ -34,6 +34,8 @@ from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TOPIC_TYPES
 from lockstep.vectors import Vector, VectorReader, values_of
 
 EXIT_FAULT = 3
+# To start again would not help: the disk is full, or may only be read.
+EXIT_UNWRITABLE = 4
 EXIT_INTERRUPTED = 130
 # Before the reason, in the last line of the log: the supervisor reads it there.
 FAULT_TEXT = "the run cannot go on: "
@@ -140,7 +142,10 @@ class ExperimentManagerNode(Node):
         return [name for name in LEARNERS if name in self._ask]
 
     def _ask_all(self, asks: list[tuple[str, str, Arguments]], then: Callable[[], None]) -> None:
-        """Ask one after the other, then go on; a refusal is a fault."""
+        """Ask one after the other, then go on; a refusal is a fault.
+
+        Who cannot save a state would have to be asked again at the same place, in vain.
+        """
         if not asks:
             then()
             return
@@ -150,7 +155,8 @@ class ExperimentManagerNode(Node):
             if successful:
                 self._guarded(partial(self._ask_all, rest, then))
             else:
-                self._fault(f"{name} refused {kind}: {reason}")
+                code = EXIT_UNWRITABLE if kind == "save" else EXIT_FAULT
+                self._fault(f"{name} refused {kind}: {reason}", code)
 
         self._ask[name].ask(self.run.run_id, kind, arguments, on_answer)
 
@@ -284,10 +290,10 @@ class ExperimentManagerNode(Node):
             self.exit_code = EXIT_INTERRUPTED
         self._ask_all([(name, END_RUN, {}) for name in self._ask], self._stop)
 
-    def _fault(self, reason: str) -> None:
+    def _fault(self, reason: str, code: int = EXIT_FAULT) -> None:
         if self._is_over:
             return
-        self.exit_code = EXIT_FAULT
+        self.exit_code = code
         self.get_logger().error(f"{FAULT_TEXT}{reason}")
         self._stop()
 
@@ -347,7 +353,7 @@ class ExperimentManagerNode(Node):
         except InputError as error:
             self._fault(str(error))
         except OSError as error:
-            self._fault(f"{self.run.directory} cannot be written: {error}")
+            self._fault(f"{self.run.directory} cannot be written: {error}", EXIT_UNWRITABLE)
 
     def destroy_node(self) -> None:
         """Close the bag with the node, if the run was ended from outside."""

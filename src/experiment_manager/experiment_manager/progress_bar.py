@@ -6,6 +6,7 @@ from typing import TextIO
 
 from tqdm import tqdm
 
+from experiment_manager.lasting_output import lasting
 from experiment_manager.protocol import Protocol
 
 # The number of an open file to draw on, from a parent whose standard error is not this process's.
@@ -14,7 +15,7 @@ TERMINAL_VARIABLE = "ABV_TERMINAL_FD"
 
 def _terminal() -> TextIO:
     given = os.environ.get(TERMINAL_VARIABLE, "")
-    return os.fdopen(int(given), "w") if given.isdigit() else sys.stderr
+    return lasting(os.fdopen(int(given), "w") if given.isdigit() else sys.stderr)
 
 
 class ProgressBar:

@@ -17,11 +17,12 @@ from experiment_manager import checkpoint
 from experiment_manager.bag_reader import Bag
 from experiment_manager.cost_weight import first_iterations, with_weight
 from experiment_manager.domains import NODE_SCRIPTS_DOMAIN, given_domain, own_domain
-from experiment_manager.durable_files import replace_file
+from experiment_manager.durable_files import replace_file, why_unwritable
 from experiment_manager.figures import learning_curve
 from experiment_manager.heartbeats import Heartbeats
+from experiment_manager.lasting_output import make_standard_streams_last
 from experiment_manager.neighbours import addresses, refuse_neighbours
-from experiment_manager.node import EXIT_INTERRUPTED, FAULT_TEXT
+from experiment_manager.node import EXIT_INTERRUPTED, EXIT_UNWRITABLE, FAULT_TEXT
 from experiment_manager.options import (
     Configuration,
     arguments,
@@ -42,7 +43,7 @@ from lockstep.process import EXIT_BAD_INPUT
 
 EXIT_FAULT = 3
 # Of an attempt only: the nodes began without a network that is there now.
-EXIT_NETWORK = 4
+EXIT_NETWORK = 5
 # For nodes elsewhere, in s: a cut shorter than this is not told from a hang. Longer than Fast DDS
 # goes on to count somebody whom it does not hear, 20 s.
 _LEAST_GAP_ELSEWHERE_S = 30.0
@@ -72,12 +73,14 @@ class Supervisor:
         self._interrupts = 0
 
     def run(self) -> int:
-        """Return the exit code: 0 done, 2 bad input, 3 the same fault again and again, 130 Ctrl-C.
+        """Return the exit code: 0 done, 2 bad input, 3 a fault that stays, 130 Ctrl-C.
 
         A fault is a node that dies, hangs or says that the run cannot go on.
         """
         signal.signal(signal.SIGINT, self._interrupt)
         signal.signal(signal.SIGTERM, self._interrupt)
+        if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # as nohup leaves it
+            signal.signal(signal.SIGHUP, self._hang_up)
         faults: list[tuple[int, str]] = []
         used_domains: set[int] = set()
         while True:
@@ -167,7 +170,14 @@ class Supervisor:
         if code == EXIT_BAD_INPUT:
             print(last_line, file=sys.stderr)
             return code, None
-        return EXIT_FAULT, f"{name} ended: {last_line.rpartition(FAULT_TEXT)[2]}"
+        reason = last_line.rpartition(FAULT_TEXT)[2]
+        if name == MANAGER and code == EXIT_UNWRITABLE:
+            if FAULT_TEXT not in last_line:  # the log could not be written either
+                why = why_unwritable(self._directory)
+                reason = f"{self._directory} cannot be written{': ' if why else ''}{why}"
+            print(f"error: {reason}; what was saved before is whole", file=sys.stderr)
+            return EXIT_FAULT, None
+        return EXIT_FAULT, f"{name} ended: {reason}"
 
     def _last_line_of_log(self, name: str) -> str:
         log = self._directory / "logs" / f"{name}.log"
@@ -180,6 +190,11 @@ class Supervisor:
             self._processes.interrupt_manager()
         if self._interrupts == 1:
             print("\nstopping after this episode, with a checkpoint", file=sys.stderr)
+
+    def _hang_up(self, number: int, frame: FrameType | None) -> None:
+        # A terminal that is closed says so more than once, a person who wants to stop at once not.
+        if not self._interrupts:
+            self._interrupt(number, frame)
 
 
 def _holds_observations(bag: Path) -> bool:
@@ -241,8 +256,11 @@ def _say_how_to_start(nodes: Collection[str], domain: int | None, config: Path) 
 def _prepare(options: argparse.Namespace) -> Path:
     """Return the run directory that the command line asks for, with its config.yaml."""
     if options.resume is not None:
-        read_configuration(options.resume / CONFIG_FILE)
-        return Path(options.resume).resolve()
+        directory = Path(options.resume).resolve()
+        read_configuration(directory / CONFIG_FILE)
+        if why := why_unwritable(directory):
+            raise InputError(f"{directory}: cannot be written: {why}")
+        return directory
     configuration = configuration_of(options, _source_commit())
     _prepare_stimuli(configuration)
     if options.share is not None:
@@ -266,7 +284,7 @@ def _figure(directory: Path) -> Path | None:
     """Draw the learning curve; None when the bag has nothing to draw it from."""
     try:
         return learning_curve(directory)
-    except InputError as error:
+    except (InputError, OSError) as error:
         print(f"no learning curve: {error}", file=sys.stderr)
         return None
 
@@ -296,4 +314,5 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
+    make_standard_streams_last()
     sys.exit(main())

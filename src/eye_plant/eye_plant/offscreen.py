@@ -11,6 +11,8 @@ import os
 from types import ModuleType
 from typing import Any
 
+from lockstep.errors import InputError
+
 _BACKENDS = ("egl", "osmesa")
 _INSTALL = (
     "install the Debian packages libegl1 and libgl1-mesa-dri (EGL), or libosmesa6 (OSMesa), "
@@ -18,7 +20,7 @@ _INSTALL = (
 )
 
 
-class GraphicsError(RuntimeError):
+class GraphicsError(InputError):
     """No picture can be drawn on this machine: the message says what to install."""
 
 

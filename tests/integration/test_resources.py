@@ -1,0 +1,254 @@
+"""A run that lacks something: a clear end or a clean wait, and nothing half-written."""
+
+import contextlib
+import os
+import pty
+import resource
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from experiment_manager.bag_reader import Bag
+from experiment_manager.disturbance import SupervisedRun, is_intact, stamp_faults
+from tests.graph_harness import (
+    PATIENCE_S,
+    OracleRun,
+    finished,
+    small_run,
+    stacked,
+    supervisor,
+    vectors,
+    write_configuration,
+)
+
+N_TRAINING = 100
+SETTINGS = (
+    "experiment_manager.checkpoint_period_s=0.5",
+    "sparse_coder.n_bases=32",
+    "vergence_rl.n_features=64",
+)
+# Less than a node needs to begin.
+FEW_BYTES = 200 << 20
+
+
+@pytest.fixture(scope="module")
+def line(pictures: Path) -> list[str]:
+    """Return the command line of a run with a checkpoint every half second."""
+    return small_run(pictures, N_TRAINING, *SETTINGS)
+
+
+@pytest.fixture(scope="module")
+def commands(line: list[str], tmp_path_factory: pytest.TempPathFactory) -> list[list[float]]:
+    """Return all muscle commands of the run, as one process computes them."""
+    config_file = tmp_path_factory.mktemp("oracle") / "config.yaml"
+    write_configuration(config_file, line)
+    steps = OracleRun(config_file).steps()
+    rows = [step.answer.decision.command for _, step in steps if step.answer is not None]
+    return stacked(rows).tolist()
+
+
+def _assert_undisturbed(directory: Path, commands: list[list[float]]) -> None:
+    assert stamp_faults(directory) == []
+    assert vectors(directory)["muscle_command"].position.tolist() == commands
+
+
+class Disk:
+    """A file system in memory of its own, which only processes with the prefix see in its place.
+
+    root: where it is seen from here.
+    """
+
+    def __init__(self, place: Path, options: str) -> None:
+        place.mkdir()
+        mount = 'mount -t tmpfs -o "$0" tmpfs "$1" && echo ready && exec cat'
+        self._anchor = subprocess.Popen(
+            ["unshare", "--mount", "--propagation=private", "sh", "-c", mount, options, place],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        assert self._anchor.stdout is not None
+        said = self._anchor.stdout.readline().strip()
+        if said != "ready":
+            self.close()
+            pytest.skip(f"a disk of one's own needs root: {said}")
+        self.prefix = ("nsenter", f"--target={self._anchor.pid}", "--mount", "--")
+        self.root = Path(f"/proc/{self._anchor.pid}/root{place}")
+
+    def fill(self) -> Path:
+        """Write a file that takes all the space there is."""
+        ballast = self.root / "ballast"
+        with ballast.open("wb", buffering=0) as file, contextlib.suppress(OSError):
+            while True:
+                file.write(bytes(1 << 12))
+        return ballast
+
+    def close(self) -> None:
+        self._anchor.communicate()
+
+
+def test_a_full_disk(line: list[str], commands: list[list[float]], tmp_path: Path) -> None:
+    disk = Disk(tmp_path / "run", "size=32m")
+    try:
+        with SupervisedRun(line, disk.root, prefix=disk.prefix) as run:
+            assert run.wait_until(lambda: run.place() >= 4, "a checkpoint")
+            ballast = disk.fill()
+            assert run.wait() == 3, run.output()
+            output = run.output()
+        assert output.count("error: ") == 1, output
+        assert "fault: " not in output
+        assert "cannot be written: [Errno 28] No space left on device" in output
+        assert "launch_scripts/run_experiment.sh --resume " in output
+        assert not list(disk.root.rglob("*.part"))
+        assert is_intact(disk.root)
+        # The file that was cut off can be read as far as it goes.
+        n_whole = len(Bag(disk.root / "bag").stamps_ns("episode"))
+        assert n_whole > 4 * 11
+        ballast.unlink()
+        with SupervisedRun(line, disk.root, resume=True, prefix=disk.prefix) as run:
+            assert run.wait() == 0, run.output()
+        _assert_undisturbed(disk.root, commands)
+    finally:
+        disk.close()
+
+
+def test_a_disk_that_may_only_be_read(line: list[str], tmp_path: Path) -> None:
+    disk = Disk(tmp_path / "run", "ro")
+    try:
+        with SupervisedRun(line, disk.root, prefix=disk.prefix) as run:
+            assert run.wait() == 2
+            output = run.output()
+    finally:
+        disk.close()
+    assert output.count("error: ") == 1, output
+    assert "Traceback" not in output
+    assert "/run: cannot be written: [Errno 30] Read-only file system" in output
+
+
+def test_a_run_that_may_only_be_read_is_not_resumed(line: list[str], tmp_path: Path) -> None:
+    disk = Disk(tmp_path / "run", "size=1m")
+    try:
+        write_configuration(disk.root / "config.yaml", line)
+        subprocess.run([*disk.prefix, "mount", "-o", "remount,ro", tmp_path / "run"], check=True)
+        with SupervisedRun(line, disk.root, resume=True, prefix=disk.prefix) as run:
+            assert run.wait() == 2
+            output = run.output()
+    finally:
+        disk.close()
+    assert output.count("error: ") == 1, output
+    assert "Traceback" not in output
+    assert "/run: cannot be written: [Errno 30] Read-only file system" in output
+
+
+def test_a_node_without_memory(line: list[str], tmp_path: Path) -> None:
+    directory = tmp_path / "run"
+    with SupervisedRun(line, directory) as run:
+        limited: set[int] = set()
+        while run.wait_until(
+            lambda: not {run.nodes().get("vergence_rl")} <= {None, *limited}, "another life"
+        ):
+            node = run.nodes().get("vergence_rl")
+            if node is not None:
+                resource.prlimit(node, resource.RLIMIT_AS, (FEW_BYTES, FEW_BYTES))
+                limited.add(node)
+        assert run.wait() == 3, run.output()
+        output = run.output()
+    assert len(limited) >= 3
+    assert output.count("error: ") == 1, output
+    assert "before the first checkpoint" in output
+    assert "vergence_rl ended: " in output
+    assert not (directory / "results.json").exists()
+
+
+def test_no_graphics(line: list[str], tmp_path: Path) -> None:
+    # An EGL without any driver, whatever is installed.
+    variables = {"MUJOCO_GL": "egl", "__EGL_VENDOR_LIBRARY_FILENAMES": "/nowhere.json"}
+    run = tmp_path / "run"
+    output = finished(supervisor([*line, "--out", str(run)], **variables), code=2)
+    assert output.count("error: ") == 1, output
+    assert "fault: " not in output
+    assert "apt-get install libegl1 libgl1-mesa-dri" in output
+
+
+# The clock of every Python of the run jumps by the seconds in a file, as soon as there are any.
+# Whoever has looked at it then leaves a note.
+CLOCK = """
+import os, pathlib, time
+
+_now, _now_ns = time.time, time.time_ns
+_folder = pathlib.Path(os.environ["CLOCK_FOLDER"])
+
+def _jump():
+    try:
+        seconds = float((_folder / "jump").read_text() or 0.0)
+    except FileNotFoundError:
+        return 0.0
+    (_folder / f"seen_by_{os.getpid()}").touch()
+    return seconds
+
+time.time = lambda: _now() + _jump()
+time.time_ns = lambda: _now_ns() + int(_jump() * 1e9)
+"""
+
+
+def test_a_clock_that_jumps(line: list[str], commands: list[list[float]], tmp_path: Path) -> None:
+    (tmp_path / "sitecustomize.py").write_text(CLOCK)
+    variables = (f"PYTHONPATH={tmp_path}", f"CLOCK_FOLDER={tmp_path}")
+    directory = tmp_path / "run"
+    with SupervisedRun(line, directory, prefix=("env", *variables)) as run:
+        for seconds in (86400.0, -86400.0):
+            place = max(run.place(), 0)
+            assert run.wait_until(_beyond(run, place), "a checkpoint")
+            (tmp_path / "jump").write_text(str(seconds))
+        assert run.wait() == 0, run.output()
+        assert "fault: " not in run.output()
+    assert list(tmp_path.glob("seen_by_*"))
+    _assert_undisturbed(directory, commands)
+
+
+def _beyond(run: SupervisedRun, place: int) -> Callable[[], bool]:
+    return lambda: run.place() > place
+
+
+# Becomes the command that follows the terminal's name, alone in that terminal.
+IN_TERMINAL = """
+import os, sys
+
+os.setsid()
+terminal = os.open(sys.argv[1], os.O_RDWR)
+for number in range(3):
+    os.dup2(terminal, number)
+os.execvp(sys.argv[2], sys.argv[2:])
+"""
+
+
+def test_a_terminal_that_is_closed_and_a_reader_that_leaves(
+    line: list[str], commands: list[list[float]], tmp_path: Path
+) -> None:
+    directory = tmp_path / "run"
+    ours, theirs = pty.openpty()
+    prefix = (sys.executable, "-c", IN_TERMINAL, os.ttyname(theirs))
+    with SupervisedRun(line, directory, prefix=prefix) as run:
+        assert run.wait_until(lambda: run.place() >= 4, "a checkpoint")
+        assert b"run directory: " in os.read(ours, 4096)
+        os.close(theirs)
+        os.close(ours)
+        # As after Ctrl-C: the episode under way is ended, a checkpoint made.
+        assert run.wait() == 130
+    assert is_intact(directory)
+    assert stamp_faults(directory) == []
+    n_recorded = len(vectors(directory)["muscle_command"].stamps_ns)
+    assert 0 < n_recorded < len(commands)
+    # And one that speaks to a pipe, whose reader leaves at once.
+    resumed = supervisor(["--resume", str(directory)])
+    assert resumed.stdout is not None
+    resumed.stdout.close()
+    try:
+        assert resumed.wait(PATIENCE_S) == 0
+    finally:
+        resumed.kill()
+    _assert_undisturbed(directory, commands)
