@@ -9,6 +9,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -151,6 +152,7 @@ def _disturb_once(run: SupervisedRun, draw: np.random.Generator, at_place: Count
 
 def pelt(directory: Path, n_inputs: int, seed: int) -> Outcome:
     """Throw hostile input at the nodes until n_inputs; compare the numbers."""
+    directory = directory / "pelted"
     directory.mkdir(parents=True, exist_ok=True)
     config_file = directory / "config.yaml"
     line = _line(_N_DISTURBED_ITERATIONS, *_SMALL_LEARNERS)
@@ -221,6 +223,14 @@ def _growth_mb(samples: Sequence[float]) -> float:
     return float(np.median(samples[-quarter:]) - np.median(samples[quarter : 2 * quarter]))
 
 
+def _outcome(name: str, part: Callable[[], Outcome]) -> Outcome:
+    """Return what a part has measured; one that cannot go on keeps nobody from the others."""
+    try:
+        return part()
+    except (InputError, OSError, RuntimeError) as error:  # a TimeoutError is an OSError
+        return Outcome(name, {}, [f"{type(error).__name__}: {error}"])
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the parts asked for; return 0 when all held."""
     line = argparse.ArgumentParser(prog="torture.sh", description="The long tests of reliability.")
@@ -235,16 +245,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         directory = Path(options.out or temporary).resolve()
         directory.mkdir(parents=True, exist_ok=True)
         draw = np.random.default_rng(options.seed)
-        parts: list[tuple[int, Callable[[], Outcome]]] = [
-            (options.kills, lambda: disturb(directory, options.kills, draw)),
-            (options.inputs, lambda: pelt(directory / "pelted", options.inputs, options.seed)),
-            (options.soak, lambda: soak(directory, options.soak)),
+        parts: list[tuple[str, int, Callable[[int], Outcome]]] = [
+            ("kills", options.kills, lambda n: disturb(directory, n, draw)),
+            ("hostile input", options.inputs, lambda n: pelt(directory, n, options.seed)),
+            ("soak", options.soak, lambda n: soak(directory, n)),
         ]
-        try:
-            outcomes = [part() for count, part in parts if count]
-        except InputError as error:
-            print(f"error: {error}", file=sys.stderr)
-            return 2
+        outcomes = [_outcome(name, partial(part, n)) for name, n, part in parts if n]
     for outcome in outcomes:
         print(f"{outcome.name}: {json.dumps(outcome.figures)}")
         for problem in outcome.problems:
