@@ -1,7 +1,14 @@
 import numpy as np
 import pytest
 
-from vergence_rl.td import critic_step, declining_rate, td_error, td_variance, value
+from vergence_rl.td import (
+    bounded_rate,
+    critic_step,
+    declining_rate,
+    td_error,
+    td_variance,
+    value,
+)
 
 
 def test_td_error() -> None:
@@ -31,3 +38,23 @@ def test_critic_step_lowers_the_error_it_was_made_for() -> None:
 @pytest.mark.parametrize(("now", "rate"), [(0, 0.5), (250, 0.375), (1000, 0.0), (1001, 0.0)])
 def test_rate_declines_linearly_to_0(now: int, rate: float) -> None:
     assert declining_rate(0.5, now, 1000) == pytest.approx(rate)
+
+
+def test_a_rate_is_bounded_by_the_energy_of_the_state() -> None:
+    assert bounded_rate(0.75, np.array([1.0, 0.5]), 1.0) == 0.75
+    assert bounded_rate(0.75, np.array([2.0, 0.0]), 1.0) == 0.25
+    assert bounded_rate(0.75, np.zeros(2), 1.0) == 0.75
+
+
+@pytest.mark.parametrize(("limit", "diverges"), [(1.0, False), (1e9, True)])
+def test_a_lasting_state_far_out_makes_an_unbounded_critic_diverge(
+    limit: float, diverges: bool
+) -> None:
+    # K17's rates: each step multiplies V's error by 1 - alpha |s|^2 (1 - gamma) = -1.6.
+    state, weights = np.array([2.0, 1.0]), np.zeros(2)
+    for _ in range(50):
+        v = value(weights, state)
+        delta = td_error(-0.2, 0.3, v, v)
+        weights = critic_step(weights, state, delta, bounded_rate(0.75, state, limit))
+    found = abs(value(weights, state) + 0.2 / 0.7)
+    assert found > 1e6 if diverges else found < 1e-9

@@ -19,7 +19,14 @@ from vergence_rl.normalizer import (
     normalized,
     updated_statistics,
 )
-from vergence_rl.td import critic_step, declining_rate, td_error, td_variance, value
+from vergence_rl.td import (
+    bounded_rate,
+    critic_step,
+    declining_rate,
+    td_error,
+    td_variance,
+    value,
+)
 
 
 @dataclass(frozen=True)
@@ -30,7 +37,8 @@ class Decision:
     action: (n_muscles,) executed change of activation, noise included, before clipping;
     value: V(s_t), and td_error: delta_t, by the weights before this observation's update;
     td_error is NaN where nothing was learned; td_variance: its running variance;
-    actor_learning_rate: beta_t; critic_learning_rate: alpha.
+    actor_learning_rate: beta_t; critic_learning_rate: alpha,
+    unbounded.
     """
 
     command: NDArray[np.float64]
@@ -192,7 +200,8 @@ class Agent:
         """Update critic and actor for the last state and action; return the TD error."""
         config = self.config
         delta = td_error(r_t, config.discount, value_t, value(self._critic, last.state))
-        self._critic = critic_step(self._critic, last.state, delta, config.critic_learning_rate)
+        alpha = bounded_rate(config.critic_learning_rate, last.state, config.critic_step_limit)
+        self._critic = critic_step(self._critic, last.state, delta, alpha)
         self._td_variance = td_variance(self._td_variance, delta, config.td_variance_rate)
         n = n_updates(delta, self._td_variance)
         if n > 0:

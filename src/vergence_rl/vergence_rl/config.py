@@ -8,7 +8,7 @@ from lockstep.errors import InputError
 N_MUSCLES = 2  # medial rectus, lateral rectus; the same command for both eyes (K17 II)
 N_BIASES = 1
 
-_POSITIVE = ("state_standard_deviation", "initial_td_variance")
+_POSITIVE = ("state_standard_deviation", "initial_td_variance", "critic_step_limit")
 _NOT_NEGATIVE = (
     "bias_input",
     "initial_squared_deviation",
@@ -37,6 +37,8 @@ class VergenceRlConfig:
     actor's hidden layer 1/(n_state n_hidden).
 
     weight_shrinkage: of the hidden layer's input weights, per unit of learning rate and update;
+    critic_step_limit: of alpha |s|^2, the share of a TD error that one step takes away; without,
+    as in K17, the critic diverges at a picture whose features lie far out.
     exploration_variance: of the noise on each muscle's action; td_variance_rate: zeta of K17.
     Raises InputError for a value out of range.
     """
@@ -51,6 +53,7 @@ class VergenceRlConfig:
     initial_squared_deviation: float = 0.0
     discount: float = 0.3
     critic_learning_rate: float = 0.75
+    critic_step_limit: float = 1.0
     critic_initial_width: float = 0.0
     n_hidden: int = 50
     actor_learning_rate: float = 0.5

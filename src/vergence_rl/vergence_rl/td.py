@@ -36,6 +36,16 @@ def critic_step(
     return weights + learning_rate * delta_t * state_tm1
 
 
+def bounded_rate(learning_rate: float, state: NDArray[np.float64], limit: float) -> float:
+    """Return the learning rate, or limit / |s|^2 where that is less; state: (n_state,).
+
+    A step of rate alpha takes alpha |s|^2 of a TD error from V(s): twice the error or more, and the
+    weights grow without end while the state lasts (step-size bounds: Dabney & Barto 2012).
+    """
+    energy = float(state @ state)
+    return learning_rate if learning_rate * energy <= limit else limit / energy
+
+
 def declining_rate(initial_rate: float, training_iteration: int, n_iterations: int) -> float:
     """Return the rate that falls linearly from initial_rate to 0 at n_iterations (K17 II)."""
     return initial_rate * max(0.0, 1.0 - training_iteration / n_iterations)
