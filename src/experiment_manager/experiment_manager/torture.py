@@ -26,6 +26,8 @@ from experiment_manager.fuzz import FuzzedGraph, memory_mb
 from experiment_manager.hostility import LARGEST_BYTES
 from experiment_manager.options import arguments, configuration_of, configuration_text
 from experiment_manager.processes import PACKAGES
+from experiment_manager.run import CONFIG_FILE
+from experiment_manager.two_hosts import NodeOnHost, TwoHosts
 from lockstep.errors import InputError
 from lockstep.qos import QUEUE_DEPTH
 
@@ -44,6 +46,8 @@ _INPUTS_PER_OBSERVATION = 20
 # Longest time from one disturbance to the next: starting, catching up and working all get some.
 _LONGEST_PAUSE_S = 12.0
 _MOST_AT_PLACE = 2
+# Shortest and longest cut of the network.
+_CUT_S = (0.1, 45.0)
 _SAMPLE_PERIOD_S = 2.0
 _SOAK_GROWTH_LIMIT_MB = 32.0
 _SUPERVISOR = "supervisor"
@@ -215,6 +219,70 @@ def soak(directory: Path, n_iterations: int) -> Outcome:
     return Outcome("soak", figures, problems)
 
 
+def cut(directory: Path, n_cuts: int, draw: np.random.Generator) -> Outcome:
+    """Cut the network between the plant's host and the others' until n_cuts; compare the numbers.
+
+    Raises InputError when this machine cannot make two hosts.
+    """
+    line = _line(_N_DISTURBED_ITERATIONS, *_SMALL_LEARNERS, *_OFTEN)
+    reference = directory / "one_host"
+    with SupervisedRun(line, reference) as run:
+        if run.wait() != 0:
+            return Outcome("cuts", {}, [f"the undisturbed run failed: {run.output()}"])
+    pauses_s = draw.uniform(0.0, _LONGEST_PAUSE_S, n_cuts)
+    # Most are short, and some longer than Fast DDS remembers a silent host.
+    lengths_s = np.geomspace(*_CUT_S, n_cuts)
+    draw.shuffle(lengths_s)
+    cuts_s = list(zip(pauses_s.tolist(), lengths_s.tolist(), strict=True))
+    problems: list[str] = []
+    n_runs = n_bytes = 0
+    while cuts_s and not problems:
+        across = directory / f"two_hosts_{n_runs}"
+        n_runs += 1
+        try:
+            with TwoHosts() as hosts:
+                code, output = _cut_run(hosts, line, across, cuts_s)
+                n_bytes += hosts.n_bytes()
+        except OSError as error:
+            raise InputError(
+                f"two hosts need root, and ip, unshare and nsenter: {error}"
+            ) from error
+        if code != 0:
+            problems.append(f"{across.name} ended with exit code {code}:\n{output}")
+        else:
+            problems += differences(across, reference) + stamp_faults(across)
+        print(f"run {n_runs}: {n_cuts - len(cuts_s)} of {n_cuts} cuts, {problems or 'all held'}")
+    figures = {
+        "cuts": n_cuts - len(cuts_s),
+        "longest_s": round(float(lengths_s.max()), 1),
+        "runs": n_runs,
+        "megabytes_across": round(n_bytes / 1e6),
+        "messages_compared": n_runs * n_messages(reference),
+    }
+    return Outcome("cuts", figures, problems)
+
+
+def _cut_run(
+    hosts: TwoHosts, line: Sequence[str], directory: Path, cuts_s: list[tuple[float, float]]
+) -> tuple[int, str]:
+    """Make one run under cuts, (time before, length), and take these away; return code, output."""
+    line = [*line, "--elsewhere", "eye_plant"]
+    with SupervisedRun(line, directory, prefix=hosts.a.prefix) as run:
+        run.wait_until((directory / CONFIG_FILE).exists, "the configuration")
+        with NodeOnHost(hosts.b, "eye_plant", directory / CONFIG_FILE):
+            run.wait_until(lambda: run.place() >= 0, "the first checkpoint")
+            while cuts_s:
+                pause_s, length_s = cuts_s[-1]
+                _pause(run, pause_s)
+                if run.process.poll() is not None:
+                    break
+                cuts_s.pop()
+                hosts.cut()
+                _pause(run, length_s)
+                hosts.heal()
+            return run.wait(), run.output()
+
+
 def _growth_mb(samples: Sequence[float]) -> float:
     """Return how much more memory the last quarter of the samples has than the second one."""
     quarter = len(samples) // 4
@@ -237,6 +305,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     line.add_argument("--kills", type=int, default=40, metavar="N", help="0: none (default 40)")
     line.add_argument("--inputs", type=int, default=30_000, metavar="N", help="default 30000")
     line.add_argument("--soak", type=int, default=200_000, metavar="N", help="default 200000")
+    line.add_argument("--cuts", type=int, default=0, metavar="N", help="needs root (default 0)")
     line.add_argument("--seed", type=int, default=1, metavar="S", help="of all that is random")
     line.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
     line.add_argument("--out", type=Path, metavar="DIR", help="keep the runs there")
