@@ -7,7 +7,8 @@ import pytest
 
 from experiment_manager import supervisor
 from experiment_manager.bag_writer import BagWriter
-from experiment_manager.supervisor import Supervisor, _holds_observations
+from experiment_manager.node import EXIT_UNWRITABLE
+from experiment_manager.supervisor import EXIT_NETWORK, Supervisor, _holds_observations
 from lockstep.topics import TOPIC_TYPES
 
 
@@ -30,7 +31,8 @@ class Attempts(Supervisor):
 @pytest.fixture(autouse=True)
 def _own_signals() -> object:
     """Put the signal handlers back."""
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = {number: signal.getsignal(number) for number in numbers}
     yield
     for number, handler in before.items():
         signal.signal(number, handler)
@@ -79,6 +81,43 @@ def test_after_ctrl_c_a_fault_is_not_rolled_back(tmp_path: Path) -> None:
     attempts = Interrupted(tmp_path, [(3, "died of it"), (0, None)], [0])
     assert attempts.run() == 130
     assert attempts.n_attempts == 1
+
+
+def test_a_terminal_hangs_up_once_however_often_it_says_so(tmp_path: Path) -> None:
+    class HungUp(Attempts):
+        def _attempt(self, domain: int) -> tuple[int, str | None]:
+            signal.raise_signal(signal.SIGHUP)
+            signal.raise_signal(signal.SIGHUP)
+            return 100 + self._interrupts, None
+
+    assert HungUp(tmp_path, [], []).run() == 101
+    # Who starts it with nohup wants it to go on.
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    assert HungUp(tmp_path, [], []).run() == 100
+
+
+def test_nodes_that_began_without_a_network_are_no_fault(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ends: list[tuple[int, str | None]] = [*[(EXIT_NETWORK, None)] * 5, (0, None)]
+    assert Attempts(tmp_path, ends, []).run() == 0
+    assert capsys.readouterr().err.count("the network is back") == 5
+
+
+def test_a_disk_that_refuses_is_said_once_and_not_tried_again(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "logs").mkdir()
+    log = tmp_path / "logs" / "experiment_manager.log"
+    log.write_text("[ERROR] [1.5] [n]: the run cannot go on: no space\n")
+    ended = Supervisor(tmp_path)._ended("experiment_manager", EXIT_UNWRITABLE)
+    assert ended == (3, None)
+    # The log may lie on the same disk.
+    log.write_text("[INFO] [1.5] [n]: all is well\n")
+    Supervisor(tmp_path)._ended("experiment_manager", EXIT_UNWRITABLE)
+    first, second = capsys.readouterr().err.splitlines()
+    assert first == "error: no space; what was saved before is whole"
+    assert second == f"error: {tmp_path} cannot be written; what was saved before is whole"
 
 
 def test_bad_input_is_not_tried_again(tmp_path: Path) -> None:

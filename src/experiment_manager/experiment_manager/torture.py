@@ -317,6 +317,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         parts: list[tuple[str, int, Callable[[int], Outcome]]] = [
             ("kills", options.kills, lambda n: disturb(directory, n, draw)),
             ("hostile input", options.inputs, lambda n: pelt(directory, n, options.seed)),
+            ("cuts", options.cuts, lambda n: cut(directory, n, draw)),
             ("soak", options.soak, lambda n: soak(directory, n)),
         ]
         outcomes = [_outcome(name, partial(part, n)) for name, n, part in parts if n]
