@@ -24,9 +24,9 @@ from tests.graph_harness import (
     write_configuration,
 )
 
-N_TRAINING = 100
+N_TRAINING = 200
 SETTINGS = (
-    "experiment_manager.checkpoint_period_s=0.5",
+    "experiment_manager.checkpoint_period_s=0.2",
     "sparse_coder.n_bases=32",
     "vergence_rl.n_features=64",
 )
@@ -36,7 +36,7 @@ FEW_BYTES = 200 << 20
 
 @pytest.fixture(scope="module")
 def line(pictures: Path) -> list[str]:
-    """Return the command line of a run with a checkpoint every half second."""
+    """Return the command line of a run with a checkpoint five times a second."""
     return small_run(pictures, N_TRAINING, *SETTINGS)
 
 
