@@ -49,12 +49,15 @@ def test_what_is_thrown_is_a_function_of_the_seed() -> None:
 
 def test_a_second_publisher_ends_the_run_with_one_error(tmp_path: Path, pictures: Path) -> None:
     with ros_graph() as graph:
-        somebody = graph.add(lambda **kwargs: Node("somebody", **kwargs))
-        VectorPublisher(somebody, "reward", REWARD_NAMES)
         run = supervisor(
             [*small_run(pictures, 200, *SMALL_LEARNERS), "--out", str(tmp_path / "run")],
             ROS_DOMAIN_ID=str(graph.domain),
         )
+        # Who is there before is refused; this one comes when the run has begun.
+        assert run.stdout is not None
+        assert any("to listen from another terminal" in line for line in run.stdout)
+        somebody = graph.add(lambda **kwargs: Node("somebody", **kwargs))
+        VectorPublisher(somebody, "reward", REWARD_NAMES)
         output = finished(run, code=3)
     fault = "experiment_manager ended: expected one publisher per topic, found more on reward"
     assert output.count(f"fault: {fault}") == 3

@@ -21,6 +21,7 @@ PUBLISHES = {
 # Longer than Fast DDS' period of announcements, 3 s.
 _LISTEN_S = 5.0
 _LOOK_PERIOD_S = 0.1
+_UNKNOWN = "_NODE_NAME_UNKNOWN_"
 
 
 def addresses() -> frozenset[str]:
@@ -62,7 +63,10 @@ def _found(domain: int, topics: Sequence[str]) -> dict[str, list[str]]:
     node = Node("supervisor", context=context, start_parameter_services=False)
     end_s = time.monotonic() + _LISTEN_S
     found: dict[str, list[str]] = {}
-    while not found and time.monotonic() < end_s:
+    # A publisher is known a moment before the name of its node.
+    while (not found or any(_UNKNOWN in names for names in found.values())) and (
+        time.monotonic() < end_s
+    ):
         time.sleep(_LOOK_PERIOD_S)
         infos = {topic: node.get_publishers_info_by_topic(topic) for topic in topics}
         found = {topic: [info.node_name for info in its] for topic, its in infos.items() if its}
