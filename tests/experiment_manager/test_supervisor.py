@@ -30,9 +30,10 @@ class Attempts(Supervisor):
 
 @pytest.fixture(autouse=True)
 def _own_signals() -> object:
-    """Put the signal handlers back."""
+    """Put the signal handlers back; the tests themselves may run under nohup."""
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     before = {number: signal.getsignal(number) for number in numbers}
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
     yield
     for number, handler in before.items():
         signal.signal(number, handler)

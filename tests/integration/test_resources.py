@@ -216,8 +216,9 @@ def _beyond(run: SupervisedRun, place: int) -> Callable[[], bool]:
 
 # Becomes the command that follows the terminal's name, alone in that terminal.
 IN_TERMINAL = """
-import os, sys
+import os, signal, sys
 
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # the tests themselves may run under nohup
 os.setsid()
 terminal = os.open(sys.argv[1], os.O_RDWR)
 for number in range(3):
