@@ -24,7 +24,7 @@ FULL, REDUCED = 3, 4
     ],
 )
 def test_a_level_lies_within_a_quarter_octave(texels_per_pixel: float, expected: int) -> None:
-    texture = GreyTexture(FULL, REDUCED, size_px=1920)
+    texture = GreyTexture(FULL, REDUCED, size_px=1920, channel=0)
     assert texture.name_for(texels_per_pixel) == expected
     if texels_per_pixel >= 1.0:
         sizes = {FULL: 1.0, REDUCED: math.sqrt(2.0)}

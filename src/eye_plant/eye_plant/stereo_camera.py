@@ -19,7 +19,7 @@ from eye_plant.scene import (
     set_projection,
 )
 from eye_plant.stimuli import StimulusSet
-from eye_plant.textures import upload_grey_texture, upload_picture
+from eye_plant.textures import show_channel, upload_channels, upload_pictures
 from lockstep.errors import InputError
 
 __all__ = ["CameraConfig", "StereoCamera"]
@@ -101,7 +101,7 @@ class StereoCamera:
         for i_eye in range(_N_EYES):
             set_pose(self._scene.camera[i_eye], eye_positions_m[i_eye], eye_rotations[i_eye])
         self._scene.geoms[PLANE_GEOM].pos = (distance_m, 0.0, self._eye_height_m)
-        self._renderer.texture[PLANE_GEOM] = self._texture_name(i_stimulus, distance_m)
+        self._show(i_stimulus, distance_m)
         mujoco.mjr_render(self._viewport, self._scene, self._renderer)
         self._offscreen.gl.glFlush()
 
@@ -126,7 +126,7 @@ class StereoCamera:
         """Free the graphics memory; the camera draws no more."""
         self._offscreen.make_current()
         self._offscreen.gl.glDeleteTextures(
-            [name for t in self._textures for name in (t.full, t.reduced)] + [self._landscape_name]
+            [*{name for t in self._textures for name in (t.full, t.reduced)}, self._landscape_name]
         )
         self._framebuffer.delete()
         self._renderer.free()
@@ -139,19 +139,24 @@ class StereoCamera:
 
     def _upload(self, stimuli: tuple[np.ndarray, ...]) -> None:
         gl = self._offscreen.gl
-        self._textures = [upload_picture(gl, stimulus) for stimulus in stimuli]
+        self._textures = upload_pictures(gl, stimuli)
+        self._shown: tuple[int, int] | None = None
         landscape = landscape_picture(self._config.landscape_seed)
-        self._landscape_name = upload_grey_texture(gl, landscape)
+        self._landscape_name = upload_channels(gl, [landscape])
         self._renderer.texture[LANDSCAPE_GEOM] = self._landscape_name
 
-    def _texture_name(self, i_stimulus: int, distance_m: float) -> int:
-        """Return the OpenGL name of the stimulus at the size that suits the distance.
+    def _show(self, i_stimulus: int, distance_m: float) -> None:
+        """Put the stimulus on the plane, at the size that suits the distance.
 
         An eye's magnification must not touch what the other eye sees, and does not count.
         """
         config, texture = self._config, self._textures[i_stimulus]
         pixel_m = distance_m / config.focal_length_px
-        return texture.name_for(pixel_m * texture.size_px / config.plane_size_m)
+        name = texture.name_for(pixel_m * texture.size_px / config.plane_size_m)
+        if self._shown != (name, texture.channel):
+            show_channel(self._offscreen.gl, name, texture.channel)
+            self._renderer.texture[PLANE_GEOM] = name
+            self._shown = (name, texture.channel)
 
     def _mask_what_is_not_drawn(self) -> None:
         """Let the stencil buffer stop all drawing outside the region of interest, from here on.

@@ -2,29 +2,36 @@
 
 MuJoCo's models hold colour textures only, three or four times the size, and keep a copy. Its
 renderer however draws with whichever OpenGL textures its slots name, so these are uploaded here and
-named there; switching a stimulus is one assignment.
+named there; switching a stimulus is one assignment. Four pictures share the channels of a texture,
+which software draws faster than one of a single channel.
 """
 
+import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
 
 import cv2
 import numpy as np
 
+_N_CHANNELS = 4
+
 
 @dataclass(frozen=True)
 class GreyTexture:
-    """One picture in two mip-mapped textures, the second smaller by sqrt(2).
+    """One picture in a channel of two mip-mapped textures, the second smaller by sqrt(2).
 
-    full, reduced: their OpenGL names; size_px: the longer side of the first. Of their levels, half
-    an octave apart, one serves a whole picture: a third cheaper to draw than a mixture of the two
-    nearest levels of one texture, pixel by pixel, and as sharp everywhere and in both eyes.
+    full, reduced: their OpenGL names; size_px: the longer side of the first; channel: 0 to 3. Of
+    their levels, half an octave apart, one serves a whole picture: a third cheaper to draw than a
+    mixture of the two nearest levels of one texture, pixel by pixel, and as sharp everywhere and in
+    both eyes.
     """
 
     full: int
     reduced: int
     size_px: int
+    channel: int
 
     def name_for(self, texels_per_pixel: float) -> int:
         """Return the texture with the level nearest to so many texels (of full) in a pixel."""
@@ -32,23 +39,35 @@ class GreyTexture:
         return self.reduced if octave > 0.25 and 0.25 <= octave % 1.0 < 0.75 else self.full
 
 
-def upload_picture(gl: ModuleType, picture: np.ndarray) -> GreyTexture:
-    """Upload picture (height, width) uint8 at both sizes."""
-    height_px, width_px = (max(1, round(side / math.sqrt(2.0))) for side in picture.shape)
-    reduced = cv2.resize(picture, (width_px, height_px), interpolation=cv2.INTER_AREA)
-    return GreyTexture(
-        upload_grey_texture(gl, picture),
-        upload_grey_texture(gl, reduced.reshape(height_px, width_px)),
-        max(picture.shape),
-    )
+def upload_pictures(gl: ModuleType, pictures: Sequence[np.ndarray]) -> list[GreyTexture]:
+    """Upload pictures (height, width) uint8 at both sizes; those of one size share textures."""
+    uploaded: dict[int, GreyTexture] = {}
+    numbers = sorted(range(len(pictures)), key=lambda i: pictures[i].shape)
+    for shape, alike_numbers in itertools.groupby(numbers, key=lambda i: pictures[i].shape):
+        alike = list(alike_numbers)
+        for start in range(0, len(alike), _N_CHANNELS):
+            group = alike[start : start + _N_CHANNELS]
+            full = [pictures[i] for i in group]
+            names = upload_channels(gl, full), upload_channels(gl, [_reduced(p) for p in full])
+            for channel, i in enumerate(group):
+                uploaded[i] = GreyTexture(*names, max(shape), channel)
+    return [uploaded[i] for i in range(len(pictures))]
 
 
-def upload_grey_texture(gl: ModuleType, picture: np.ndarray) -> int:
-    """Upload picture (height, width) uint8 with all its mip-map levels; return its OpenGL name.
+def show_channel(gl: ModuleType, name: int, channel: int) -> None:
+    """Let a texture be drawn in the grey of one of its channels."""
+    gl.glBindTexture(gl.GL_TEXTURE_2D, name)
+    channels = (gl.GL_RED, gl.GL_GREEN, gl.GL_BLUE, gl.GL_ALPHA)
+    gl.glTexParameteri(gl.GL_TEXTURE_2D, gl.GL_TEXTURE_SWIZZLE_R, channels[channel])
 
-    picture's row 0 becomes the texture's top. Each level halves the one before by area averaging,
-    here and not by the driver, so that it is the same on every machine. Sampled bilinearly from the
-    nearest level, clamped at the edges.
+
+def upload_channels(gl: ModuleType, pictures: Sequence[np.ndarray]) -> int:
+    """Upload one to four pictures (height, width) uint8 of one size, with all mip-map levels.
+
+    Return the OpenGL name of the texture; it shows the first of them, in red alone. Row 0 becomes
+    the texture's top. Each level halves the one before by area averaging, here and not by the
+    driver, so that it is the same on every machine. Sampled bilinearly from the nearest level,
+    clamped at the edges.
     """
     name = int(gl.glGenTextures(1))
     gl.glBindTexture(gl.GL_TEXTURE_2D, name)
@@ -57,23 +76,33 @@ def upload_grey_texture(gl: ModuleType, picture: np.ndarray) -> int:
         (gl.GL_TEXTURE_MAG_FILTER, gl.GL_LINEAR),
         (gl.GL_TEXTURE_WRAP_S, gl.GL_CLAMP_TO_EDGE),
         (gl.GL_TEXTURE_WRAP_T, gl.GL_CLAMP_TO_EDGE),
+        (gl.GL_TEXTURE_SWIZZLE_A, gl.GL_ONE),
     ):
         gl.glTexParameteri(gl.GL_TEXTURE_2D, parameter, value)
     gl.glPixelStorei(gl.GL_UNPACK_ALIGNMENT, 1)
-    for i_level, level in enumerate(mipmap_levels(picture)):
-        height_px, width_px = level.shape
+    for i_level, levels in enumerate(zip(*map(mipmap_levels, pictures), strict=True)):
+        height_px, width_px = levels[0].shape
+        texels = np.zeros((height_px, width_px, _N_CHANNELS), np.uint8)
+        for channel, level in enumerate(levels):
+            texels[:, :, channel] = level
         gl.glTexImage2D(
             gl.GL_TEXTURE_2D,
             i_level,
-            gl.GL_LUMINANCE8,
+            gl.GL_RGBA8,
             width_px,
             height_px,
             0,
-            gl.GL_LUMINANCE,
+            gl.GL_RGBA,
             gl.GL_UNSIGNED_BYTE,
-            np.ascontiguousarray(level),
+            texels,
         )
     return name
+
+
+def _reduced(picture: np.ndarray) -> np.ndarray:
+    height_px, width_px = (max(1, round(side / math.sqrt(2.0))) for side in picture.shape)
+    reduced = cv2.resize(picture, (width_px, height_px), interpolation=cv2.INTER_AREA)
+    return reduced.reshape(height_px, width_px)
 
 
 def mipmap_levels(picture: np.ndarray) -> list[np.ndarray]:
