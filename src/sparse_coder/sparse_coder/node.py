@@ -22,6 +22,9 @@ INPUTS = dict.fromkeys(PICTURES, Image) | {"episode": JointState, "muscle_activa
 class SparseCoderNode(LearnerNode):
     """Encodes each pair of pictures once, publishes, and only then learns from it."""
 
+    # It learns while the others answer: they need the other core.
+    core_of_two = 1
+
     def __init__(self, **kwargs: Any) -> None:
         """Set up the coder; raises InputError for a bad configuration."""
         super().__init__("sparse_coder", SparseCoderConfig, INPUTS, **kwargs)
