@@ -49,8 +49,9 @@ def test_what_is_thrown_is_a_function_of_the_seed() -> None:
 
 def test_a_second_publisher_ends_the_run_with_one_error(tmp_path: Path, pictures: Path) -> None:
     with ros_graph() as graph:
+        # Long enough to still go on when the other one has been discovered, however late.
         run = supervisor(
-            [*small_run(pictures, 200, *SMALL_LEARNERS), "--out", str(tmp_path / "run")],
+            [*small_run(pictures, 1_000_000, *SMALL_LEARNERS), "--out", str(tmp_path / "run")],
             ROS_DOMAIN_ID=str(graph.domain),
         )
         # Who is there before is refused; this one comes when the run has begun.

@@ -260,6 +260,10 @@ class ExperimentManagerNode(Node):
             )
 
     def _end_episode(self) -> None:
+        # What somebody else may have had a hand in does not get into a checkpoint.
+        self._look_for_others()
+        if self._is_over:
+            return
         self._record = None
         self._others_are_late = False
         self.diagnostics.count()
@@ -329,10 +333,13 @@ class ExperimentManagerNode(Node):
         if self._record is not None:
             self._look_for_faults(self._record)
 
-    def _look_for_faults(self, record: EpisodeRecord) -> None:
+    def _look_for_others(self) -> None:
         doubled = [topic for topic in SMALL_TOPICS if self.count_publishers(topic) > 1]
         if doubled:
             self._fault(f"expected one publisher per topic, found more on {', '.join(doubled)}")
+
+    def _look_for_faults(self, record: EpisodeRecord) -> None:
+        self._look_for_others()
         waited_s = time.monotonic() - self._message_s
         if waited_s <= self.config.gap_s:
             return

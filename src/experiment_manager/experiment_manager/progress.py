@@ -25,7 +25,8 @@ class Progress:
         """n_training_iterations: of the whole run."""
         self._n_training_iterations = n_training_iterations
         self.tests: list[dict[str, Any]] = []
-        self._trial_rows: list[list[float]] = []
+        # Of float64. A test has ten thousands of rows: as lists of numbers they would be 20 MB.
+        self._trial_bytes = bytearray()
         # Sums of (E, C) over the first and the last iterations of training, and their counts.
         self._sums = {"first": [0.0, 0.0, 0], "last": [0.0, 0.0, 0]}
         self._running_errors_deg: deque[float] = deque(maxlen=_N_RUNNING)
@@ -33,7 +34,7 @@ class Progress:
     def add_truth(self, values: np.ndarray, is_last: bool) -> None:
         """Add one observation's ground truth; is_last: it ends an episode."""
         if values[_TRUTH["phase"]] == TEST:
-            self._trial_rows.append(values.tolist())
+            self._trial_bytes += values.astype(np.float64).tobytes()
         elif is_last:
             self._running_errors_deg.append(abs(float(values[_TRUTH["vergence_error_deg"]])))
 
@@ -59,9 +60,9 @@ class Progress:
 
     def end_test(self) -> dict[str, Any]:
         """Return the summary of the test whose last trial has been added."""
-        summary = test_summary(np.array(self._trial_rows))
+        summary = test_summary(self.trial_rows())
         self.tests.append(summary)
-        self._trial_rows = []
+        self._trial_bytes = bytearray()
         return summary
 
     def cost_share(self, end: str, metabolic_cost_weight: float) -> float | None:
@@ -89,7 +90,8 @@ class Progress:
 
     def trial_rows(self) -> np.ndarray:
         """Return the ground truth of the test under way, (n_rows, n_names)."""
-        return np.array(self._trial_rows, dtype=np.float64).reshape(-1, len(GROUND_TRUTH_NAMES))
+        rows = np.frombuffer(bytes(self._trial_bytes), dtype=np.float64)
+        return rows.reshape(-1, len(GROUND_TRUTH_NAMES))
 
     def restore(self, document: dict[str, Any], trial_rows: np.ndarray) -> None:
         """Take over what `document` and `trial_rows` returned; InputError for anything else."""
@@ -100,4 +102,4 @@ class Progress:
         except (KeyError, TypeError) as error:
             raise InputError(f"expected a run's progress, got {document}: {error!r}") from error
         self.tests, self._sums, self._running_errors_deg = tests, sums, errors_deg
-        self._trial_rows = trial_rows.tolist()
+        self._trial_bytes = bytearray(trial_rows.astype(np.float64).tobytes())
