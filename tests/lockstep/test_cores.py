@@ -4,13 +4,14 @@ import json
 import os
 import subprocess
 import sys
+from typing import Any
 
 import pytest
 
 PROGRAM = """
 import json, os, sys, threading
 from pathlib import Path
-from lockstep.cores import keep_to_core
+from lockstep.cores import share_two_cores
 
 cores = set(json.loads(sys.argv[1]))
 os.sched_setaffinity(0, cores)
@@ -27,29 +28,37 @@ threads = [threading.Thread(target=work, args=(name,)) for name in names]
 for thread in threads:
     thread.start()
     ready.acquire()
-keep_to_core(int(sys.argv[2]))
-print(json.dumps({n: sorted(os.sched_getaffinity(i)) for n, i in {**ids, "main": 0}.items()}))
+share_two_cores(int(sys.argv[2]), gives_way=sys.argv[3] == "True")
+found = {n: sorted(os.sched_getaffinity(i)) for n, i in {**ids, "main": 0}.items()}
+policies = {os.sched_getscheduler(i) for i in ids.values()} | {os.sched_getscheduler(0)}
+print(json.dumps({"cores": found, "batch": policies == {os.SCHED_BATCH}}))
 stop.set()
 """
 AVAILABLE = sorted(os.sched_getaffinity(0))
 
 
-def threads_of(cores: list[int], i_core: int) -> dict[str, list[int]]:
-    """Return the cores of each thread of a process that has these cores, and keeps to one."""
-    command = [sys.executable, "-c", PROGRAM, json.dumps(cores), str(i_core)]
+def shared(cores: list[int], i_core: int, *, gives_way: bool = False) -> dict[str, Any]:
+    """Return the cores of each thread of a process that has these cores, and whether all wait."""
+    command = [sys.executable, "-c", PROGRAM, json.dumps(cores), str(i_core), str(gives_way)]
     found = subprocess.run(command, capture_output=True, text=True, check=True)
     return dict(json.loads(found.stdout))
 
 
 @pytest.mark.skipif(len(AVAILABLE) < 2, reason="one core only")
+@pytest.mark.parametrize("gives_way", [False, True])
 @pytest.mark.parametrize("i_core", [0, 1])
-def test_of_two_cores_a_process_keeps_to_one_and_draws_on_both(i_core: int) -> None:
+def test_of_two_cores_a_process_keeps_to_one_and_draws_on_both(
+    i_core: int, gives_way: bool
+) -> None:
     cores = AVAILABLE[:2]
     mine = [cores[i_core]]
     drawing = {f"llvmpipe-{i}": [cores[i % 2]] for i in (0, 1, 3)}
-    assert threads_of(cores, i_core) == {"main": mine, "other": mine, **drawing}
+    found = shared(cores, i_core, gives_way=gives_way)
+    assert found == {"cores": {"main": mine, "other": mine, **drawing}, "batch": gives_way}
 
 
 def test_any_other_number_of_cores_is_left_to_the_system() -> None:
     cores = AVAILABLE if len(AVAILABLE) != 2 else AVAILABLE[:1]
-    assert set(map(tuple, threads_of(cores, 1 % len(cores)).values())) == {tuple(cores)}
+    found = shared(cores, 1 % len(cores), gives_way=True)
+    assert set(map(tuple, found["cores"].values())) == {tuple(cores)}
+    assert not found["batch"]

@@ -54,6 +54,9 @@ _HEADER_OFFSET = 4  # behind the CDR encapsulation
 class ExperimentManagerNode(Node):
     """Drives a run: graph matched, run started, episodes one by one, checkpoints, results."""
 
+    # Nobody waits for what is recorded.
+    gives_way = True
+
     def __init__(self, **kwargs: Any) -> None:
         """Open the run directory; raises InputError when it cannot be used."""
         super().__init__("experiment_manager", **kwargs)

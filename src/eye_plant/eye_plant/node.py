@@ -39,6 +39,8 @@ class EyePlantNode(Node):
         self._period_ns = period_ns(config.mechanics.period_s)
         self._observation: Observation | None = None
         is_free = config.free_running.rate_hz > 0.0
+        # In lockstep what it receives can wait until the sender's turn is over.
+        self.gives_way = not is_free
         self.diagnostics = Diagnostics(
             self, (lambda: {"state": "free running"}) if is_free else self._state_of_run
         )

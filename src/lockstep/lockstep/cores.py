@@ -1,7 +1,9 @@
-"""Which core a node works on, where there are only two.
+"""How nodes share a machine of only two cores.
 
 Linux likes to wake a thread on the core of whoever wakes it. In a loop of nodes that is the core on
-which the sender still has work to do, and the answer waits while the other core is idle.
+which the sender still has work to do, and the answer waits while the other core is idle. And each
+message wakes the middleware's threads of all who hear it, and with its receipt those of the sender:
+they interrupt whoever is at work on that core, some thirty times in an iteration.
 """
 
 import os
@@ -14,11 +16,12 @@ _TASKS = Path("/proc/self/task")
 _RENDERER = re.compile(r"llvmpipe-(\d+)")
 
 
-def keep_to_core(i_core: int) -> None:
+def share_two_cores(i_core: int, *, gives_way: bool) -> None:
     """Keep this process to the first (0) or second (1) core; its drawing threads take one each.
 
-    Threads that start later follow the one that starts them. Does nothing where this process may
-    use another number of cores than two.
+    gives_way: its threads wait for a free core rather than interrupt another thread (SCHED_BATCH);
+    their share of a busy machine stays the same. Threads that start later follow the one that
+    starts them. Does nothing where this process may use another number of cores than two.
     """
     cores = sorted(os.sched_getaffinity(0))
     if len(cores) != _N_CORES:
@@ -28,5 +31,7 @@ def keep_to_core(i_core: int) -> None:
             drawing = _RENDERER.match((task / "comm").read_text())
             i_own = int(drawing[1]) % _N_CORES if drawing else i_core
             os.sched_setaffinity(int(task.name), {cores[i_own]})
+            if gives_way and os.sched_getscheduler(int(task.name)) == os.SCHED_OTHER:
+                os.sched_setscheduler(int(task.name), os.SCHED_BATCH, os.sched_param(0))
         except (FileNotFoundError, ProcessLookupError):
             continue  # it has ended meanwhile

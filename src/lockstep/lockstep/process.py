@@ -12,7 +12,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from lockstep.cores import keep_to_core
+from lockstep.cores import share_two_cores
 from lockstep.errors import InputError
 from lockstep.executor import LockstepExecutor
 
@@ -23,7 +23,8 @@ _ROS_ERRORS = (_rclpy.RCLError, _rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROS
 def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) -> int:
     """Spin the node until it is told to stop; return the exit code of the process.
 
-    Where there are two cores, the process keeps to that of the node's `core_of_two`, 0 or 1.
+    Where there are two cores, the process keeps to that of the node's `core_of_two`, 0 or 1, and
+    does not interrupt others there if the node `gives_way`; see lockstep.cores.
     SIGTERM ends the process; so does SIGINT, unless the node has an `interrupt` to call instead.
     The code is the node's `exit_code` if it has one, else 0; it is 2 when the node cannot start
     because of what it was given: then the reason is the last line on standard error.
@@ -40,7 +41,7 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
         rclpy.try_shutdown()
         return EXIT_BAD_INPUT
 
-    keep_to_core(getattr(node, "core_of_two", 0))
+    share_two_cores(getattr(node, "core_of_two", 0), gives_way=getattr(node, "gives_way", False))
 
     def on_signal(number: int, frame: FrameType | None) -> None:
         # Python runs this between two bytecodes: the 1 Hz diagnostics wake an idle executor.
