@@ -4,9 +4,16 @@ import fcntl
 import os
 from pathlib import Path
 
+import pytest
+from rclpy.node import Node
+
 from experiment_manager.shared_memory import remove_ports, remove_stale_segments
+from tests.node_harness import ros_graph
 
 DEAD, LIVING = "fastrtps_0123456789abcdef", "fastrtps_fedcba9876543210"
+SHARED_MEMORY = Path("/dev/shm")
+# Thirteen observations' pictures; with room for three, a sampled episode stands still for seconds.
+LEAST_SEGMENT_BYTES = 13 * 2 * 320 * 240
 
 
 def _make(directory: Path, *names: str, age_s: float = 3600.0) -> None:
@@ -51,3 +58,16 @@ def test_ports_of_a_domain_of_our_own_go(tmp_path: Path) -> None:
 def test_without_shared_memory_there_is_nothing_to_do(tmp_path: Path) -> None:
     assert remove_stale_segments(tmp_path / "none") == 0
     assert remove_ports(3, tmp_path / "none") == 0
+
+
+@pytest.mark.skipif(
+    not os.environ.get("FASTRTPS_DEFAULT_PROFILES_FILE", "").endswith("launch_scripts/fastdds.xml"),
+    reason="not started by launch_scripts/test.sh",
+)
+def test_nodes_have_room_for_the_pictures_of_an_episode() -> None:
+    before = set(SHARED_MEMORY.iterdir())
+    with ros_graph() as graph:
+        graph.add(lambda **kwargs: Node("somebody", **kwargs))
+        new = set(SHARED_MEMORY.iterdir()) - before
+        sizes = [path.stat().st_size for path in new if not path.name.endswith("_el")]
+    assert max(sizes) >= LEAST_SEGMENT_BYTES

@@ -25,7 +25,9 @@ from experiment_manager.benchmark_samples import (
     Sample,
     cores_elsewhere,
     cpu_ms_per_iteration,
+    first_tenth,
     flatness,
+    last_tenth,
     rate_hz,
 )
 from experiment_manager.options import arguments, configuration_of
@@ -38,7 +40,7 @@ _WARM_UP_ITERATIONS = 300
 
 @dataclass(frozen=True)
 class Plan:
-    """How long to measure: rounds of turns, and runs without interruption for the flatness."""
+    """How long to measure: rounds of turns, and long runs, if any, for the flatness."""
 
     n_rounds: int
     turn_s: float
@@ -51,7 +53,7 @@ class Plan:
 FULL = Plan(
     n_rounds=7,
     turn_s=5.0,
-    n_long_runs=5,
+    n_long_runs=3,
     n_flatness_iterations=20_000,
     n_encodings=400,
     n_round_trips=2000,
@@ -59,8 +61,8 @@ FULL = Plan(
 QUICK = Plan(
     n_rounds=2,
     turn_s=4.0,
-    n_long_runs=1,
-    n_flatness_iterations=3_000,
+    n_long_runs=0,
+    n_flatness_iterations=0,
     n_encodings=100,
     n_round_trips=500,
 )
@@ -68,12 +70,17 @@ QUICK = Plan(
 
 @dataclass(frozen=True)
 class Round:
-    """One turn of each party; starts_s: of the two graphs, to the first iteration."""
+    """One turn of each party.
+
+    starts_s: of the two graphs, to the first iteration; peak_memory_mb: of the first one, by
+    process.
+    """
 
     graph: list[Sample]
     roi: list[Sample]
     loop: LoopWindow
     starts_s: tuple[float, float]
+    peak_memory_mb: dict[str, float]
 
 
 def _arguments(more: Sequence[str]) -> list[str]:
@@ -88,7 +95,7 @@ def measure(plan: Plan, directory: Path) -> dict[str, Any]:
 
     directory: for the runs, empty. Raises RuntimeError when a graph does not get going.
     """
-    results = _measure_long_runs(plan, directory)
+    results = _measure_flatness(plan, directory)
     loop = TimedLoop(configuration_of(arguments(_arguments([])), "benchmark"))
     try:
         loop.window(plan.turn_s / 2.0)
@@ -102,7 +109,7 @@ def measure(plan: Plan, directory: Path) -> dict[str, Any]:
     stages_ms = {name: _median([r.loop.stages_ms[name] for r in rounds]) for name in STAGES} | {
         "message_hop": hops_ms["vector"],
         "pictures_hop": hops_ms["pictures"],
-        "recording": recording_ms(directory / "long_0" / "bag", directory / "copy"),
+        "recording": recording_ms(directory / "round_0" / "graph" / "bag", directory / "copy"),
     }
     ours_ms, numpy_ms = encoding_ms["ours"], encoding_ms["numpy"]
     assert ours_ms is not None
@@ -119,49 +126,49 @@ def measure(plan: Plan, directory: Path) -> dict[str, Any]:
     }
 
 
-def _measure_long_runs(plan: Plan, directory: Path) -> dict[str, Any]:
-    """Return what runs without interruption show: their memory and their flatness.
-
-    The rate of one run wavers with the machine by as much as the bound allows.
-    """
-    runs = [_long_run(plan, directory / f"long_{i}") for i in range(plan.n_long_runs)]
-    rates, works = zip(*(flatness(samples) for samples, _ in runs), strict=True)
-    peaks_mb = {name: max(peak_mb[name] for _, peak_mb in runs) for name in runs[0][1]}
+def _measure_flatness(plan: Plan, directory: Path) -> dict[str, Any]:
+    """Return what long runs show; that of each run, too, since the rate wavers with the machine."""
+    if not plan.n_long_runs:
+        return {"flatness": None, "flatness_of_work": None, "flatness_of_runs": []}
+    n = plan.n_flatness_iterations
+    runs = [_long_run(n, directory / f"long_{i}") for i in range(plan.n_long_runs)]
+    firsts = [first_tenth(run, n) for run in (*runs, _long_run(n // 10, directory / "short"))]
+    rates, work = flatness(firsts, [last_tenth(run, n) for run in runs])
     return {
         "flatness": _median(rates),
-        "flatness_of_work": _median(works),
+        "flatness_of_work": _median(work),
         "flatness_of_runs": rates,
-        "peak_memory_mb": peaks_mb,
-        "peak_memory_total_mb": sum(peaks_mb.values()),
     }
 
 
-def _long_run(plan: Plan, directory: Path) -> tuple[list[Sample], dict[str, float]]:
-    """Return the samples of one long run, and the peak memory of each process, MB."""
-    _say(f"{directory.name}: {plan.n_flatness_iterations} iterations")
+def _long_run(n_iterations: int, directory: Path) -> list[Sample]:
+    _say(f"{directory.name}: {n_iterations} iterations")
     with supervised_run(_arguments([]), directory) as graph:
         graph.await_start(_WARM_UP_ITERATIONS)
         i_first = len(graph.samples) - 1
-        last = graph.samples[i_first].n_iterations + plan.n_flatness_iterations
+        last = graph.samples[i_first].n_iterations + n_iterations
         graph.listen_until(lambda: graph.samples[-1].n_iterations >= last)
-        return graph.samples[i_first:], dict(graph.peak_memory_mb)
+        return graph.samples[i_first:]
 
 
 def _round(plan: Plan, loop: TimedLoop, directory: Path) -> Round:
     """Return one round: the graph, the graph with a region of interest, the loop."""
     _say(f"{directory.name}: graph, graph with region of interest, one process")
     directory.mkdir()
-    turns, starts_s = [], []
+    turns, starts_s, peaks_mb = [], [], []
     for name, more in (("graph", []), ("roi", _ROI)):
         with supervised_run(_arguments(more), directory / name) as graph:
             starts_s.append(graph.await_start(_WARM_UP_ITERATIONS))
             turns.append(graph.window(plan.turn_s))
-    return Round(turns[0], turns[1], loop.window(plan.turn_s), (starts_s[0], starts_s[1]))
+            peaks_mb.append(dict(graph.peak_memory_mb))
+    starts = (starts_s[0], starts_s[1])
+    return Round(turns[0], turns[1], loop.window(plan.turn_s), starts, peaks_mb[0])
 
 
 def _summary(rounds: Sequence[Round]) -> dict[str, Any]:
     graph_hz = [rate_hz(r.graph) for r in rounds]
     works = [cpu_ms_per_iteration(r.graph) for r in rounds]
+    peaks_mb = {name: max(r.peak_memory_mb[name] for r in rounds) for name in works[0]}
     return {
         "start_to_first_iteration_s": _median([s for r in rounds for s in r.starts_s]),
         "graph_iterations_per_s": _median(graph_hz),
@@ -174,6 +181,8 @@ def _summary(rounds: Sequence[Round]) -> dict[str, Any]:
         "cpu_ms_per_iteration": {
             name: _median([work[name] for work in works]) for name in works[0]
         },
+        "peak_memory_mb": peaks_mb,
+        "peak_memory_total_mb": sum(peaks_mb.values()),
     }
 
 
