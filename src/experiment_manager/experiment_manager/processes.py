@@ -17,6 +17,9 @@ MANAGER = "experiment_manager"
 _PR_SET_PDEATHSIG = 1
 _LIBC = ctypes.CDLL(None, use_errno=True)
 _POLL_S = 0.02
+# The recorder keeps pictures for one episode in some hundreds. What is this large glibc gives back
+# when it is freed; from the heap it would stay, a little more of it each time.
+_RECORDER_VARIABLES = {"MALLOC_MMAP_THRESHOLD_": str(1 << 16)}
 
 
 def die_with(parent: int) -> None:
@@ -54,7 +57,7 @@ class NodeProcesses:
             with (logs / f"{package}.log").open("ab") as log:
                 self._processes[package] = subprocess.Popen(
                     command,
-                    env=environment,
+                    env=environment | (_RECORDER_VARIABLES if package == MANAGER else {}),
                     stdin=subprocess.DEVNULL,
                     stdout=log,
                     stderr=log,
