@@ -25,9 +25,7 @@ from experiment_manager.benchmark_samples import (
     Sample,
     cores_elsewhere,
     cpu_ms_per_iteration,
-    first_tenth,
     flatness,
-    last_tenth,
     rate_hz,
 )
 from experiment_manager.options import arguments, configuration_of
@@ -95,12 +93,19 @@ def measure(plan: Plan, directory: Path) -> dict[str, Any]:
 
     directory: for the runs, empty. Raises RuntimeError when a graph does not get going.
     """
-    results = _measure_flatness(plan, directory)
+    results = _measure_long_runs(plan, directory)
     loop = TimedLoop(configuration_of(arguments(_arguments([])), "benchmark"))
     try:
         loop.window(plan.turn_s / 2.0)
         rounds = [_round(plan, loop, directory / f"round_{i}") for i in range(plan.n_rounds)]
-        results |= _summary(rounds)
+        peaks_mb = [r.peak_memory_mb for r in rounds]
+        if plan.n_long_runs:
+            peaks_mb.append(results["peak_memory_mb"])
+        highest_mb = _highest(peaks_mb)
+        results |= _summary(rounds) | {
+            "peak_memory_mb": highest_mb,
+            "peak_memory_total_mb": sum(highest_mb.values()),
+        }
         _say("encoding, messages, recording")
         encoding_ms = encoding_times_ms(loop.coder, loop.pictures, plan.n_encodings)
     finally:
@@ -126,29 +131,36 @@ def measure(plan: Plan, directory: Path) -> dict[str, Any]:
     }
 
 
-def _measure_flatness(plan: Plan, directory: Path) -> dict[str, Any]:
-    """Return what long runs show; that of each run, too, since the rate wavers with the machine."""
+def _measure_long_runs(plan: Plan, directory: Path) -> dict[str, Any]:
+    """Return what long runs show: their memory, and their flatness; the rate of one run wavers."""
     if not plan.n_long_runs:
         return {"flatness": None, "flatness_of_work": None, "flatness_of_runs": []}
-    n = plan.n_flatness_iterations
-    runs = [_long_run(n, directory / f"long_{i}") for i in range(plan.n_long_runs)]
-    firsts = [first_tenth(run, n) for run in (*runs, _long_run(n // 10, directory / "short"))]
-    rates, work = flatness(firsts, [last_tenth(run, n) for run in runs])
+    runs = [
+        _long_run(plan.n_flatness_iterations, directory / f"long_{i}")
+        for i in range(plan.n_long_runs)
+    ]
+    rates, works = zip(*(flatness(samples) for samples, _ in runs), strict=True)
     return {
         "flatness": _median(rates),
-        "flatness_of_work": _median(work),
-        "flatness_of_runs": rates,
+        "flatness_of_work": _median(works),
+        "flatness_of_runs": list(rates),
+        "peak_memory_mb": _highest([peak_mb for _, peak_mb in runs]),
     }
 
 
-def _long_run(n_iterations: int, directory: Path) -> list[Sample]:
+def _long_run(n_iterations: int, directory: Path) -> tuple[list[Sample], dict[str, float]]:
+    """Return the samples of one long run, and the peak memory of each process, MB."""
     _say(f"{directory.name}: {n_iterations} iterations")
     with supervised_run(_arguments([]), directory) as graph:
         graph.await_start(_WARM_UP_ITERATIONS)
         i_first = len(graph.samples) - 1
         last = graph.samples[i_first].n_iterations + n_iterations
         graph.listen_until(lambda: graph.samples[-1].n_iterations >= last)
-        return graph.samples[i_first:]
+        return graph.samples[i_first:], dict(graph.peak_memory_mb)
+
+
+def _highest(peaks_mb: Sequence[dict[str, float]]) -> dict[str, float]:
+    return {name: max(peak_mb[name] for peak_mb in peaks_mb) for name in peaks_mb[0]}
 
 
 def _round(plan: Plan, loop: TimedLoop, directory: Path) -> Round:
@@ -168,7 +180,6 @@ def _round(plan: Plan, loop: TimedLoop, directory: Path) -> Round:
 def _summary(rounds: Sequence[Round]) -> dict[str, Any]:
     graph_hz = [rate_hz(r.graph) for r in rounds]
     works = [cpu_ms_per_iteration(r.graph) for r in rounds]
-    peaks_mb = {name: max(r.peak_memory_mb[name] for r in rounds) for name in works[0]}
     return {
         "start_to_first_iteration_s": _median([s for r in rounds for s in r.starts_s]),
         "graph_iterations_per_s": _median(graph_hz),
@@ -181,8 +192,6 @@ def _summary(rounds: Sequence[Round]) -> dict[str, Any]:
         "cpu_ms_per_iteration": {
             name: _median([work[name] for work in works]) for name in works[0]
         },
-        "peak_memory_mb": peaks_mb,
-        "peak_memory_total_mb": sum(peaks_mb.values()),
     }
 
 

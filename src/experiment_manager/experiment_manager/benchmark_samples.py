@@ -24,14 +24,6 @@ class Sample:
     machine_cpu_s: float
 
 
-@dataclass(frozen=True)
-class Tenth:
-    """Time and processor time, of all processes, that a tenth of a run's iterations took."""
-
-    duration_s: float
-    cpu_s: float
-
-
 def rate_hz(samples: Sequence[Sample]) -> float:
     """Return iterations per second between the first and the last of two or more samples."""
     first, last = _ends(samples)
@@ -53,40 +45,25 @@ def cores_elsewhere(samples: Sequence[Sample]) -> float:
     return max(0.0, all_s - ours_s) / (last.time_s - first.time_s)
 
 
-def first_tenth(samples: Sequence[Sample], n_iterations: int) -> Tenth:
-    """Return what the first tenth of n_iterations took; samples go on at least that far."""
-    first, _ = _ends(samples)
-    return _tenth(samples, first.n_iterations, first.n_iterations + _TENTH * n_iterations)
+def flatness(samples: Sequence[Sample]) -> tuple[float, float]:
+    """Return how the last tenth of the iterations compares with the first: (rate, work).
 
-
-def last_tenth(samples: Sequence[Sample], n_iterations: int) -> Tenth:
-    """Return what the last tenth of n_iterations took, the last ones that the samples hold."""
-    _, last = _ends(samples)
-    return _tenth(samples, last.n_iterations - _TENTH * n_iterations, last.n_iterations)
-
-
-def _tenth(samples: Sequence[Sample], start: float, end: float) -> Tenth:
-    """Between samples, time and work are interpolated."""
-    n = [sample.n_iterations for sample in samples]
-    seconds = np.interp((start, end), n, [sample.time_s for sample in samples])
-    work_s = np.interp((start, end), n, [sum(sample.cpu_s.values()) for sample in samples])
-    return Tenth(float(seconds[1] - seconds[0]), float(work_s[1] - work_s[0]))
-
-
-def flatness(firsts: Sequence[Tenth], lasts: Sequence[Tenth]) -> tuple[list[float], list[float]]:
-    """Return how the last tenth of each run compares with the first: (rates, work).
-
-    firsts: of the runs, and of one more run that was started after them; lasts: of the runs. The
-    speed of a machine wavers from minute to minute, so each last tenth is held against the mean of
-    the first ones before and after it. rates: last over first; 1.0 is flat, less is slower. work:
-    processor time per iteration, first over last; 1.0 is flat, less is more work.
+    rate: iterations per second, last over first; 1.0 is flat, less is slower. work: processor time
+    per iteration, first over last; 1.0 is flat, less is more work. Between samples, time and work
+    are interpolated. On a machine with other work to do, rate wavers and work does less.
     """
-    if len(firsts) != len(lasts) + 1:
-        raise InputError(f"expected a first tenth more than last ones, got {len(firsts)}")
-    around = list(zip(firsts, firsts[1:], lasts, strict=False))
-    rates = [(a.duration_s + b.duration_s) / 2.0 / last.duration_s for a, b, last in around]
-    work = [(a.cpu_s + b.cpu_s) / 2.0 / last.cpu_s for a, b, last in around]
-    return rates, work
+    first, last = _ends(samples)
+    n = np.array([sample.n_iterations for sample in samples], dtype=np.float64)
+    span = _TENTH * (last.n_iterations - first.n_iterations)
+    edges = (n[0], n[0] + span, n[-1] - span, n[-1])
+
+    def last_over_first(values: list[float]) -> float:
+        at = np.interp(edges, n, values)
+        return float((at[3] - at[2]) / (at[1] - at[0]))
+
+    seconds = last_over_first([sample.time_s for sample in samples])
+    work = last_over_first([sum(sample.cpu_s.values()) for sample in samples])
+    return 1.0 / seconds, 1.0 / work
 
 
 def _ends(samples: Sequence[Sample]) -> tuple[Sample, Sample]:
