@@ -2,11 +2,12 @@
 
 import signal
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-from experiment_manager.disturbance import SupervisedRun, is_alive, stamp_faults
+from experiment_manager.disturbance import SupervisedRun, are_gone, is_alive, stamp_faults
 from experiment_manager.run import CONFIG_FILE
 from experiment_manager.two_hosts import NodeOnHost, TwoHosts
 from tests.graph_harness import OracleRun, small_run, stacked, vectors
@@ -37,34 +38,48 @@ def _cut_until_something_is_lost(run: SupervisedRun, hosts: TwoHosts) -> None:
     assert run.wait_until(lambda: hosts.n_lost() > n_before, "a packet that finds no way")
 
 
+def _break_and_mend(run: SupervisedRun, hosts: TwoHosts, log: Path) -> None:
+    """Cut the network twice: once for a while, and once while a node dies."""
+    # A cut that is waited out ...
+    _cut_until_something_is_lost(run, hosts)
+    hosts.heal()
+    place = run.place()
+    assert run.wait_until(lambda: run.place() > place, "more episodes")
+    assert "fault" not in run.output()
+    # ... and one during which a node dies: those that follow it begin without a network.
+    _cut_until_something_is_lost(run, hosts)
+    learner = run.nodes()["vergence_rl"]
+    assert run.signal_node("vergence_rl", signal.SIGKILL)
+    assert run.wait_until(lambda: not is_alive(learner), "the roll-back")
+    n_waits = log.read_text().count("waiting for episode")
+    assert run.wait_until(
+        lambda: log.read_text().count("waiting for episode") > n_waits, "the new nodes"
+    )
+    hosts.heal()
+
+
 def test_the_plant_on_another_machine_behind_a_network_that_breaks(
     hosts: TwoHosts, pictures: Path, tmp_path: Path
 ) -> None:
     directory = tmp_path / "run"
-    line = [*small_run(pictures, N_TRAINING, *SETTINGS), "--elsewhere", "eye_plant"]
+    line = small_run(pictures, N_TRAINING, *SETTINGS)
     log = directory / "logs" / "experiment_manager.log"
-    with SupervisedRun(line, directory, prefix=hosts.a.prefix) as run:
-        assert run.wait_until((directory / CONFIG_FILE).exists, "config.yaml")
+    start = partial(SupervisedRun, line, directory, elsewhere=("eye_plant",), prefix=hosts.a.prefix)
+    with start() as first:
+        assert first.wait_until((directory / CONFIG_FILE).exists, "config.yaml")
         with NodeOnHost(hosts.b, "eye_plant", directory / CONFIG_FILE):
-            assert run.wait_until(lambda: run.place() >= 5, "some episodes")
-            # A cut that is waited out ...
-            _cut_until_something_is_lost(run, hosts)
-            hosts.heal()
-            place = run.place()
-            assert run.wait_until(lambda: run.place() > place, "more episodes")
-            assert "fault" not in run.output()
-            # ... and one during which a node dies: those that follow it begin without a network.
-            _cut_until_something_is_lost(run, hosts)
-            learner = run.nodes()["vergence_rl"]
-            assert run.signal_node("vergence_rl", signal.SIGKILL)
-            assert run.wait_until(lambda: not is_alive(learner), "the roll-back")
-            n_waits = log.read_text().count("waiting for episode")
-            assert run.wait_until(
-                lambda: log.read_text().count("waiting for episode") > n_waits, "the new nodes"
-            )
-            hosts.heal()
-            assert run.wait() == 0, run.output()
-            output = run.output()
+            assert first.wait_until(lambda: first.place() >= 3, "some episodes")
+            # The plant outlives its run, and is there for the one that goes on with it.
+            nodes = first.nodes().values()
+            first.process.kill()
+            first.process.wait()
+            assert are_gone(nodes)
+            with start(resume=True) as run:
+                place = run.place()
+                assert run.wait_until(lambda: run.place() > place, "more episodes")
+                _break_and_mend(run, hosts, log)
+                assert run.wait() == 0, run.output()
+                output = run.output()
     assert "eye_plant is awaited; on its machine, with a copy of " in output
     assert output.count("fault: ") == output.count("fault: vergence_rl was killed by SIGKILL") == 1
     assert "the network is back: starting the nodes again" in output

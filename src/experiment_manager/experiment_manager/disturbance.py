@@ -31,14 +31,18 @@ class SupervisedRun:
         directory: Path,
         *,
         resume: bool = False,
+        elsewhere: Sequence[str] = (),
         prefix: Sequence[str] = (),
     ) -> None:
-        """line: the command line of run_experiment.sh without --out and --resume.
+        """line: the command line of run_experiment.sh without --out, --resume and --elsewhere.
 
-        prefix: a command that becomes the one that follows it, such as env or prlimit.
+        elsewhere: nodes that somebody else starts. prefix: a command that becomes the one that
+        follows it, such as env or prlimit.
         """
         self.directory = directory
         where = ["--resume", str(directory)] if resume else [*line, "--out", str(directory)]
+        if elsewhere:
+            where += ["--elsewhere", ",".join(elsewhere)]
         self._log = directory.with_name(directory.name + ".log").open("a+")
         environment = {k: v for k, v in os.environ.items() if k != "ROS_DOMAIN_ID"}
         self.process = subprocess.Popen(

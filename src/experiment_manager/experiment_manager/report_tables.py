@@ -10,6 +10,7 @@ from experiment_manager.figures import PX_DEG
 from experiment_manager.groups import Group
 from experiment_manager.metrics import REPORTED_ITERATIONS, TestTrials, summary
 from experiment_manager.recorded_run import RecordedRun, RecordedTest
+from experiment_manager.resting_places import resting_places
 from experiment_manager.tables import number
 
 # Below this a muscle counts as silent: its cost no longer falls (the floor of its cost).
@@ -179,6 +180,31 @@ def tests_of_run_table(run: RecordedRun) -> str:
         (f"{test['iteration']:,}", str(test["n_trials"]), *(text(test[key]) for key, text in shown))
         for test in tests
     ]
+    return report_page.table(header, rows)
+
+
+def resting_table(run: RecordedRun) -> str:
+    """Return where the trials of a run's tests come to rest."""
+    header = (
+        "iteration",
+        "trials at rest",
+        "bias / deg",
+        "SD / deg",
+        "SD within picture and distance / deg",
+        "SD between them / deg",
+        "SD over time / deg",
+        "share left by an iteration",
+    )
+    rows = []
+    for test in run.tests:
+        rest = resting_places(test.trials)
+        rows.append(
+            (
+                f"{test.trials.training_iteration:,}",
+                str(rest.n_trials),
+                *(number(value) for value in list(vars(rest).values())[1:]),
+            )
+        )
     return report_page.table(header, rows)
 
 

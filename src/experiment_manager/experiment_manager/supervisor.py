@@ -289,6 +289,11 @@ def _figure(directory: Path) -> Path | None:
         return None
 
 
+def _how_to_go_on(elsewhere: Sequence[str], directory: Path) -> str:
+    nodes = f" --elsewhere {','.join(elsewhere)}" if elsewhere else ""
+    return f"launch_scripts/run_experiment.sh --resume {directory}{nodes}"
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one experiment; return the exit code."""
     try:
@@ -309,7 +314,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if code == 0:
         print(results_table(read_results(directory / RESULTS_FILE), directory, _figure(directory)))
     elif code != EXIT_BAD_INPUT:
-        print(f"to go on: launch_scripts/run_experiment.sh --resume {directory}", file=sys.stderr)
+        print(f"to go on: {_how_to_go_on(options.elsewhere, directory)}", file=sys.stderr)
     return code
 
 

@@ -185,11 +185,12 @@ def pelt(directory: Path, n_inputs: int, seed: int) -> Outcome:
     return Outcome("hostile input", figures, problems)
 
 
-def soak(directory: Path, n_iterations: int) -> Outcome:
-    """Make one long run with the paper's sizes; look at its memory and its stamps."""
+def soak(directory: Path, n_iterations: int, seed: int) -> Outcome:
+    """Make one long run as the paper has it, tests included; look at its memory and its stamps."""
+    line = ["--profile", "paper", "--iterations", str(n_iterations), "--seed", str(seed)]
     samples: dict[str, list[float]] = {package: [] for package in PACKAGES}
     began_s = time.monotonic()
-    with SupervisedRun(_line(n_iterations), directory / "soak") as run:
+    with SupervisedRun(line, directory / "soak") as run:
         while run.process.poll() is None:
             for package, process_id in run.nodes().items():
                 try:
@@ -266,8 +267,7 @@ def _cut_run(
     hosts: TwoHosts, line: Sequence[str], directory: Path, cuts_s: list[tuple[float, float]]
 ) -> tuple[int, str]:
     """Make one run under cuts, (time before, length), and take these away; return code, output."""
-    line = [*line, "--elsewhere", "eye_plant"]
-    with SupervisedRun(line, directory, prefix=hosts.a.prefix) as run:
+    with SupervisedRun(line, directory, elsewhere=("eye_plant",), prefix=hosts.a.prefix) as run:
         run.wait_until((directory / CONFIG_FILE).exists, "the configuration")
         with NodeOnHost(hosts.b, "eye_plant", directory / CONFIG_FILE):
             run.wait_until(lambda: run.place() >= 0, "the first checkpoint")
@@ -318,7 +318,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             ("kills", options.kills, lambda n: disturb(directory, n, draw)),
             ("hostile input", options.inputs, lambda n: pelt(directory, n, options.seed)),
             ("cuts", options.cuts, lambda n: cut(directory, n, draw)),
-            ("soak", options.soak, lambda n: soak(directory, n)),
+            ("soak", options.soak, lambda n: soak(directory, n, options.seed)),
         ]
         outcomes = [_outcome(name, partial(part, n)) for name, n, part in parts if n]
     for outcome in outcomes:
