@@ -61,7 +61,7 @@ class Oculomotor:
         timestep_s = config.timestep_s or parameters.timestep_s
         self._n_substeps = max(1, round(period_s / timestep_s))
         self.model.opt.timestep = period_s / self._n_substeps
-        self._trace = np.empty((4, self._n_substeps, N_MUSCLES))
+        self._trace = np.empty((self._n_substeps, 4 * N_MUSCLES))
         self._n_traced = 0
         self.settle(self.tonic_activations)
 
@@ -99,14 +99,13 @@ class Oculomotor:
         The period is simulated; what would still creep after it is taken at once, so that the
         eyes rest at the static equilibrium that they were on their way to.
         """
-        model, data, trace = self.model, self.data, self._trace
+        model, data = self.model, self.data
         activations = check_activations(activations)
         data.ctrl[:] = activations
         live = (data.act, data.actuator_length, data.actuator_velocity, data.actuator_force)
-        for i_substep in range(self._n_substeps):
+        for row in self._trace:
             mujoco.mj_step(model, data)
-            for kept, now in zip(trace, live, strict=True):
-                kept[i_substep] = now
+            np.concatenate(live, out=row)
         self._equilibrium.solve(activations, data.qpos)
         self._n_traced = self._n_substeps
 
@@ -145,7 +144,8 @@ class Oculomotor:
 
     def metabolic_trace(self) -> MetabolicTerms:
         """Umberger's terms, (n, 12) each, over the n substeps of the last control period."""
-        activations, lengths_m, velocities_m_s, forces_n = self._trace[:, : self._n_traced]
+        traced = self._trace[: self._n_traced].reshape(self._n_traced, 4, N_MUSCLES)
+        activations, lengths_m, velocities_m_s, forces_n = traced.swapaxes(0, 1)
         return self.musculature.metabolic_terms(
             self.data.ctrl, activations, lengths_m, velocities_m_s, -forces_n
         )
