@@ -1,3 +1,4 @@
+import dataclasses
 import math
 from collections.abc import Callable
 from typing import Any
@@ -43,7 +44,10 @@ class SlowAgent:
         action = self.w2 @ np.tanh(self.w1 @ s)
         draw = generator(self.config.seed, "exploration", now)
         executed = action + draw.normal(0.0, math.sqrt(1e-5), 2)
-        self.last = (s, executed)
+        copied = executed
+        if self.config.copies_clipped_action:
+            copied = np.minimum(np.maximum(activations + executed, 0), [0.2, 0.1]) - activations
+        self.last = (s, copied)
         return executed, delta
 
     def learn(self, s: NDArray[np.float64], r: float, beta: float) -> float:
@@ -79,9 +83,12 @@ def train(agent: Agent, first: int, n: int, episode_length: int = 10) -> list[De
     ]
 
 
-def test_agrees_with_a_slow_agent_over_many_episodes() -> None:
-    agent = Agent(CONFIG)
-    slow = SlowAgent(agent.state(), CONFIG)
+@pytest.mark.parametrize("copies_clipped_action", [False, True])
+def test_agrees_with_a_slow_agent_over_many_episodes(copies_clipped_action: bool) -> None:
+    config = dataclasses.replace(CONFIG, copies_clipped_action=copies_clipped_action)
+    agent = Agent(config)
+    slow = SlowAgent(agent.state(), config)
+    n_clipped = 0
     for now in range(300):
         features, activations, r = experience(now)
         got = agent.observe(
@@ -92,6 +99,8 @@ def test_agrees_with_a_slow_agent_over_many_episodes() -> None:
         np.testing.assert_allclose(got.td_error, delta, rtol=1e-9)
         command = np.clip(activations + action, 0.0, [0.2, 0.1])
         np.testing.assert_allclose(got.command, command, atol=1e-12)
+        n_clipped += int(np.any(command != activations + action))
+    assert n_clipped > 10
     state = agent.state()
     np.testing.assert_allclose(state["actor_hidden"], slow.w1, rtol=1e-9)
     np.testing.assert_allclose(state["critic"], slow.v, rtol=1e-9)
@@ -203,6 +212,31 @@ def test_commands_stay_within_their_limits_and_actions_do_not() -> None:
     np.testing.assert_array_equal(commands.min(axis=0), lowest)
     np.testing.assert_array_equal(commands.max(axis=0), highest)
     assert np.abs([d.action for d in decisions]).max() > 1.0
+
+
+@pytest.mark.parametrize(("copies_clipped_action", "share_left"), [(False, 1.0), (True, 0.875)])
+def test_what_an_action_beyond_the_limits_teaches(
+    copies_clipped_action: bool, share_left: float
+) -> None:
+    # Both muscles are silent and the actor relaxes them further, unchanged by any noise.
+    config = VergenceRlConfig(
+        n_features=6,
+        n_hidden=1,
+        exploration_variance=0.0,
+        weight_shrinkage=0.0,
+        copies_clipped_action=copies_clipped_action,
+    )
+    agent, silent = Agent(config), np.zeros(2)
+    hidden = np.zeros((1, 9))
+    hidden[0, -1] = math.atanh(0.5) / 0.02  # the bias input alone: the hidden unit is at 0.5
+    output = np.array([[-0.2], [-0.2]])
+    agent.restore(agent.state() | {"actor_hidden": hidden, "actor_output": output})
+    for iteration in (0, 1):  # a good surprise of less than one standard deviation: one update
+        agent.observe(
+            np.ones(6), silent, 0.5, iteration, iteration, learning=True, exploration=True
+        )
+    # Copied is 0: W2 + beta (0 - A) h, with A = W2 h, beta = h = 0.5. Otherwise A, by itself.
+    np.testing.assert_allclose(agent.state()["actor_output"], share_left * output, rtol=1e-5)
 
 
 def test_a_restored_agent_continues_bit_for_bit() -> None:

@@ -52,7 +52,10 @@ class Decision:
 
 @dataclass(frozen=True)
 class _Experience:
-    """What the next observation of the episode needs of this one to learn."""
+    """What the next observation of the episode needs of this one to learn.
+
+    action: (n_muscles,) that the actor is to copy, should it have done well.
+    """
 
     iteration: int
     training_iteration: int
@@ -115,10 +118,12 @@ class Agent:
         delta = math.nan if last is None else self._learn(last, reward, value_t, rate)
         output = actor(self._actor, state)
         action = output.action + self._noise(training_iteration) if exploration else output.action
+        before = entries[-N_MUSCLES:]
+        command = np.clip(before + action, self._lowest, self._highest)
+        copied = command - before if self.config.copies_clipped_action else action
         self._last = (
-            _Experience(iteration, training_iteration, state, output, action) if learning else None
+            _Experience(iteration, training_iteration, state, output, copied) if learning else None
         )
-        command = np.clip(entries[-N_MUSCLES:] + action, self._lowest, self._highest)
         return Decision(
             command,
             action,

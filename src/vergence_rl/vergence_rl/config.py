@@ -40,6 +40,9 @@ class VergenceRlConfig:
     critic_step_limit: of alpha |s|^2, the share of a TD error that one step takes away; without,
     as in K17, the critic diverges at a picture whose features lie far out.
     exploration_variance: of the noise on each muscle's action; td_variance_rate: zeta of K17.
+    copies_clipped_action: whether what the actor copies is the change of activation that the limits
+    have left, in place of the one before clipping, as in K17. There a muscle at its limit learns
+    nothing any more: whatever is tried beyond it has no effect.
     Raises InputError for a value out of range.
     """
 
@@ -63,6 +66,7 @@ class VergenceRlConfig:
     exploration_variance: float = 1e-5
     initial_td_variance: float = 1.0
     td_variance_rate: float = 0.001
+    copies_clipped_action: bool = False
 
     def __post_init__(self) -> None:
         """Refuse what no run can mean."""
