@@ -25,7 +25,7 @@ class Equilibrium:
         """Work in data, which holds the solution after `solve`."""
         self._model = model
         self._data = data
-        # Views of what MuJoCo computes: to ask for one takes as long as a third of the torques.
+        # Views of what MuJoCo computes, kept: each look-up takes time, and there are dozens a step.
         self._angles = data.qpos
         self._passive, self._active = data.qfrc_passive, data.qfrc_actuator
 
