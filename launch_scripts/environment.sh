@@ -60,6 +60,7 @@ run_module() {
     echo
   fi
   set_up
+  [[ $1 != tests.* ]] || export PYTHONPATH=$root # these are not among the packages
   exec "$python" -m "$@"
 }
 

@@ -9,16 +9,16 @@ from pathlib import Path
 
 import numpy as np
 
-from experiment_manager.bag_reader import Bag, VectorTable
+from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.loop import InProcessLoop, Step
-from experiment_manager.options import (
+from experiment_manager.launch.configuration import (
     arguments,
     configuration_of,
     configuration_text,
     read_configuration,
 )
-from experiment_manager.run import make_protocol
+from experiment_manager.loop import InProcessLoop, Step
+from experiment_manager.protocol import make_protocol
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.plant import EyePlant
@@ -68,7 +68,7 @@ def small_run(pictures: Path, n_iterations: int = 200, *more: str) -> list[str]:
 def supervisor(line: Sequence[str], **variables: str) -> "subprocess.Popen[str]":
     """Start a supervisor; its output is one stream. variables: more of its environment."""
     return subprocess.Popen(
-        [sys.executable, "-m", "experiment_manager.supervisor", *line],
+        [sys.executable, "-m", "experiment_manager.commands.run_experiment", *line],
         env=environment() | variables,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,

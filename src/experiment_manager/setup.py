@@ -1,6 +1,6 @@
 from glob import glob
 
-from setuptools import setup
+from setuptools import find_packages, setup
 
 package = "experiment_manager"
 
@@ -11,7 +11,7 @@ setup(
     maintainer="Active binocular vision maintainers",
     maintainer_email="maintainers@active-binocular-vision.example",
     license="Apache-2.0",
-    packages=[package],
+    packages=find_packages(include=[package, f"{package}.*"]),
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
@@ -22,12 +22,10 @@ setup(
     entry_points={
         "console_scripts": [
             "node = experiment_manager.node:main",
-            "run_experiment = experiment_manager.supervisor:main",
-            "evaluate = experiment_manager.evaluation:main",
-            "report = experiment_manager.report:main",
-            "inspect_bag = experiment_manager.inspect_bag:main",
-            "benchmark = experiment_manager.benchmark:main",
-            "torture = experiment_manager.torture:main",
+            "run_experiment = experiment_manager.commands.run_experiment:main",
+            "evaluate = experiment_manager.commands.evaluate:main",
+            "report = experiment_manager.commands.report:main",
+            "inspect_bag = experiment_manager.commands.inspect_bag:main",
         ]
     },
 )

@@ -1,6 +1,6 @@
 from glob import glob
 
-from setuptools import setup
+from setuptools import find_packages, setup
 
 package = "eye_plant"
 
@@ -11,8 +11,7 @@ setup(
     maintainer="Active binocular vision maintainers",
     maintainer_email="maintainers@active-binocular-vision.example",
     license="Apache-2.0",
-    packages=[package],
-    package_data={package: ["assets/*"]},
+    packages=find_packages(include=[package, f"{package}.*"]),
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
@@ -23,7 +22,7 @@ setup(
     entry_points={
         "console_scripts": [
             "node = eye_plant.node:main",
-            "validate_plant = eye_plant.validation:main",
+            "validate_plant = eye_plant.validation.__main__:main",
         ]
     },
 )

@@ -13,7 +13,7 @@ import pytest
 import yaml
 from rosbags.typesys import Stores, get_typestore
 
-from experiment_manager.bag_writer import BagWriter
+from experiment_manager.bag.writer import BagWriter
 from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES
 
 VECTOR = "sensor_msgs/msg/JointState"
@@ -288,7 +288,13 @@ def small_run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
         "eye_plant.stimuli.size_px": str(STIMULUS_PX),
         "vergence_rl.output_initial_width": "0.1",
     }
-    line = [sys.executable, "-m", "experiment_manager.supervisor", "--out", str(directory)]
+    line = [
+        sys.executable,
+        "-m",
+        "experiment_manager.commands.run_experiment",
+        "--out",
+        str(directory),
+    ]
     line += ["--iterations", "60", "--tests", "0,30", "--stimuli", str(pictures)]
     for name, value in settings.items():
         line += ["--set", f"{name}={value}"]

@@ -7,7 +7,7 @@ import pytest
 
 from experiment_manager.loop import make_loop
 from eye_plant.episode import Episode
-from eye_plant.stimuli import StimulusSet
+from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.topics import TRAINING
 
 

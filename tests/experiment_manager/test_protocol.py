@@ -5,12 +5,8 @@ from typing import Any
 
 import pytest
 
-from experiment_manager.protocol import (
-    PAPER_TEST_ITERATIONS,
-    Protocol,
-    ProtocolConfig,
-    conditions,
-)
+from experiment_manager.config import PAPER_TEST_ITERATIONS, ProtocolConfig
+from experiment_manager.protocol import Protocol, conditions
 from lockstep.errors import InputError
 from lockstep.topics import TEST, TRAINING
 

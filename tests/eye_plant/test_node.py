@@ -13,11 +13,11 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
-from eye_plant.mechanics import Oculomotor
-from eye_plant.model import MechanicsConfig
+from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.node import EyePlantNode
 from eye_plant.plant import EyePlant
-from eye_plant.stimuli import StimuliConfig
+from eye_plant.stimuli.stimulus_set import StimuliConfig
 from lockstep.errors import InputError
 from lockstep.stamps import period_ns, to_ns
 from lockstep.topics import (

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from experiment_manager.disturbance import (
+from experiment_manager.launch.processes import PACKAGES
+from tests.graph_harness import small_run
+from tests.stress.supervised_run import (
     SupervisedRun,
     are_gone,
     differences,
@@ -14,8 +16,6 @@ from experiment_manager.disturbance import (
     is_intact,
     stamp_faults,
 )
-from experiment_manager.processes import PACKAGES
-from tests.graph_harness import small_run
 
 N_TRAINING = 400
 SETTINGS = (

@@ -9,7 +9,7 @@ import pytest
 from mcap_ros2.reader import read_ros2_messages
 from rosbags.highlevel import AnyReader
 
-from experiment_manager.bag_reader import Bag
+from experiment_manager.bag.reader import Bag
 from lockstep.topics import (
     ACTOR_CRITIC_NAMES,
     CODER_VECTORS,

@@ -4,13 +4,13 @@ from pathlib import Path
 
 from rclpy.node import Node
 
-from experiment_manager.fuzz import NODES, FuzzedGraph
-from experiment_manager.hostility import LARGEST_BYTES, Hostility
 from lockstep.qos import QUEUE_DEPTH
 from lockstep.topics import REWARD_NAMES
 from lockstep.vectors import VectorPublisher
 from tests.graph_harness import finished, small_run, supervisor, write_configuration
 from tests.node_harness import ros_graph
+from tests.stress.hostile_graph import NODES, FuzzedGraph
+from tests.stress.hostile_input import LARGEST_BYTES, Hostility
 
 SMALL_LEARNERS = ("sparse_coder.n_bases=32", "vergence_rl.n_features=64")
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from experiment_manager.disturbance import SupervisedRun, are_gone, is_alive, stamp_faults
-from experiment_manager.run import CONFIG_FILE
-from experiment_manager.two_hosts import NodeOnHost, TwoHosts
+from experiment_manager.run.run_directory import CONFIG_FILE
 from tests.graph_harness import OracleRun, small_run, stacked, vectors
+from tests.stress.supervised_run import SupervisedRun, are_gone, is_alive, stamp_faults
+from tests.stress.two_hosts import NodeOnHost, TwoHosts
 
 N_TRAINING, N_TRIALS = 300, 8
 SETTINGS = (

@@ -11,8 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from experiment_manager.bag_reader import Bag
-from experiment_manager.disturbance import SupervisedRun, is_intact, stamp_faults
+from experiment_manager.bag.reader import Bag
 from tests.graph_harness import (
     PATIENCE_S,
     OracleRun,
@@ -23,6 +22,7 @@ from tests.graph_harness import (
     vectors,
     write_configuration,
 )
+from tests.stress.supervised_run import SupervisedRun, is_intact, stamp_faults
 
 N_TRAINING = 200
 SETTINGS = (

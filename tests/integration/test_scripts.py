@@ -13,12 +13,12 @@ SCRIPTS = tuple(
 )
 NODES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")
 MODULES = {
-    "run_experiment": "experiment_manager.supervisor",
-    "evaluate": "experiment_manager.evaluation",
-    "report": "experiment_manager.report",
-    "inspect_bag": "experiment_manager.inspect_bag",
-    "benchmark": "experiment_manager.benchmark",
-    "torture": "experiment_manager.torture",
+    "run_experiment": "experiment_manager.commands.run_experiment",
+    "evaluate": "experiment_manager.commands.evaluate",
+    "report": "experiment_manager.commands.report",
+    "inspect_bag": "experiment_manager.commands.inspect_bag",
+    "benchmark": "tests.benchmark",
+    "torture": "tests.stress",
     "validate_plant": "eye_plant.validation",
 }
 

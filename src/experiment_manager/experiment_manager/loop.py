@@ -10,7 +10,7 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.observation import Observation
 from eye_plant.plant import EyePlant
-from eye_plant.stimuli import StimulusSet
+from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.configuration import build
 from lockstep.topics import COMMAND_NAMES, HORIZONTAL_RECTI, TRAINING
 from sparse_coder.coder import SparseCoder

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 
 from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.recording import (
+from experiment_manager.run.episode_record import (
     FREE_TOPICS,
     SAMPLED_TOPICS,
     SMALL_TOPICS,
@@ -22,9 +22,10 @@ from experiment_manager.recording import (
     learning_steps,
     takes_pictures,
 )
-from experiment_manager.run import Run
+from experiment_manager.run.run_directory import Run
 from lockstep.diagnostics import Diagnostics
 from lockstep.errors import InputError
+from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_UNWRITABLE, FAULT_TEXT
 from lockstep.parameters import declare_config
 from lockstep.process import run_node
 from lockstep.qos import LOCKSTEP_QOS
@@ -33,12 +34,6 @@ from lockstep.stamps import period_ns
 from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TOPIC_TYPES
 from lockstep.vectors import Vector, VectorReader, values_of
 
-EXIT_FAULT = 3
-# To start again would not help: the disk is full, or may only be read.
-EXIT_UNWRITABLE = 4
-EXIT_INTERRUPTED = 130
-# Before the reason, in the last line of the log: the supervisor reads it there.
-FAULT_TEXT = "the run cannot go on: "
 LEARNERS = ("sparse_coder", "vergence_rl")
 LEARNER_OF = {"reward": "sparse_coder", "actor_critic": "vergence_rl"}
 PLANT = "eye_plant"

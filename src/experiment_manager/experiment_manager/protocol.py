@@ -10,105 +10,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig, bounds
 from eye_plant.episode import Episode
 from eye_plant.geometry import desired_vergence_deg
-from lockstep.errors import InputError
+from eye_plant.mechanics.inverse import Inverse
 from lockstep.randomness import generator
 from lockstep.topics import TEST, TRAINING
 
 ActivationPair = Callable[[float, float], tuple[float, float]]
-
-# K17: 13 tests; the times are the authors' (public code), given here for 10^6 iterations.
-PAPER_TEST_ITERATIONS = (
-    *range(0, 200_001, 50_000),
-    *range(300_000, 1_000_001, 100_000),
-)
-
-
-_LEAST_DISTANCE_M = 0.1
-# Parameters that are a lowest and a highest value, and the least that either may be.
-_BOUNDS = {
-    "object_distance_m": _LEAST_DISTANCE_M,
-    "fixation_distance_m": _LEAST_DISTANCE_M,
-    "medial_rectus_limits": 0.0,
-    "lateral_rectus_limits": 0.0,
-}
-
-
-@dataclass(frozen=True)
-class ProtocolConfig:
-    """What is shown, how long, and when it is tested; defaults are the paper's.
-
-    test_iterations: training iterations before each test, those beyond the end are left out and
-    one at the end is always made; n_stimuli_per_test: the first so many of the test stimuli;
-    the limits bound the activations that an episode starts with.
-    Raises InputError for values that make no experiment.
-    """
-
-    n_training_iterations: int = 1_000_000
-    iterations_per_episode: int = 10
-    iterations_per_trial: int = 20
-    test_iterations: tuple[int, ...] = PAPER_TEST_ITERATIONS
-    n_training_stimuli: int = 100
-    n_test_stimuli: int = 40
-    n_stimuli_per_test: int = 40
-    object_distance_m: tuple[float, ...] = (0.5, 6.0)
-    fixation_distance_m: tuple[float, ...] = (0.5, 6.0)
-    test_distances_m: tuple[float, ...] = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
-    least_start_error_deg: int = -3
-    medial_rectus_limits: tuple[float, ...] = (0.0, 0.2)
-    lateral_rectus_limits: tuple[float, ...] = (0.0, 0.1)
-
-    def __post_init__(self) -> None:
-        """Check that the numbers fit together."""
-        counts = (
-            "iterations_per_episode",
-            "iterations_per_trial",
-            "n_training_stimuli",
-            "n_test_stimuli",
-            "n_stimuli_per_test",
-        )
-        for name in counts:
-            if getattr(self, name) < 1:
-                raise InputError(f"{name}: expected 1 or more, got {getattr(self, name)}")
-        if self.n_training_iterations < 0 or (
-            self.n_training_iterations % self.iterations_per_episode
-        ):
-            raise InputError(
-                f"n_training_iterations: expected a multiple of {self.iterations_per_episode} "
-                f"(iterations per episode), got {self.n_training_iterations}"
-            )
-        if any(n % self.iterations_per_episode or n < 0 for n in self.test_iterations):
-            raise InputError(
-                f"test_iterations: expected multiples of {self.iterations_per_episode}, "
-                f"got {list(self.test_iterations)}"
-            )
-        if self.n_stimuli_per_test > self.n_test_stimuli:
-            raise InputError(
-                f"n_stimuli_per_test: expected {self.n_test_stimuli} or less, "
-                f"got {self.n_stimuli_per_test}"
-            )
-        for name, least in _BOUNDS.items():
-            values = getattr(self, name)
-            if len(values) != 2 or not least <= values[0] <= values[1] < math.inf:
-                raise InputError(
-                    f"{name}: expected [lowest, highest] from {least} on, got {list(values)}"
-                )
-        if not all(_LEAST_DISTANCE_M <= d < math.inf for d in self.test_distances_m):
-            raise InputError(
-                f"test_distances_m: expected {_LEAST_DISTANCE_M} m or more, "
-                f"got {list(self.test_distances_m)}"
-            )
-        if self.least_start_error_deg > 0:
-            raise InputError(
-                f"least_start_error_deg: expected 0 or less, got {self.least_start_error_deg}"
-            )
-
-
-def bounds(values: tuple[float, ...]) -> tuple[float, float]:
-    """Return a parameter's [lowest, highest] as a pair."""
-    lowest, highest = values
-    return lowest, highest
 
 
 @dataclass(frozen=True)
@@ -277,3 +186,18 @@ class Protocol:
             n_iterations=config.iterations_per_trial,
             first_observation=segment.first_observation + trial * (config.iterations_per_trial + 1),
         )
+
+
+def make_protocol(config: ExperimentManagerConfig) -> Protocol:
+    """Return the sequence of episodes of a configuration."""
+    inverse = Inverse(config.mechanics)
+    limits = (
+        bounds(config.protocol.medial_rectus_limits),
+        bounds(config.protocol.lateral_rectus_limits),
+    )
+    return Protocol(
+        config.protocol,
+        config.seed,
+        config.mechanics.baseline_m,
+        lambda vergence_deg, fraction: inverse.activation_pair(vergence_deg, fraction, limits),
+    )

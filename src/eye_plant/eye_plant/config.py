@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass, field
 
-from eye_plant.camera_config import CameraConfig
-from eye_plant.model import MechanicsConfig
-from eye_plant.stimuli import StimuliConfig
+from eye_plant.camera.config import CameraConfig
+from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.stimuli.stimulus_set import StimuliConfig
 from lockstep.errors import InputError
 
 # Beyond it, a period is shorter than the plant's time step.

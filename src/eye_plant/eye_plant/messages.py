@@ -2,7 +2,7 @@
 
 from sensor_msgs.msg import CameraInfo, Image
 
-from eye_plant.camera_config import CameraConfig
+from eye_plant.camera.config import CameraConfig
 from lockstep.topics import SIDES
 
 

@@ -6,8 +6,8 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo
 
 from eye_plant.config import EyePlantConfig
+from eye_plant.mechanics.muscles import MUSCLE_NAMES
 from eye_plant.messages import camera_info, picture_message
-from eye_plant.muscles import MUSCLE_NAMES
 from eye_plant.observation import Observation
 from lockstep.images import ImagePublisher
 from lockstep.qos import LOCKSTEP_QOS

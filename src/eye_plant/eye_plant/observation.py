@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from eye_plant.episode import Episode
-from eye_plant.mechanics import OculomotorState
+from eye_plant.mechanics.oculomotor import OculomotorState
 from lockstep.topics import TRAINING
 
 

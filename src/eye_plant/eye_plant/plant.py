@@ -4,15 +4,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from eye_plant.camera.stereo_camera import StereoCamera
 from eye_plant.commands import target_activations
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.geometry import desired_vergence_deg
-from eye_plant.inverse import Inverse
-from eye_plant.mechanics import Oculomotor, OculomotorState
+from eye_plant.mechanics.inverse import Inverse
+from eye_plant.mechanics.oculomotor import Oculomotor, OculomotorState
 from eye_plant.observation import GroundTruth, Observation
-from eye_plant.stereo_camera import StereoCamera
-from eye_plant.stimuli import StimulusSet, load_stimuli
+from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli
 from lockstep.errors import InputError
 
 

@@ -15,8 +15,8 @@ from rclpy.signals import SignalHandlerOptions
 from lockstep.cores import share_two_cores
 from lockstep.errors import InputError
 from lockstep.executor import LockstepExecutor
+from lockstep.exit_codes import EXIT_BAD_INPUT
 
-EXIT_BAD_INPUT = 2
 _ROS_ERRORS = (_rclpy.RCLError, _rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError)
 
 

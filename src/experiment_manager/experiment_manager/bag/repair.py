@@ -1,0 +1,149 @@
+"""Makes a bag whole again after a kill or damage: what can be read is kept, the rest goes."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+import yaml
+from mcap.writer import Writer
+
+from experiment_manager.bag.mcap_file import (
+    MESSAGE_STRUCT,
+    RECORD_HEADER_BYTES,
+    ChunkPlace,
+    McapFile,
+)
+from experiment_manager.bag.metadata import (
+    METADATA_FILE,
+    RUN_METADATA,
+    OfferedQos,
+    Topic,
+    bag_information,
+    write_metadata,
+)
+from experiment_manager.bag.reader import Bag, message_at
+from lockstep.durable_files import sync_directory
+from lockstep.errors import InputError
+
+
+@dataclass(frozen=True)
+class Repair:
+    """What was done to one file.
+
+    n_messages: kept; n_broken_chunks: lost; n_lost_bytes: in these and behind the last record.
+    """
+
+    name: str
+    n_messages: int
+    n_broken_chunks: int
+    n_lost_bytes: int
+
+
+def repair_bag(path: Path) -> list[Repair]:
+    """Rewrite each cut-off or damaged file of a bag and its metadata.yaml; return what was done.
+
+    Every chunk that fits its checksum is kept, those behind a broken one, too. The
+    metadata is only rewritten when it does not fit the files. Each file is replaced as a whole.
+    Raises InputError when there is no bag at path.
+    """
+    bag = Bag(path)
+    repairs = [_rewrite(file.path) for file in bag.files if not _is_whole(file)]
+    if path.is_dir():
+        _rewrite_metadata(path)
+    return repairs
+
+
+def _is_whole(file: McapFile) -> bool:
+    try:
+        for place in file.chunks:
+            file.read_chunk(place)
+    except InputError:
+        return False
+    return file.complete
+
+
+def _rewrite(path: Path) -> Repair:
+    file = McapFile.open(path, beyond_damage=True)
+    beside = path.with_name(path.name + ".part")
+    with beside.open("wb") as stream:
+        n_messages, broken = _copy(file, stream)
+        stream.flush()
+        os.fsync(stream.fileno())
+    beside.replace(path)
+    sync_directory(path.parent)
+    n_lost_bytes = file.n_lost_bytes + sum(place.n_bytes for place in broken)
+    return Repair(path.name, n_messages, len(broken), n_lost_bytes)
+
+
+def _copy(file: McapFile, stream: BinaryIO) -> tuple[int, list[ChunkPlace]]:
+    """Write what can be read; return the number of messages, and the chunks that are broken."""
+    writer = Writer(stream)
+    writer.start(profile="ros2")
+    for name, record in file.metadata.items():
+        writer.add_metadata(name, record)
+    for name, content in file.attachments.items():
+        writer.add_attachment(0, 0, name, "application/yaml", content)
+    schemas = {
+        i: writer.register_schema(schema.name, schema.encoding, schema.data)
+        for i, schema in file.schemas.items()
+    }
+    channels = {
+        i: writer.register_channel(
+            channel.topic, channel.message_encoding, schemas[channel.schema_id], channel.metadata
+        )
+        for i, channel in file.channels.items()
+    }
+    n_messages, broken = 0, []
+    for place in file.chunks:
+        try:
+            data, scanned = file.scan_chunk(place)
+        except InputError:
+            broken.append(place)
+            continue
+        # Of a topic that was announced in a broken chunk nothing can be read.
+        offsets = sorted(
+            int(offset)
+            for i in scanned.channel_ids & channels.keys()
+            for offset in scanned.entries(i)["offset"]
+        )
+        records = data.tobytes()
+        for offset in offsets:
+            channel_id, sequence, log_time, publish_time = MESSAGE_STRUCT.unpack_from(
+                records, offset + RECORD_HEADER_BYTES
+            )
+            writer.add_message(
+                channels[channel_id], log_time, message_at(data, offset), publish_time, sequence
+            )
+        n_messages += len(offsets)
+    writer.finish()
+    return n_messages, broken
+
+
+def _rewrite_metadata(directory: Path) -> None:
+    bag = Bag(directory)
+    topics: dict[str, Topic] = {}
+    for file in bag.files:
+        for i, channel in file.channels.items():
+            topics[channel.topic] = Topic(
+                channel.topic,
+                file.type_name(i),
+                channel.metadata.get("topic_type_hash", ""),
+                OfferedQos.parse(channel.metadata.get("offered_qos_profiles", "")),
+            )
+    information = bag_information(
+        list(topics.values()),
+        [file.summary() for file in bag.files],
+        bag.metadata.get(RUN_METADATA, {}),
+    )
+    if _written(directory / METADATA_FILE) != information:
+        write_metadata(directory, information)
+
+
+def _written(metadata: Path) -> object:
+    if not metadata.is_file():
+        return None
+    document = yaml.safe_load(metadata.read_text(encoding="utf-8"))
+    if not isinstance(document, dict):
+        raise InputError(f"{metadata}: expected what rosbag2 writes")
+    return document.get("rosbag2_bagfile_information")

@@ -1,0 +1,303 @@
+"""Writes a rosbag2 directory of .mcap files that survives a kill at any moment."""
+
+import contextlib
+import os
+import re
+import time
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import BinaryIO, Self
+
+import yaml
+from mcap.writer import Writer
+
+from experiment_manager.bag.mcap_file import McapFile
+from experiment_manager.bag.message_definitions import message_definition
+from experiment_manager.bag.metadata import (
+    CONFIGURATION_ATTACHMENT,
+    RUN_METADATA,
+    FileSummary,
+    OfferedQos,
+    Topic,
+    bag_information,
+    write_metadata,
+)
+from lockstep.durable_files import sync_directory
+from lockstep.errors import InputError
+
+EXEMPT_TOPICS = ("/clock", "/diagnostics")
+_CHUNK_BYTES = 1 << 20
+_FILE_NAME = re.compile(r"^bag_(\d+)\.mcap$")
+
+
+class BagWriter:
+    """A rosbag2 directory under construction: metadata.yaml, bag_0.mcap, bag_1.mcap, ...
+
+    Each commit ends a file; what was committed is never touched again. Between commits complete
+    chunks are handed to the system at least every flush period, so that a kill loses no more than
+    that, and a cut-off file still opens up to its last complete chunk.
+    """
+
+    def __init__(
+        self,
+        directory: Path,
+        topics: Mapping[str, str],
+        metadata: Mapping[str, str],
+        *,
+        namespace: str = "/",
+        configuration: str = "",
+        qos: Mapping[str, OfferedQos] | None = None,
+        exempt_topics: Collection[str] = EXEMPT_TOPICS,
+        resume_files: Sequence[str] | None = None,
+        flush_period_s: float = 2.0,
+    ) -> None:
+        """Make the directory, or continue the one that holds resume_files.
+
+        topics: {name: type such as sensor_msgs/msg/Image}; a relative name is recorded in the
+        namespace, as ROS resolves it. metadata: the run in short, {key: text},
+        a metadata record of each file and custom_data of metadata.yaml. configuration: the text
+        attached to each file as config.yaml; without it the metadata as YAML. qos: what is offered
+        on topics other than OfferedQos(). exempt_topics: kept whatever their stamps.
+        resume_files: the committed files to keep; other bag_N.mcap are deleted.
+
+        Raises InputError for a directory that already holds something, an unknown type, or a
+        resume file that is missing or not whole.
+        """
+        self._directory = Path(directory)
+        self._metadata = dict(metadata)
+        self._configuration = configuration or yaml.safe_dump(self._metadata)
+        self._topics = _described(topics, namespace, qos or {})
+        self._exempt = frozenset(exempt_topics)
+        self._flush_period_s = flush_period_s
+        self._last_stamp_ns = dict.fromkeys(topics, -1)
+        self.n_ignored = dict.fromkeys(topics, 0)
+        self._committed: list[FileSummary] = []
+        self._open: _OpenFile | None = None
+        self._failed = False
+        if resume_files is None:
+            _make_new(self._directory)
+        else:
+            self._continue(resume_files)
+
+    def write(self, topic: str, message: bytes, stamp_ns: int) -> bool:
+        """Record a serialized message (CDR) at its stamp; False when it was a repeat.
+
+        A stamp that is not greater than the last one of its topic is a repeat: it is counted in
+        n_ignored and not written. Raises InputError for a topic that was not announced, OSError
+        when the disk refuses; after that nothing more can be written.
+        """
+        last_ns = self._last_stamp_ns.get(topic)
+        if last_ns is None:
+            raise InputError(
+                f"bag {self._directory}: expected one of {', '.join(self._last_stamp_ns)}, "
+                f"got topic {topic!r}"
+            )
+        if not 0 <= stamp_ns < 1 << 63:
+            raise InputError(f"bag topic {topic}: expected a stamp in [0, 2^63) ns, got {stamp_ns}")
+        if stamp_ns <= last_ns and topic not in self._exempt:
+            self.n_ignored[topic] += 1
+            return False
+        self._last_stamp_ns[topic] = max(stamp_ns, last_ns)
+        with self._guarded():
+            if self._open is None:
+                self._open = self._next_file()
+            self._open.write(topic, message, stamp_ns)
+            self._flush_when_due()
+        return True
+
+    def flush_when_due(self) -> None:
+        """Hand what was written to the system if the flush period is over; for an idle timer."""
+        if self._open is not None:
+            with self._guarded():
+                self._flush_when_due()
+
+    def commit(self) -> None:
+        """End and sync the current file and replace metadata.yaml; the next write starts a file."""
+        with self._guarded():
+            if self._open is not None:
+                self._committed.append(self._open.finish())
+                self._open = None
+                sync_directory(self._directory)
+            information = bag_information([*self._topics.values()], self._committed, self._metadata)
+            write_metadata(self._directory, information)
+
+    def close(self) -> None:
+        """Commit; after a failed write only let go of the file, which stays cut off."""
+        if not self._failed:
+            self.commit()
+        elif self._open is not None:
+            self._open.abandon()
+            self._open = None
+
+    @property
+    def files(self) -> list[str]:
+        """Names of the committed files, in order."""
+        return [file.name for file in self._committed]
+
+    def __enter__(self) -> Self:
+        """Return the writer; leaving the block closes it."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Close."""
+        self.close()
+
+    @contextlib.contextmanager
+    def _guarded(self) -> Iterator[None]:
+        """Mark the writer as failed when the body is left by an error.
+
+        What came next would not fit the index of a file whose last record is half-written.
+        """
+        if self._failed:
+            raise OSError(f"bag {self._directory}: an earlier write failed")
+        try:
+            yield
+        except BaseException:
+            self._failed = True
+            raise
+
+    def _flush_when_due(self) -> None:
+        assert self._open is not None
+        now_s = time.monotonic()
+        if now_s - self._open.flushed_s >= self._flush_period_s:
+            self._open.flush(now_s)
+
+    def _next_file(self) -> "_OpenFile":
+        number = 1 + max((_number(name) for name in self.files), default=-1)
+        return _OpenFile(
+            self._directory / f"bag_{number}.mcap",
+            self._topics,
+            self._metadata,
+            self._configuration,
+        )
+
+    def _continue(self, names: Sequence[str]) -> None:
+        self._directory.mkdir(parents=True, exist_ok=True)
+        announced = {topic.name: name for name, topic in self._topics.items()}
+        for name in names:
+            if not _FILE_NAME.match(name):
+                raise InputError(f"expected a bag file such as bag_0.mcap, got {name!r}")
+            file = McapFile.open(self._directory / name)
+            if not file.complete:
+                raise InputError(f"{self._directory / name}: expected a whole file, it is cut off")
+            self._committed.append(file.summary())
+            for topic, stamp_ns in file.last_stamps_ns().items():
+                as_announced = announced.get(topic)
+                if as_announced is not None:
+                    last_ns = self._last_stamp_ns[as_announced]
+                    self._last_stamp_ns[as_announced] = max(stamp_ns, last_ns)
+        for path in self._directory.iterdir():
+            if _FILE_NAME.match(path.name) and path.name not in names:
+                path.unlink()
+        self.commit()
+
+
+class _OpenFile:
+    """The .mcap file that is being written."""
+
+    def __init__(
+        self,
+        path: Path,
+        topics: Mapping[str, Topic],
+        metadata: Mapping[str, str],
+        configuration: str,
+    ) -> None:
+        self._path = path
+        self._stream: BinaryIO = path.open("xb")
+        self._writer = Writer(self._stream, chunk_size=_CHUNK_BYTES)
+        self._writer.start(profile="ros2")
+        self._writer.add_metadata(RUN_METADATA, dict(metadata))
+        self._writer.add_attachment(
+            create_time=0,
+            log_time=0,
+            name=CONFIGURATION_ATTACHMENT,
+            media_type="application/yaml",
+            data=configuration.encode(),
+        )
+        self._channels = self._register(topics)
+        self._names = {name: topic.name for name, topic in topics.items()}
+        self._counts = dict.fromkeys(topics, 0)
+        self._span_ns: tuple[int, int] | None = None
+        self.flushed_s = time.monotonic()
+
+    def _register(self, topics: Mapping[str, Topic]) -> dict[str, int]:
+        schemas: dict[str, int] = {}
+        channels: dict[str, int] = {}
+        for name, topic in topics.items():
+            if topic.type_name not in schemas:
+                text = message_definition(topic.type_name).text
+                schemas[topic.type_name] = self._writer.register_schema(
+                    topic.type_name, "ros2msg", text.encode()
+                )
+            channels[name] = self._writer.register_channel(
+                topic.name,
+                "cdr",
+                schemas[topic.type_name],
+                {"offered_qos_profiles": topic.qos.text(), "topic_type_hash": topic.type_hash},
+            )
+        return channels
+
+    def write(self, topic: str, message: bytes, stamp_ns: int) -> None:
+        self._writer.add_message(
+            self._channels[topic], stamp_ns, message, stamp_ns, self._counts[topic]
+        )
+        self._counts[topic] += 1
+        start_ns, end_ns = self._span_ns or (stamp_ns, stamp_ns)
+        self._span_ns = (min(start_ns, stamp_ns), max(end_ns, stamp_ns))
+
+    def flush(self, now_s: float) -> None:
+        self._writer.flush()
+        self.flushed_s = now_s
+
+    def finish(self) -> FileSummary:
+        self._writer.finish()
+        self._stream.flush()
+        os.fsync(self._stream.fileno())
+        self._stream.close()
+        start_ns, end_ns = self._span_ns or (0, 0)
+        counts = {self._names[name]: count for name, count in self._counts.items()}
+        return FileSummary(self._path.name, start_ns, end_ns, counts)
+
+    def abandon(self) -> None:
+        # Closing writes the rest of the buffer, and may fail for the reason that was raised before.
+        with contextlib.suppress(OSError):
+            self._stream.close()
+
+
+def _described(
+    topics: Mapping[str, str], namespace: str, qos: Mapping[str, OfferedQos]
+) -> dict[str, Topic]:
+    """Return {name as announced: topic with its full name}."""
+    unknown = sorted(set(qos) - set(topics))
+    if unknown:
+        raise InputError(f"expected QoS of announced topics, got {', '.join(unknown)}")
+    prefix = f"/{namespace.strip('/')}/" if namespace.strip("/") else "/"
+    return {
+        name: Topic(
+            name if name.startswith("/") else prefix + name,
+            type_name,
+            message_definition(type_name).type_hash,
+            qos.get(name, OfferedQos()),
+        )
+        for name, type_name in topics.items()
+    }
+
+
+def _make_new(directory: Path) -> None:
+    if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
+        raise InputError(
+            f"expected a new or empty directory for the bag, {directory} already holds something"
+        )
+    directory.mkdir(parents=True, exist_ok=True)
+
+
+def _number(name: str) -> int:
+    match = _FILE_NAME.match(name)
+    assert match is not None
+    return int(match.group(1))

@@ -1,0 +1,1 @@
+"""One module for each script of launch_scripts that users call."""

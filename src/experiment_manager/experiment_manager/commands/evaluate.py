@@ -1,0 +1,177 @@
+"""Measures a run: from its bag alone, or what its frozen learners do with other pictures."""
+
+import argparse
+import json
+import math
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from experiment_manager.frozen_test import FrozenTest
+from experiment_manager.measures.recorded_run import RecordedRun
+from experiment_manager.measures.results import RESULTS_FILE, read_results, write_document
+from experiment_manager.measures.tables import number, tests_table
+from lockstep.errors import InputError
+from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIFFERENT
+
+# Sums may be taken in another order; everything else is the same arithmetic on the same doubles.
+_RELATIVE_TOLERANCE = 1e-9
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; return 0, 1 when the bag tells other numbers, 2 for bad input."""
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    is_frozen = options.stimuli is not None or options.checkpoint is not None
+    if not is_frozen and (options.stimuli_per_test is not None or options.out is not None):
+        parser.error("--stimuli-per-test and --out go with --stimuli or --checkpoint")
+    if is_frozen and options.write:
+        parser.error("--write goes without --stimuli and --checkpoint: it is about the run itself")
+    try:
+        if is_frozen:
+            return _test_frozen(options)
+        return _evaluate(options.run, write=options.write)
+    except (InputError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="evaluate.sh",
+        description="Recompute the measures of a run from its bag and compare with results.json."
+        " With --stimuli or --checkpoint: test the frozen learners of a checkpoint instead, in this"
+        " process; that needs config.yaml and checkpoints/ of the run alone.",
+    )
+    parser.add_argument("run", type=Path, metavar="RUN", help="run directory")
+    parser.add_argument(
+        "--stimuli",
+        type=Path,
+        metavar="DIR",
+        help="test with the pictures in DIR/test, or all in DIR (default: the run's own)",
+    )
+    parser.add_argument(
+        "--checkpoint",
+        type=int,
+        metavar="PLACE",
+        help="learners to test: the number that names a directory in checkpoints/ (default: the"
+        " newest)",
+    )
+    parser.add_argument(
+        "--stimuli-per-test",
+        type=int,
+        metavar="K",
+        help="pictures at most, 39 trials each (default: as in the run's own tests)",
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="write the test's summary as JSON, too"
+    )
+    parser.add_argument(
+        "--write", action="store_true", help="write results.json from the bag instead"
+    )
+    return parser
+
+
+def _test_frozen(options: argparse.Namespace) -> int:
+    test = FrozenTest(options.run, options.checkpoint, options.stimuli, options.stimuli_per_test)
+    document = test.document()
+    print(
+        f"model {document['model']}, seed {document['seed']}, checkpoint after "
+        f"{document['checkpoint']} episodes, {document['n_stimuli']} pictures of "
+        f"{document['stimuli'] or 'its own test stimuli'}\n\n{tests_table(document['tests'])}\n\n"
+        f"{json.dumps(document['tests'][0], indent=2)}"
+    )
+    if options.out is not None:
+        write_document(options.out, document)
+        print(f"\nwritten: {options.out}")
+    return 0
+
+
+def _evaluate(directory: Path, *, write: bool) -> int:
+    run = RecordedRun(directory)
+    found = run.results()
+    print(_text(found))
+    path = directory / RESULTS_FILE
+    begins_late = run.first_observation > 0
+    if begins_late:
+        print(
+            f"\nThe bag begins with observation {run.first_observation}: the run went on from a "
+            "checkpoint without the bag of what was before."
+        )
+    if write and begins_late:
+        raise InputError(f"{directory}: expected the whole run in its bag, to write {path} from it")
+    if write:
+        write_document(path, found)
+        print(f"\nwritten: {path}")
+        return 0
+    if not path.exists():
+        print(f"\nThere is no {path} to compare with (--write makes one).")
+        return 0
+    expected = read_results(path)
+    if begins_late:
+        expected = _as_far_as(found, expected)
+    differences = different_entries(expected, found)
+    for difference in differences:
+        print(f"different: {difference}", file=sys.stderr)
+    if differences:
+        return EXIT_DIFFERENT
+    print(f"\nAll {sum(1 for _ in _entries(found))} entries of {path} follow from the bag.")
+    return 0
+
+
+def _text(results: dict[str, Any]) -> str:
+    share = results["lambda_share"]
+    title = (
+        f"model {results['model']}, seed {results['seed']}, {results['iterations']} iterations, "
+        f"lambda {results['lambda']:g} per W, its share of the reward "
+        f"{number(share['first_5000'])} at the start and {number(share['last_5000'])} at the end"
+    )
+    return f"{title}\n\n{tests_table(results['tests'])}"
+
+
+def _as_far_as(found: dict[str, Any], expected: dict[str, Any]) -> dict[str, Any]:
+    """Return results without the tests and shares that are not in a bag which begins late."""
+    iterations = {test["iteration"] for test in found["tests"]}
+    shares = found["lambda_share"]
+    return {
+        **expected,
+        "tests": [test for test in expected["tests"] if test["iteration"] in iterations],
+        "lambda_share": {
+            key: None if shares[key] is None else share
+            for key, share in expected["lambda_share"].items()
+        },
+    }
+
+
+def different_entries(expected: dict[str, Any], found: dict[str, Any]) -> list[str]:
+    """Return "place: expected, got" for each entry in which two results.json differ."""
+    left, right = dict(_entries(expected)), dict(_entries(found))
+    return [
+        f"{place}: results.json has {left.get(place, 'nothing')}, "
+        f"the bag gives {right.get(place, 'nothing')}"
+        for place in dict.fromkeys([*left, *right])
+        if not _equal(left.get(place, "nothing"), right.get(place, "nothing"))
+    ]
+
+
+def _entries(value: Any, place: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield (place, leaf) of a nested document."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _entries(inner, f"{place}.{key}" if place else key)
+    elif isinstance(value, list):
+        for i, inner in enumerate(value):
+            yield from _entries(inner, f"{place}[{i}]")
+    else:
+        yield place, value
+
+
+def _equal(left: Any, right: Any) -> bool:
+    if isinstance(left, float) and isinstance(right, int | float):
+        return math.isclose(left, right, rel_tol=_RELATIVE_TOLERANCE, abs_tol=1e-12)
+    return bool(left == right)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

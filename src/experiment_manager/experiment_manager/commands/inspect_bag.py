@@ -1,0 +1,152 @@
+"""Shows what a bag holds; makes a cut-off one whole; takes its pictures out."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT, RUN_METADATA
+from experiment_manager.bag.reader import Bag
+from experiment_manager.bag.repair import repair_bag
+from experiment_manager.measures.metrics import split_tests, summary
+from experiment_manager.measures.tables import tests_table, text_table
+from lockstep.errors import InputError
+from lockstep.exit_codes import EXIT_BAD_INPUT
+
+_VECTOR = "sensor_msgs/msg/JointState"
+_IMAGE = "sensor_msgs/msg/Image"
+_NS_PER_S = 1e9
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; return its exit code: 0, or 2 with one line that says what is wrong."""
+    options = _parser().parse_args(arguments)
+    path = options.bag / "bag" if (options.bag / "bag").is_dir() else options.bag
+    try:
+        if options.repair:
+            _print_repairs(path)
+        bag = Bag(path)
+        if options.extract is not None:
+            _extract(bag, options.extract)
+        print(describe(bag))
+    except (InputError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="inspect_bag.sh",
+        description="Topics with counts, rates and gaps, the run's configuration, learning curve.",
+    )
+    parser.add_argument("bag", type=Path, help="bag directory, run directory or .mcap file")
+    parser.add_argument(
+        "--repair", action="store_true", help="rewrite a cut-off or damaged bag as a whole"
+    )
+    parser.add_argument(
+        "--extract", type=Path, metavar="DIR", help="write all pictures below DIR, as PNG"
+    )
+    return parser
+
+
+def describe(bag: Bag) -> str:
+    """Return what a bag holds, as text for a terminal."""
+    parts = [_files(bag), _topics(bag), _run(bag), _learning_curve(bag)]
+    return "\n\n".join(part for part in parts if part)
+
+
+def _files(bag: Bag) -> str:
+    n_bytes = sum(file.path.stat().st_size for file in bag.files)
+    cut_off = [file.path.name for file in bag.files if not file.complete]
+    state = "whole"
+    if cut_off:
+        state = f"{', '.join(cut_off)} cut off (--repair makes it whole)"
+    return f"{bag.path}: {len(bag.files)} files, {n_bytes / 1e6:.1f} MB, {state}"
+
+
+def _topics(bag: Bag) -> str:
+    stamps = {topic: np.unique(bag.stamps_ns(topic)) for topic in sorted(bag.types)}
+    periods = [
+        np.diff(s).min() for t, s in stamps.items() if bag.types[t] == _VECTOR and s.size > 1
+    ]
+    period_ns = min(periods, default=0)
+    header = ("topic", "type", "messages", "rate/Hz", "gaps", "longest gap/s")
+    rows = [
+        (topic, bag.types[topic], str(len(bag.stamps_ns(topic))), *_rhythm(s, period_ns))
+        for topic, s in stamps.items()
+    ]
+    note = (
+        f"Rates and gaps in simulated time. A gap is longer than two periods of {period_ns / 1e9:g}"
+        " s; an episode's last observation is not answered, and pictures are a sample."
+    )
+    return f"{text_table(header, rows, n_left=2)}\n{note}"
+
+
+def _rhythm(stamps_ns: np.ndarray, period_ns: int) -> tuple[str, str, str]:
+    """Return rate, number of gaps and longest gap of increasing stamps (n,)."""
+    if len(stamps_ns) < 2:
+        return "-", "-", "-"
+    steps_ns = np.diff(stamps_ns)
+    rate = len(steps_ns) / (float(stamps_ns[-1] - stamps_ns[0]) / _NS_PER_S)
+    gaps_ns = steps_ns[steps_ns > 2 * period_ns]
+    longest = f"{gaps_ns.max() / _NS_PER_S:.1f}" if len(gaps_ns) else "-"
+    return f"{rate:.3g}", str(len(gaps_ns)), longest
+
+
+def _run(bag: Bag) -> str:
+    lines = [f"{key}: {text}" for key, text in bag.metadata.get(RUN_METADATA, {}).items()]
+    try:
+        configuration = bag.attachment(CONFIGURATION_ATTACHMENT).decode()
+    except InputError:
+        return "\n".join(lines)
+    indented = "\n".join(f"  {line}" for line in configuration.rstrip().splitlines())
+    return "\n".join([*lines, f"{CONFIGURATION_ATTACHMENT}:", indented])
+
+
+def _learning_curve(bag: Bag) -> str:
+    if not bag.has("ground_truth"):
+        return ""
+    tests = split_tests(bag.vectors("ground_truth")["ground_truth"].position)
+    return tests_table([summary(test) for test in tests]) if tests else "No complete test yet."
+
+
+def _print_repairs(path: Path) -> None:
+    repairs = repair_bag(path)
+    for repair in repairs:
+        print(
+            f"{repair.name}: {repair.n_messages} messages kept; lost: "
+            f"{repair.n_broken_chunks} broken chunks, {repair.n_lost_bytes} bytes in all"
+        )
+    if not repairs:
+        print("nothing to repair")
+
+
+def _extract(bag: Bag, directory: Path) -> None:
+    if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
+        raise InputError(f"expected a new or empty directory for pictures, got {directory}")
+    n_pictures = 0
+    for topic in (topic for topic, kind in bag.types.items() if kind == _IMAGE):
+        below = directory / topic.strip("/")
+        below.mkdir(parents=True, exist_ok=True)
+        for stamp_ns, picture in bag.images(topic):
+            if not cv2.imwrite(str(below / f"{stamp_ns:019d}.png"), _as_grey(picture)):
+                raise OSError(f"cannot write a picture below {below}")
+            n_pictures += 1
+    print(f"{n_pictures} pictures below {directory}")
+
+
+def _as_grey(picture: np.ndarray) -> np.ndarray:
+    """Return a picture as uint8; numbers are scaled so that their largest is white."""
+    if picture.dtype == np.uint8:
+        return picture
+    largest = float(np.nanmax(picture, initial=0.0))
+    scaled = np.clip(np.nan_to_num(picture) / (largest or 1.0), 0.0, 1.0)
+    return np.round(255 * scaled).astype(np.uint8)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,153 @@
+"""run_experiment.sh: prepares a run, has it supervised to its end, and shows what came out."""
+
+import argparse
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from experiment_manager.launch.configuration import (
+    Configuration,
+    arguments,
+    configuration_of,
+    configuration_text,
+    read_configuration,
+)
+from experiment_manager.launch.cost_weight import first_iterations, with_weight
+from experiment_manager.launch.neighbours import refuse_neighbours
+from experiment_manager.launch.supervisor import Supervisor, known_domain
+from experiment_manager.measures.results import read_results
+from experiment_manager.measures.tables import tests_table
+from experiment_manager.report.performance_figures import learning_curve
+from experiment_manager.run.lasting_output import make_standard_streams_last
+from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
+from eye_plant.config import EyePlantConfig
+from eye_plant.stimuli.stimulus_set import load_stimuli
+from lockstep.configuration import build
+from lockstep.durable_files import replace_file, why_unwritable
+from lockstep.errors import InputError
+from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
+
+
+def _source_commit() -> str:
+    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError:
+        return "unknown"
+    return done.stdout.strip() or "unknown"
+
+
+def _prepare_stimuli(configuration: Configuration) -> None:
+    """Make the generated stimuli now if they are not in the cache: a node has no time for that."""
+    plant = build(EyePlantConfig, configuration["eye_plant"])
+    print("preparing the stimuli (the first time, they are generated: about a minute)")
+    load_stimuli(plant.stimuli)
+
+
+def _with_share(configuration: Configuration, share: float) -> Configuration:
+    """Return the configuration with the lambda that gives energy this share of the reward."""
+    first = first_iterations(configuration)
+    weight = first.weight_for(share)
+    print(
+        f"over the first {first.n_iterations} iterations with lambda 0: mean E "
+        f"{first.reconstruction_error:.4f}, mean C {first.metabolic_rate_w:.4f} W; lambda "
+        f"{weight:.6g} per W makes lambda C {share:g} of E + lambda C"
+    )
+    return with_weight(configuration, weight)
+
+
+def _say_how_to_start(nodes: Collection[str], domain: int | None, config: Path) -> None:
+    """Tell a person what to do on another machine."""
+    reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+    for node in nodes:
+        print(
+            f"{node} is awaited; on its machine, with a copy of {config}:\n"
+            f"  ROS_DOMAIN_ID={domain} ROS_AUTOMATIC_DISCOVERY_RANGE={reach} "
+            f"launch_scripts/{node}.sh --ros-args --params-file {config.name}"
+        )
+
+
+def _prepare(options: argparse.Namespace) -> Path:
+    """Return the run directory that the command line asks for, with its config.yaml."""
+    if options.resume is not None:
+        directory = Path(options.resume).resolve()
+        read_configuration(directory / CONFIG_FILE)
+        if why := why_unwritable(directory):
+            raise InputError(f"{directory}: cannot be written: {why}")
+        return directory
+    configuration = configuration_of(options, _source_commit())
+    _prepare_stimuli(configuration)
+    if options.share is not None:
+        configuration = _with_share(configuration, options.share)
+    name = time.strftime("%Y%m%d-%H%M%S")
+    directory = (options.out or Path("runs") / name).resolve()
+    if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
+        raise InputError(
+            f"{directory}: expected a new or empty directory, it already holds something; "
+            f"--resume {directory} goes on with a run"
+        )
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        replace_file(directory / CONFIG_FILE, configuration_text(configuration).encode())
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written: {error}") from error
+    return directory
+
+
+def _figure(directory: Path) -> Path | None:
+    """Draw the learning curve; None when the bag has nothing to draw it from."""
+    try:
+        return learning_curve(directory)
+    except (InputError, OSError) as error:
+        print(f"no learning curve: {error}", file=sys.stderr)
+        return None
+
+
+def _how_to_go_on(elsewhere: Sequence[str], directory: Path) -> str:
+    nodes = f" --elsewhere {','.join(elsewhere)}" if elsewhere else ""
+    return f"launch_scripts/run_experiment.sh --resume {directory}{nodes}"
+
+
+def results_table(results: Mapping[str, Any], directory: Path, figure: Path | None) -> str:
+    """Return the tests of a results.json as text, and where everything lies."""
+    return (
+        f"\nmodel {results['model']}, seed {results['seed']}: "
+        "tests by training iteration, after 20 iterations of each trial\n\n"
+        f"{tests_table(results['tests'])}\n\n"
+        f"results: {directory / RESULTS_FILE}\n"
+        f"figure:  {figure or 'none'}\n"
+        f"bag:     {directory / 'bag'}"
+    )
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one experiment; return the exit code."""
+    try:
+        options = arguments(argv)
+        domain = known_domain(options.elsewhere)
+        if domain is not None:
+            refuse_neighbours(domain, options.elsewhere)
+        directory = _prepare(options)
+        print(f"run directory: {directory}")
+        _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
+        code = Supervisor(directory, options.elsewhere).run()
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        print("stopped before the run began", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    if code == 0:
+        print(results_table(read_results(directory / RESULTS_FILE), directory, _figure(directory)))
+    elif code != EXIT_BAD_INPUT:
+        print(f"to go on: {_how_to_go_on(options.elsewhere, directory)}", file=sys.stderr)
+    return code
+
+
+if __name__ == "__main__":
+    make_standard_streams_last()
+    sys.exit(main())

@@ -1,0 +1,77 @@
+"""How large lambda must be for the cost to have a given share of the reward (K17 II)."""
+
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from tqdm import tqdm
+
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.loop import make_loop
+from experiment_manager.measures.metrics import SHARE_ITERATIONS
+from experiment_manager.protocol import Protocol, make_protocol
+from eye_plant.episode import Episode
+from lockstep.configuration import build
+
+Parameters = Mapping[str, Mapping[str, Any]]
+
+_NODES = ("sparse_coder", "experiment_manager")
+_NAME = "metabolic_cost_weight"
+
+
+@dataclass(frozen=True)
+class FirstIterations:
+    """Means over the first training iterations of a run without a price on energy.
+
+    reconstruction_error: E, both scales together; metabolic_rate_w: C, both eyes' horizontal recti.
+    """
+
+    n_iterations: int
+    reconstruction_error: float
+    metabolic_rate_w: float
+
+    def weight_for(self, share: float) -> float:
+        """Return lambda in 1/W such that lambda C / (E + lambda C) is the share, in [0, 1)."""
+        return share * self.reconstruction_error / ((1.0 - share) * self.metabolic_rate_w)
+
+
+def first_iterations(parameters: Parameters) -> FirstIterations:
+    """Train a run's learners in process over its first 5,000 iterations, with lambda 0.
+
+    parameters: of all nodes, by node.
+    """
+    free = with_weight(parameters, 0.0)
+    manager = build(ExperimentManagerConfig, free["experiment_manager"])
+    n_iterations = min(SHARE_ITERATIONS, manager.protocol.n_training_iterations)
+    error = cost_w = 0.0
+    loop = make_loop(free)
+    try:
+        with tqdm(total=n_iterations, desc="E and C", unit="it", file=sys.stderr) as bar:
+            for episode in _training_episodes(make_protocol(manager), n_iterations):
+                answers = [step.answer for step in loop.run_episode(episode)]
+                error += sum(float(a.reconstruction_error.sum()) for a in answers if a)
+                cost_w += sum(a.metabolic_rate_w for a in answers if a)
+                bar.update(episode.n_iterations)
+    finally:
+        loop.plant.close()
+    return FirstIterations(n_iterations, error / n_iterations, cost_w / n_iterations)
+
+
+def with_weight(parameters: Parameters, weight: float) -> dict[str, dict[str, Any]]:
+    """Return the parameters of all nodes with another lambda, 1/W."""
+    changed = {node: dict(values) for node, values in parameters.items()}
+    for node in _NODES:
+        changed[node][_NAME] = weight
+    return changed
+
+
+def _training_episodes(protocol: Protocol, n_iterations: int) -> Iterator[Episode]:
+    for segment in protocol.segments:
+        for place in range(segment.first, segment.first + segment.n_episodes):
+            if segment.i_test >= 0:
+                break
+            episode = protocol.episode(place)
+            if episode.training_iteration >= n_iterations:
+                return
+            yield episode

@@ -1,0 +1,80 @@
+"""What lies beyond this process' own nodes: others' graphs in a ROS domain, and the network."""
+
+import os
+import socket
+import time
+from collections.abc import Collection, Sequence
+
+import psutil
+from rclpy.context import Context
+from rclpy.node import Node
+
+from experiment_manager.launch.domains import is_silent
+from lockstep.errors import InputError
+from lockstep.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
+
+PUBLISHES = {
+    "eye_plant": PLANT_VECTORS,
+    "sparse_coder": CODER_VECTORS,
+    "vergence_rl": LEARNER_VECTORS,
+}
+# Longer than Fast DDS' period of announcements, 3 s.
+_LISTEN_S = 5.0
+_LOOK_PERIOD_S = 0.1
+_UNKNOWN = "_NODE_NAME_UNKNOWN_"
+
+
+def addresses() -> frozenset[str]:
+    """Return the IPv4 addresses of this machine's interfaces that work now, loopback too.
+
+    Fast DDS tells others the addresses that it finds when a node starts.
+    """
+    works = {name for name, state in psutil.net_if_stats().items() if state.isup}
+    return frozenset(
+        address.address
+        for name, its in psutil.net_if_addrs().items()
+        for address in its
+        if name in works and address.family == socket.AF_INET
+    )
+
+
+def refuse_neighbours(domain: int, expected: Collection[str] = ()) -> None:
+    """Raise InputError when somebody in the domain publishes topics of ours.
+
+    expected: nodes that may be there already. Who only listens may be there too. Takes a few
+    seconds, unless nobody else can be in the domain.
+    """
+    if is_silent(domain) and not _reaches_other_machines():
+        return
+    topics = [t for node, its in PUBLISHES.items() if node not in expected for t in its]
+    found = _found(domain, topics)
+    if found:
+        names = sorted({name for names in found.values() for name in names})
+        raise InputError(
+            f"ROS domain {domain}: expected no other graph in it, found {', '.join(names)} "
+            f"publishing {', '.join(found)}; choose another ROS_DOMAIN_ID, or unset it"
+        )
+
+
+def _found(domain: int, topics: Sequence[str]) -> dict[str, list[str]]:
+    """Return the names of the nodes that publish each topic, by topic, as soon as there are any."""
+    context = Context()
+    context.init(domain_id=domain)
+    node = Node("supervisor", context=context, start_parameter_services=False)
+    end_s = time.monotonic() + _LISTEN_S
+    found: dict[str, list[str]] = {}
+    # A publisher is known a moment before the name of its node.
+    while (not found or any(_UNKNOWN in names for names in found.values())) and (
+        time.monotonic() < end_s
+    ):
+        time.sleep(_LOOK_PERIOD_S)
+        infos = {topic: node.get_publishers_info_by_topic(topic) for topic in topics}
+        found = {topic: [info.node_name for info in its] for topic, its in infos.items() if its}
+    node.destroy_node()
+    context.try_shutdown()
+    return found
+
+
+def _reaches_other_machines() -> bool:
+    peers = os.environ.get("ROS_STATIC_PEERS", "")
+    return bool(peers) or os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") != "LOCALHOST"

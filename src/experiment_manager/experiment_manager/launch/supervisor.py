@@ -1,0 +1,201 @@
+"""Starts the nodes of a run, watches them, and rolls back to the last checkpoint after a fault."""
+
+import re
+import shutil
+import signal
+import sys
+from collections.abc import Collection, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from types import FrameType
+
+from experiment_manager.bag.reader import Bag
+from experiment_manager.launch.configuration import (
+    read_configuration,
+)
+from experiment_manager.launch.domains import NODE_SCRIPTS_DOMAIN, given_domain, own_domain
+from experiment_manager.launch.heartbeats import Heartbeats
+from experiment_manager.launch.neighbours import addresses
+from experiment_manager.launch.processes import MANAGER, PACKAGES, NodeProcesses
+from experiment_manager.launch.shared_memory import remove_ports, remove_stale_segments
+from experiment_manager.run import checkpoint
+from experiment_manager.run.run_directory import CONFIG_FILE
+from lockstep.durable_files import why_unwritable
+from lockstep.errors import InputError
+from lockstep.exit_codes import (
+    EXIT_BAD_INPUT,
+    EXIT_FAULT,
+    EXIT_INTERRUPTED,
+    EXIT_NETWORK,
+    EXIT_UNWRITABLE,
+    FAULT_TEXT,
+)
+
+# For nodes elsewhere, in s: a cut shorter than this is not told from a hang. Longer than Fast DDS
+# goes on to count somebody whom it does not hear, 20 s.
+_LEAST_GAP_ELSEWHERE_S = 30.0
+# A bag's file before its first message: schemas, and the configuration.
+_HEADER_BYTES = 1 << 16
+_SAME_FAULT_LIMIT = 3
+# Faults of different kinds without a checkpoint between them: somebody should look.
+_ANY_FAULT_LIMIT = 10
+# The same fault may name another time or count.
+_NUMBER = re.compile(r"[0-9.]+")
+
+
+class Supervisor:
+    """Brings one run to its end: one attempt after another, each from the newest checkpoint."""
+
+    def __init__(self, directory: Path, elsewhere: Collection[str] = ()) -> None:
+        """directory: holds config.yaml, and whatever the run has done so far.
+
+        elsewhere: nodes that somebody else starts, in the domain of `known_domain`. What they lack
+        of signs of life the manager notices.
+        """
+        self._directory = directory
+        self._elsewhere = frozenset(elsewhere)
+        self._packages = [package for package in PACKAGES if package not in elsewhere]
+        self._known_domain = known_domain(elsewhere)
+        self._processes: NodeProcesses | None = None
+        self._interrupts = 0
+
+    def run(self) -> int:
+        """Return the exit code: 0 done, 2 bad input, 3 a fault that stays, 130 Ctrl-C.
+
+        A fault is a node that dies, hangs or says that the run cannot go on.
+        """
+        signal.signal(signal.SIGINT, self._interrupt)
+        signal.signal(signal.SIGTERM, self._interrupt)
+        if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # as nohup leaves it
+            signal.signal(signal.SIGHUP, self._hang_up)
+        faults: list[tuple[int, str]] = []
+        used_domains: set[int] = set()
+        while True:
+            with self._domain(frozenset(used_domains)) as domain:
+                used_domains.add(domain)
+                print(f"to listen from another terminal: export ROS_DOMAIN_ID={domain}")
+                code, fault = self._attempt(domain)
+                remove_stale_segments()
+                if self._known_domain is None:
+                    remove_ports(domain)
+            if code == EXIT_NETWORK:
+                print("the network is back: starting the nodes again", file=sys.stderr)
+                continue
+            if fault is None:
+                return code
+            print(f"fault: {fault}", file=sys.stderr)
+            if self._interrupts:
+                return EXIT_INTERRUPTED
+            faults.append((self._place(), _NUMBER.sub("", fault)))
+            if error := self._hopeless(faults, fault):
+                print(f"error: {error}; logs: {self._directory / 'logs'}", file=sys.stderr)
+                return EXIT_FAULT
+            print("rolling back to the newest checkpoint", file=sys.stderr)
+
+    def _domain(self, used: frozenset[int]) -> AbstractContextManager[int]:
+        known = self._known_domain
+        return own_domain(used) if known is None else nullcontext(known)
+
+    def _gap_s(self) -> float:
+        configuration = read_configuration(self._directory / CONFIG_FILE)
+        return max(_LEAST_GAP_ELSEWHERE_S, configuration[MANAGER]["gap_s"])
+
+    def _hopeless(self, faults: Sequence[tuple[int, str]], fault: str) -> str:
+        """Return why another attempt would be in vain, or "" when it would not."""
+        place, _ = faults[-1]
+        where = f"after episode {place}" if place >= 0 else "before the first checkpoint"
+        if faults.count(faults[-1]) >= _SAME_FAULT_LIMIT:
+            return f"the same fault {_SAME_FAULT_LIMIT} times {where}: {fault}"
+        if sum(at == place for at, _ in faults) >= _ANY_FAULT_LIMIT:
+            return f"{_ANY_FAULT_LIMIT} faults {where}, the last one: {fault}"
+        return ""
+
+    def _place(self) -> int:
+        found = checkpoint.newest(self._directory / "checkpoints")
+        return found[0].place if found else -1
+
+    def _attempt(self, domain: int) -> tuple[int, str | None]:
+        """Run the nodes until they are done or fail; return (exit code, fault or None)."""
+        if self._interrupts:
+            return EXIT_INTERRUPTED, None
+        resume = self._place() >= 0
+        if not resume and not _holds_observations(self._directory / "bag"):
+            # Left by an attempt that ended before its first episode.
+            shutil.rmtree(self._directory / "bag", ignore_errors=True)
+        given = {
+            "run_directory": self._directory,
+            "resume": str(resume).lower(),
+            "supervised": "true",
+        }
+        if self._elsewhere:
+            given["gap_s"] = str(self._gap_s())
+        more = {MANAGER: [word for k, v in given.items() for word in ("-p", f"{k}:={v}")]}
+        config, logs = self._directory / CONFIG_FILE, self._directory / "logs"
+        at_start = addresses()
+        with (
+            NodeProcesses(config, domain, logs, more, self._packages) as processes,
+            Heartbeats(domain, self._packages) as heartbeats,
+        ):
+            self._processes = processes
+            while not (codes := processes.exit_codes()):
+                silent = heartbeats.wait()
+                if silent:
+                    return EXIT_FAULT, f"{silent} gives no sign of life"
+                if not self._elsewhere <= heartbeats.heard and not addresses() <= at_start:
+                    # Who is elsewhere does not know the way to nodes that are older than it.
+                    return EXIT_NETWORK, None
+            # Of several that have ended, the manager knows best why.
+            name = MANAGER if MANAGER in codes else next(iter(codes))
+            return self._ended(name, codes[name])
+
+    def _ended(self, name: str, code: int) -> tuple[int, str | None]:
+        if name == MANAGER and code in (0, EXIT_INTERRUPTED):
+            return code, None
+        if code < 0:
+            return EXIT_FAULT, f"{name} was killed by {signal.Signals(-code).name}"
+        last_line = self._last_line_of_log(name)
+        if code == EXIT_BAD_INPUT:
+            print(last_line, file=sys.stderr)
+            return code, None
+        reason = last_line.rpartition(FAULT_TEXT)[2]
+        if name == MANAGER and code == EXIT_UNWRITABLE:
+            if FAULT_TEXT not in last_line:  # the log could not be written either
+                why = why_unwritable(self._directory)
+                reason = f"{self._directory} cannot be written{': ' if why else ''}{why}"
+            print(f"error: {reason}; what was saved before is whole", file=sys.stderr)
+            return EXIT_FAULT, None
+        return EXIT_FAULT, f"{name} ended: {reason}"
+
+    def _last_line_of_log(self, name: str) -> str:
+        log = self._directory / "logs" / f"{name}.log"
+        lines = log.read_text(errors="replace").split("\n")
+        return next((line for line in reversed(lines) if line.strip()), "without a word")
+
+    def _interrupt(self, number: int, frame: FrameType | None) -> None:
+        self._interrupts += 1
+        if self._processes is not None:
+            self._processes.interrupt_manager()
+        if self._interrupts == 1:
+            print("\nstopping after this episode, with a checkpoint", file=sys.stderr)
+
+    def _hang_up(self, number: int, frame: FrameType | None) -> None:
+        # A terminal that is closed says so more than once, a person who wants to stop at once not.
+        if not self._interrupts:
+            self._interrupt(number, frame)
+
+
+def _holds_observations(bag: Path) -> bool:
+    """Return whether a bag, which may be cut off, holds anything of an episode."""
+    files = list(bag.glob("*.mcap"))
+    try:
+        opened = Bag(bag)
+        return opened.has("episode") and len(opened.stamps_ns("episode")) > 0
+    except InputError:
+        # Cut off before anything could be read; what is larger is somebody's to repair.
+        return any(file.stat().st_size > _HEADER_BYTES for file in files)
+
+
+def known_domain(elsewhere: Collection[str]) -> int | None:
+    """Return the domain in which others expect the run, None when it may be any."""
+    given = given_domain()
+    return NODE_SCRIPTS_DOMAIN if given is None and elsewhere else given

@@ -1,0 +1,248 @@
+"""What a run's bag tells about it, boiled down to what tables and figures need."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
+from experiment_manager.bag.reader import Bag, VectorTable
+from experiment_manager.measures.metrics import (
+    SHARE_ITERATIONS,
+    TestTrials,
+    cost_share,
+    split_tests,
+    summary,
+)
+from experiment_manager.measures.results import results_document
+from lockstep.errors import InputError
+from lockstep.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, TRAINING
+
+# The error of a single episode says how hard it was; a median over some says what was learned.
+_MOST_CURVE_BINS = 100
+_EPISODES_PER_BIN = 25
+
+
+@dataclass(frozen=True)
+class RecordedTest:
+    """One test: its trials, and what the muscles and the sparse coder did in them.
+
+    activations: (n_trials, n_iterations + 1, 2) medial and lateral rectus, mean of both eyes;
+    reconstruction_error: (n_trials, n_iterations + 1) both scales, nan after the last iteration;
+    stamps_ns: (n_trials, n_iterations + 1).
+    """
+
+    __test__ = False
+
+    trials: TestTrials
+    activations: np.ndarray
+    reconstruction_error: np.ndarray
+    stamps_ns: np.ndarray
+
+
+@dataclass(frozen=True)
+class TrainingCurve:
+    """|Vergence error| at the ends of training episodes, in bins of equal numbers of episodes.
+
+    iteration: (n_bins,) of training; quartiles_deg: (3, n_bins) lower, median, upper.
+    """
+
+    iteration: np.ndarray
+    quartiles_deg: np.ndarray
+
+
+@dataclass(frozen=True)
+class _Measures:
+    tests: tuple[RecordedTest, ...]
+    training_curve: TrainingCurve
+    cost_shares: tuple[float | None, float | None]
+    first_observation: int
+
+
+class RecordedRun:
+    """A run directory, read from its bag; everything in one pass, on first use."""
+
+    def __init__(self, directory: Path) -> None:
+        """Open the bag of a run directory; InputError when there is none or it is another's."""
+        self.directory = Path(directory)
+        self.name = self.directory.resolve().name
+        self.bag = Bag(self.directory / "bag")
+        self.configuration = self.bag.attachment(CONFIGURATION_ATTACHMENT).decode()
+        self._about = _about(self.configuration, self.bag.path)
+
+    @property
+    def model(self) -> str:
+        """M or M_C."""
+        return str(self._about["model"])
+
+    @property
+    def seed(self) -> int:
+        """Seed of the run."""
+        return int(self._about["seed"])
+
+    @property
+    def n_iterations(self) -> int:
+        """Training iterations that the whole run has."""
+        return int(self._about["n_training_iterations"])
+
+    @property
+    def metabolic_cost_weight(self) -> float:
+        """Lambda, 1/W."""
+        return float(self._about["metabolic_cost_weight"])
+
+    @property
+    def commit(self) -> str:
+        """Commit of the source."""
+        return str(self._about["commit"])
+
+    @property
+    def versions(self) -> tuple[str, ...]:
+        """Libraries that the run was made with."""
+        return tuple(str(version) for version in self._about.get("versions", ()))
+
+    def parameters(self, node: str) -> dict[str, Any]:
+        """Return all parameters of a node from the run's configuration, by dotted name."""
+        document = yaml.safe_load(self.configuration)
+        for section in (f"/**/{node}", node):
+            if section in document:
+                return dict(document[section]["ros__parameters"])
+        raise InputError(f"{self.bag.path}: the configuration has no node {node}")
+
+    @property
+    def tests(self) -> tuple[RecordedTest, ...]:
+        """All tests that begin in the bag, in their order; of the last one, its whole trials."""
+        return self._measured.tests
+
+    @property
+    def first_observation(self) -> int:
+        """Number of the first observation in the bag.
+
+        Not 0 where the run was resumed from a checkpoint alone, without the bag of what was before.
+        """
+        return self._measured.first_observation
+
+    @property
+    def training_curve(self) -> TrainingCurve:
+        """How the error fell in training."""
+        return self._measured.training_curve
+
+    @property
+    def cost_shares(self) -> tuple[float | None, float | None]:
+        """Lambda's share of the reward over the first and last 5,000 training iterations.
+
+        None where they are not all in the bag.
+        """
+        return self._measured.cost_shares
+
+    def results(self) -> dict[str, Any]:
+        """Return what results.json holds, from the bag alone."""
+        first, last = self.cost_shares
+        return results_document(
+            model=self.model,
+            seed=self.seed,
+            iterations=self.n_iterations,
+            commit=self.commit,
+            metabolic_cost_weight=self.metabolic_cost_weight,
+            cost_share_first=first,
+            cost_share_last=last,
+            tests=[summary(test.trials) for test in self.tests],
+        )
+
+    @cached_property
+    def _measured(self) -> _Measures:
+        # The tables of a full run fill half a gigabyte; only what is made of them is kept.
+        tables = self.bag.vectors("ground_truth", "reward", "muscle_activations")
+        truth = tables["ground_truth"]
+        rows = np.stack([truth.column(name) for name in GROUND_TRUTH_NAMES], axis=1)
+        recorded = tuple(
+            _recorded(trials, truth, tables["reward"], tables["muscle_activations"])
+            for trials in split_tests(rows)
+            if trials.trial[0] == 0
+        )
+        return _Measures(
+            recorded,
+            _training_curve(truth),
+            self._shares(truth, tables["reward"]),
+            int(truth.column("observation")[0]) if len(rows) else 0,
+        )
+
+    def _shares(self, truth: VectorTable, reward: VectorTable) -> tuple[float | None, float | None]:
+        rows = truth.at(reward.stamps_ns)
+        training = (rows >= 0) & (truth.column("phase")[rows] == TRAINING)
+        iteration = truth.column("training_iteration")[rows]
+        error, cost_w = _total_error(reward), reward.column("metabolic_rate_w")
+        begin = iteration[training].min(initial=self.n_iterations)
+
+        def share(first: int, end: int) -> float | None:
+            chosen = training & (iteration >= first) & (iteration < end)
+            if begin > first:
+                return None
+            return cost_share(error[chosen], cost_w[chosen], self.metabolic_cost_weight)
+
+        n = self.n_iterations
+        return share(0, SHARE_ITERATIONS), share(max(0, n - SHARE_ITERATIONS), n)
+
+
+def _about(configuration: str, path: Path) -> Mapping[str, Any]:
+    """Return the section of config.yaml that says what the run is."""
+    try:
+        about = yaml.safe_load(configuration)["run"]["ros__parameters"]
+    except (yaml.YAMLError, KeyError, TypeError) as error:
+        raise InputError(f"bag {path}: expected a run's configuration in it: {error}") from error
+    needed = {"model", "seed", "n_training_iterations", "metabolic_cost_weight", "commit"}
+    missing = sorted(needed - set(about))
+    if missing:
+        raise InputError(f"bag {path}: its configuration does not tell {', '.join(missing)}")
+    return dict(about)
+
+
+def _total_error(reward: VectorTable) -> np.ndarray:
+    error: np.ndarray = reward.column("reconstruction_error_coarse") + reward.column(
+        "reconstruction_error_fine"
+    )
+    return error
+
+
+def _recorded(
+    trials: TestTrials, truth: VectorTable, reward: VectorTable, activations: VectorTable
+) -> RecordedTest:
+    stamps_ns = truth.stamps_ns[trials.rows]
+    # In HORIZONTAL_RECTI's order: left medial, left lateral, right medial, right lateral.
+    eyes = np.stack([activations.column(name) for name in HORIZONTAL_RECTI], axis=1)
+    both = (eyes[:, :2] + eyes[:, 2:]) / 2.0
+    return RecordedTest(
+        trials=trials,
+        activations=_at_stamps(activations, both, stamps_ns),
+        reconstruction_error=_at_stamps(reward, _total_error(reward), stamps_ns),
+        stamps_ns=stamps_ns,
+    )
+
+
+def _at_stamps(table: VectorTable, values: np.ndarray, stamps_ns: np.ndarray) -> np.ndarray:
+    """Return the values (n, ...) of a table's rows at stamps of any shape; nan where none is."""
+    rows = table.at(stamps_ns.ravel())
+    if not len(values):
+        return np.full((*stamps_ns.shape, *values.shape[1:]), np.nan)
+    found = np.where(rows.reshape(-1, *[1] * (values.ndim - 1)) >= 0, values[rows], np.nan)
+    return found.reshape(*stamps_ns.shape, *values.shape[1:])
+
+
+def _training_curve(truth: VectorTable) -> TrainingCurve:
+    training = truth.column("phase") == TRAINING
+    iteration = truth.column("iteration")
+    # An episode's last observation: the next row, if any, is not its continuation.
+    follows = np.append(iteration[1:] == iteration[:-1] + 1, [False])
+    ends = np.flatnonzero(training & ~follows)
+    n_bins = min(_MOST_CURVE_BINS, -(-len(ends) // _EPISODES_PER_BIN))
+    bins = np.array_split(ends, n_bins) if n_bins else []
+    error_deg = np.abs(truth.column("vergence_error_deg"))
+    at = truth.column("training_iteration")
+    quartiles = [np.quantile(error_deg[part], (0.25, 0.5, 0.75)) for part in bins]
+    return TrainingCurve(
+        iteration=np.array([float(at[part].mean()) for part in bins]),
+        quartiles_deg=np.array(quartiles).reshape(len(bins), 3).T,
+    )

@@ -1,0 +1,136 @@
+"""Checkpoints: one manifest, renamed into place, commits the states of all nodes and the bag.
+
+checkpoints/<place>/sparse_coder.npz, vergence_rl.npz    states, written by their nodes
+checkpoints/<place>/manifest.json                        written last; without it, no checkpoint
+"""
+
+import dataclasses
+import hashlib
+import json
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lockstep.durable_files import replace_file
+from lockstep.errors import InputError
+
+_VERSION = 1
+_MANIFEST = "manifest.json"
+# The newest one and, should its files prove damaged, the one before.
+_N_KEPT = 2
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """Everything that a resume needs besides the learners' states.
+
+    place: episodes done, in the sequence of the protocol; config_hash: of the configuration that
+    the run began with; bag_files: those that are whole and belong to the run so far; state_hashes:
+    SHA-256 by file name; progress: what the manager has counted up so far.
+    """
+
+    place: int
+    config_hash: str
+    bag_files: tuple[str, ...]
+    state_hashes: dict[str, str]
+    progress: dict[str, Any]
+
+
+def place_directory(checkpoints: Path, place: int) -> Path:
+    """Return the directory of the checkpoint after so many episodes; it sorts by name."""
+    return checkpoints / f"{place:09d}"
+
+
+def hash_of(path: Path) -> str:
+    """Return the SHA-256 of a file, in hexadecimal."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def commit(checkpoints: Path, manifest: Manifest) -> None:
+    """Make the checkpoint of the states already written valid, then delete those before the last.
+
+    What a kill left behind without a manifest is deleted too.
+
+    Raises OSError when the disk refuses; then the older checkpoints are untouched.
+    """
+    directory = place_directory(checkpoints, manifest.place)
+    document = {"version": _VERSION, **dataclasses.asdict(manifest)}
+    replace_file(directory / _MANIFEST, json.dumps(document, indent=1).encode())
+    done = sorted(path.parent for path in checkpoints.glob(f"*/{_MANIFEST}"))
+    for old in done[:-_N_KEPT]:
+        # Without its manifest a half-deleted directory is no checkpoint.
+        (old / _MANIFEST).unlink()
+    for path in checkpoints.iterdir():
+        if path.is_dir() and not (path / _MANIFEST).exists():
+            shutil.rmtree(path)
+
+
+def newest(checkpoints: Path) -> tuple[Manifest, Path] | None:
+    """Return the newest checkpoint and its directory, or None when there is none.
+
+    Raises InputError for a manifest that is damaged or of another version, or whose state files
+    are missing or changed.
+    """
+    found = sorted(checkpoints.glob(f"*/{_MANIFEST}"))
+    return _checked(found[-1]) if found else None
+
+
+def at(checkpoints: Path, place: int) -> tuple[Manifest, Path]:
+    """Return the checkpoint after so many episodes and its directory.
+
+    Raises InputError, naming those that are there, when it is not; and as newest does.
+    """
+    path = place_directory(checkpoints, place) / _MANIFEST
+    if not path.is_file():
+        there = sorted(int(p.parent.name) for p in checkpoints.glob(f"*/{_MANIFEST}"))
+        raise InputError(
+            f"{checkpoints}: expected a checkpoint after {place} episodes, there is one after "
+            f"{', '.join(map(str, there)) or 'none'}"
+        )
+    return _checked(path)
+
+
+def _checked(path: Path) -> tuple[Manifest, Path]:
+    manifest = _read(path)
+    for name, expected in manifest.state_hashes.items():
+        state = path.parent / name
+        if not state.is_file() or hash_of(state) != expected:
+            raise InputError(
+                f"checkpoint {path.parent}: {name} is missing or was changed; "
+                "delete this directory to go on from the checkpoint before"
+            )
+    return manifest, path.parent
+
+
+def _read(path: Path) -> Manifest:
+    try:
+        document = json.loads(path.read_bytes())
+        version = document.pop("version")
+        if version != _VERSION:
+            raise InputError(f"checkpoint {path}: expected version {_VERSION}, got {version}")
+        manifest = Manifest(**document)
+    except InputError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise InputError(f"checkpoint {path}: expected a manifest: {error}") from error
+    if not _is_sound(manifest):
+        raise InputError(f"checkpoint {path}: expected a manifest, got other values: {manifest}")
+    return dataclasses.replace(manifest, bag_files=tuple(manifest.bag_files))
+
+
+def _is_sound(manifest: Manifest) -> bool:
+    """Whether the values read are of the types that were written."""
+    # As read from JSON: a list of bag files, and whatever somebody may have written instead.
+    bag_files: Any = manifest.bag_files
+    hashes: Any = manifest.state_hashes
+    return (
+        type(manifest.place) is int
+        and manifest.place >= 0
+        and isinstance(manifest.config_hash, str)
+        and isinstance(bag_files, list)
+        and all(isinstance(name, str) for name in bag_files)
+        and isinstance(hashes, dict)
+        and all(isinstance(h, str) and Path(name).name == name for name, h in hashes.items())
+        and isinstance(manifest.progress, dict)
+    )

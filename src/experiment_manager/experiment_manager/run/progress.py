@@ -1,0 +1,105 @@
+"""What an experiment counts up while it runs: errors, rewards, tests. No ROS, no clock."""
+
+from collections import deque
+from typing import Any
+
+import numpy as np
+
+from experiment_manager.measures.metrics import SHARE_ITERATIONS, test_summary
+from lockstep.errors import InputError
+from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
+
+_N_RUNNING = 200
+
+_TRUTH = {name: i for i, name in enumerate(GROUND_TRUTH_NAMES)}
+_REWARD = {name: i for i, name in enumerate(REWARD_NAMES)}
+
+
+class Progress:
+    """Collects ground truth and rewards, and sums them up.
+
+    `document`, `trial_rows` and `restore` carry it through a checkpoint, also amid a test.
+    """
+
+    def __init__(self, n_training_iterations: int) -> None:
+        """n_training_iterations: of the whole run."""
+        self._n_training_iterations = n_training_iterations
+        self.tests: list[dict[str, Any]] = []
+        # Of float64. A test has ten thousands of rows: as lists of numbers they would be 20 MB.
+        self._trial_bytes = bytearray()
+        # Sums of (E, C) over the first and the last iterations of training, and their counts.
+        self._sums = {"first": [0.0, 0.0, 0], "last": [0.0, 0.0, 0]}
+        self._running_errors_deg: deque[float] = deque(maxlen=_N_RUNNING)
+
+    def add_truth(self, values: np.ndarray, is_last: bool) -> None:
+        """Add one observation's ground truth; is_last: it ends an episode."""
+        if values[_TRUTH["phase"]] == TEST:
+            self._trial_bytes += values.astype(np.float64).tobytes()
+        elif is_last:
+            self._running_errors_deg.append(abs(float(values[_TRUTH["vergence_error_deg"]])))
+
+    def add_reward(self, phase: int, training_iteration: int, values: np.ndarray) -> None:
+        """Add one observation's reward."""
+        if phase != TRAINING:
+            return
+        error = float(
+            values[_REWARD["reconstruction_error_coarse"]]
+            + values[_REWARD["reconstruction_error_fine"]]
+        )
+        cost_w = float(values[_REWARD["metabolic_rate_w"]])
+        if training_iteration < SHARE_ITERATIONS:
+            self._count("first", error, cost_w)
+        if training_iteration >= self._n_training_iterations - SHARE_ITERATIONS:
+            self._count("last", error, cost_w)
+
+    def _count(self, end: str, error: float, cost_w: float) -> None:
+        sums = self._sums[end]
+        sums[0] += error
+        sums[1] += cost_w
+        sums[2] += 1
+
+    def end_test(self) -> dict[str, Any]:
+        """Return the summary of the test whose last trial has been added."""
+        summary = test_summary(self.trial_rows())
+        self.tests.append(summary)
+        self._trial_bytes = bytearray()
+        return summary
+
+    def cost_share(self, end: str, metabolic_cost_weight: float) -> float | None:
+        """Return lambda C / (E + lambda C) over the "first" or "last" training iterations."""
+        error, cost_w, count = self._sums[end]
+        if not count:
+            return None
+        priced = metabolic_cost_weight * cost_w
+        total = error + priced
+        return priced / total if total else None
+
+    @property
+    def running_median_error_deg(self) -> float | None:
+        """Median of |vergence error| at the ends of the latest training episodes."""
+        errors_deg = self._running_errors_deg
+        return float(np.median(errors_deg)) if errors_deg else None
+
+    def document(self) -> dict[str, Any]:
+        """Return all but the trial rows as plain lists and numbers, for JSON."""
+        return {
+            "tests": self.tests,
+            "sums": self._sums,
+            "running_errors_deg": list(self._running_errors_deg),
+        }
+
+    def trial_rows(self) -> np.ndarray:
+        """Return the ground truth of the test under way, (n_rows, n_names)."""
+        rows = np.frombuffer(bytes(self._trial_bytes), dtype=np.float64)
+        return rows.reshape(-1, len(GROUND_TRUTH_NAMES))
+
+    def restore(self, document: dict[str, Any], trial_rows: np.ndarray) -> None:
+        """Take over what `document` and `trial_rows` returned; InputError for anything else."""
+        try:
+            tests = list(document["tests"])
+            sums = {end: list(document["sums"][end]) for end in self._sums}
+            errors_deg = deque(document["running_errors_deg"], maxlen=_N_RUNNING)
+        except (KeyError, TypeError) as error:
+            raise InputError(f"expected a run's progress, got {document}: {error!r}") from error
+        self.tests, self._sums, self._running_errors_deg = tests, sums, errors_deg
+        self._trial_bytes = bytearray(trial_rows.astype(np.float64).tobytes())

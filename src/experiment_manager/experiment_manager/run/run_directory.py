@@ -1,0 +1,218 @@
+"""One run on disk: where it stands, its bag, its checkpoints and its results. No ROS."""
+
+import datetime
+import hashlib
+import json
+import math
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from experiment_manager.bag.writer import BagWriter
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.measures.results import write_results
+from experiment_manager.measures.tables import test_line
+from experiment_manager.protocol import make_protocol
+from experiment_manager.run import checkpoint
+from experiment_manager.run.checkpoint import Manifest
+from experiment_manager.run.episode_record import is_sampled
+from experiment_manager.run.progress import Progress
+from experiment_manager.run.progress_bar import ProgressBar
+from eye_plant.episode import Episode
+from lockstep.configuration import flatten
+from lockstep.durable_files import replace_file
+from lockstep.errors import InputError
+from lockstep.state_file import read_state, write_state
+from lockstep.topics import TOPIC_TYPES
+
+CONFIG_FILE = "config.yaml"
+RESULTS_FILE = "results.json"
+TRIALS_FILE, TRIALS_KIND = "trials.npz", "trials"
+# On a busy machine DDS needs a good part of a second to match a new reader.
+_EPISODES_AHEAD = 10
+# What may differ between a run and its resumption without touching a number of it.
+_FREE_TO_CHANGE = (
+    "run_directory",
+    "resume",
+    "supervised",
+    "checkpoint_period_s",
+    "gap_s",
+    "commit",
+)
+
+
+class Run:
+    """Owns a run directory: a new one, or one that goes on from its newest checkpoint."""
+
+    def __init__(self, config: ExperimentManagerConfig) -> None:
+        """Raise InputError for a directory that holds a run, nothing to resume, or another run."""
+        self._config = config
+        self.protocol = make_protocol(config)
+        self.directory = Path(config.run_directory or _new_directory())
+        self.run_id = config.run_id or self.directory.name
+        self.progress = Progress(config.protocol.n_training_iterations)
+        self.place = 0
+        self.stamp_ns = 0
+        self._loaded_from: Path | None = None
+        self._bag_is_elsewhere = False
+        bag_files = self._resume() if config.resume else None
+        self.directory.mkdir(parents=True, exist_ok=True)
+        self.writer = BagWriter(
+            self.directory / "bag",
+            TOPIC_TYPES,
+            {"run_id": self.run_id, "model": config.model, "seed": str(config.seed)},
+            configuration=self._configuration_text(),
+            resume_files=bag_files,
+        )
+        # A new run has its first checkpoint before its first episode: so saving is known to work.
+        self._checkpoint_s = time.monotonic() if config.resume else -math.inf
+        self._bar = ProgressBar(self.protocol, self.place)
+        if self._bag_is_elsewhere:
+            self._bar.say(f"{self.directory / 'bag'}: not here; it begins with what comes now")
+
+    # Where the run stands
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the last episode has been recorded."""
+        return self.place == len(self.protocol)
+
+    def episode(self) -> Episode:
+        """Return the episode to be made next."""
+        return self.protocol.episode(self.place)
+
+    def prepare(self) -> None:
+        """Draw the episode after the next one, while the plant is busy with the next one."""
+        if self.place + 1 < len(self.protocol):
+            self.protocol.episode(self.place + 1)
+
+    def takes_pictures_soon(self) -> bool:
+        """Return whether an episode is sampled that is close: just over, next, or soon to come.
+
+        Whoever then begins to listen is known to the plant in time, and hears the last pictures.
+        """
+        places = range(
+            max(self.place - 1, 0), min(self.place + _EPISODES_AHEAD, len(self.protocol))
+        )
+        return any(is_sampled(self._config, *self.protocol.kind(place)) for place in places)
+
+    def add_truth(self, values: np.ndarray, is_last: bool) -> None:
+        """Count one observation's ground truth, (n_names,) of lockstep.topics."""
+        self.progress.add_truth(values, is_last)
+
+    def add_reward(self, episode: Episode, iteration: int, values: np.ndarray) -> None:
+        """Count one observation's reward, (n_names,) of lockstep.topics."""
+        self.progress.add_reward(episode.phase, episode.training_iteration + iteration, values)
+
+    def end_episode(self) -> None:
+        """Go on to the next episode; the last trial of a test closes the test."""
+        segment = self.protocol.segment(self.place)
+        self.place += 1
+        if segment.i_test >= 0 and self.place == segment.first + segment.n_episodes:
+            self._bar.say(test_line(self.progress.end_test()))
+        self._bar.advance(self.progress.running_median_error_deg)
+
+    # Checkpoints
+
+    def checkpoint_is_due(self) -> bool:
+        """Return whether the last checkpoint is older than the period."""
+        return time.monotonic() - self._checkpoint_s > self._config.checkpoint_period_s
+
+    def state_paths(self, learners: Sequence[str]) -> dict[str, Path]:
+        """Return where each learner is to write its state for a checkpoint here and now."""
+        directory = checkpoint.place_directory(self._checkpoints, self.place)
+        directory.mkdir(parents=True, exist_ok=True)
+        return {name: directory.resolve() / f"{name}.npz" for name in learners}
+
+    def states_to_load(self, learners: Sequence[str]) -> dict[str, Path]:
+        """Return the state files that a resumed run begins with; none for a new run."""
+        if self._loaded_from is None:
+            return {}
+        return {name: self._loaded_from.resolve() / f"{name}.npz" for name in learners}
+
+    def commit(self, states: dict[str, Path]) -> None:
+        """Make bag and states so far a checkpoint; the states have been written."""
+        self.writer.commit()
+        trials = checkpoint.place_directory(self._checkpoints, self.place) / TRIALS_FILE
+        write_state(trials, TRIALS_KIND, {"rows": self.progress.trial_rows()})
+        files = (trials, *states.values())
+        checkpoint.commit(
+            self._checkpoints,
+            Manifest(
+                place=self.place,
+                config_hash=self._config_hash(),
+                bag_files=tuple(self.writer.files),
+                state_hashes={path.name: checkpoint.hash_of(path) for path in files},
+                progress=self.progress.document(),
+            ),
+        )
+        self._checkpoint_s = time.monotonic()
+
+    @property
+    def _checkpoints(self) -> Path:
+        return self.directory / "checkpoints"
+
+    def _resume(self) -> tuple[str, ...]:
+        """Take over the newest checkpoint; return the files of the bag that belong to it."""
+        found = checkpoint.newest(self._checkpoints)
+        if found is None:
+            raise InputError(f"{self.directory}: expected a checkpoint to resume from, found none")
+        manifest, self._loaded_from = found
+        if manifest.config_hash != self._config_hash():
+            raise InputError(
+                f"{self.directory}: expected the configuration that the run began with; "
+                f"{CONFIG_FILE} has another"
+            )
+        self.place = manifest.place
+        trials = read_state(self._loaded_from / TRIALS_FILE, TRIALS_KIND)
+        self.progress.restore(manifest.progress, trials["rows"])
+        # A checkpoint that was copied without the bag is enough to go on.
+        bag = self.directory / "bag"
+        self._bag_is_elsewhere = bool(manifest.bag_files) and not (
+            bag.is_dir() and any(bag.iterdir())
+        )
+        return () if self._bag_is_elsewhere else manifest.bag_files
+
+    def _config_hash(self) -> str:
+        values = {k: v for k, v in flatten(self._config).items() if k not in _FREE_TO_CHANGE}
+        return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
+
+    def _configuration_text(self) -> str:
+        """Return the run's configuration, and write it beside the bag if nobody has yet."""
+        path = self.directory / CONFIG_FILE
+        if not path.exists():
+            own = {"experiment_manager": {"ros__parameters": flatten(self._config)}}
+            replace_file(path, yaml.safe_dump(own, sort_keys=False).encode())
+        return path.read_text()
+
+    # The end
+
+    def finish(self) -> None:
+        """Write results.json and the learning curve from what was measured."""
+        config = self._config
+        weight = config.metabolic_cost_weight
+        self._bar.close()
+        write_results(
+            self.directory / RESULTS_FILE,
+            model=config.model,
+            seed=config.seed,
+            iterations=config.protocol.n_training_iterations,
+            commit=config.commit,
+            metabolic_cost_weight=weight,
+            cost_share_first=self.progress.cost_share("first", weight),
+            cost_share_last=self.progress.cost_share("last", weight),
+            tests=self.progress.tests,
+        )
+
+    def close(self) -> None:
+        """Close the bag, whole up to the last message."""
+        self._bar.close()
+        self.writer.close()
+
+
+def _new_directory() -> str:
+    now = datetime.datetime.now(tz=datetime.UTC)
+    return f"runs/{now:%Y%m%d-%H%M%S}"

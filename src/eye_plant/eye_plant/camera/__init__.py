@@ -1,0 +1,1 @@
+"""What the eyes see: the scene, its textures and the renderer."""

@@ -1,0 +1,1 @@
+"""The mechanics of the eyes: muscles, globe, equilibria and metabolic rate."""

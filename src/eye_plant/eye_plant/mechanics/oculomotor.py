@@ -1,0 +1,173 @@
+"""The moving eyes: settle, step, read out. One `Oculomotor` owns one MuJoCo simulation."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from eye_plant.mechanics.equilibrium import Equilibrium
+from eye_plant.mechanics.metabolics import MetabolicTerms
+from eye_plant.mechanics.model import AXES, MechanicsConfig, build_spec
+from eye_plant.mechanics.muscles import HORIZONTAL, LATERAL, MEDIAL, MUSCLE_NAMES, N_MUSCLES, SIDES
+from eye_plant.mechanics.musculature import Musculature
+from lockstep.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class OculomotorState:
+    """What the eyes and muscles are doing; the arrays are copies.
+
+    eye_angles_rad, eye_velocities_rad_s: (2, 3), left and right eye by adduction, elevation,
+    intorsion. The others are (12,) in MUSCLE_NAMES' order: activations; lengths_m and
+    velocities_m_s of the whole path, shortening negative; forces_n, pull positive;
+    metabolic_rate_w as if settled, mean_metabolic_rate_w over the last control period.
+    """
+
+    eye_angles_rad: Array
+    eye_velocities_rad_s: Array
+    activations: Array
+    lengths_m: Array
+    velocities_m_s: Array
+    forces_n: Array
+    metabolic_rate_w: Array
+    mean_metabolic_rate_w: Array
+
+
+class Oculomotor:
+    """Two eyes with six muscles each, in the order of MUSCLE_NAMES.
+
+    What a `step` does depends on the settled state and the steps since, on nothing else; the same
+    calls give the same bits.
+    """
+
+    def __init__(self, config: MechanicsConfig, model: mujoco.MjModel | None = None) -> None:
+        """Build the eyes, or drive those in model, which may hold bodies that do not move."""
+        self.model = model if model is not None else build_spec(config).compile()
+        actuators = tuple(self.model.actuator(i).name for i in range(self.model.nu))
+        if actuators != MUSCLE_NAMES or self.model.nv != len(SIDES) * len(AXES):
+            raise InputError(
+                "expected a model whose only actuators are the twelve muscles and whose only "
+                f"joints are the eyes'; got actuators {actuators}"
+            )
+        self.config = config
+        self.musculature = Musculature(config)
+        self.data = mujoco.MjData(self.model)
+        self._equilibrium = Equilibrium(self.model, self.data)
+        parameters = config.parameters
+        period_s = config.period_s
+        timestep_s = config.timestep_s or parameters.timestep_s
+        self._n_substeps = max(1, round(period_s / timestep_s))
+        self.model.opt.timestep = period_s / self._n_substeps
+        self._trace = np.empty((self._n_substeps, 4 * N_MUSCLES))
+        self._n_traced = 0
+        self.settle(self.tonic_activations)
+
+    @property
+    def muscle_names(self) -> tuple[str, ...]:
+        """The twelve muscles, in the order of every (12,) array."""
+        return MUSCLE_NAMES
+
+    @property
+    def tonic_activations(self) -> Array:
+        """Activations (12,) of muscles that nobody commands."""
+        return self.musculature.tonic_activation.copy()
+
+    @property
+    def control_period_s(self) -> float:
+        """Simulated time that one `step` takes."""
+        return float(self._n_substeps * self.model.opt.timestep)
+
+    def activations_from(self, medial: float, lateral: float) -> Array:
+        """Activations (12,): both eyes' horizontal recti as given, the others at tonic level."""
+        activations = self.tonic_activations
+        activations[MEDIAL] = medial
+        activations[LATERAL] = lateral
+        return activations
+
+    def settle(self, activations: Array) -> None:
+        """Forget everything and jump to the static equilibrium at activations (12,)."""
+        self._equilibrium.solve(check_activations(activations))
+        self.data.time = 0.0
+        self._n_traced = 0
+
+    def step(self, activations: Array) -> None:
+        """Spend one control period on the way to the target activations (12,); ends settled.
+
+        The period is simulated; what would still creep after it is taken at once, so that the
+        eyes rest at the static equilibrium that they were on their way to.
+        """
+        model, data = self.model, self.data
+        activations = check_activations(activations)
+        data.ctrl[:] = activations
+        live = (data.act, data.actuator_length, data.actuator_velocity, data.actuator_force)
+        for row in self._trace:
+            mujoco.mj_step(model, data)
+            np.concatenate(live, out=row)
+        self._equilibrium.solve(activations, data.qpos)
+        self._n_traced = self._n_substeps
+
+    def state(self) -> OculomotorState:
+        """Copies of the present state."""
+        data = self.data
+        settled_w = self.settled_metabolic_rate_w()
+        mean_w = settled_w
+        if self._n_traced:
+            mean_w = self.metabolic_trace().total_w.mean(axis=0)
+        return OculomotorState(
+            eye_angles_rad=data.qpos.reshape(len(SIDES), len(AXES)).copy(),
+            eye_velocities_rad_s=data.qvel.reshape(len(SIDES), len(AXES)).copy(),
+            activations=data.act.copy(),
+            lengths_m=data.actuator_length.copy(),
+            velocities_m_s=data.actuator_velocity.copy(),
+            forces_n=-data.actuator_force,
+            metabolic_rate_w=settled_w,
+            mean_metabolic_rate_w=mean_w,
+        )
+
+    def settled_metabolic_rate_w(self) -> Array:
+        """Metabolic rate (12,) of the muscles as they are, were they to stay so."""
+        return self.musculature.settled_rate_w(self.data.act, self.data.actuator_length)
+
+    def advance(self, activations: Array, duration_s: float) -> None:
+        """Simulate towards the target activations (12,) without waiting for the eyes to settle.
+
+        Takes the whole number of time steps nearest to duration_s, at least one.
+        """
+        self.data.ctrl[:] = check_activations(activations)
+        n_substeps = max(1, round(duration_s / self.model.opt.timestep))
+        mujoco.mj_step(self.model, self.data, n_substeps)
+        mujoco.mj_forward(self.model, self.data)
+        self._n_traced = 0
+
+    def metabolic_trace(self) -> MetabolicTerms:
+        """Umberger's terms, (n, 12) each, over the n substeps of the last control period."""
+        traced = self._trace[: self._n_traced].reshape(self._n_traced, 4, N_MUSCLES)
+        activations, lengths_m, velocities_m_s, forces_n = traced.swapaxes(0, 1)
+        return self.musculature.metabolic_terms(
+            self.data.ctrl, activations, lengths_m, velocities_m_s, -forces_n
+        )
+
+    def horizontal_metabolic_rate_w(self, rates_w: Array) -> float:
+        """Return the part of rates_w (12,) that is charged: the four horizontal recti."""
+        return float(rates_w[HORIZONTAL].sum())
+
+    def eye_positions_m(self) -> Array:
+        """Centres of the eyes, (2, 3), in the world frame: x forward, y left, z up."""
+        return np.stack([self.data.body(f"{side}_eye").xpos for side in SIDES])
+
+    def eye_rotations(self) -> Array:
+        """Rotation matrices of the eyes, (2, 3, 3): columns are forward, left and up of an eye."""
+        return np.stack([self.data.body(f"{side}_eye").xmat.reshape(3, 3) for side in SIDES])
+
+
+def check_activations(activations: Array) -> Array:
+    """Return activations as floats, or raise InputError unless (12,) within [0, 1]."""
+    activations = np.asarray(activations, dtype=np.float64)
+    if activations.shape != (N_MUSCLES,):
+        raise InputError(f"expected {N_MUSCLES} activations, got shape {activations.shape}")
+    if not bool(np.all((activations >= 0.0) & (activations <= 1.0))):
+        raise InputError(f"activations must be within [0, 1], got {activations.tolist()}")
+    return activations

@@ -1,0 +1,1 @@
+"""The pictures on the plane: generated or read from a directory."""

@@ -1,0 +1,74 @@
+"""Generated stimuli on disk: drawn once, afterwards mapped into memory as they are."""
+
+import hashlib
+import os
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+from eye_plant.stimuli import generator as stimulus_generator
+from lockstep.errors import InputError
+
+
+def load_generated(
+    cache_directory: str, seed: int, role: str, n: int, size_px: int
+) -> tuple[np.ndarray, ...]:
+    """Return pictures 0 to n - 1 of the set `role`, each (size_px, size_px) uint8, read only.
+
+    Those that the cache lacks are generated and added, each by one rename, so that an interrupted
+    or a second process does no harm. The arrays are memory maps of the files: they cost memory
+    only where they are read. Raises InputError when the cache cannot be written.
+    """
+    directory = _set_directory(cache_directory, seed, size_px)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        # NumPy and OpenCV let other threads run while they draw.
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            return tuple(
+                pool.map(lambda number: _load_one(directory, seed, role, number, size_px), range(n))
+            )
+    except OSError as error:
+        raise InputError(
+            f"stimuli.cache_directory: expected a directory to write to, got {directory} ({error})"
+        ) from error
+
+
+def _set_directory(cache_directory: str, seed: int, size_px: int) -> Path:
+    """Return the directory of one set, named by all that its pictures depend on."""
+    if cache_directory:
+        root = Path(cache_directory).expanduser()
+    else:
+        user_cache = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+        root = Path(user_cache).expanduser() / "active_binocular_vision" / "stimuli"
+    source = Path(stimulus_generator.__file__).read_bytes()
+    version = hashlib.blake2b(source, digest_size=8).hexdigest()
+    return root / f"{version}-seed{seed}-{size_px}px"
+
+
+def _load_one(directory: Path, seed: int, role: str, number: int, size_px: int) -> np.ndarray:
+    path = directory / f"{role}_{number:04d}.npy"
+    picture = _map(path, size_px)
+    if picture is None:
+        _write(path, stimulus_generator.generate_stimulus(seed, role, number, size_px))
+        picture = _map(path, size_px)
+    if picture is None:
+        raise InputError(f"{path}: expected the picture just written, got something else")
+    return picture
+
+
+def _map(path: Path, size_px: int) -> np.ndarray | None:
+    """Return the file's picture, or None when there is none or it is damaged."""
+    try:
+        picture = np.load(path, mmap_mode="r")
+    except (OSError, ValueError, EOFError):
+        return None
+    is_whole = picture.shape == (size_px, size_px) and picture.dtype == np.uint8
+    return picture if is_whole else None
+
+
+def _write(path: Path, picture: np.ndarray) -> None:
+    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".", delete=False) as file:
+        np.save(file, picture)
+    os.replace(file.name, path)

@@ -1,0 +1,109 @@
+"""The pictures on the plane: generated ones, or a directory of the user's own.
+
+The set has a seed of its own, independent of the run's. Training and test pictures are disjoint.
+Everywhere a stimulus is counted through: training pictures first, then test pictures.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from eye_plant.stimuli.cache import load_generated
+from eye_plant.stimuli.directory import (
+    ChosenFiles,
+    choose_files,
+    choose_test_files,
+    read_picture,
+)
+from lockstep.errors import InputError
+
+SMALLEST_PX = 64
+
+
+@dataclass(frozen=True)
+class StimuliConfig:
+    """Which pictures to show; K17 has 100 for training and 40 for tests, of 1920 x 1920 pixels.
+
+    directory: pictures in it replace the generated ones, up to the numbers below; "" is none. It
+    holds subdirectories train and test, or all pictures, split by seed. cache_directory: where
+    generated pictures are kept; "" is the user's cache directory.
+    """
+
+    directory: str = ""
+    seed: int = 0
+    n_training: int = 100
+    n_test: int = 40
+    size_px: int = 1920
+    cache_directory: str = ""
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that make no set, naming the parameter."""
+        for name, least in (("n_training", 1), ("n_test", 1), ("size_px", SMALLEST_PX)):
+            if getattr(self, name) < least:
+                raise InputError(
+                    f"stimuli.{name}: expected {least} or more, got {getattr(self, name)}"
+                )
+
+
+@dataclass(frozen=True)
+class StimulusSet:
+    """Grey pictures (size, size) uint8, row 0 on top; read only."""
+
+    training: tuple[np.ndarray, ...]
+    test: tuple[np.ndarray, ...]
+
+    @property
+    def all(self) -> tuple[np.ndarray, ...]:
+        """In the order in which stimuli are counted: training first, then test."""
+        return self.training + self.test
+
+
+def load_stimuli(config: StimuliConfig) -> StimulusSet:
+    """Return the set, generated (and kept for the next time) or read from the directory.
+
+    Raises InputError naming the directory or file that is missing, empty, broken or too small.
+    """
+    if not config.directory:
+        return StimulusSet(
+            load_generated(
+                config.cache_directory, config.seed, "training", config.n_training, config.size_px
+            ),
+            load_generated(
+                config.cache_directory, config.seed, "test", config.n_test, config.size_px
+            ),
+        )
+    chosen = _choose(config)
+    training, test = (
+        tuple(read_picture(path, config.size_px, SMALLEST_PX) for path in paths)
+        for paths in (chosen.training, chosen.test)
+    )
+    return StimulusSet(training, test)
+
+
+def load_unseen_stimuli(
+    directory: str, config: StimuliConfig, n_most: int
+) -> tuple[np.ndarray, ...]:
+    """Return up to n_most pictures to test with, of another directory than was trained on.
+
+    Its subdirectory test if it has one, else all its pictures; in an order of config.seed, and of
+    config.size_px. Raises InputError naming the directory or file that cannot be used.
+    """
+    return tuple(
+        read_picture(path, config.size_px, SMALLEST_PX)
+        for path in choose_test_files(directory, config.seed)[:n_most]
+    )
+
+
+def count_stimuli(config: StimuliConfig) -> tuple[int, int]:
+    """Return the numbers of training and test pictures that load_stimuli would return.
+
+    Reads no picture. Raises InputError naming a directory that is missing or too empty.
+    """
+    if not config.directory:
+        return config.n_training, config.n_test
+    chosen = _choose(config)
+    return len(chosen.training), len(chosen.test)
+
+
+def _choose(config: StimuliConfig) -> ChosenFiles:
+    return choose_files(config.directory, config.seed, config.n_training, config.n_test)

@@ -1,0 +1,1 @@
+"""Both parameter sets held against physiology and OpenEyeSim's maps."""

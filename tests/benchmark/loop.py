@@ -1,0 +1,117 @@
+"""The same loop in one process, with a stopwatch at each stage."""
+
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from experiment_manager.launch.configuration import CONFIG_CLASSES, Configuration
+from experiment_manager.loop import InProcessLoop, Step
+from experiment_manager.protocol import make_protocol
+from eye_plant.observation import Observation
+from eye_plant.plant import EyePlant
+from lockstep.configuration import build
+from lockstep.topics import TRAINING
+from sparse_coder.coder import SparseCoder
+from vergence_rl.agent import Agent
+
+STAGES = ("physics", "rendering", "encoding", "dictionary_step", "actor_critic", "episode_start")
+
+
+@dataclass(frozen=True)
+class LoopWindow:
+    """iterations per second, and the mean duration of each stage's calls, by stage."""
+
+    rate_hz: float
+    stages_ms: dict[str, float]
+
+
+class TimedLoop:
+    """Training episodes in this process, as the configuration's protocol gives them."""
+
+    def __init__(self, configuration: Configuration) -> None:
+        """Set up plant, coder and agent, and attach the stopwatches."""
+        configs: dict[str, Any] = {
+            node: build(config_class, configuration[node])
+            for node, config_class in CONFIG_CLASSES.items()
+        }
+        self.plant = EyePlant(configs["eye_plant"])
+        self.coder = SparseCoder(configs["sparse_coder"])
+        self._agent = Agent(configs["vergence_rl"])
+        weight = configs["sparse_coder"].metabolic_cost_weight
+        self._loop = InProcessLoop(self.plant, self.coder, self._agent, weight)
+        self._protocol = make_protocol(configs["experiment_manager"])
+        self._places = self._training_places()
+        self._durations_s: dict[str, list[float]] = defaultdict(list)
+        self._physics_s = 0.0
+        self.pictures: list[np.ndarray] = []
+        self._attach()
+
+    def _training_places(self) -> Iterator[int]:
+        for segment in self._protocol.segments:
+            if segment.i_test < 0:
+                yield from range(segment.first, segment.first + segment.n_episodes)
+
+    def _attach(self) -> None:
+        oculomotor = self.plant.oculomotor
+        for name in ("step", "state"):
+            setattr(oculomotor, name, self._counting_physics(getattr(oculomotor, name)))
+        for owner, name, stage in (
+            (self.coder, "encode", "encoding"),
+            (self.coder, "learn", "dictionary_step"),
+            (self._agent, "observe", "actor_critic"),
+            (self.plant, "begin", "episode_start"),
+        ):
+            setattr(owner, name, self._timed(getattr(owner, name), stage))
+        self._execute = self.plant.execute
+        setattr(self.plant, "execute", self._timed_execute)  # noqa: B010 (mypy: methods are fixed)
+
+    def _timed(self, function: Callable[..., Any], stage: str) -> Callable[..., Any]:
+        def call(*arguments: Any, **named: Any) -> Any:
+            start_s = time.perf_counter()
+            result = function(*arguments, **named)
+            self._durations_s[stage].append(time.perf_counter() - start_s)
+            return result
+
+        return call
+
+    def _counting_physics(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*arguments: Any) -> Any:
+            start_s = time.perf_counter()
+            result = function(*arguments)
+            self._physics_s += time.perf_counter() - start_s
+            return result
+
+        return call
+
+    def _timed_execute(self, activations: np.ndarray) -> Observation:
+        """Move and draw; what is not physics is rendering, if anything was drawn."""
+        self._physics_s, start_s = 0.0, time.perf_counter()
+        observation = self._execute(activations)
+        whole_s = time.perf_counter() - start_s
+        self._durations_s["physics"].append(self._physics_s)
+        if observation.pictures is not None:
+            self._durations_s["rendering"].append(whole_s - self._physics_s)
+        return observation
+
+    def window(self, duration_s: float) -> LoopWindow:
+        """Run whole training episodes for at least so long."""
+        self._durations_s.clear()
+        start_s, n_iterations = time.perf_counter(), 0
+        while (elapsed_s := time.perf_counter() - start_s) < duration_s:
+            episode = self._protocol.episode(next(self._places))
+            assert episode.phase == TRAINING
+            steps: list[Step] = list(self._loop.run_episode(episode))
+            n_iterations += len(steps) - 1
+            pictures = steps[0].observation.pictures
+            assert pictures is not None
+            self.pictures = [*self.pictures[-15:], pictures]
+        means_ms = {name: 1e3 * float(np.mean(s)) for name, s in self._durations_s.items()}
+        return LoopWindow(n_iterations / elapsed_s, means_ms)
+
+    def close(self) -> None:
+        """Release the graphics context."""
+        self.plant.close()

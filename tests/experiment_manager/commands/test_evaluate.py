@@ -1,0 +1,91 @@
+"""evaluate: the numbers of results.json follow from the bag, and a changed one is found."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from experiment_manager.commands.evaluate import main
+from experiment_manager.measures.recorded_run import RecordedRun
+from experiment_manager.measures.results import write_document
+from lockstep.errors import InputError
+
+
+@pytest.fixture
+def run(run_directories: dict[str, Path]) -> RecordedRun:
+    return RecordedRun(run_directories["M_C"])
+
+
+def test_a_run_tells_what_it_is(run: RecordedRun) -> None:
+    assert (run.name, run.model, run.seed, run.n_iterations) == ("M_C", "M_C", 1, 400)
+    assert (run.metabolic_cost_weight, run.commit) == (0.08, "0123abc")
+    assert run.versions == ("mujoco 4.0.0", "numpy 2.4.6")
+    assert run.parameters("eye_plant")["mechanics.baseline_m"] == 0.056
+    with pytest.raises(InputError, match="the configuration has no node nose"):
+        run.parameters("nose")
+
+
+def test_the_tests_are_joined_by_stamp(run: RecordedRun) -> None:
+    assert [test.trials.training_iteration for test in run.tests] == [0, 130, 270, 400]
+    for test in run.tests:
+        assert test.activations.shape == (39, 21, 2)
+        medial, lateral = test.activations[..., 0], test.activations[..., 1]
+        # The fixture's own map from activations to cost, so each row is joined with its own.
+        cost_w = 2 * (
+            2.229 * np.maximum(medial, 0.005) ** 0.6 + 2.03 * np.maximum(lateral, 0.005) ** 0.6
+        )
+        assert np.allclose(cost_w, test.trials.metabolic_rate_w)
+        assert np.isnan(test.reconstruction_error[:, 20]).all()
+        assert np.isfinite(test.reconstruction_error[:, :20]).all()
+
+
+def test_the_training_curve_is_of_episode_ends(run: RecordedRun) -> None:
+    curve = run.training_curve
+    # 40 episodes make 2 bins of 20; an episode's last observation is 10 iterations in.
+    assert curve.iteration.tolist() == [105.0, 305.0]
+    truth = run.bag.vectors("ground_truth")["ground_truth"]
+    ends = (truth.column("phase") == 0) & (truth.column("iteration") == 10)
+    errors_deg = np.abs(truth.column("vergence_error_deg")[ends]).reshape(2, 20)
+    assert np.allclose(curve.quartiles_deg, np.quantile(errors_deg, (0.25, 0.5, 0.75), axis=1))
+
+
+def test_the_share_of_the_cost_is_that_of_training(run: RecordedRun) -> None:
+    tables = run.bag.vectors("reward", "ground_truth")
+    truth, reward = tables["ground_truth"], tables["reward"]
+    phases = dict(zip(truth.stamps_ns.tolist(), truth.column("phase"), strict=True))
+    error = cost_w = 0.0
+    for stamp, row in zip(reward.stamps_ns.tolist(), reward.position, strict=True):
+        if phases[stamp] == 0:
+            error, cost_w = error + row[0] + row[1], cost_w + row[2]
+    expected = 0.08 * cost_w / (error + 0.08 * cost_w)
+    assert run.cost_shares == (pytest.approx(expected), pytest.approx(expected))
+
+
+def test_results_from_the_bag_agree_with_themselves(
+    run_directories: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    directory = Path(shutil.copytree(run_directories["M_C"], tmp_path / "run"))
+    path = directory / "results.json"
+    assert main([str(directory)]) == 0
+    assert "There is no" in capsys.readouterr().out
+    assert main([str(directory), "--write"]) == 0
+    assert main([str(directory)]) == 0
+    assert f"of {path} follow from the bag" in capsys.readouterr().out
+    document = json.loads(path.read_text())
+    assert [test["iteration"] for test in document["tests"]] == [0, 130, 270, 400]
+
+    document["tests"][1]["after_2"]["median_delta_cost_w"] *= 1.0001
+    del document["lambda_share"]["last_5000"]
+    write_document(path, document)
+    assert main([str(directory)]) == 1
+    error = capsys.readouterr().err
+    assert "different: tests[1].after_2.median_delta_cost_w: results.json has" in error
+    assert "different: lambda_share.last_5000: results.json has nothing, the bag gives" in error
+    assert error.count("different:") == 2
+
+
+def test_what_is_no_run_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([str(tmp_path)]) == 2
+    assert capsys.readouterr().err.startswith("error: expected a bag directory or an .mcap file")

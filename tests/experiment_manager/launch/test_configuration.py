@@ -1,0 +1,240 @@
+"""The command line of run_experiment.sh: one effective configuration, or one clear error."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.launch.configuration import (
+    CONFIG_CLASSES,
+    DEFAULT_METABOLIC_COST_WEIGHTS,
+    arguments,
+    configuration_of,
+    configuration_text,
+    read_configuration,
+)
+from eye_plant.mechanics.parameter_sets import PARAMETER_SETS
+from lockstep.configuration import flatten
+from lockstep.errors import InputError
+
+SOURCES = Path(__file__).parents[3] / "src"
+
+
+def _configuration(*line: str) -> dict[str, dict[str, Any]]:
+    return configuration_of(arguments(line), "0123abc")
+
+
+@pytest.mark.parametrize("package", CONFIG_CLASSES)
+def test_the_packages_yaml_is_the_configurations_defaults(package: str) -> None:
+    (path,) = (SOURCES / package / "config").glob("*.yaml")
+    document = yaml.safe_load(path.read_text())
+    assert document == {f"/**/{package}": {"ros__parameters": flatten(CONFIG_CLASSES[package]())}}
+
+
+def test_the_papers_profile_is_the_defaults() -> None:
+    configuration = _configuration("--profile", "paper")
+    for node, config_class in CONFIG_CLASSES.items():
+        expected = flatten(config_class())
+        if node == "experiment_manager":
+            expected["commit"] = "0123abc"
+        assert configuration[node] == expected
+
+
+def test_a_model_or_a_number_of_iterations_asks_for_the_paper() -> None:
+    demonstration = _configuration()
+    for line in (("--model", "M"), ("--iterations", "1000000")):
+        assert _configuration(*line) == _configuration("--profile", "paper") != demonstration
+
+
+def test_the_demonstration_differs_in_named_settings_alone() -> None:
+    paper, demonstration = _configuration("--profile", "paper"), _configuration()
+    differing = {
+        f"{node}.{name}"
+        for node, values in paper.items()
+        for name, value in values.items()
+        if demonstration[node][name] != value
+    }
+    assert {
+        "experiment_manager.protocol.n_training_iterations",
+        "experiment_manager.protocol.test_iterations",
+    } <= differing
+    # What the plant is and what the coder learns with stay the paper's.
+    assert not any(name.startswith("eye_plant.mechanics") for name in differing)
+    assert demonstration["experiment_manager"]["protocol.n_stimuli_per_test"] >= 8
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ((), 0.0),
+        (("--model", "M"), 0.0),
+        (("--model", "M_C"), DEFAULT_METABOLIC_COST_WEIGHTS["k17"]),
+        (
+            ("--model", "M_C", "--set", "eye_plant.mechanics.parameter_set=anatomical"),
+            DEFAULT_METABOLIC_COST_WEIGHTS["anatomical"],
+        ),
+        (("--model", "M_C", "--set", "sparse_coder.metabolic_cost_weight=0.05"), 0.05),
+        (("--model", "M_C", "--lambda", "0.035"), 0.035),
+        (("--model", "M", "--lambda", "0.01"), 0.01),
+    ],
+)
+def test_the_price_of_energy(line: tuple[str, ...], expected: float) -> None:
+    configuration = _configuration(*line)
+    assert configuration["sparse_coder"]["metabolic_cost_weight"] == expected
+    assert configuration["experiment_manager"]["metabolic_cost_weight"] == expected
+
+
+def test_each_set_of_eyes_has_its_own_price() -> None:
+    assert set(DEFAULT_METABOLIC_COST_WEIGHTS) == set(PARAMETER_SETS)
+
+
+def test_the_seed_goes_to_all_who_draw_and_not_to_the_stimuli() -> None:
+    one, two = _configuration("--seed", "1"), _configuration("--seed", "2")
+    for node in ("sparse_coder", "vergence_rl", "experiment_manager"):
+        assert (one[node]["seed"], two[node]["seed"]) == (1, 2)
+    assert one["eye_plant"] == two["eye_plant"]
+
+
+def test_what_two_nodes_must_know_is_said_once() -> None:
+    configuration = _configuration(
+        "--iterations", "5000", "--set", "eye_plant.mechanics.baseline_m=0.06"
+    )
+    assert configuration["vergence_rl"]["n_training_iterations"] == 5000
+    assert configuration["experiment_manager"]["protocol.n_training_iterations"] == 5000
+    assert configuration["experiment_manager"]["mechanics.baseline_m"] == 0.06
+
+
+def test_a_directory_of_pictures_gives_the_numbers(pictures: Path) -> None:
+    configuration = _configuration("--stimuli", str(pictures))
+    manager = configuration["experiment_manager"]
+    assert configuration["eye_plant"]["stimuli.directory"] == str(pictures.resolve())
+    assert manager["protocol.n_training_stimuli"] == 3
+    assert manager["protocol.n_test_stimuli"] == manager["protocol.n_stimuli_per_test"] == 2
+
+
+def test_tests_and_their_stimuli() -> None:
+    manager = _configuration("--tests", "0,100", "--test-stimuli", "3")["experiment_manager"]
+    assert manager["protocol.test_iterations"] == [0, 100]
+    assert manager["protocol.n_stimuli_per_test"] == 3
+
+
+def test_set_reads_values_as_yaml_does() -> None:
+    configuration = _configuration(
+        "--set",
+        "vergence_rl.discount=0.5",
+        "--set",
+        "vergence_rl.exploration_variance=2e-5",
+        "--set",
+        "vergence_rl.medial_limits=[0.0, 0.1]",
+        "--set",
+        "eye_plant.mechanics.parameter_set=anatomical",
+    )
+    assert configuration["vergence_rl"]["discount"] == 0.5
+    assert configuration["vergence_rl"]["exploration_variance"] == 2e-5
+    assert configuration["vergence_rl"]["medial_limits"] == [0.0, 0.1]
+    assert configuration["experiment_manager"]["mechanics.parameter_set"] == "anatomical"
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        (("--iterations", "15"), "n_training_iterations: expected a multiple of 10"),
+        (("--tests", "0,x"), "--tests: expected whole numbers, got 'x'"),
+        (("--test-stimuli", "0"), "n_stimuli_per_test: expected 1 or more, got 0"),
+        (("--set", "vergence_rl.discont=0.5"), "unknown parameter discont"),
+        (("--set", "vergence_rl.discount=fast"), "discount: expected a number, got 'fast'"),
+        (("--set", "vergence_rl.discount=[1"), "--set vergence_rl.discount=[1: expected a value"),
+        (("--set", "vergence=1"), "--set: expected NODE.PARAMETER=VALUE with a node of eye_plant"),
+        (("--set", "retina.gain=1"), "--set: expected NODE.PARAMETER=VALUE with a node of"),
+        (("--lambda", "-1"), "metabolic_cost_weight: expected a finite number, 0 or more"),
+        (("--lambda", "nan"), "metabolic_cost_weight: expected a finite number, 0 or more"),
+        (("--lambda-share", "1"), "--lambda-share: expected a share in [0, 1), got 1.0"),
+        (("--lambda-share", "nan"), "--lambda-share: expected a share in [0, 1), got nan"),
+        (("--lambda-share", "0.2", "--lambda", "0.1"), "expected it without --lambda, got both"),
+        (("--stimuli", "/nowhere"), "stimuli.directory: expected a directory of pictures"),
+    ],
+)
+def test_a_bad_command_line_is_one_clear_error(line: tuple[str, ...], message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        _configuration(*line)
+
+
+@pytest.mark.parametrize("line", [["--model", "X"], ["--iterations", "many"], ["--what"]])
+def test_what_cannot_be_parsed_exits_with_2(
+    line: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as exit_info:
+        arguments(line)
+    assert exit_info.value.code == 2
+    assert "usage: run_experiment.sh" in capsys.readouterr().err
+
+
+def test_config_yaml_comes_back_as_it_was(tmp_path: Path) -> None:
+    configuration = _configuration("--model", "M_C", "--seed", "7")
+    path = tmp_path / "config.yaml"
+    path.write_text(configuration_text(configuration))
+    assert read_configuration(path) == configuration
+
+
+def test_config_yaml_says_what_the_run_is() -> None:
+    text = configuration_text(_configuration("--model", "M_C", "--seed", "7"))
+    run = yaml.safe_load(text)["run"]["ros__parameters"]
+    assert (run["model"], run["seed"], run["n_training_iterations"]) == ("M_C", 7, 1_000_000)
+    assert run["commit"] == "0123abc"
+    assert any(version.startswith("mujoco ") for version in run["versions"])
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[]", "{", "a: 1", "\x00", "/**/eye_plant: {}", "/**/eye_plant: {ros__parameters: []}"],
+)
+def test_what_is_no_config_yaml_is_refused(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "config.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"config\.yaml: expected the configuration of a run"):
+        read_configuration(path)
+
+
+def test_a_config_yaml_with_an_unknown_parameter_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "config.yaml"
+    text = configuration_text(_configuration())
+    path.write_text(text.replace("discount:", "discont:"))
+    with pytest.raises(InputError, match=r"config\.yaml: unknown parameter discont"):
+        read_configuration(path)
+
+
+def test_a_config_yaml_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="expected the configuration of a run"):
+        read_configuration(tmp_path / "config.yaml")
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"model": "X"}, "model: expected M or M_C, got 'X'"),
+        ({"gap_s": 0.0}, "gap_s: expected more than 0 s, got 0.0"),
+        ({"checkpoint_period_s": float("nan")}, "checkpoint_period_s: expected more than 0 s"),
+        ({"pictures_every_n_episodes": -1}, "pictures_every_n_episodes: expected 0 or more"),
+        ({"metabolic_cost_weight": -0.1}, "metabolic_cost_weight: expected a finite number"),
+    ],
+)
+def test_the_managers_own_settings(settings: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        ExperimentManagerConfig(**settings)
+
+
+def test_nodes_elsewhere() -> None:
+    assert arguments([]).elsewhere == ()
+    line = ["--elsewhere", "eye_plant,vergence_rl,eye_plant"]
+    assert arguments(line).elsewhere == ("eye_plant", "vergence_rl")
+
+
+@pytest.mark.parametrize("text", ["experiment_manager", "eye_plant,", "plant"])
+def test_who_cannot_be_elsewhere(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        arguments(["--elsewhere", text])
+    error = capsys.readouterr().err
+    assert "--elsewhere: expected some of eye_plant, sparse_coder, vergence_rl, got " in error

@@ -1,0 +1,82 @@
+"""--lambda-share: the price of energy that gives it a share of the reward."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from experiment_manager.commands import run_experiment
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.launch.configuration import arguments, configuration_of, read_configuration
+from experiment_manager.launch.cost_weight import FirstIterations, first_iterations, with_weight
+from experiment_manager.loop import make_loop
+from experiment_manager.protocol import make_protocol
+from lockstep.configuration import build
+
+
+def _line(pictures: Path, *more: str) -> list[str]:
+    # An actor that does not learn acts the same whatever its reward.
+    return [
+        *("--model", "M_C", "--iterations", "40", "--tests", "20", "--stimuli", str(pictures)),
+        *("--set", "eye_plant.stimuli.size_px=64", "--set", "vergence_rl.actor_learning_rate=0.0"),
+        *more,
+    ]
+
+
+def _configuration(pictures: Path, *more: str) -> dict[str, dict[str, Any]]:
+    return configuration_of(arguments(_line(pictures, *more)), "")
+
+
+def test_the_weight_of_a_share() -> None:
+    # 0.25 * 1.5 / (0.3 + 0.25 * 1.5) = 0.375 / 0.675 = 5/9
+    assert FirstIterations(10, 0.3, 1.5).weight_for(5 / 9) == pytest.approx(0.25)
+    assert FirstIterations(10, 0.3, 1.5).weight_for(0.0) == 0.0
+
+
+def test_the_rewards_of_a_run_have_the_share(pictures: Path) -> None:
+    configuration = _configuration(pictures)
+    first = first_iterations(configuration)
+    assert first.n_iterations == 40
+    weight = first.weight_for(0.3)
+    loop = make_loop(with_weight(configuration, weight))
+    manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
+    protocol = make_protocol(manager)
+    reward = cost = 0.0
+    for place in range(len(protocol)):
+        episode = protocol.episode(place)
+        if episode.phase == 0:
+            for step in loop.run_episode(episode):
+                if step.answer is not None:
+                    reward += step.answer.reward
+                    cost += weight * step.answer.metabolic_rate_w
+    loop.plant.close()
+    assert cost / -reward == pytest.approx(0.3, rel=1e-9)
+
+
+def test_the_configuration_given_is_not_touched(pictures: Path) -> None:
+    configuration = _configuration(pictures, "--lambda", "0.07")
+    with_weight(configuration, 0.5)
+    assert configuration == _configuration(pictures, "--lambda", "0.07")
+
+
+def test_a_run_stores_it_and_a_resume_does_not_measure_again(
+    pictures: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    out = tmp_path / "run"
+    line = _line(pictures, "--lambda-share", "0.3", "--out", str(out))
+    assert run_experiment._prepare(arguments(line)) == out
+    expected = first_iterations(_configuration(pictures)).weight_for(0.3)
+    configuration = read_configuration(out / "config.yaml")
+    for node in ("sparse_coder", "experiment_manager"):
+        assert configuration[node]["metabolic_cost_weight"] == expected
+    run = yaml.safe_load((out / "config.yaml").read_text())["run"]["ros__parameters"]
+    assert run["metabolic_cost_weight"] == expected
+    text = capsys.readouterr().out
+    assert f"lambda {expected:.6g} per W makes lambda C 0.3 of E + lambda C" in text
+
+    monkeypatch.setattr(run_experiment, "first_iterations", pytest.fail)
+    assert run_experiment._prepare(arguments(["--resume", str(out)])) == out

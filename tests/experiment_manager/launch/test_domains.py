@@ -1,0 +1,73 @@
+"""A domain of one's own: free, locked while used, and the user's when the user says so."""
+
+import socket
+
+import pytest
+
+from experiment_manager.launch.domains import NODE_SCRIPTS_DOMAIN, own_domain
+from lockstep.errors import InputError
+
+
+@pytest.fixture(autouse=True)
+def _no_domain(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+
+
+def test_the_users_domain_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "17")
+    with own_domain() as domain, own_domain(frozenset({17})) as again:
+        assert (domain, again) == (17, 17)
+
+
+@pytest.mark.parametrize("text", ["-1", "233", "abc", "1.5", " 3"])
+def test_what_is_no_domain_is_refused(monkeypatch: pytest.MonkeyPatch, text: str) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", text)
+    with (
+        pytest.raises(InputError, match="ROS_DOMAIN_ID: expected a whole number 0 to 232, got"),
+        own_domain(),
+    ):
+        pass
+
+
+def test_everybodys_domains_are_never_taken() -> None:
+    with own_domain() as domain:
+        assert 1 <= domain <= 101
+        assert domain != NODE_SCRIPTS_DOMAIN
+
+
+def test_two_at_once_differ() -> None:
+    with own_domain() as first, own_domain() as second:
+        assert first != second
+
+
+def test_a_domain_may_be_taken_again_once_left() -> None:
+    taken = set()
+    for _ in range(110):
+        with own_domain() as domain:
+            taken.add(domain)
+    assert len(taken) < 110
+
+
+def test_domains_to_avoid_are_avoided() -> None:
+    with own_domain() as first:
+        pass
+    with own_domain(frozenset({first})) as second:
+        assert second != first
+
+
+def test_a_domain_with_somebody_in_it_is_not_taken() -> None:
+    with own_domain() as domain:
+        pass
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as somebody:
+        # RTPS: participant 0 of a domain listens for unicast discovery on 7400 + 250 d + 10.
+        somebody.bind(("", 7400 + 250 * domain + 10))
+        with own_domain() as other:
+            assert other != domain
+
+
+def test_none_free() -> None:
+    with (
+        pytest.raises(InputError, match="expected a free ROS domain between 1 and 101"),
+        own_domain(frozenset(range(1, 102))),
+    ):
+        pass

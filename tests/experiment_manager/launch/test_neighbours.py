@@ -1,0 +1,91 @@
+"""Other graphs in the domain that a run is to use."""
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+import pytest
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+from experiment_manager.commands.run_experiment import main
+from experiment_manager.launch import neighbours
+from experiment_manager.launch.domains import NODE_SCRIPTS_DOMAIN, own_domain
+from experiment_manager.launch.neighbours import addresses, refuse_neighbours
+from experiment_manager.launch.supervisor import known_domain
+from lockstep.errors import InputError
+from lockstep.qos import LOCKSTEP_QOS
+from tests.node_harness import Graph, ros_graph
+
+
+@pytest.fixture
+def graph() -> Iterator[Graph]:
+    """Yield a domain of the test's own."""
+    with ros_graph() as graph:
+        yield graph
+
+
+def _publishes(topic: str) -> type[Node]:
+    class Somebody(Node):
+        def __init__(self, **kwargs: object) -> None:
+            super().__init__("somebody", **kwargs)
+            self.create_publisher(JointState, topic, LOCKSTEP_QOS)
+
+    return Somebody
+
+
+def test_a_domain_with_another_graph_is_refused(
+    graph: Graph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    graph.add(_publishes("reward"))
+    with pytest.raises(
+        InputError,
+        match=f"ROS domain {graph.domain}: expected no other graph in it, found somebody "
+        "publishing reward; choose another ROS_DOMAIN_ID, or unset it",
+    ):
+        refuse_neighbours(graph.domain)
+    # It may be there when it is the one that is started elsewhere.
+    monkeypatch.setattr(neighbours, "_LISTEN_S", 0.5)
+    refuse_neighbours(graph.domain, ["sparse_coder"])
+
+
+def test_a_run_is_refused_before_anything_is_written(
+    graph: Graph,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+) -> None:
+    graph.add(_publishes("muscle_command"))
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(graph.domain))
+    out = tmp_path / "run"
+    assert main(["--out", str(out)]) == 2
+    assert not out.exists()
+    (error,) = capsys.readouterr().err.splitlines()
+    assert error.startswith(f"error: ROS domain {graph.domain}: expected no other graph in it, ")
+
+
+def test_who_only_listens_may_be_there(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(neighbours, "_LISTEN_S", 0.5)
+    node = graph.add(partial(Node, "listener"))
+    node.create_subscription(JointState, "reward", print, LOCKSTEP_QOS)
+    refuse_neighbours(graph.domain)
+
+
+def test_an_empty_domain_is_not_listened_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.delenv("ROS_STATIC_PEERS", raising=False)
+    monkeypatch.setattr("experiment_manager.launch.neighbours._found", pytest.fail)
+    with own_domain() as domain:
+        refuse_neighbours(domain)
+
+
+def test_the_domain_of_nodes_elsewhere_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    assert known_domain(()) is None
+    assert known_domain(["eye_plant"]) == NODE_SCRIPTS_DOMAIN
+    monkeypatch.setenv("ROS_DOMAIN_ID", "17")
+    assert known_domain(()) == known_domain(["eye_plant"]) == 17
+
+
+def test_this_machine_has_its_loopback() -> None:
+    assert "127.0.0.1" in addresses()

@@ -1,0 +1,146 @@
+"""The measures, by hand."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from experiment_manager.measures.metrics import cost_share, split_tests, summary, test_summary
+from lockstep.errors import InputError
+from lockstep.topics import GROUND_TRUTH_NAMES, TEST, TRAINING
+
+PLACE = {name: i for i, name in enumerate(GROUND_TRUTH_NAMES)}
+
+
+def _row(**values: float) -> list[float]:
+    row = [0.0] * len(GROUND_TRUTH_NAMES)
+    for name, value in values.items():
+        row[PLACE[name]] = value
+    return row
+
+
+def _trial(
+    errors_deg: list[float], costs_w: list[float], optimal_w: float = 0.5, **values: float
+) -> list[list[float]]:
+    """Rows of one trial: errors and costs at iterations 0, 1, ..."""
+    common: dict[str, Any] = {"phase": TEST, "training_iteration": 500, **values}
+    return [
+        _row(
+            iteration=i,
+            vergence_error_deg=error_deg,
+            metabolic_rate_w=cost_w,
+            optimal_metabolic_rate_w=optimal_w,
+            initial_metabolic_rate_w=costs_w[0],
+            **common,
+        )
+        for i, (error_deg, cost_w) in enumerate(zip(errors_deg, costs_w, strict=True))
+    ]
+
+
+def _five_trials() -> np.ndarray:
+    rows: list[list[float]] = []
+    # start error, error after 1, after 2; start cost, cost after 1, after 2
+    for trial, (errors_deg, costs_w) in enumerate(
+        (
+            ([2.0, -0.8, 0.1], [1.5, 1.0, 0.5]),  # c: 0.5, then 1.0
+            ([-1.0, 0.4, -0.3], [1.5, 1.5, 1.4]),  # c: 0.0, then 0.1
+            ([0.0, 0.0, 0.2], [0.5, 0.6, 0.7]),  # c undefined: it starts at the optimum
+            ([1.0, 1.2, 0.6], [2.5, 2.0, 2.5]),  # c: 0.25, then 0.0
+            ([-3.0, -2.0, 1.0], [1.0, 0.6, 0.4]),  # c: 0.8, then 1.2
+        )
+    ):
+        rows += _trial(errors_deg, costs_w, trial=trial, stimulus=trial + 100)
+    return np.array(rows)
+
+
+def test_a_summary_by_hand() -> None:
+    result = test_summary(_five_trials())
+    # After the last iteration |error| is .1 .2 .3 .6 1.0, C - C* is 0 .9 .2 2. -.1.
+    assert result["iteration"] == 500
+    assert result["n_trials"] == 5
+    assert result["median_abs_vergence_error_deg"] == pytest.approx(0.3)
+    assert result["iqr_abs_vergence_error_deg"] == pytest.approx(0.6 - 0.2)
+    assert result["median_delta_cost_w"] == pytest.approx(0.2)
+    # c of the four trials where it is defined: 1.0 0.1 0.0 1.2
+    assert result["median_cost_reduction"] == pytest.approx(0.55)
+    # After 1: |error| .8 .4 .0 1.2 2.; C - C* .5 1. .1 1.5 .1; c .5 0 .25 .8
+    assert result["after_1"] == {
+        "median_abs_vergence_error_deg": pytest.approx(0.8),
+        "iqr_abs_vergence_error_deg": pytest.approx(0.8),
+        "median_delta_cost_w": pytest.approx(0.5),
+        "median_cost_reduction": pytest.approx(0.375),
+    }
+    assert "after_2" not in result, "two iterations is the end, at the top level already"
+
+
+def test_a_summary_without_zero_start_errors_by_hand() -> None:
+    result = test_summary(_five_trials())["without_zero_start_error"]
+    # .1 .3 .6 1.0 remain; 0 .9 2. -.1
+    assert result["n_trials"] == 4
+    assert result["median_abs_vergence_error_deg"] == pytest.approx(0.45)
+    assert result["iqr_abs_vergence_error_deg"] == pytest.approx(0.7 - 0.25)
+    assert result["median_delta_cost_w"] == pytest.approx(0.45)
+    assert result["median_cost_reduction"] == pytest.approx(0.55)
+    assert result["after_1"]["median_abs_vergence_error_deg"] == pytest.approx(1.0)
+
+
+def test_after_1_2_3_are_told_of_long_trials() -> None:
+    errors_deg = [1.0 / (i + 1) for i in range(21)]
+    rows = _trial(errors_deg, [1.0] * 21, trial=0)
+    result = test_summary(np.array(rows))
+    assert [result[f"after_{k}"]["median_abs_vergence_error_deg"] for k in (1, 2, 3)] == (
+        pytest.approx([1 / 2, 1 / 3, 1 / 4])
+    )
+    assert result["median_abs_vergence_error_deg"] == pytest.approx(1 / 21)
+    assert "after_20" not in result
+
+
+def test_measures_without_any_trial_are_none() -> None:
+    result = test_summary(np.array(_trial([0.0, 0.1], [0.5, 0.6], trial=0)))
+    assert result["n_trials"] == 1
+    assert result["median_cost_reduction"] is None, "the only trial starts at the optimum"
+    assert result["without_zero_start_error"] == {
+        "n_trials": 0,
+        "median_abs_vergence_error_deg": None,
+        "iqr_abs_vergence_error_deg": None,
+        "median_delta_cost_w": None,
+        "median_cost_reduction": None,
+    }
+
+
+def test_tests_are_split_and_training_is_ignored() -> None:
+    training = [_row(phase=TRAINING, test=-1, trial=-1, iteration=i) for i in range(11)]
+    first = _trial([1.0, 0.5], [1.0, 1.0], test=0, trial=0, training_iteration=0)
+    second = _trial([1.0, 0.2], [1.0, 1.0], test=1, trial=0, training_iteration=50_000)
+    tests = split_tests(np.array(training + first + training + training + second))
+    assert [test.training_iteration for test in tests] == [0, 50_000]
+    assert [float(test.vergence_error_deg[0, 1]) for test in tests] == [0.5, 0.2]
+    assert tests[1].rows.tolist() == [[35, 36]]
+
+
+def test_broken_trials_are_left_out_and_the_last_repetition_counts() -> None:
+    whole = [_trial([1.0, e, e], [1.0] * 3, trial=t) for t, e in ((0, 0.1), (1, 0.2), (2, 0.3))]
+    again = _trial([1.0, 0.7, 0.9], [1.0] * 3, trial=1)
+    rows = whole[0] + whole[1][:2] + again + whole[2][:1] + whole[2] + whole[0][:2]
+    (trials,) = split_tests(np.array(rows))
+    assert trials.trial.tolist() == [0, 1, 2]
+    assert trials.vergence_error_deg[:, 2].tolist() == [0.1, 0.9, 0.3]
+    assert summary(trials)["n_trials"] == 3
+
+
+def test_one_test_is_expected() -> None:
+    one = _trial([1.0, 0.5], [1.0, 1.0], test=0)
+    two = one + _trial([1.0, 0.5], [1.0, 1.0], test=1)
+    with pytest.raises(InputError, match="expected the rows of one test, got those of 2"):
+        test_summary(np.array(two))
+    with pytest.raises(InputError, match="expected the rows of one test, got those of 0"):
+        test_summary(np.array(one)[1:])
+    with pytest.raises(InputError, match=r"expected ground truth rows of 15 values, got .*\(3,\)"):
+        test_summary(np.zeros(3))
+
+
+def test_the_share_of_the_cost_by_hand() -> None:
+    # E = 0.4 + 0.2, C = 1 + 2, lambda = 0.05: 0.15 / (0.6 + 0.15)
+    assert cost_share([0.4, 0.2], [1.0, 2.0], 0.05) == pytest.approx(0.2)
+    assert cost_share([0.4], [1.0], 0.0) == 0.0
+    assert cost_share([], [], 0.05) is None

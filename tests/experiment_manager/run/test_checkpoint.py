@@ -1,0 +1,159 @@
+"""Checkpoints: valid with their manifest only, and damage is said, not resumed from."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from experiment_manager.run import checkpoint
+from experiment_manager.run.checkpoint import Manifest
+from lockstep.errors import InputError
+
+
+def _commit(checkpoints: Path, place: int, **changes: Any) -> Path:
+    directory = checkpoint.place_directory(checkpoints, place)
+    directory.mkdir(parents=True, exist_ok=True)
+    state = directory / "coder.npz"
+    state.write_bytes(f"state after {place}".encode())
+    values: dict[str, Any] = {
+        "place": place,
+        "config_hash": "abc",
+        "bag_files": ("bag_0.mcap",),
+        "state_hashes": {state.name: checkpoint.hash_of(state)},
+        "progress": {"tests": [], "sum": 0.1},
+    }
+    checkpoint.commit(checkpoints, Manifest(**(values | changes)))
+    return directory
+
+
+def test_none_yet(tmp_path: Path) -> None:
+    assert checkpoint.newest(tmp_path) is None
+    assert checkpoint.newest(tmp_path / "missing") is None
+
+
+def test_a_manifest_comes_back_as_it_was(tmp_path: Path) -> None:
+    directory = _commit(tmp_path, 12, progress={"tests": [{"median": 0.1 + 0.2}], "n": 3})
+    found = checkpoint.newest(tmp_path)
+    assert found is not None
+    manifest, where = found
+    assert where == directory
+    assert manifest == Manifest(
+        12,
+        "abc",
+        ("bag_0.mcap",),
+        {"coder.npz": checkpoint.hash_of(directory / "coder.npz")},
+        {"tests": [{"median": 0.1 + 0.2}], "n": 3},
+    )
+
+
+def test_the_hash_is_sha_256(tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"abc")
+    assert checkpoint.hash_of(tmp_path / "file") == (
+        "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+    )
+
+
+def test_the_newest_is_the_one_furthest_on(tmp_path: Path) -> None:
+    for place in (9, 10, 100, 99):
+        _commit(tmp_path, place)
+    found = checkpoint.newest(tmp_path)
+    assert found is not None
+    assert found[0].place == 100
+
+
+def test_two_are_kept(tmp_path: Path) -> None:
+    for place in (1, 2, 3, 4):
+        _commit(tmp_path, place)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["000000003", "000000004"]
+
+
+def test_states_without_a_manifest_are_no_checkpoint(tmp_path: Path) -> None:
+    _commit(tmp_path, 1)
+    # Killed after the states were written, before the manifest was.
+    torn = checkpoint.place_directory(tmp_path, 2)
+    torn.mkdir()
+    (torn / "coder.npz").write_bytes(b"half")
+    (torn / "manifest.json.part").write_text("{")
+    found = checkpoint.newest(tmp_path)
+    assert found is not None
+    assert found[0].place == 1
+
+
+def test_unfinished_ones_are_cleared_away_with_the_next_commit(tmp_path: Path) -> None:
+    torn = checkpoint.place_directory(tmp_path, 2)
+    torn.mkdir()
+    (torn / "coder.npz").write_bytes(b"half")
+    _commit(tmp_path, 3)
+    assert [path.name for path in tmp_path.iterdir()] == ["000000003"]
+
+
+def test_committing_the_same_place_again(tmp_path: Path) -> None:
+    _commit(tmp_path, 1)
+    _commit(tmp_path, 1, bag_files=("bag_0.mcap", "bag_1.mcap"))
+    found = checkpoint.newest(tmp_path)
+    assert found is not None
+    assert found[0].bag_files == ("bag_0.mcap", "bag_1.mcap")
+
+
+@pytest.mark.parametrize("damage", [b"", b"state after", None])
+def test_a_changed_or_missing_state_is_an_error(tmp_path: Path, damage: bytes | None) -> None:
+    _commit(tmp_path, 1)
+    state = _commit(tmp_path, 2) / "coder.npz"
+    if damage is None:
+        state.unlink()
+    else:
+        state.write_bytes(damage)
+    with pytest.raises(InputError, match=r"000000002: coder\.npz is missing or was changed") as e:
+        checkpoint.newest(tmp_path)
+    assert "delete this directory to go on from the checkpoint before" in str(e.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "{", "[]", "null", "3", '{"version": 1}', '{"version": 1, "place": 2, "x": 3}', "\x00"],
+)
+def test_a_damaged_manifest_is_an_error(tmp_path: Path, text: str) -> None:
+    (_commit(tmp_path, 1) / "manifest.json").write_text(text)
+    with pytest.raises(InputError, match="000000001"):
+        checkpoint.newest(tmp_path)
+
+
+def test_a_manifest_cut_off_anywhere_is_an_error(tmp_path: Path) -> None:
+    manifest = _commit(tmp_path, 1) / "manifest.json"
+    whole = manifest.read_bytes()
+    for n_bytes in range(len(whole)):
+        manifest.write_bytes(whole[:n_bytes])
+        with pytest.raises(InputError, match="expected a manifest"):
+            checkpoint.newest(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("place", "2"),
+        ("place", -1),
+        ("place", True),
+        ("config_hash", 3),
+        ("bag_files", "bag_0.mcap"),
+        ("bag_files", [1]),
+        ("bag_files", None),
+        ("state_hashes", []),
+        ("state_hashes", {"../../secret": "0"}),
+        ("progress", [1]),
+    ],
+)
+def test_a_manifest_of_wrong_types_is_an_error(tmp_path: Path, name: str, value: Any) -> None:
+    manifest = _commit(tmp_path, 1) / "manifest.json"
+    document = json.loads(manifest.read_text())
+    manifest.write_text(json.dumps(document | {name: value}))
+    with pytest.raises(InputError, match="expected a manifest"):
+        checkpoint.newest(tmp_path)
+
+
+def test_another_version_is_an_error(tmp_path: Path) -> None:
+    manifest = _commit(tmp_path, 1) / "manifest.json"
+    document = json.loads(manifest.read_text())
+    manifest.write_text(json.dumps(document | {"version": 99}))
+    with pytest.raises(InputError, match="expected version 1, got 99"):
+        checkpoint.newest(tmp_path)

@@ -1,0 +1,129 @@
+"""An episode is over when each of its messages has been recorded, and not before."""
+
+import pytest
+
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.run.episode_record import (
+    FREE_TOPICS,
+    SAMPLED_TOPICS,
+    SMALL_TOPICS,
+    EpisodeRecord,
+    learning_steps,
+    takes_pictures,
+)
+from eye_plant.episode import Episode
+from lockstep.topics import TEST, TOPIC_TYPES, TRAINING
+
+PERIOD_NS = 100_000_000
+PLANT = ("episode", "muscle_states", "muscle_activations", "eye_states", "ground_truth")
+ANSWERS = ("reward", "muscle_command", "actor_critic")
+
+
+def _episode(phase: int = TRAINING, number: int = 3, n_iterations: int = 2) -> Episode:
+    return Episode(
+        phase=phase,
+        test=-1 if phase == TRAINING else 0,
+        trial=-1 if phase == TRAINING else number,
+        episode=number,
+        training_iteration=30,
+        stimulus=0,
+        object_distance_m=1.0,
+        medial_rectus=0.1,
+        lateral_rectus=0.0,
+        n_iterations=n_iterations,
+        first_observation=40,
+    )
+
+
+def test_each_topic_is_recorded_in_one_way() -> None:
+    assert sorted((*SMALL_TOPICS, *FREE_TOPICS, *SAMPLED_TOPICS)) == sorted(TOPIC_TYPES)
+    assert set(SMALL_TOPICS) == {*PLANT, *ANSWERS}
+    assert set(SAMPLED_TOPICS) == {
+        "left/image_raw",
+        "right/image_raw",
+        "left/camera_info",
+        "right/camera_info",
+        "features",
+    }
+
+
+@pytest.mark.parametrize(
+    ("observation", "offset_ns", "expected"),
+    [
+        (39, 0, False),
+        (40, 0, True),
+        (41, 0, True),
+        (42, 0, True),
+        (43, 0, False),
+        (41, 1, False),
+        (40, -1, False),
+    ],
+)
+def test_stamps_of_the_episode(observation: int, offset_ns: int, expected: bool) -> None:
+    record = EpisodeRecord(_episode(), PERIOD_NS)
+    assert record.holds(observation * PERIOD_NS + offset_ns) is expected
+
+
+def test_iteration_of_a_stamp() -> None:
+    record = EpisodeRecord(_episode(), PERIOD_NS)
+    assert [record.iteration(n * PERIOD_NS) for n in (40, 41, 42)] == [0, 1, 2]
+
+
+def test_complete_with_the_very_last_message() -> None:
+    record = EpisodeRecord(_episode(), PERIOD_NS)
+    expected = [topic for topic in PLANT for _ in range(3)]
+    expected += [topic for topic in ANSWERS for _ in range(2)]
+    for topic in expected:
+        assert not record.is_complete
+        record.count(topic)
+    assert record.is_complete
+    assert record.missing() == ""
+
+
+def test_missing_messages_are_named() -> None:
+    record = EpisodeRecord(_episode(), PERIOD_NS)
+    for topic in PLANT:
+        for _ in range(3):
+            record.count(topic)
+    record.count("reward")
+    assert record.missing() == "1 of reward, 2 of muscle_command, 2 of actor_critic"
+
+
+@pytest.mark.parametrize(
+    ("phase", "number", "expected"),
+    [
+        (TRAINING, 0, True),
+        (TRAINING, 49, False),
+        (TRAINING, 50, True),
+        (TEST, 0, True),
+        (TEST, 50, False),
+        (TEST, 14, True),
+    ],
+)
+def test_sampled_episodes(phase: int, number: int, expected: bool) -> None:
+    config = ExperimentManagerConfig(pictures_every_n_episodes=50, pictures_every_n_trials=7)
+    assert takes_pictures(config, _episode(phase, number)) is expected
+
+
+def test_zero_samples_nothing() -> None:
+    config = ExperimentManagerConfig(pictures_every_n_episodes=0, pictures_every_n_trials=0)
+    assert not takes_pictures(config, _episode(TRAINING, 0))
+    assert not takes_pictures(config, _episode(TEST, 0))
+
+
+@pytest.mark.parametrize(
+    ("topic", "phase", "iteration", "expected"),
+    [
+        # 30 training iterations in 3 episodes came before: 30 of the coder, 27 TD updates.
+        ("reward", TRAINING, 0, 30),
+        ("reward", TRAINING, 4, 34),
+        ("reward", TEST, 4, 30),
+        ("actor_critic", TRAINING, 0, 27),
+        ("actor_critic", TRAINING, 4, 31),
+        ("actor_critic", TEST, 4, 27),
+    ],
+)
+def test_learning_steps_follow_from_the_place_in_the_protocol(
+    topic: str, phase: int, iteration: int, expected: int
+) -> None:
+    assert learning_steps(topic, _episode(phase), iteration) == expected

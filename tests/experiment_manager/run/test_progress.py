@@ -1,0 +1,159 @@
+"""What a run counts up, and that a checkpoint carries all of it."""
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from experiment_manager.run.progress import Progress
+from lockstep.errors import InputError
+from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
+
+
+def _truth(**values: float) -> np.ndarray:
+    assert set(values) <= set(GROUND_TRUTH_NAMES)
+    return np.array([values.get(name, 0.0) for name in GROUND_TRUTH_NAMES])
+
+
+def _reward(coarse: float, fine: float, cost_w: float) -> np.ndarray:
+    values = dict(zip(REWARD_NAMES, (coarse, fine, cost_w, 0.0, 0.0), strict=True))
+    return np.array([values[name] for name in REWARD_NAMES])
+
+
+def _trial(trial: int, errors_deg: list[float]) -> list[np.ndarray]:
+    return [
+        _truth(
+            phase=TEST,
+            trial=trial,
+            iteration=i,
+            training_iteration=500,
+            vergence_error_deg=error_deg,
+            metabolic_rate_w=2.0 if i == 0 else 1.0,
+            initial_metabolic_rate_w=2.0,
+            optimal_metabolic_rate_w=1.0,
+        )
+        for i, error_deg in enumerate(errors_deg)
+    ]
+
+
+def _add_test(progress: Progress, finals_deg: list[float]) -> dict[str, Any]:
+    for trial, final_deg in enumerate(finals_deg):
+        rows = _trial(trial, [-1.0] * 20 + [final_deg])
+        for i, row in enumerate(rows):
+            progress.add_truth(row, is_last=i == 20)
+    return progress.end_test()
+
+
+def test_a_test_is_summed_up_after_iteration_20() -> None:
+    summary = _add_test(Progress(1000), [0.1, -0.2, 0.3, -0.4, 0.5])
+    assert summary["iteration"] == 500
+    assert summary["n_trials"] == 5
+    assert summary["median_abs_vergence_error_deg"] == pytest.approx(0.3)
+    assert summary["iqr_abs_vergence_error_deg"] == pytest.approx(0.2)
+    assert summary["median_cost_reduction"] == pytest.approx(1.0)
+
+
+def test_each_test_starts_anew() -> None:
+    progress = Progress(1000)
+    _add_test(progress, [5.0, 5.0, 5.0])
+    assert _add_test(progress, [0.1])["median_abs_vergence_error_deg"] == pytest.approx(0.1)
+    assert len(progress.tests) == 2
+
+
+def test_the_running_error_is_of_the_last_observations_of_training() -> None:
+    progress = Progress(1000)
+    assert progress.running_median_error_deg is None
+    for error_deg in (-1.0, 2.0, -9.0):
+        progress.add_truth(_truth(phase=TRAINING, vergence_error_deg=50.0), is_last=False)
+        progress.add_truth(_truth(phase=TRAINING, vergence_error_deg=error_deg), is_last=True)
+    assert progress.running_median_error_deg == 2.0
+
+
+def test_the_running_error_forgets() -> None:
+    progress = Progress(10**6)
+    for error_deg in [7.0] * 300 + [1.0] * 200:
+        progress.add_truth(_truth(phase=TRAINING, vergence_error_deg=error_deg), is_last=True)
+    assert progress.running_median_error_deg == 1.0
+
+
+def test_cost_share_of_the_first_and_the_last_iterations() -> None:
+    progress = Progress(20_000)
+    progress.add_reward(TRAINING, 0, _reward(0.2, 0.2, 1.0))
+    progress.add_reward(TRAINING, 4999, _reward(0.1, 0.3, 3.0))
+    progress.add_reward(TRAINING, 5000, _reward(100.0, 100.0, 100.0))
+    progress.add_reward(TRAINING, 14_999, _reward(100.0, 100.0, 100.0))
+    progress.add_reward(TEST, 15_000, _reward(100.0, 100.0, 100.0))
+    progress.add_reward(TRAINING, 15_000, _reward(0.05, 0.05, 1.0))
+    # lambda C / (E + lambda C): first 0.1 * 4 / (0.8 + 0.4), last 0.1 / (0.1 + 0.1).
+    assert progress.cost_share("first", 0.1) == pytest.approx(0.4 / 1.2)
+    assert progress.cost_share("last", 0.1) == pytest.approx(0.5)
+    assert progress.cost_share("first", 0.0) == 0.0
+
+
+def test_without_training_there_is_no_share() -> None:
+    assert Progress(0).cost_share("first", 0.1) is None
+
+
+def test_a_share_of_nothing_is_none() -> None:
+    progress = Progress(100)
+    progress.add_reward(TRAINING, 0, _reward(0.0, 0.0, 0.0))
+    assert progress.cost_share("first", 0.1) is None
+
+
+def test_a_checkpoint_amid_a_test_carries_everything() -> None:
+    draw = np.random.default_rng(1)
+    undisturbed = Progress(100)
+    _add_test(undisturbed, [0.3, 0.1])
+    for i in range(50):
+        undisturbed.add_truth(
+            _truth(phase=TRAINING, vergence_error_deg=float(draw.normal())), is_last=True
+        )
+        undisturbed.add_reward(TRAINING, i, _reward(*draw.random(3)))
+    for row in _trial(0, list(draw.normal(size=21))):
+        undisturbed.add_truth(row, is_last=False)
+
+    resumed = Progress(100)
+    document = json.loads(json.dumps(undisturbed.document()))
+    resumed.restore(document, undisturbed.trial_rows())
+    ends = []
+    for progress in (undisturbed, resumed):
+        for row in _trial(1, [0.1 / 3] * 21):
+            progress.add_truth(row, is_last=False)
+        progress.add_reward(TRAINING, 51, _reward(0.1, 0.2, 0.3))
+        progress.end_test()
+        ends.append(
+            (
+                progress.tests,
+                progress.cost_share("first", 0.07),
+                progress.cost_share("last", 0.07),
+                progress.running_median_error_deg,
+            )
+        )
+    assert ends[0] == ends[1]
+    assert len(ends[0][0]) == 2
+
+
+def test_restoring_does_not_share_what_it_restores_from() -> None:
+    first = Progress(100)
+    first.add_reward(TRAINING, 0, _reward(0.1, 0.1, 1.0))
+    document = first.document()
+    second = Progress(100)
+    second.restore(document, first.trial_rows())
+    before = json.dumps(document)
+    second.add_reward(TRAINING, 1, _reward(0.5, 0.1, 1.0))
+    second.add_truth(_truth(phase=TRAINING, vergence_error_deg=1.0), is_last=True)
+    assert json.dumps(document) == before
+
+
+def test_no_trials_are_no_rows() -> None:
+    assert Progress(0).trial_rows().shape == (0, len(GROUND_TRUTH_NAMES))
+
+
+@pytest.mark.parametrize("name", ["tests", "sums", "running_errors_deg"])
+def test_what_is_no_progress_is_refused(name: str) -> None:
+    progress = Progress(0)
+    document = progress.document()
+    for damaged in ({k: v for k, v in document.items() if k != name}, document | {name: 3}):
+        with pytest.raises(InputError, match="expected a run's progress"):
+            Progress(0).restore(damaged, progress.trial_rows())

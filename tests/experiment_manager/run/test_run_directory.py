@@ -1,0 +1,250 @@
+"""A run on disk goes on from its newest checkpoint, with its bag or without it."""
+
+import dataclasses
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from experiment_manager.commands.evaluate import main as evaluate
+from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
+from experiment_manager.launch.configuration import CONFIG_CLASSES
+from experiment_manager.measures.recorded_run import RecordedRun
+from experiment_manager.report.performance_figures import learning_curve
+from experiment_manager.run.run_directory import Run
+from lockstep.configuration import flatten
+from lockstep.errors import InputError
+from lockstep.state_file import write_state
+from lockstep.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, REWARD_NAMES, TRAINING
+
+PERIOD_NS = 100_000_000
+PROTOCOL = ProtocolConfig(
+    n_training_iterations=60,
+    test_iterations=(0, 30),
+    n_training_stimuli=2,
+    n_test_stimuli=1,
+    n_stimuli_per_test=1,
+    test_distances_m=(2.0, 4.0),
+    iterations_per_trial=4,
+)
+Drive = Callable[[Run, int], None]
+
+
+def _config(directory: Path, *, resume: bool = False) -> ExperimentManagerConfig:
+    return ExperimentManagerConfig(
+        run_directory=str(directory),
+        protocol=PROTOCOL,
+        resume=resume,
+        model="M_C",
+        metabolic_cost_weight=0.1,
+    )
+
+
+def _begin(directory: Path) -> Run:
+    directory.mkdir()
+    about = {
+        "model": "M_C",
+        "seed": 1,
+        "n_training_iterations": 60,
+        "metabolic_cost_weight": 0.1,
+        "commit": "",
+    }
+    sections = {"run": about} | {f"/**/{n}": flatten(c()) for n, c in CONFIG_CLASSES.items()}
+    sections["/**/experiment_manager"] = flatten(_config(directory))
+    document = {name: {"ros__parameters": values} for name, values in sections.items()}
+    (directory / "config.yaml").write_text(yaml.safe_dump(document))
+    return Run(_config(directory))
+
+
+@pytest.fixture
+def drive(vector_bytes: Callable[..., bytes]) -> Drive:
+    """Return a function that makes the episodes of a run up to a place, with invented numbers."""
+
+    def observe(run: Run, iteration: int) -> None:
+        episode = run.episode()
+        number = episode.first_observation + iteration
+        draw = np.random.default_rng(number).random(4)
+        values = dict.fromkeys(GROUND_TRUTH_NAMES, 0.0) | {
+            "phase": episode.phase,
+            "test": episode.test,
+            "trial": episode.trial,
+            "iteration": iteration,
+            "training_iteration": episode.training_iteration
+            + (iteration if episode.phase == TRAINING else 0),
+            "observation": number,
+            "vergence_error_deg": draw[0],
+            "metabolic_rate_w": draw[1],
+            "optimal_metabolic_rate_w": 0.1,
+        }
+        reward = dict.fromkeys(REWARD_NAMES, 0.0) | {
+            "reconstruction_error_coarse": draw[2],
+            "reconstruction_error_fine": draw[3],
+            "metabolic_rate_w": draw[1],
+        }
+        is_last = iteration == episode.n_iterations
+        run.add_truth(np.array(list(values.values())), is_last)
+        tables = {
+            "ground_truth": values,
+            "muscle_activations": dict.fromkeys(HORIZONTAL_RECTI, 0.0),
+        }
+        if not is_last:
+            run.add_reward(episode, iteration, np.array(list(reward.values())))
+            tables["reward"] = reward
+        stamp_ns = number * PERIOD_NS
+        for topic, table in tables.items():
+            message = vector_bytes(list(table), list(table.values()), stamp_ns)
+            run.writer.write(topic, message, stamp_ns)
+
+    def drive_to(run: Run, place: int) -> None:
+        while run.place < place:
+            for iteration in range(run.episode().n_iterations + 1):
+                observe(run, iteration)
+            run.end_episode()
+
+    return drive_to
+
+
+def _commit(run: Run) -> None:
+    paths = run.state_paths(("sparse_coder", "vergence_rl"))
+    for name, path in paths.items():
+        write_state(path, name, {"place": np.array(run.place)})
+    run.commit(paths)
+
+
+def _end(run: Run, drive: Drive) -> dict[str, Any]:
+    drive(run, len(run.protocol))
+    _commit(run)
+    run.finish()
+    run.close()
+    results: dict[str, Any] = json.loads((run.directory / "results.json").read_text())
+    return results
+
+
+def _copied_without_bag(directory: Path, to: Path) -> Path:
+    to.mkdir()
+    shutil.copy(directory / "config.yaml", to)
+    shutil.copytree(directory / "checkpoints", to / "checkpoints")
+    return to
+
+
+@pytest.fixture
+def undisturbed(tmp_path: Path, drive: Drive) -> dict[str, Any]:
+    return _end(_begin(tmp_path / "undisturbed"), drive)
+
+
+# Two conditions and a test of 9 trials: amid the first test, in training, amid the second test.
+@pytest.mark.parametrize("place", [5, 10, 14, 24])
+def test_a_copied_checkpoint_is_enough_to_go_on(
+    tmp_path: Path, drive: Drive, undisturbed: dict[str, Any], place: int
+) -> None:
+    first = _begin(tmp_path / "first")
+    drive(first, place)
+    _commit(first)
+    drive(first, place + 1)
+    first.close()
+
+    directory = _copied_without_bag(first.directory, tmp_path / "second")
+    second = Run(_config(directory, resume=True))
+    assert second.place == place
+    observation = second.episode().first_observation
+    assert _end(second, drive) == undisturbed
+
+    recorded = RecordedRun(directory)
+    assert recorded.first_observation == observation
+    kept = [test.trials.training_iteration for test in recorded.tests]
+    tests = [segment for segment in second.protocol.segments if segment.i_test >= 0]
+    assert kept == [test.training_iteration for test in tests if test.first >= place]
+    assert learning_curve(directory).is_file()
+
+
+def test_pictures_are_listened_to_around_a_sampled_episode(tmp_path: Path, drive: Drive) -> None:
+    # 9 trials, 3 episodes, 9 trials, 3 episodes, 9 trials; sampled: the first of each test.
+    config = dataclasses.replace(
+        _config(tmp_path / "run"), pictures_every_n_episodes=0, pictures_every_n_trials=9
+    )
+    run = Run(config)
+    sampled = [0, 12, 24]
+    for place in range(len(run.protocol)):
+        drive(run, place)
+        expected = any(place - 1 <= s < place + 10 for s in sampled)
+        assert run.takes_pictures_soon() == expected
+    run.close()
+
+
+def test_the_next_interruption_finds_the_new_bag(
+    tmp_path: Path, drive: Drive, undisturbed: dict[str, Any]
+) -> None:
+    first = _begin(tmp_path / "first")
+    drive(first, 10)
+    _commit(first)
+    first.close()
+    directory = _copied_without_bag(first.directory, tmp_path / "second")
+    second = Run(_config(directory, resume=True))
+    drive(second, 13)
+    _commit(second)
+    drive(second, 14)
+    second.close()
+    third = Run(_config(directory, resume=True))
+    assert third.place == 13
+    assert _end(third, drive) == undisturbed
+    stamps_ns = RecordedRun(directory).bag.stamps_ns("ground_truth")
+    assert (np.diff(stamps_ns) == PERIOD_NS).all()
+    assert stamps_ns[0] == third.protocol.episode(10).first_observation * PERIOD_NS
+
+
+def test_what_is_not_in_the_bag_is_not_compared(
+    tmp_path: Path, drive: Drive, capsys: pytest.CaptureFixture[str]
+) -> None:
+    first = _begin(tmp_path / "first")
+    drive(first, 10)
+    _commit(first)
+    first.close()
+    directory = _copied_without_bag(first.directory, tmp_path / "second")
+    _end(Run(_config(directory, resume=True)), drive)
+    assert evaluate([str(directory)]) == 0
+    assert "The bag begins with observation" in capsys.readouterr().out
+    assert evaluate([str(directory), "--write"]) == 2
+    assert "expected the whole run in its bag" in capsys.readouterr().err
+
+    path = directory / "results.json"
+    document = json.loads(path.read_text())
+    document["tests"][-1]["n_trials"] += 1
+    path.write_text(json.dumps(document))
+    assert evaluate([str(directory)]) == 1
+
+
+def test_a_bag_that_lacks_a_file_is_refused(tmp_path: Path, drive: Drive) -> None:
+    run = _begin(tmp_path / "run")
+    for place in (5, 10):
+        drive(run, place)
+        _commit(run)
+    run.close()
+    (run.directory / "bag" / "bag_0.mcap").unlink()
+    with pytest.raises(InputError, match=r"bag_0\.mcap"):
+        Run(_config(run.directory, resume=True))
+
+
+def test_the_graph_ends_a_run_from_its_last_checkpoint_alone(
+    small_run: Path, tmp_path: Path
+) -> None:
+    directory = _copied_without_bag(small_run, tmp_path / "copy")
+    line = [
+        sys.executable,
+        "-m",
+        "experiment_manager.commands.run_experiment",
+        "--resume",
+        str(directory),
+    ]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
+    done = subprocess.run(line, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "bag: not here; it begins with what comes now" in done.stderr
+    assert (directory / "results.json").read_text() == (small_run / "results.json").read_text()

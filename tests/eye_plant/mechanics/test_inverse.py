@@ -1,0 +1,129 @@
+import csv
+import os
+
+import numpy as np
+import pytest
+
+from eye_plant.geometry import desired_vergence_deg
+from eye_plant.mechanics.inverse import Inverse
+from eye_plant.mechanics.muscles import MUSCLE_NAMES
+from eye_plant.mechanics.oculomotor import MechanicsConfig, Oculomotor
+
+LIMITS = ((0.0, 0.2), (0.0, 0.1))
+BASELINE_M = 0.056
+
+
+@pytest.fixture(scope="module", params=["k17", "anatomical"])
+def config(request) -> MechanicsConfig:
+    return MechanicsConfig(parameter_set=request.param)
+
+
+@pytest.fixture(scope="module")
+def inverse(config) -> Inverse:
+    return Inverse(config)
+
+
+@pytest.fixture(scope="module")
+def k17() -> Inverse:
+    return Inverse(MechanicsConfig())
+
+
+def settled_vergence_deg(config: MechanicsConfig, medial: float, lateral: float) -> float:
+    """Vergence by the other way: settle a plant of its own."""
+    eyes = Oculomotor(config)
+    eyes.settle(eyes.activations_from(medial, lateral))
+    return float(np.degrees(eyes.state().eye_angles_rad[:, 0].sum()))
+
+
+def test_pairs_give_the_wanted_vergence_inside_the_limits(config, inverse):
+    generator = np.random.default_rng(0)
+    for _ in range(15):
+        wanted_deg = generator.uniform(0.535, 9.47)
+        medial, lateral = inverse.activation_pair(wanted_deg, generator.uniform(), LIMITS)
+        assert 0.0 <= medial <= 0.2
+        assert 0.0 <= lateral <= 0.1
+        reached_deg = settled_vergence_deg(config, medial, lateral)
+        assert reached_deg == pytest.approx(wanted_deg, abs=1e-5)
+
+
+def test_equal_fractions_are_equal_distances_on_the_line(k17):
+    pairs = np.array([k17.activation_pair(3.0, f, LIMITS) for f in np.linspace(0.0, 1.0, 6)])
+    distances = np.linalg.norm(np.diff(pairs, axis=0), axis=1)
+    np.testing.assert_allclose(distances, distances.mean(), rtol=0.02)
+    assert pairs[0, 1] == 0.0  # begins with the lateral rectus silent
+    assert pairs[-1, 1] == 0.1  # and ends on the limit
+    assert np.all(np.diff(pairs[:, 0]) > 0.0)
+
+
+def test_a_call_does_not_depend_on_earlier_ones(config, inverse):
+    fresh = Inverse(config)
+    inverse.optimal(2.0)
+    inverse.activation_pair(5.0, 0.3, LIMITS)
+    assert inverse.activation_pair(3.3, 0.7, LIMITS) == fresh.activation_pair(3.3, 0.7, LIMITS)
+    assert inverse.optimal(1.7) == fresh.optimal(1.7)
+
+
+def test_the_optimum_is_the_least_cost_along_the_line(config, inverse):
+    eyes = Oculomotor(config)
+    for wanted_deg in (0.535, 1.0, 6.41):
+        best = inverse.optimal(wanted_deg)
+        rates_w = []
+        for fraction in np.linspace(0.0, 1.0, 21):
+            pair = inverse.activation_pair(wanted_deg, fraction, ((0.0, 0.6), (0.0, 0.6)))
+            eyes.settle(eyes.activations_from(*pair))
+            rates_w.append(eyes.horizontal_metabolic_rate_w(eyes.state().metabolic_rate_w))
+        assert best.metabolic_rate_w == pytest.approx(min(rates_w), rel=1e-6)
+        assert min(best.medial, best.lateral) == 0.0
+        reached_deg = settled_vergence_deg(config, best.medial, best.lateral)
+        assert reached_deg == pytest.approx(wanted_deg, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("distance_m", "medial", "lateral"),
+    [
+        (0.5, 0.0736, 0.0),
+        (1.0, 0.0315, 0.0),
+        (2.0, 0.0089, 0.0),
+        (4.0, 0.0, 0.0027),
+        (6.0, 0.0, 0.0064),
+    ],
+)
+def test_k17_needs_the_single_muscle_activations_of_openeyesim(k17, distance_m, medial, lateral):
+    best = k17.optimal(desired_vergence_deg(distance_m, BASELINE_M))
+    assert best.medial == pytest.approx(medial, abs=0.003)
+    assert best.lateral == pytest.approx(lateral, abs=0.003)
+
+
+def test_k17_optimal_cost_is_near_the_power_laws(k17):
+    for distance_m, rate_w in ((0.5, 1.101), (2.0, 0.432), (4.0, 0.355), (6.0, 0.382)):
+        best = k17.optimal(desired_vergence_deg(distance_m, BASELINE_M))
+        assert best.metabolic_rate_w == pytest.approx(rate_w, rel=0.07)
+
+
+def test_an_unreachable_vergence_is_refused(k17):
+    with pytest.raises(ValueError, match="gives a vergence of 40 deg"):
+        k17.activation_pair(40.0, 0.5, LIMITS)
+    with pytest.raises(ValueError, match="fraction must be within"):
+        k17.activation_pair(3.0, 1.5, LIMITS)
+
+
+def test_eyes_without_medial_recti_still_have_pairs():
+    strength = tuple(0.0 if "medial" in name else 1.0 for name in MUSCLE_NAMES)
+    inverse = Inverse(MechanicsConfig(strength=strength))
+    low = inverse.activation_pair(-2.0, 0.0, LIMITS)
+    high = inverse.activation_pair(-2.0, 1.0, LIMITS)
+    assert low[1] == pytest.approx(high[1], abs=1e-6)
+    assert (low[0], high[0]) == (0.0, 0.2)
+    assert inverse.vergence_deg(*high) == pytest.approx(-2.0, abs=1e-5)
+
+
+@pytest.mark.skipif(
+    "ABV_OPENEYESIM_MAPS" not in os.environ, reason="ABV_OPENEYESIM_MAPS names no file"
+)
+def test_k17_gaze_on_openeyesims_own_grid(k17):
+    with open(os.environ["ABV_OPENEYESIM_MAPS"], newline="") as file:
+        rows = [list(map(float, row)) for row in list(csv.reader(file))[1:]]
+    errors_deg = np.array([k17.vergence_deg(row[0], row[1]) / 2.0 - row[2] for row in rows])
+    inside = np.array([row[0] <= 0.2 and row[1] <= 0.1 for row in rows])
+    assert np.sqrt(np.mean(errors_deg**2)) < 2.0
+    assert np.sqrt(np.mean(errors_deg[inside] ** 2)) < 0.15

@@ -1,0 +1,145 @@
+import numpy as np
+import pytest
+
+from eye_plant.mechanics.metabolics import Energetics, MetabolicTerms, metabolic_terms
+from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.muscles import HORIZONTAL
+from eye_plant.mechanics.oculomotor import Oculomotor
+
+
+def one_kilogram(energetics: Energetics = Energetics(), **changes: float) -> MetabolicTerms:  # noqa: B008
+    """Terms of a muscle of 1 kg, l_opt 0.1 m, v_max 10 / s; resting at l_opt unless changed."""
+    state = {
+        "excitation": 0.0,
+        "activation": 0.0,
+        "length": 1.0,
+        "velocity_per_s": 0.0,
+        "isometric_force": 1.0,
+        "contractile_force_n": 0.0,
+    }
+    return metabolic_terms(
+        **(state | changes),
+        optimal_length_m=0.1,
+        max_velocity_per_s=10.0,
+        mass_kg=1.0,
+        energetics=energetics,
+    )
+
+
+def test_full_isometric_activation_costs_127_4_w_per_kg():
+    assert one_kilogram(excitation=1.0, activation=1.0).total_w == pytest.approx(127.4)
+
+
+def test_aerobic_scaling_makes_it_191_1_w_per_kg():
+    aerobic = Energetics(scaling=1.5)
+    assert one_kilogram(aerobic, excitation=1.0, activation=1.0).total_w == pytest.approx(191.1)
+
+
+def test_a_silent_muscle_costs_1_w_per_kg_of_floor():
+    terms = one_kilogram()
+    assert terms.total_w == pytest.approx(1.0)
+    assert terms.floor_w == pytest.approx(1.0)
+
+
+def test_above_optimal_length_maintenance_falls_with_the_isometric_force():
+    terms = one_kilogram(excitation=1.0, activation=1.0, length=1.2, isometric_force=0.5)
+    assert terms.activation_maintenance_w == pytest.approx(0.7 * 127.4)
+
+
+def test_below_optimal_length_it_does_not():
+    terms = one_kilogram(excitation=1.0, activation=1.0, length=0.8, isometric_force=0.5)
+    assert terms.activation_maintenance_w == pytest.approx(127.4)
+
+
+def test_a_falling_activation_is_charged_half_way():
+    # A = (0.2 + 0.4) / 2 = 0.3
+    terms = one_kilogram(excitation=0.2, activation=0.4)
+    assert terms.activation_maintenance_w == pytest.approx(127.4 * 0.3**0.6)
+
+
+def test_a_rising_activation_is_charged_by_its_excitation():
+    terms = one_kilogram(excitation=0.4, activation=0.2)
+    assert terms.activation_maintenance_w == pytest.approx(127.4 * 0.4**0.6)
+
+
+def test_shortening_heat_by_hand():
+    # a_slow = 100 / (10 / 2.5) = 25, a_fast = 153 / 10 = 15.3; v = -2:
+    # slow 50 * 0.2 + fast 30.6 * 0.8 = 34.48, times A^2 = 0.25
+    terms = one_kilogram(excitation=0.5, activation=0.5, velocity_per_s=-2.0)
+    assert terms.shortening_lengthening_w == pytest.approx(0.25 * 34.48)
+
+
+def test_slow_shortening_heat_saturates_at_100_w_per_kg():
+    # slow 25 * 8 = 200 -> 100, * 0.2; fast 15.3 * 8 * 0.8
+    terms = one_kilogram(excitation=1.0, activation=1.0, velocity_per_s=-8.0)
+    assert terms.shortening_lengthening_w == pytest.approx(20.0 + 97.92)
+
+
+def test_lengthening_heat_by_hand():
+    # 4 * 25 * 0.5 * A = 0.2, above l_opt times F_iso = 0.5
+    terms = one_kilogram(
+        excitation=0.2, activation=0.2, velocity_per_s=0.5, length=1.1, isometric_force=0.5
+    )
+    assert terms.shortening_lengthening_w == pytest.approx(0.2 * 50.0 * 0.5)
+
+
+def test_work_is_positive_in_shortening_and_negative_in_lengthening():
+    # 3 N at 2 l_opt / s = 0.2 m / s
+    assert one_kilogram(contractile_force_n=3.0, velocity_per_s=-2.0).work_w == pytest.approx(0.6)
+    assert one_kilogram(contractile_force_n=3.0, velocity_per_s=2.0).work_w == pytest.approx(-0.6)
+
+
+def test_k17_cost_is_the_power_law_with_a_floor_of_the_charged_activation():
+    eyes = Oculomotor(MechanicsConfig())
+    for medial, lateral in ((0.0, 0.0), (0.004, 0.3), (0.1, 0.02), (0.2, 0.1), (1.0, 1.0)):
+        eyes.settle(eyes.activations_from(medial, lateral))
+        state = eyes.state()
+        expected_w = 2.0 * (
+            2.2295 * max(medial, 0.005) ** 0.6 + 2.0295 * max(lateral, 0.005) ** 0.6
+        )
+        charged_w = eyes.horizontal_metabolic_rate_w(state.metabolic_rate_w)
+        assert charged_w == pytest.approx(expected_w, rel=1e-3)
+        assert charged_w == pytest.approx(state.metabolic_rate_w[HORIZONTAL].sum())
+        np.testing.assert_array_equal(state.activations[:2], [medial, lateral])
+
+
+@pytest.mark.parametrize("parameter_set", ["k17", "anatomical"])
+def test_the_settled_rate_is_the_sum_of_the_terms_at_rest(parameter_set):
+    eyes = Oculomotor(MechanicsConfig(parameter_set=parameter_set))
+    for medial, lateral in ((0.0, 0.0), (0.6, 0.0), (0.05, 0.2)):
+        eyes.settle(eyes.activations_from(medial, lateral))
+        state = eyes.state()
+        terms = eyes.musculature.metabolic_terms(
+            state.activations,
+            state.activations,
+            state.lengths_m,
+            state.velocities_m_s,
+            state.forces_n,
+        )
+        np.testing.assert_allclose(terms.total_w, state.metabolic_rate_w, rtol=1e-12)
+
+
+def test_mean_rate_of_a_period_in_which_nothing_happens_is_the_settled_rate():
+    eyes = Oculomotor(MechanicsConfig(parameter_set="anatomical"))
+    activations = eyes.activations_from(0.1, 0.05)
+    eyes.settle(activations)
+    eyes.step(activations)
+    state = eyes.state()
+    np.testing.assert_allclose(state.mean_metabolic_rate_w, state.metabolic_rate_w, rtol=1e-6)
+
+
+def test_moving_costs_work_and_heat_that_add_up_to_the_mean_rate():
+    eyes = Oculomotor(MechanicsConfig())
+    eyes.settle(eyes.activations_from(0.0, 0.05))
+    eyes.step(eyes.activations_from(0.2, 0.0))
+    terms = eyes.metabolic_trace()
+    assert terms.work_w[:, 0].mean() > 0.0  # the medial rectus shortens
+    assert terms.work_w[:, 1].mean() < 0.0  # the lateral rectus, letting go, is stretched
+    assert terms.shortening_lengthening_w[:, 0].max() > 0.0
+    total_w = (
+        terms.activation_maintenance_w
+        + terms.shortening_lengthening_w
+        + terms.floor_w
+        + terms.work_w
+    )
+    np.testing.assert_allclose(eyes.state().mean_metabolic_rate_w, total_w.mean(axis=0))

@@ -1,0 +1,118 @@
+import mujoco
+import numpy as np
+import pytest
+
+from eye_plant.mechanics.anatomical import ANATOMICAL
+from eye_plant.mechanics.model import JOINT_NAMES, MechanicsConfig, build_spec, receded_insertion_m
+from eye_plant.mechanics.muscles import MUSCLE_NAMES, MUSCLES
+
+SETS = ("k17", "anatomical")
+
+# Signs of adduction, elevation, intorsion that a muscle gives an eye looking straight ahead.
+ACTIONS = {
+    "medial_rectus": (+1, 0, 0),
+    "lateral_rectus": (-1, 0, 0),
+    "superior_rectus": (+1, +1, +1),
+    "inferior_rectus": (+1, -1, -1),
+    "superior_oblique": (-1, -1, +1),
+    "inferior_oblique": (-1, +1, -1),
+}
+
+
+@pytest.fixture(params=SETS)
+def model(request) -> mujoco.MjModel:
+    return build_spec(MechanicsConfig(parameter_set=request.param)).compile()
+
+
+def pull_of(model: mujoco.MjModel, name: str) -> np.ndarray:
+    """Torque (6,) of one muscle alone at full activation, less the passive torque."""
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    passive = data.qfrc_actuator.copy()
+    data.act[MUSCLE_NAMES.index(name)] = 1.0
+    mujoco.mj_forward(model, data)
+    return data.qfrc_actuator - passive
+
+
+def test_joints_and_muscles_stand_in_their_documented_order(model):
+    assert tuple(model.joint(i).name for i in range(model.njnt)) == JOINT_NAMES
+    assert tuple(model.actuator(i).name for i in range(model.nu)) == MUSCLE_NAMES
+
+
+@pytest.mark.parametrize("muscle", MUSCLES)
+def test_muscles_pull_the_way_anatomy_says_and_only_their_own_eye(model, muscle):
+    for i_side, side in enumerate(("left", "right")):
+        torque = pull_of(model, f"{side}_{muscle}").reshape(2, 3)
+        np.testing.assert_array_equal(torque[1 - i_side], 0.0)
+        primary = np.abs(torque[i_side]).max()
+        for value, sign in zip(torque[i_side], ACTIONS[muscle], strict=True):
+            if sign:
+                assert value * sign > 0.05 * primary
+            else:
+                assert abs(value) < 0.02 * primary
+
+
+def test_joint_angles_are_adduction_elevation_and_intorsion(model):
+    data = mujoco.MjData(model)
+    for i_side, nose in ((0, -1.0), (1, 1.0)):  # the nose lies at -y of the left eye
+        side = ("left", "right")[i_side]
+        for i_axis, column, component, sign in ((0, 0, 1, nose), (1, 0, 2, 1.0), (2, 2, 1, nose)):
+            data.qpos[:] = 0.0
+            data.qpos[3 * i_side + i_axis] = 0.1
+            mujoco.mj_forward(model, data)
+            rotation = data.body(f"{side}_eye").xmat.reshape(3, 3)
+            assert rotation[component, column] * sign == pytest.approx(np.sin(0.1))
+
+
+def test_globe_has_its_mass_inertia_and_place():
+    model = build_spec(MechanicsConfig(baseline_m=0.06, eye_height_m=1.2)).compile()
+    np.testing.assert_allclose(model.body("left_eye").pos, [0.0, 0.03, 1.2])
+    np.testing.assert_allclose(model.body("right_eye").pos, [0.0, -0.03, 1.2])
+    assert model.body("left_eye").mass == pytest.approx(7.5e-3)
+    np.testing.assert_allclose(model.body("left_eye").inertia, 4.32e-7)
+    np.testing.assert_allclose(model.dof_M0, 4.32e-7)
+
+
+def test_orbital_tissue_pulls_back_by_its_polynomial():
+    model = build_spec(MechanicsConfig(parameter_set="anatomical")).compile()
+    data = mujoco.MjData(model)
+    data.qpos[:] = (0.5, -0.4, 0.3, 0.5, -0.4, 0.3)
+    mujoco.mj_forward(model, data)
+    expected = -2.225e-3 * data.qpos - 3.453e-3 * data.qpos**3
+    np.testing.assert_allclose(data.qfrc_spring, expected, rtol=1e-9)
+
+
+def test_a_recession_moves_the_insertion_back_along_the_globe():
+    muscle, orbit = ANATOMICAL.muscles["medial_rectus"], ANATOMICAL.orbit
+    before = np.array(muscle.insertion_m)
+    after = np.array(receded_insertion_m(muscle, orbit, 4.0))
+    assert np.linalg.norm(after) == pytest.approx(np.linalg.norm(before))
+    angle = np.arccos(before @ after / (before @ before))
+    assert angle * orbit.globe_radius_m == pytest.approx(4e-3)
+    pulley = np.array(muscle.pulley_m)
+    assert np.linalg.norm(after - pulley) < np.linalg.norm(before - pulley)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"parameter_set": "k18"}, "one of k17, anatomical; got 'k18'"),
+        ({"baseline_m": -0.05}, "baseline_m must be 1 number"),
+        ({"strength": (1.0,) * 11}, "strength must be 12 number"),
+        ({"recession_mm": (0.0,) * 11 + (float("nan"),)}, "recession_mm must be 12 number"),
+        ({"rest_adduction_deg": (0.0, 90.0)}, "rest_adduction_deg must be 2 number"),
+    ],
+)
+def test_bad_settings_are_refused_by_name(changes, message):
+    with pytest.raises(ValueError, match=message):
+        MechanicsConfig(**changes)
+
+
+@pytest.mark.parametrize("parameter_set", SETS)
+def test_a_passive_eye_without_damping_keeps_its_energy(parameter_set):
+    from eye_plant.validation.passive_energy import passive_energy_j
+
+    config = MechanicsConfig(parameter_set=parameter_set)
+    energy_j = passive_energy_j(config, duration_s=0.2)
+    assert energy_j[0] > 0.0
+    np.testing.assert_allclose(energy_j, energy_j[0], rtol=1e-4)

@@ -1,0 +1,80 @@
+import mujoco
+import numpy as np
+import pytest
+
+from eye_plant.mechanics.model import MechanicsConfig, build_spec
+from eye_plant.mechanics.muscles import (
+    MUSCLE_NAMES,
+    force_length,
+    force_velocity,
+    passive_force_length,
+)
+
+SHORTEST, LONGEST, STIFFNESS, GAIN = 0.4, 1.7, 0.6, 1.3
+
+
+def mujoco_parameters() -> np.ndarray:
+    """range, force, scale, lmin, lmax, vmax, fpmax, fvmax of mju_muscleGain."""
+    return np.array([0.0, 1.0, 1.0, 1.0, SHORTEST, LONGEST, 1.0, STIFFNESS, GAIN])
+
+
+def test_twelve_muscles_left_before_right_medial_before_lateral():
+    assert len(MUSCLE_NAMES) == 12
+    assert MUSCLE_NAMES[:2] == ("left_medial_rectus", "left_lateral_rectus")
+    assert MUSCLE_NAMES[6] == "right_medial_rectus"
+    assert MUSCLE_NAMES[-1] == "right_inferior_oblique"
+
+
+@pytest.mark.parametrize(
+    ("length", "expected"),
+    [(0.4, 0.0), (0.55, 0.125), (0.7, 0.5), (1.0, 1.0), (1.35, 0.5), (1.7, 0.0), (2.0, 0.0)],
+)
+def test_force_length_at_points_worked_out_by_hand(length, expected):
+    assert force_length(length, SHORTEST, LONGEST) == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("length", "expected"), [(0.9, 0.0), (1.175, 0.075), (1.35, 0.3), (1.7, 0.9)]
+)
+def test_passive_force_at_points_worked_out_by_hand(length, expected):
+    assert passive_force_length(length, LONGEST, STIFFNESS) == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "expected"),
+    [(-2.0, 0.0), (-1.0, 0.0), (-0.5, 0.25), (0.0, 1.0), (0.15, 1.225), (0.3, 1.3), (2.0, 1.3)],
+)
+def test_force_velocity_at_points_worked_out_by_hand(velocity, expected):
+    assert force_velocity(velocity, GAIN) == pytest.approx(expected, abs=1e-12)
+
+
+def test_curves_are_those_that_mujoco_simulates():
+    unit = np.array([0.0, 1.0])
+    for length in np.linspace(0.3, 1.9, 33):
+        for velocity in np.linspace(-1.2, 0.6, 19):
+            gain = mujoco.mju_muscleGain(length, velocity, unit, 1.0, mujoco_parameters())
+            ours = force_length(length, SHORTEST, LONGEST) * force_velocity(velocity, GAIN)
+            assert ours == pytest.approx(-gain, abs=1e-12)
+        bias = mujoco.mju_muscleBias(length, unit, 1.0, mujoco_parameters())
+        assert passive_force_length(length, LONGEST, STIFFNESS) == pytest.approx(-bias, abs=1e-12)
+
+
+@pytest.mark.parametrize("parameter_set", ["k17", "anatomical"])
+def test_simulated_pull_is_the_hill_formula_of_the_parameters(parameter_set):
+    config = MechanicsConfig(parameter_set=parameter_set)
+    model = build_spec(config).compile()
+    data = mujoco.MjData(model)
+    generator = np.random.default_rng(1)
+    data.act[:] = generator.uniform(0.0, 1.0, 12)
+    data.qpos[:] = generator.uniform(-0.4, 0.4, 6)
+    data.qvel[:] = generator.uniform(-3.0, 3.0, 6)
+    mujoco.mj_forward(model, data)
+    for i, name in enumerate(MUSCLE_NAMES):
+        muscle = config.parameters.muscles[name.split("_", 1)[1]]
+        length = (data.actuator_length[i] - muscle.slack_length_m) / muscle.optimal_length_m
+        velocity = data.actuator_velocity[i] / muscle.optimal_length_m / muscle.max_velocity_per_s
+        active = data.act[i] * force_length(length, muscle.shortest, muscle.longest)
+        active = active * force_velocity(velocity, muscle.lengthening_gain)
+        passive = passive_force_length(length, muscle.longest, muscle.passive_stiffness)
+        expected_n = muscle.peak_force_n * (active + passive)
+        assert -data.actuator_force[i] == pytest.approx(expected_n, rel=1e-9, abs=1e-12)

@@ -1,0 +1,274 @@
+import mujoco
+import numpy as np
+import pytest
+
+from eye_plant.mechanics.model import build_spec
+from eye_plant.mechanics.muscles import MUSCLE_NAMES
+from eye_plant.mechanics.oculomotor import MechanicsConfig, Oculomotor
+
+SETS = ("k17", "anatomical")
+LEFT, RIGHT = 0, 1
+ADDUCTION, ELEVATION, INTORSION = 0, 1, 2
+
+
+def eyes_with(**changes) -> Oculomotor:
+    return Oculomotor(MechanicsConfig(**changes))
+
+
+def angles_deg(eyes: Oculomotor) -> np.ndarray:
+    return np.degrees(eyes.state().eye_angles_rad)
+
+
+def all_but(default: float, **values: float) -> tuple[float, ...]:
+    """Twelve numbers: the default but for the muscles named."""
+    return tuple(values.get(name, default) for name in MUSCLE_NAMES)
+
+
+def rested_deg(config: MechanicsConfig, activations: np.ndarray) -> np.ndarray:
+    """Slow oracle of the static equilibrium: simulate until nothing has moved for long."""
+    model = build_spec(config).compile()
+    model.opt.timestep = 1e-3
+    data = mujoco.MjData(model)
+    data.ctrl[:] = data.act[:] = activations
+    mujoco.mj_step(model, data, 8000)
+    assert np.abs(data.qvel).max() < 1e-9
+    return np.degrees(data.qpos.reshape(2, 3))
+
+
+@pytest.mark.parametrize("parameter_set", SETS)
+def test_settling_finds_where_a_long_simulation_comes_to_rest(parameter_set):
+    eyes = eyes_with(parameter_set=parameter_set)
+    for medial, lateral in ((0.2, 0.0), (0.03, 0.1), (0.0, 0.4)):
+        activations = eyes.activations_from(medial, lateral)
+        activations[2] += 0.1  # the left superior rectus: all axes take part
+        eyes.settle(activations)
+        np.testing.assert_allclose(
+            angles_deg(eyes), rested_deg(eyes.config, activations), atol=1e-6
+        )
+
+
+@pytest.mark.parametrize("parameter_set", SETS)
+def test_steps_inside_the_limits_end_at_the_static_equilibrium(parameter_set):
+    stepping, settling = (
+        eyes_with(parameter_set=parameter_set),
+        eyes_with(parameter_set=parameter_set),
+    )
+    generator = np.random.default_rng(0)
+    for _ in range(30):
+        activations = stepping.activations_from(*generator.uniform(0.0, (0.2, 0.1)))
+        stepping.step(activations)
+        settling.settle(activations)
+        np.testing.assert_allclose(angles_deg(stepping), angles_deg(settling), atol=1e-6)
+        np.testing.assert_allclose(stepping.state().activations, activations, atol=1e-12)
+        assert np.abs(stepping.state().eye_velocities_rad_s).max() == 0.0
+
+
+def test_k17_periods_are_long_enough_for_the_simulated_eyes_to_come_to_rest():
+    free, settled = eyes_with(), eyes_with()
+    generator = np.random.default_rng(0)
+    for _ in range(20):
+        activations = free.activations_from(*generator.uniform(0.0, (0.2, 0.1)))
+        free.advance(activations, free.control_period_s)
+        settled.settle(activations)
+        np.testing.assert_allclose(angles_deg(free), angles_deg(settled), atol=0.02)
+        np.testing.assert_allclose(free.state().activations, activations, atol=1e-6)
+
+
+@pytest.mark.parametrize("parameter_set", SETS)
+def test_a_step_depends_on_what_came_since_settling_only(parameter_set):
+    used, fresh = eyes_with(parameter_set=parameter_set), eyes_with(parameter_set=parameter_set)
+    for medial in (0.2, 0.0, 0.13):
+        used.step(used.activations_from(medial, 0.05))
+    for eyes in (used, fresh):
+        eyes.settle(eyes.activations_from(0.1, 0.02))
+        eyes.step(eyes.activations_from(0.02, 0.07))
+    for name, value in vars(used.state()).items():
+        np.testing.assert_array_equal(value, getattr(fresh.state(), name), err_msg=name)
+
+
+@pytest.mark.parametrize("parameter_set", SETS)
+def test_equal_commands_give_mirror_images(parameter_set):
+    eyes = eyes_with(parameter_set=parameter_set)
+    generator = np.random.default_rng(3)
+    for _ in range(20):
+        eyes.step(np.tile(generator.uniform(0.0, 0.3, 6), 2))
+        left, right = angles_deg(eyes)
+        np.testing.assert_allclose(left, right, atol=1e-6)
+
+
+@pytest.mark.parametrize("parameter_set", SETS)
+def test_each_muscle_moves_its_own_eye_alone(parameter_set):
+    eyes = eyes_with(parameter_set=parameter_set)
+    rest = angles_deg(eyes)
+    for i, name in enumerate(MUSCLE_NAMES):
+        activations = eyes.tonic_activations
+        activations[i] += 0.1
+        eyes.settle(activations)
+        side = LEFT if name.startswith("left") else RIGHT
+        np.testing.assert_allclose(angles_deg(eyes)[1 - side], rest[1 - side], atol=1e-9)
+        assert np.abs(angles_deg(eyes)[side] - rest[side]).max() > 0.5, name
+
+
+def test_k17_horizontal_recti_turn_the_eyes_about_the_vertical_only():
+    eyes = eyes_with()
+    for medial, lateral in ((0.2, 0.0), (0.0, 0.1), (0.7, 0.3)):
+        eyes.settle(eyes.activations_from(medial, lateral))
+        np.testing.assert_allclose(angles_deg(eyes)[:, ELEVATION:], 0.0, atol=1e-6)
+
+
+def test_k17_gaze_at_rest_and_its_slopes():
+    # OpenEyeSim: 0.498 deg at rest, +3.77 deg per 0.1 medial, -4.09 deg per 0.1 lateral
+    eyes = eyes_with()
+    gaze = {}
+    for medial, lateral in ((0.0, 0.0), (0.1, 0.0), (0.0, 0.1)):
+        eyes.settle(eyes.activations_from(medial, lateral))
+        gaze[medial, lateral] = angles_deg(eyes)[LEFT, ADDUCTION]
+    assert gaze[0.0, 0.0] == pytest.approx(0.498, abs=0.05)
+    assert gaze[0.1, 0.0] - gaze[0.0, 0.0] == pytest.approx(3.77, abs=0.2)
+    assert gaze[0.0, 0.1] - gaze[0.0, 0.0] == pytest.approx(-4.09, abs=0.2)
+
+
+def test_anatomical_eyes_look_straight_ahead_at_tonic_level_under_tension():
+    eyes = eyes_with(parameter_set="anatomical")
+    np.testing.assert_allclose(angles_deg(eyes), 0.0, atol=0.01)
+    recti_gf = eyes.state().forces_n[[0, 1, 2, 3]] / 9.80665e-3
+    assert recti_gf.min() >= 8.0
+    assert recti_gf.max() <= 15.0
+
+
+def test_unnamed_muscles_keep_their_tonic_level():
+    eyes = eyes_with(parameter_set="anatomical")
+    activations = eyes.activations_from(0.3, 0.0)
+    np.testing.assert_array_equal(activations[2:6], eyes.tonic_activations[2:6])
+    assert activations[0] == activations[6] == 0.3
+    assert activations[1] == activations[7] == 0.0
+    assert eyes.tonic_activations.min() > 0.0
+
+
+def test_free_running_eyes_are_under_way_before_they_arrive():
+    eyes = eyes_with(parameter_set="anatomical")
+    activations = eyes.activations_from(0.3, 0.0)
+    eyes.advance(activations, 0.02)
+    state = eyes.state()
+    assert 0.5 < np.degrees(state.eye_angles_rad[LEFT, ADDUCTION]) < 10.0
+    assert state.eye_velocities_rad_s[LEFT, ADDUCTION] > 0.5
+    assert state.velocities_m_s[0] < 0.0 < state.velocities_m_s[1]
+
+
+def test_a_scaled_timestep_and_period_are_kept():
+    eyes = eyes_with(control_period_s=0.1, timestep_s=0.002)
+    assert eyes.control_period_s == pytest.approx(0.1)
+    assert eyes.model.opt.timestep == pytest.approx(0.002)
+
+
+def test_eye_poses_are_those_of_the_angles():
+    eyes = eyes_with()
+    eyes.settle(eyes.activations_from(0.2, 0.0))
+    adduction_rad = eyes.state().eye_angles_rad[:, ADDUCTION]
+    np.testing.assert_allclose(eyes.eye_positions_m()[:, 1], [0.028, -0.028])
+    toward_left = eyes.eye_rotations()[:, 1, 0]
+    np.testing.assert_allclose(toward_left, [-np.sin(adduction_rad[0]), np.sin(adduction_rad[1])])
+
+
+def test_states_share_no_memory():
+    eyes = eyes_with()
+    before = eyes.state()
+    kept = before.eye_angles_rad.copy()
+    eyes.step(eyes.activations_from(0.2, 0.0))
+    np.testing.assert_array_equal(before.eye_angles_rad, kept)
+
+
+@pytest.mark.parametrize(
+    ("activations", "message"),
+    [
+        (np.zeros(11), "expected 12 activations, got shape"),
+        (np.full(12, 1.1), "within"),
+        (np.full(12, np.nan), "within"),
+    ],
+)
+def test_bad_activations_are_refused(activations, message):
+    eyes = eyes_with()
+    with pytest.raises(ValueError, match=message):
+        eyes.step(activations)
+
+
+def test_a_foreign_model_is_refused():
+    model = mujoco.MjModel.from_xml_string("<mujoco/>")
+    with pytest.raises(ValueError, match="only actuators are the twelve muscles"):
+        Oculomotor(MechanicsConfig(), model)
+
+
+# Lesions and surgery ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("side", "name"), [(LEFT, "left_medial_rectus"), (RIGHT, "right_medial_rectus")]
+)
+def test_a_paralysed_medial_rectus_leaves_its_eye_where_silence_would(side, name):
+    healthy = eyes_with()
+    paralysed = eyes_with(strength=all_but(1.0, **{name: 0.0}))
+    activations = healthy.activations_from(0.2, 0.05)
+    healthy.settle(activations)
+    paralysed.settle(activations)
+    other = 1 - side
+    np.testing.assert_allclose(angles_deg(paralysed)[other], angles_deg(healthy)[other], atol=1e-9)
+    lost_deg = angles_deg(healthy)[side, ADDUCTION] - angles_deg(paralysed)[side, ADDUCTION]
+    activations[MUSCLE_NAMES.index(name)] = 0.0
+    healthy.settle(activations)
+    np.testing.assert_allclose(angles_deg(paralysed), angles_deg(healthy), atol=1e-9)
+    assert lost_deg == pytest.approx(8.0, abs=0.5)  # 0.2 medial is 8.0 deg in OpenEyeSim's map
+
+
+def test_half_strength_is_half_the_activation():
+    weak = eyes_with(strength=all_but(1.0, left_lateral_rectus=0.5))
+    healthy = eyes_with()
+    weak.settle(weak.activations_from(0.1, 0.08))
+    activations = healthy.activations_from(0.1, 0.08)
+    activations[1] = 0.04
+    healthy.settle(activations)
+    np.testing.assert_allclose(angles_deg(weak), angles_deg(healthy), atol=1e-9)
+
+
+@pytest.mark.parametrize("side", [LEFT, RIGHT])
+def test_receding_a_medial_rectus_makes_its_eye_diverge(side):
+    name = ("left", "right")[side] + "_medial_rectus"
+    healthy = eyes_with(parameter_set="anatomical")
+    receded = eyes_with(parameter_set="anatomical", recession_mm=all_but(0.0, **{name: 4.0}))
+    resected = eyes_with(parameter_set="anatomical", recession_mm=all_but(0.0, **{name: -4.0}))
+    np.testing.assert_allclose(angles_deg(receded)[1 - side], angles_deg(healthy)[1 - side])
+    diverged_deg = -angles_deg(receded)[side, ADDUCTION]
+    converged_deg = angles_deg(resected)[side, ADDUCTION]
+    # Clinical rule of thumb: 2 to 3 deg of gaze per mm of one horizontal rectus at most.
+    assert 1.0 < diverged_deg < 12.0
+    assert 1.0 < converged_deg < 12.0
+
+
+def test_receding_both_medial_recti_mirrors():
+    receded = eyes_with(
+        parameter_set="anatomical",
+        recession_mm=all_but(0.0, left_medial_rectus=3.0, right_medial_rectus=3.0),
+    )
+    left, right = angles_deg(receded)
+    np.testing.assert_allclose(left, right, atol=1e-9)
+
+
+@pytest.mark.parametrize("side", [LEFT, RIGHT])
+def test_a_shifted_rest_position_turns_the_silent_eye_by_that_much(side):
+    shift_deg = tuple(5.0 if i == side else 0.0 for i in (LEFT, RIGHT))
+    healthy = eyes_with(parameter_set="anatomical")
+    silent = np.zeros(12)
+    strabismic = eyes_with(
+        parameter_set="anatomical", rest_adduction_deg=shift_deg, rest_elevation_deg=shift_deg
+    )
+    for eyes in (healthy, strabismic):
+        eyes.settle(silent)
+    moved_deg = angles_deg(strabismic) - angles_deg(healthy)
+    np.testing.assert_allclose(moved_deg[1 - side], 0.0, atol=1e-9)
+    # Silent muscles are short of their optimal length, so the orbit alone holds the eye.
+    np.testing.assert_allclose(moved_deg[side, :2], 5.0, atol=1e-6)
+
+
+def test_a_wider_baseline_moves_the_eyes_apart_and_nothing_else():
+    wide, normal = eyes_with(baseline_m=0.07), eyes_with()
+    np.testing.assert_allclose(wide.eye_positions_m()[:, 1], [0.035, -0.035])
+    np.testing.assert_allclose(angles_deg(wide), angles_deg(normal), atol=1e-9)

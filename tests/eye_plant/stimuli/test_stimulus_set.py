@@ -1,0 +1,343 @@
+"""Generated stimuli, their cache, and directories of the user's own pictures."""
+
+import os
+import shutil
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from eye_plant.stimuli import generator as stimulus_generator
+from eye_plant.stimuli.generator import generate_stimulus
+from eye_plant.stimuli.stimulus_set import (
+    StimuliConfig,
+    StimulusSet,
+    count_stimuli,
+    load_stimuli,
+    load_unseen_stimuli,
+)
+from lockstep.errors import InputError
+
+SIZE_PX = 96
+
+
+def small(cache: Path, **changes: Any) -> StimuliConfig:
+    parameters: dict[str, Any] = {
+        "n_training": 4,
+        "n_test": 2,
+        "size_px": SIZE_PX,
+        "cache_directory": str(cache),
+    }
+    return StimuliConfig(**(parameters | changes))
+
+
+def of_directory(directory: Path, **changes: Any) -> StimuliConfig:
+    return small(Path(), directory=str(directory), **changes)
+
+
+def write_pictures(directory: Path, n: int, suffix: str = ".png") -> None:
+    """Write n flat pictures, number i of grey 10 + i."""
+    directory.mkdir(parents=True, exist_ok=True)
+    for i in range(n):
+        cv2.imwrite(str(directory / f"{i:03d}{suffix}"), np.full((80, 100), 10 + i, np.uint8))
+
+
+def greys(stimuli: tuple[np.ndarray, ...]) -> list[int]:
+    return [int(stimulus[0, 0]) for stimulus in stimuli]
+
+
+# --- the generator
+
+
+@pytest.fixture(scope="module")
+def pictures() -> list[np.ndarray]:
+    return [generate_stimulus(0, "training", number, 1920) for number in range(3)]
+
+
+def amplitude_slope(picture: np.ndarray, lowest: float, highest: float) -> float:
+    """Exponent of the amplitude spectrum between two frequencies in cycles per picture."""
+    n = picture.shape[0]
+    window = np.outer(np.hanning(n), np.hanning(n))
+    power = np.abs(np.fft.rfft2((picture - picture.mean()) * window)) ** 2
+    frequency = np.hypot(np.fft.fftfreq(n, 1.0 / n)[:, None], np.arange(power.shape[1])[None])
+    band = frequency.astype(int).ravel()
+    radial = np.bincount(band, power.ravel()) / np.bincount(band)
+    f = np.unique(np.geomspace(lowest, highest, 40).astype(int))
+    return 0.5 * float(np.polyfit(np.log(f), np.log(radial[f]), 1)[0])
+
+
+def test_amplitude_falls_about_as_one_over_frequency(pictures: list[np.ndarray]) -> None:
+    # Photographs of natural and man-made scenes lie between about -0.8 and -1.5
+    # (Torralba & Oliva 2003, "Statistics of natural image categories").
+    slopes = [amplitude_slope(picture, 5.0, 400.0) for picture in pictures]
+    assert np.mean(slopes) == pytest.approx(-1.2, abs=0.3)
+    assert max(slopes) < -0.8
+    assert min(slopes) > -1.6
+
+
+@pytest.mark.parametrize("size_px", [8, 32, 120, 480])
+def test_there_is_contrast_in_every_octave(pictures: list[np.ndarray], size_px: int) -> None:
+    for picture in pictures:
+        n = 1920 * 4 // size_px
+        fine = cv2.resize(picture, (n, n), interpolation=cv2.INTER_AREA).astype(np.float32)
+        coarse = cv2.resize(fine, (n // 2, n // 2), interpolation=cv2.INTER_AREA)
+        assert (fine - np.kron(coarse, np.ones((2, 2)))).std() > 3.0
+
+
+def test_every_window_of_the_nearest_plane_has_contrast(pictures: list[np.ndarray]) -> None:
+    # At 0.5 m the coarse window spans 160 of the 1920 stimulus pixels.
+    for picture in pictures:
+        windows = picture.reshape(12, 160, 12, 160)
+        assert windows.std(axis=(1, 3)).min() > 5.0
+
+
+def test_pictures_use_the_grey_scale_without_saturating(pictures: list[np.ndarray]) -> None:
+    for picture in pictures:
+        assert picture.dtype == np.uint8
+        assert 60.0 < picture.mean() < 195.0
+        assert picture.std() > 30.0
+        assert np.isin(picture, (0, 255)).mean() < 0.15
+
+
+def test_a_picture_is_a_function_of_seed_role_and_number() -> None:
+    first = generate_stimulus(3, "training", 7, SIZE_PX)
+    np.testing.assert_array_equal(generate_stimulus(3, "training", 7, SIZE_PX), first)
+    for other in ((4, "training", 7), (3, "test", 7), (3, "training", 8)):
+        assert (generate_stimulus(*other, SIZE_PX) != first).mean() > 0.5
+
+
+# --- the cache
+
+
+def test_training_and_test_pictures_are_all_different(tmp_path: Path) -> None:
+    stimuli = load_stimuli(small(tmp_path))
+    assert len({stimulus.tobytes() for stimulus in stimuli.all}) == 6
+    assert all(stimulus.shape == (SIZE_PX, SIZE_PX) for stimulus in stimuli.all)
+
+
+def test_stimuli_are_counted_training_first(tmp_path: Path) -> None:
+    stimuli = load_stimuli(small(tmp_path))
+    assert (len(stimuli.training), len(stimuli.test)) == (4, 2)
+    np.testing.assert_array_equal(stimuli.all[4], stimuli.test[0])
+    assert count_stimuli(small(tmp_path)) == (4, 2)
+
+
+def test_the_second_load_generates_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = load_stimuli(small(tmp_path))
+
+    def refuse(*_: object) -> None:
+        raise AssertionError("generated again")
+
+    monkeypatch.setattr(stimulus_generator, "generate_stimulus", refuse)
+    assert_same(load_stimuli(small(tmp_path)), first)
+    with pytest.raises(AssertionError, match="generated again"):
+        load_stimuli(small(tmp_path, seed=1))
+
+
+def test_more_pictures_extend_the_set(tmp_path: Path) -> None:
+    few = load_stimuli(small(tmp_path))
+    more = load_stimuli(small(tmp_path, n_training=6))
+    assert_same(StimulusSet(more.training[:4], more.test), few)
+
+
+@pytest.mark.parametrize("content", [b"", b"no array", b"\x93NUMPY"])
+def test_a_damaged_cache_file_is_made_again(tmp_path: Path, content: bytes) -> None:
+    first = [stimulus.copy() for stimulus in load_stimuli(small(tmp_path)).all]
+    damaged = next(tmp_path.rglob("training_0002.npy"))
+    damaged.write_bytes(content)
+    np.testing.assert_array_equal(load_stimuli(small(tmp_path)).all, first)
+
+
+def test_a_cut_off_cache_file_is_made_again(tmp_path: Path) -> None:
+    first = [stimulus.copy() for stimulus in load_stimuli(small(tmp_path)).all]
+    path = next(tmp_path.rglob("test_0001.npy"))
+    path.write_bytes(path.read_bytes()[:-1000])
+    np.testing.assert_array_equal(load_stimuli(small(tmp_path)).all, first)
+
+
+def test_nothing_but_pictures_is_left_in_the_cache(tmp_path: Path) -> None:
+    load_stimuli(small(tmp_path))
+    assert len([path for path in tmp_path.rglob("*") if path.is_file()]) == 6
+
+
+def test_the_user_cache_is_the_default(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
+    load_stimuli(StimuliConfig(n_training=1, n_test=1, size_px=SIZE_PX))
+    assert list((tmp_path / "xdg").rglob("training_0000.npy"))
+
+
+def test_a_cache_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    with pytest.raises(InputError, match=r"cache_directory: expected a directory.*file"):
+        load_stimuli(small(blocked))
+
+
+def assert_same(actual: StimulusSet, expected: StimulusSet) -> None:
+    np.testing.assert_array_equal(actual.training, expected.training)
+    np.testing.assert_array_equal(actual.test, expected.test)
+
+
+# --- a directory
+
+
+def test_train_and_test_directories_keep_apart(tmp_path: Path) -> None:
+    write_pictures(tmp_path / "train", 6)
+    write_pictures(tmp_path / "test", 1)
+    stimuli = load_stimuli(of_directory(tmp_path))
+    assert count_stimuli(of_directory(tmp_path)) == (4, 1)
+    assert len(set(greys(stimuli.training))) == 4
+    assert greys(stimuli.test) == [10]
+
+
+def test_one_directory_is_split_by_seed(tmp_path: Path) -> None:
+    write_pictures(tmp_path, 20)
+    first, again, other = (load_stimuli(of_directory(tmp_path, seed=seed)) for seed in (1, 1, 2))
+    assert_same(again, first)
+    assert len(set(greys(first.all))) == 6
+    assert greys(first.all) != greys(other.all)
+
+
+def test_a_small_directory_is_split_in_proportion(tmp_path: Path) -> None:
+    write_pictures(tmp_path, 7)
+    config = of_directory(tmp_path, n_training=100, n_test=40)
+    assert count_stimuli(config) == (5, 2)
+    assert sorted(greys(load_stimuli(config).all)) == list(range(10, 17))
+
+
+def test_unseen_stimuli_are_a_whole_directory(tmp_path: Path) -> None:
+    write_pictures(tmp_path, 7)
+    config = small(Path())
+    stimuli = load_unseen_stimuli(str(tmp_path), config, 40)
+    assert sorted(greys(stimuli)) == list(range(10, 17))
+    assert stimuli[0].shape == (SIZE_PX, SIZE_PX)
+    assert greys(load_unseen_stimuli(str(tmp_path), config, 2)) == greys(stimuli)[:2]
+
+
+def test_unseen_stimuli_of_a_part_for_tests_are_in_the_order_of_a_run(tmp_path: Path) -> None:
+    write_pictures(tmp_path / "train", 1)
+    write_pictures(tmp_path / "test", 9)
+    config = of_directory(tmp_path, n_test=5)
+    expected = greys(load_stimuli(config).test)
+    assert greys(load_unseen_stimuli(str(tmp_path), config, 5)) == expected
+    shutil.rmtree(tmp_path / "train")
+    assert greys(load_unseen_stimuli(str(tmp_path), config, 5)) == expected
+
+
+@pytest.mark.parametrize("part", ["", "test"])
+def test_unseen_stimuli_that_are_none(tmp_path: Path, part: str) -> None:
+    (tmp_path / part).mkdir(exist_ok=True)
+    with pytest.raises(InputError, match="expected 1 or more pictures"):
+        load_unseen_stimuli(str(tmp_path), small(Path()), 40)
+
+
+def test_two_pictures_are_one_each(tmp_path: Path) -> None:
+    write_pictures(tmp_path, 2)
+    assert count_stimuli(of_directory(tmp_path, n_training=100, n_test=1)) == (1, 1)
+
+
+def test_a_picture_is_cropped_square_about_its_centre_and_resized(tmp_path: Path) -> None:
+    wide = np.zeros((100, 300, 3), np.uint8)
+    wide[:, 100:150] = (255, 255, 255)  # the central square's left half
+    cv2.imwrite(str(tmp_path / "a.png"), wide)
+    cv2.imwrite(str(tmp_path / "b.png"), wide)
+    (picture,) = load_stimuli(of_directory(tmp_path)).training
+    assert picture.shape == (SIZE_PX, SIZE_PX)
+    assert (picture[:, : SIZE_PX // 2 - 1] == 255).all()
+    assert (picture[:, SIZE_PX // 2 + 1 :] == 0).all()
+
+
+def test_colour_becomes_grey(tmp_path: Path) -> None:
+    green = np.zeros((80, 80, 3), np.uint8)
+    green[:, :, 1] = 200
+    for name in ("a.png", "b.png"):
+        cv2.imwrite(str(tmp_path / name), green)
+    # ITU-R BT.601: 0.587 * 200
+    assert greys(load_stimuli(of_directory(tmp_path)).all) == [117, 117]
+
+
+def test_hidden_files_and_notes_are_no_pictures(tmp_path: Path) -> None:
+    write_pictures(tmp_path, 2, ".JPG")
+    (tmp_path / ".hidden").write_text("")
+    (tmp_path / "LICENSE.txt").write_text("")
+    assert count_stimuli(of_directory(tmp_path)) == (1, 1)
+
+
+def cut_off(path: Path) -> None:
+    noise = np.random.default_rng(0).integers(0, 256, (200, 200), dtype=np.uint8)
+    cv2.imwrite(str(path), noise)
+    path.write_bytes(path.read_bytes()[:-5000])
+
+
+def garbage(path: Path) -> None:
+    path.write_bytes(b"these are no pixels")
+
+
+def empty(path: Path) -> None:
+    path.write_bytes(b"")
+
+
+@pytest.mark.parametrize("breaks", [cut_off, garbage, empty])
+@pytest.mark.parametrize("suffix", [".jpg", ".png"])
+def test_a_broken_file_is_named(tmp_path: Path, suffix: str, breaks: object) -> None:
+    write_pictures(tmp_path, 2, suffix)
+    assert callable(breaks)
+    breaks(tmp_path / f"001{suffix}")
+    with pytest.raises(InputError, match=rf"001\{suffix}: expected a picture, got a broken file"):
+        load_stimuli(of_directory(tmp_path))
+
+
+def test_a_tiny_file_is_named(tmp_path: Path) -> None:
+    write_pictures(tmp_path, 2)
+    cv2.imwrite(str(tmp_path / "000.png"), np.zeros((63, 500), np.uint8))
+    with pytest.raises(InputError, match=r"000\.png: expected .* 64 x 64 px or more, got 500 x 63"):
+        load_stimuli(of_directory(tmp_path))
+
+
+def test_a_file_that_is_no_picture_is_named(tmp_path: Path) -> None:
+    write_pictures(tmp_path, 2)
+    (tmp_path / "photo.heic").write_bytes(b"x")
+    with pytest.raises(InputError, match=r"photo\.heic: expected a picture"):
+        count_stimuli(of_directory(tmp_path))
+
+
+def test_a_missing_directory_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"expected a directory of pictures, got .*nowhere"):
+        count_stimuli(of_directory(tmp_path / "nowhere"))
+
+
+@pytest.mark.parametrize("n", [0, 1])
+def test_too_few_pictures_are_counted(tmp_path: Path, n: int) -> None:
+    write_pictures(tmp_path, n)
+    with pytest.raises(InputError, match=rf"expected 2 or more pictures .* got {n}"):
+        load_stimuli(of_directory(tmp_path))
+
+
+def test_an_empty_test_directory_is_named(tmp_path: Path) -> None:
+    write_pictures(tmp_path / "train", 3)
+    (tmp_path / "test").mkdir()
+    with pytest.raises(InputError, match=r"test: expected 1 or more pictures .* got 0"):
+        load_stimuli(of_directory(tmp_path))
+
+
+def test_a_train_directory_without_test_is_refused(tmp_path: Path) -> None:
+    write_pictures(tmp_path / "train", 3)
+    with pytest.raises(InputError, match="expected both train and test"):
+        load_stimuli(of_directory(tmp_path))
+
+
+@pytest.mark.parametrize("name", ["n_training", "n_test", "size_px"])
+def test_numbers_that_make_no_set_are_refused(name: str) -> None:
+    none: dict[str, Any] = {name: 0}
+    with pytest.raises(InputError, match=rf"stimuli\.{name}: expected .* got 0"):
+        StimuliConfig(**none)
+
+
+@pytest.mark.skipif("ABV_MCGILL" not in os.environ, reason="ABV_MCGILL names no real pictures")
+def test_real_photographs_load() -> None:
+    config = StimuliConfig(directory=os.environ["ABV_MCGILL"], n_training=5, n_test=5)
+    stimuli = load_stimuli(config)
+    assert len(stimuli.all) == 10
+    assert all(stimulus.std() > 10.0 for stimulus in stimuli.all)

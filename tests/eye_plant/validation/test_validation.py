@@ -1,0 +1,142 @@
+import json
+import math
+
+import numpy as np
+import pytest
+
+from eye_plant.mechanics.oculomotor import MechanicsConfig, Oculomotor
+from eye_plant.validation import __main__ as validation
+from eye_plant.validation.dynamic_checks import saccade_rows, saccades
+from eye_plant.validation.openeyesim import load_maps, power_law_w, spline_weights
+from eye_plant.validation.passive_energy import passive_energy_j
+from eye_plant.validation.row import Row
+from eye_plant.validation.saccades import Saccade, holding_pair
+from eye_plant.validation.secondary_gaze import gaze_along, gaze_directions
+from eye_plant.validation.static_checks import (
+    anatomical_tension_rows,
+    count_wrong_signs,
+    shared_rows,
+)
+
+
+def test_a_row_is_judged_by_both_ends_of_its_bound():
+    assert Row("a", 8.0, "gf", 8.0, 15.0).ok is True
+    assert Row("a", 15.1, "gf", 8.0, 15.0).ok is False
+    assert Row("a", 0.2, "deg", high=0.15).ok is False
+    assert Row("a", math.nan, "deg", high=0.15).ok is None
+
+
+def test_a_row_is_written_with_its_bound_in_words():
+    written = Row("gaze", np.float64(0.1), "deg", high=0.15).as_dict()
+    assert json.loads(json.dumps(written)) == {
+        "name": "gaze",
+        "value": 0.1,
+        "unit": "deg",
+        "bound": "at most 0.15",
+        "ok": True,
+    }
+    assert Row("gaze", math.nan, "deg", 1.0, 2.0).as_dict()["value"] is None
+
+
+@pytest.mark.parametrize(("value", "status"), [(0.1, 0), (math.nan, 0), (0.2, 1)])
+def test_validation_writes_its_rows_and_fails_when_a_bound_does(
+    tmp_path, monkeypatch, value, status
+):
+    monkeypatch.setattr(validation, "measure", lambda: iter([Row("a", value, "deg", high=0.15)]))
+    monkeypatch.setattr(validation, "draw_page", lambda path, maps: path.write_bytes(b"page"))
+    assert validation.main(["--out", str(tmp_path / "new")]) == status
+    (row,) = json.loads((tmp_path / "new" / "plant_validation.json").read_text())
+    assert row["ok"] is (None if math.isnan(value) else value <= 0.15)
+    assert (tmp_path / "new" / "plant_validation.png").exists()
+
+
+def test_the_spline_is_the_cubic_not_a_knot_one():
+    from scipy.interpolate import CubicSpline
+
+    grid, values = np.linspace(0.0, 1.0, 11), np.random.default_rng(0).normal(size=11)
+    wanted = np.linspace(0.0, 1.0, 57)
+    expected = CubicSpline(grid, values, bc_type="not-a-knot")(wanted)
+    np.testing.assert_allclose(spline_weights(wanted) @ values, expected, atol=1e-10)
+
+
+def test_a_power_law_point_by_hand():
+    # 2.229 * 0.1^0.6 = 0.55990; 2.030 * 0.005^0.6 = 0.08450
+    assert power_law_w(0.1, 0.0) == pytest.approx(0.64440, abs=1e-4)
+
+
+def test_maps_are_optional_but_a_wrong_path_is_named(monkeypatch, tmp_path):
+    monkeypatch.delenv("ABV_OPENEYESIM_MAPS", raising=False)
+    assert load_maps() is None
+    monkeypatch.setenv("ABV_OPENEYESIM_MAPS", str(tmp_path / "no.csv"))
+    with pytest.raises(ValueError, match="must name a file"):
+        load_maps()
+    (tmp_path / "short.csv").write_text("a,b,c,d\n1,2,3,4\n")
+    monkeypatch.setenv("ABV_OPENEYESIM_MAPS", str(tmp_path / "short.csv"))
+    with pytest.raises(ValueError, match="expected 121 rows"):
+        load_maps()
+
+
+def test_a_saccade_is_measured_between_its_threshold_crossings():
+    time_s = np.arange(8.0) * 1e-3
+    velocity = np.array([0.0, 20.0, 40.0, 300.0, 50.0, 10.0, 35.0, 0.0])
+    saccade = Saccade(time_s, np.arange(8.0), velocity)
+    assert saccade.duration_ms == pytest.approx(3.0)
+    assert saccade.peak_velocity_deg_s == 300.0
+    assert saccade.amplitude_deg == 5.0
+
+
+def test_saccades_lie_on_the_main_sequence():
+    made = saccades()
+    assert list(made) == [5.0, 10.0, 15.0, 20.0, 25.0, 30.0]
+    for row in saccade_rows(made):
+        assert row.ok, row
+
+
+@pytest.mark.parametrize("adduction_deg", [-45.0, -10.0, 10.0, 45.0])
+def test_holding_pairs_hold(adduction_deg):
+    eyes = Oculomotor(MechanicsConfig(parameter_set="anatomical"))
+    pair = holding_pair(eyes, adduction_deg)
+    eyes.settle(eyes.activations_from(*pair))
+    held_deg = np.degrees(eyes.state().eye_angles_rad[:, 0])
+    np.testing.assert_allclose(held_deg, adduction_deg, atol=1e-6)
+    antagonist = pair[1] if adduction_deg > 0.0 else pair[0]
+    assert antagonist < eyes.tonic_activations[0]
+
+
+def test_tensions_and_torsion_are_physiological():
+    for row in anatomical_tension_rows():
+        assert row.ok, row
+
+
+def test_secondary_gaze_takes_the_antagonistic_pairs_reciprocally():
+    eyes = Oculomotor(MechanicsConfig(parameter_set="anatomical"))
+    directions = gaze_directions(eyes)
+    angles = gaze_along(eyes, directions, np.array([0.0, 20.0]))
+    np.testing.assert_allclose(angles[:2], [0.0, 20.0], atol=1e-5)
+    change = eyes.state().activations[:6] - eyes.tonic_activations[:6]
+    assert change[2] > 0.0 > change[3]  # superior up, inferior rectus down
+    assert change[5] > 0.0 > change[4]  # inferior up, superior oblique down
+
+
+@pytest.mark.parametrize("parameter_set", ["k17", "anatomical"])
+def test_shared_rows_are_within_their_bounds(parameter_set):
+    rows = list(shared_rows(parameter_set))
+    assert len(rows) == 4
+    for row in rows:
+        assert row.ok, row
+
+
+def test_a_reversed_muscle_would_be_counted(monkeypatch):
+    from eye_plant.validation import static_checks
+
+    reversed_actions = static_checks.ACTIONS | {"superior_oblique": (1, 1, -1)}
+    monkeypatch.setattr(static_checks, "ACTIONS", reversed_actions)
+    assert count_wrong_signs(MechanicsConfig(parameter_set="anatomical")) == 3.0
+
+
+def test_a_passive_swing_exchanges_its_energy():
+    energy_j = passive_energy_j(MechanicsConfig(parameter_set="anatomical"), 0.5)
+    assert energy_j.shape == (101,)
+    # 0.2 rad off on each of six axes, tissue alone: 6 (k1 x^2 / 2 + k3 x^4 / 4)
+    expected_j = 6.0 * (2.225e-3 * 0.04 / 2.0 + 3.453e-3 * 0.0016 / 4.0)
+    assert energy_j[0] == pytest.approx(expected_j, rel=0.05)

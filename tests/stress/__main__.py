@@ -1,0 +1,336 @@
+"""torture.sh: the long tests of reliability, and their figures."""
+
+import argparse
+import dataclasses
+import json
+import signal
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from experiment_manager.launch.configuration import arguments, configuration_of, configuration_text
+from experiment_manager.launch.processes import PACKAGES
+from experiment_manager.run.run_directory import CONFIG_FILE
+from lockstep.errors import InputError
+from lockstep.qos import QUEUE_DEPTH
+from tests.stress.hostile_graph import FuzzedGraph, memory_mb
+from tests.stress.hostile_input import LARGEST_BYTES
+from tests.stress.supervised_run import (
+    SupervisedRun,
+    are_gone,
+    differences,
+    n_messages,
+    stamp_faults,
+)
+from tests.stress.two_hosts import NodeOnHost, TwoHosts
+
+_SETTINGS = (
+    "eye_plant.stimuli.size_px=64",
+    "eye_plant.stimuli.n_training=3",
+    "eye_plant.stimuli.n_test=1",
+    "experiment_manager.protocol.test_distances_m=[1.0]",
+    "experiment_manager.protocol.least_start_error_deg=0",
+)
+_SMALL_LEARNERS = ("sparse_coder.n_bases=32", "vergence_rl.n_features=64")
+_OFTEN = ("experiment_manager.checkpoint_period_s=1.0",)
+_N_DISTURBED_ITERATIONS = 2000
+_EPISODES_PER_PASS = 40
+_INPUTS_PER_OBSERVATION = 20
+# Longest time from one disturbance to the next: starting, catching up and working all get some.
+_LONGEST_PAUSE_S = 12.0
+_MOST_AT_PLACE = 2
+# Shortest and longest cut of the network.
+_CUT_S = (0.1, 45.0)
+_SAMPLE_PERIOD_S = 2.0
+# A message or a trial that were kept, of 356,000 and 7,800, would show.
+_SOAK_GROWTH_LIMIT_MB = 8.0
+_SUPERVISOR = "supervisor"
+
+
+@dataclasses.dataclass(frozen=True)
+class Outcome:
+    """What one part of the torture has measured; problems: empty when all held."""
+
+    name: str
+    figures: dict[str, Any]
+    problems: list[str]
+
+
+def _line(n_iterations: int, *settings: str) -> list[str]:
+    words = ["--profile", "paper", "--iterations", str(n_iterations), "--tests", "0"]
+    for setting in (*_SETTINGS, *settings):
+        words += ["--set", setting]
+    return words
+
+
+def disturb(directory: Path, n_kills: int, draw: np.random.Generator) -> Outcome:
+    """Kill or stop nodes, and sometimes the supervisor, until n_kills; compare the numbers."""
+    line = _line(_N_DISTURBED_ITERATIONS, *_SMALL_LEARNERS, *_OFTEN)
+    reference = directory / "undisturbed"
+    with SupervisedRun(line, reference) as run:
+        if run.wait() != 0:
+            return Outcome("kills", {}, [f"the undisturbed run failed: {run.output()}"])
+    done: Counter[str] = Counter()
+    problems: list[str] = []
+    n_runs = 0
+    while done.total() < n_kills and not problems:
+        disturbed = directory / f"disturbed_{n_runs}"
+        code, output = _disturbed_run(line, disturbed, n_kills, draw, done)
+        n_runs += 1
+        if code != 0:
+            problems.append(f"{disturbed.name} ended with exit code {code}:\n{output}")
+        else:
+            problems += differences(disturbed, reference) + stamp_faults(disturbed)
+        print(f"run {n_runs}: {done.total()} of {n_kills} disturbances, {problems or 'all held'}")
+    figures = {
+        "disturbances": done.total(),
+        "by_kind": dict(sorted(done.items())),
+        "runs": n_runs,
+        "messages_compared": n_runs * n_messages(reference),
+    }
+    return Outcome("kills", figures, problems)
+
+
+def _disturbed_run(
+    line: Sequence[str],
+    directory: Path,
+    n_kills: int,
+    draw: np.random.Generator,
+    done: Counter[str],
+) -> tuple[int, str]:
+    """Make one run under disturbances; return its exit code and what it said."""
+    resume, at_place = False, Counter[int]()
+    while True:
+        with SupervisedRun(line, directory, resume=resume) as run:
+            while True:
+                _pause(run, float(draw.uniform(0.0, _LONGEST_PAUSE_S)))
+                if run.process.poll() is not None:
+                    return run.process.returncode, run.output()
+                if done.total() >= n_kills:
+                    return run.wait(), run.output()
+                what = _disturb_once(run, draw, at_place)
+                done.update([what] if what else [])
+                if what.startswith(_SUPERVISOR):
+                    break
+            # Its nodes die with it, whatever they were doing; then a person resumes the run.
+            resume = True
+
+
+def _pause(run: SupervisedRun, duration_s: float) -> None:
+    end_s = time.monotonic() + duration_s
+    run.wait_until(lambda: time.monotonic() >= end_s, "the pause")
+
+
+def _disturb_once(run: SupervisedRun, draw: np.random.Generator, at_place: Counter[int]) -> str:
+    """Kill or stop somebody; return what was done, "" when it could not be.
+
+    at_place: disturbances since each checkpoint. A third one might look like the first two, and
+    that ends a run, as it should.
+    """
+    place = run.place()
+    if draw.random() < 0.1 and place >= 0:
+        at_place[place] += 1
+        nodes = run.nodes().values()
+        run.process.kill()
+        run.process.wait()
+        if not are_gone(nodes):
+            raise RuntimeError(f"nodes outlive their supervisor: {nodes}")
+        return f"{_SUPERVISOR} killed"
+    package = PACKAGES[int(draw.integers(len(PACKAGES)))]
+    number = signal.SIGSTOP if draw.random() < 0.2 else signal.SIGKILL
+    if place < 0 or at_place[place]:
+        # Perhaps it is still starting. To find out that it hangs would take two minutes.
+        number = signal.SIGKILL
+    if at_place[place] >= _MOST_AT_PLACE or not run.signal_node(package, number):
+        return ""
+    at_place[place] += 1
+    verb = "stopped" if number == signal.SIGSTOP else "killed"
+    return f"{package} {verb}"
+
+
+def pelt(directory: Path, n_inputs: int, seed: int) -> Outcome:
+    """Throw hostile input at the nodes until n_inputs; compare the numbers."""
+    directory = directory / "pelted"
+    directory.mkdir(parents=True, exist_ok=True)
+    config_file = directory / "config.yaml"
+    line = _line(_N_DISTURBED_ITERATIONS, *_SMALL_LEARNERS)
+    config_file.write_text(configuration_text(configuration_of(arguments(line), "")))
+    figures: dict[str, Any] = {"inputs": 0, "refused": 0, "numbers_compared": 0, "growth_mb": 0.0}
+    problems: list[str] = []
+    bound_mb = 4 * QUEUE_DEPTH * LARGEST_BYTES / 2**20
+    n_passes = 0
+    while figures["inputs"] < n_inputs and not problems:
+        logs = directory / f"pass_{n_passes}"
+        logs.mkdir()
+        report = FuzzedGraph(config_file, seed + n_passes).run(
+            _EPISODES_PER_PASS, _INPUTS_PER_OBSERVATION, logs
+        )
+        n_passes += 1
+        figures["inputs"] += report.n_inputs
+        figures["refused"] += report.n_refused
+        figures["numbers_compared"] += report.n_compared
+        figures["growth_mb"] = round(max(figures["growth_mb"], *report.growth_mb.values()), 1)
+        problems += report.differences
+        if figures["growth_mb"] > bound_mb:
+            problems.append(f"memory grew by {figures['growth_mb']} MB, expected {bound_mb:.0f}")
+        print(
+            f"pass {n_passes}: {figures['inputs']} of {n_inputs} inputs, {problems or 'all held'}"
+        )
+    return Outcome("hostile input", figures, problems)
+
+
+def soak(directory: Path, n_iterations: int, seed: int) -> Outcome:
+    """Make one long run as the paper has it, tests included; look at its memory and its stamps."""
+    line = ["--profile", "paper", "--iterations", str(n_iterations), "--seed", str(seed)]
+    samples: dict[str, list[float]] = {package: [] for package in PACKAGES}
+    began_s = time.monotonic()
+    with SupervisedRun(line, directory / "soak") as run:
+        while run.process.poll() is None:
+            for package, process_id in run.nodes().items():
+                try:
+                    samples[package].append(memory_mb(process_id))
+                except (FileNotFoundError, ProcessLookupError):
+                    continue
+            _pause(run, _SAMPLE_PERIOD_S)
+        code, output = run.process.returncode, run.output()
+    if code != 0:
+        return Outcome("soak", {}, [f"the run ended with exit code {code}:\n{output}"])
+    growth_mb = {package: round(_growth_mb(values), 1) for package, values in samples.items()}
+    problems = stamp_faults(directory / "soak")
+    problems += [
+        f"{package} grew by {mb} MB from the second quarter of the run to the last"
+        for package, mb in growth_mb.items()
+        if mb > _SOAK_GROWTH_LIMIT_MB
+    ]
+    if "fault: " in output:
+        problems.append(f"faults during the soak:\n{output}")
+    figures = {
+        "iterations": n_iterations,
+        "messages": n_messages(directory / "soak"),
+        "duration_s": round(time.monotonic() - began_s),
+        "peak_mb": {package: round(max(values), 1) for package, values in samples.items()},
+        "growth_mb": growth_mb,
+    }
+    return Outcome("soak", figures, problems)
+
+
+def cut(directory: Path, n_cuts: int, draw: np.random.Generator) -> Outcome:
+    """Cut the network between the plant's host and the others' until n_cuts; compare the numbers.
+
+    Raises InputError when this machine cannot make two hosts.
+    """
+    line = _line(_N_DISTURBED_ITERATIONS, *_SMALL_LEARNERS, *_OFTEN)
+    reference = directory / "one_host"
+    with SupervisedRun(line, reference) as run:
+        if run.wait() != 0:
+            return Outcome("cuts", {}, [f"the undisturbed run failed: {run.output()}"])
+    pauses_s = draw.uniform(0.0, _LONGEST_PAUSE_S, n_cuts)
+    # Most are short, and some longer than Fast DDS remembers a silent host.
+    lengths_s = np.geomspace(*_CUT_S, n_cuts)
+    draw.shuffle(lengths_s)
+    cuts_s = list(zip(pauses_s.tolist(), lengths_s.tolist(), strict=True))
+    problems: list[str] = []
+    n_runs = n_bytes = 0
+    while cuts_s and not problems:
+        across = directory / f"two_hosts_{n_runs}"
+        n_runs += 1
+        try:
+            with TwoHosts() as hosts:
+                code, output = _cut_run(hosts, line, across, cuts_s)
+                n_bytes += hosts.n_bytes()
+        except OSError as error:
+            raise InputError(
+                f"two hosts need root, and ip, unshare and nsenter: {error}"
+            ) from error
+        if code != 0:
+            problems.append(f"{across.name} ended with exit code {code}:\n{output}")
+        else:
+            problems += differences(across, reference) + stamp_faults(across)
+        print(f"run {n_runs}: {n_cuts - len(cuts_s)} of {n_cuts} cuts, {problems or 'all held'}")
+    figures = {
+        "cuts": n_cuts - len(cuts_s),
+        "longest_s": round(float(lengths_s.max()), 1),
+        "runs": n_runs,
+        "megabytes_across": round(n_bytes / 1e6),
+        "messages_compared": n_runs * n_messages(reference),
+    }
+    return Outcome("cuts", figures, problems)
+
+
+def _cut_run(
+    hosts: TwoHosts, line: Sequence[str], directory: Path, cuts_s: list[tuple[float, float]]
+) -> tuple[int, str]:
+    """Make one run under cuts, (time before, length), and take these away; return code, output."""
+    with SupervisedRun(line, directory, elsewhere=("eye_plant",), prefix=hosts.a.prefix) as run:
+        run.wait_until((directory / CONFIG_FILE).exists, "the configuration")
+        with NodeOnHost(hosts.b, "eye_plant", directory / CONFIG_FILE):
+            run.wait_until(lambda: run.place() >= 0, "the first checkpoint")
+            while cuts_s:
+                pause_s, length_s = cuts_s[-1]
+                _pause(run, pause_s)
+                if run.process.poll() is not None:
+                    break
+                cuts_s.pop()
+                hosts.cut()
+                _pause(run, length_s)
+                hosts.heal()
+            return run.wait(), run.output()
+
+
+def _growth_mb(samples: Sequence[float]) -> float:
+    """Return how much more memory the last quarter of the samples has than the second one."""
+    quarter = len(samples) // 4
+    if quarter < 1:
+        return 0.0
+    return float(np.median(samples[-quarter:]) - np.median(samples[quarter : 2 * quarter]))
+
+
+def _outcome(name: str, part: Callable[[], Outcome]) -> Outcome:
+    """Return what a part has measured; one that cannot go on keeps nobody from the others."""
+    try:
+        return part()
+    except (InputError, OSError, RuntimeError) as error:  # a TimeoutError is an OSError
+        return Outcome(name, {}, [f"{type(error).__name__}: {error}"])
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the parts asked for; return 0 when all held."""
+    line = argparse.ArgumentParser(prog="torture.sh", description="The long tests of reliability.")
+    line.add_argument("--kills", type=int, default=40, metavar="N", help="0: none (default 40)")
+    line.add_argument("--inputs", type=int, default=30_000, metavar="N", help="default 30000")
+    line.add_argument("--soak", type=int, default=200_000, metavar="N", help="default 200000")
+    line.add_argument("--cuts", type=int, default=0, metavar="N", help="needs root (default 0)")
+    line.add_argument("--seed", type=int, default=1, metavar="S", help="of all that is random")
+    line.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
+    line.add_argument("--out", type=Path, metavar="DIR", help="keep the runs there")
+    options = line.parse_args(argv)
+    with tempfile.TemporaryDirectory(prefix="torture_") as temporary:
+        directory = Path(options.out or temporary).resolve()
+        directory.mkdir(parents=True, exist_ok=True)
+        draw = np.random.default_rng(options.seed)
+        parts: list[tuple[str, int, Callable[[int], Outcome]]] = [
+            ("kills", options.kills, lambda n: disturb(directory, n, draw)),
+            ("hostile input", options.inputs, lambda n: pelt(directory, n, options.seed)),
+            ("cuts", options.cuts, lambda n: cut(directory, n, draw)),
+            ("soak", options.soak, lambda n: soak(directory, n, options.seed)),
+        ]
+        outcomes = [_outcome(name, partial(part, n)) for name, n, part in parts if n]
+    for outcome in outcomes:
+        print(f"{outcome.name}: {json.dumps(outcome.figures)}")
+        for problem in outcome.problems:
+            print(f"{outcome.name}: FAILED: {problem}", file=sys.stderr)
+    if options.json is not None:
+        document = [dataclasses.asdict(outcome) for outcome in outcomes]
+        options.json.write_text(json.dumps(document, indent=2) + "\n")
+    return int(any(outcome.problems for outcome in outcomes))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
