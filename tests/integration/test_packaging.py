@@ -99,9 +99,10 @@ def test_entry_points_lead_into_what_was_installed(workspace: Path, package: str
         check=False,
     )
     assert loaded.returncode == 0, loaded.stderr
+    sources = ROOT / "src" / package
     with_main = {
-        f"{package}.{file.stem}"
-        for file in (ROOT / "src" / package / package).glob("*.py")
+        ".".join(file.relative_to(sources).with_suffix("").parts)
+        for file in (sources / package).rglob("*.py")
         if "\ndef main(" in file.read_text()
     }
     assert set(loaded.stdout.split()) == with_main
@@ -135,7 +136,7 @@ _ROSDEP_KEYS = {
 @pytest.mark.parametrize("package", PACKAGES)
 def test_manifest_names_what_the_package_imports(package: str) -> None:
     folder = ROOT / "src" / package
-    trees = [ast.parse(file.read_text()) for file in (folder / package).glob("*.py")]
+    trees = [ast.parse(file.read_text()) for file in (folder / package).rglob("*.py")]
     nodes = [node for tree in trees for node in ast.walk(tree)]
     names = [a.name for n in nodes if isinstance(n, ast.Import) for a in n.names]
     names += [n.module or package for n in nodes if isinstance(n, ast.ImportFrom)]
