@@ -12,6 +12,7 @@ setup(
     maintainer_email="maintainers@active-binocular-vision.example",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),
+    package_data={package: ["profiles/*.yaml", "profiles/*/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),

@@ -123,6 +123,28 @@ def test_installed_node_names_an_unknown_parameter(workspace: Path, package: str
     assert "no_such_parameter" in started.stderr.splitlines()[-1]
 
 
+_READ_PROFILES = """
+from experiment_manager.launch.profiles import profile_names, read_profile
+for name in profile_names():
+    print(read_profile(name).name)
+"""
+
+
+def test_installed_profiles_are_those_of_the_source(workspace: Path) -> None:
+    folder = ROOT / "src/experiment_manager/experiment_manager/profiles"
+    expected = [str(file.relative_to(folder).with_suffix("")) for file in folder.rglob("*.yaml")]
+    read = subprocess.run(
+        [sys.executable, "-c", _READ_PROFILES],
+        env=_installed_environment(workspace),
+        cwd=workspace,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert read.returncode == 0, read.stderr
+    assert read.stdout.split() == sorted(expected)
+
+
 _ROSDEP_KEYS = {
     "cv2": "python3-opencv",
     "matplotlib": "python3-matplotlib",

@@ -105,8 +105,9 @@ def bounds(values: tuple[float, ...]) -> tuple[float, float]:
 class ExperimentManagerConfig:
     """Settings of one run.
 
-    seed: of episodes and trials; model: M or M_C, for the results; metabolic_cost_weight: lambda
-    in 1/W, as the sparse coder has it; run_directory: where the run is written ("": a new one
+    seed: of episodes and trials; model: M or M_C, for the results; profile: the named settings that
+    the run began with ("": none), for the results; metabolic_cost_weight: lambda in 1/W, as the
+    sparse coder has it; run_directory: where the run is written ("": a new one
     under runs/); run_id: what requests carry ("": the directory's name); commit: of the source;
     checkpoint_period_s: steady time between checkpoints; gap_s: without a new message for so long,
     the run has a fault; pictures_every_n_episodes, pictures_every_n_trials: 0 records none (a test
@@ -119,6 +120,7 @@ class ExperimentManagerConfig:
 
     seed: int = 1
     model: str = "M"
+    profile: str = ""
     metabolic_cost_weight: float = 0.0
     run_directory: str = ""
     run_id: str = ""

@@ -39,7 +39,7 @@ def test_the_papers_profile_is_the_defaults() -> None:
     for node, config_class in CONFIG_CLASSES.items():
         expected = flatten(config_class())
         if node == "experiment_manager":
-            expected["commit"] = "0123abc"
+            expected |= {"commit": "0123abc", "profile": "paper"}
         assert configuration[node] == expected
 
 
@@ -47,6 +47,14 @@ def test_a_model_or_a_number_of_iterations_asks_for_the_paper() -> None:
     demonstration = _configuration()
     for line in (("--model", "M"), ("--iterations", "1000000")):
         assert _configuration(*line) == _configuration("--profile", "paper") != demonstration
+
+
+def test_the_name_of_the_profile_is_kept() -> None:
+    for line, name in (((), "demonstration"), (("--profile", "paper"), "paper")):
+        configuration = _configuration(*line)
+        assert configuration["experiment_manager"]["profile"] == name
+        about = yaml.safe_load(configuration_text(configuration))["run"]["ros__parameters"]
+        assert about["profile"] == name
 
 
 def test_the_demonstration_differs_in_named_settings_alone() -> None:
@@ -154,6 +162,7 @@ def test_set_reads_values_as_yaml_does() -> None:
         (("--lambda-share", "1"), "--lambda-share: expected a share in [0, 1), got 1.0"),
         (("--lambda-share", "nan"), "--lambda-share: expected a share in [0, 1), got nan"),
         (("--lambda-share", "0.2", "--lambda", "0.1"), "expected it without --lambda, got both"),
+        (("--profile", "demo"), "profile: expected one of "),
         (("--stimuli", "/nowhere"), "stimuli.directory: expected a directory of pictures"),
     ],
 )

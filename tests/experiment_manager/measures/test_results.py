@@ -11,6 +11,7 @@ from lockstep.errors import InputError
 
 VALUES: dict[str, Any] = {
     "model": "M_C",
+    "profile": "paper",
     "seed": 4,
     "iterations": 200_000,
     "commit": "abc",
@@ -25,6 +26,7 @@ def test_the_written_file_has_the_documented_keys(tmp_path: Path) -> None:
     write_results(tmp_path / "results.json", **VALUES)
     assert json.loads((tmp_path / "results.json").read_text()) == {
         "model": "M_C",
+        "profile": "paper",
         "seed": 4,
         "iterations": 200_000,
         "commit": "abc",

@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 
 from experiment_manager.config import MODELS, ExperimentManagerConfig
-from experiment_manager.launch.profiles import PROFILES
+from experiment_manager.launch.profiles import profile_names, read_profile
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import count_stimuli
 from lockstep.configuration import build, flatten
@@ -49,8 +49,8 @@ def parser() -> argparse.ArgumentParser:
     )
     line.add_argument(
         "--profile",
-        choices=sorted(PROFILES),
-        help="settings to begin with (default:"
+        metavar="NAME",
+        help=f"settings to begin with: {', '.join(profile_names())} (default:"
         " paper if --model or --iterations is given, else demonstration)",
     )
     line.add_argument("--model", choices=MODELS, help="M: vergence; M_C: with a price on energy")
@@ -107,11 +107,11 @@ def configuration_of(options: argparse.Namespace, commit: str) -> Configuration:
     Raises InputError for whatever a node would refuse.
     """
     is_paper = options.model is not None or options.iterations is not None
-    profile = options.profile or ("paper" if is_paper else "demonstration")
-    given: Configuration = {node: dict(PROFILES[profile].get(node, {})) for node in CONFIG_CLASSES}
+    profile = read_profile(options.profile or ("paper" if is_paper else "demonstration"))
+    given: Configuration = {node: dict(profile.settings.get(node, {})) for node in CONFIG_CLASSES}
     manager = given["experiment_manager"]
-    model = options.model or "M"
-    manager |= {"model": model, "commit": commit}
+    model = options.model or manager.get("model", "M")
+    manager |= {"model": model, "profile": profile.name, "commit": commit}
     _check_share(options)
     if options.iterations is not None:
         manager["protocol.n_training_iterations"] = options.iterations
@@ -205,6 +205,7 @@ def configuration_text(configuration: Configuration) -> str:
     manager = configuration["experiment_manager"]
     run = {
         "model": manager["model"],
+        "profile": manager["profile"],
         "seed": manager["seed"],
         "n_training_iterations": manager["protocol.n_training_iterations"],
         "metabolic_cost_weight": manager["metabolic_cost_weight"],

@@ -80,6 +80,11 @@ class RecordedRun:
         return str(self._about["model"])
 
     @property
+    def profile(self) -> str:
+        """Named settings that the run began with, "" for none."""
+        return str(self._about.get("profile", ""))
+
+    @property
     def seed(self) -> int:
         """Seed of the run."""
         return int(self._about["seed"])
@@ -143,6 +148,7 @@ class RecordedRun:
         first, last = self.cost_shares
         return results_document(
             model=self.model,
+            profile=self.profile,
             seed=self.seed,
             iterations=self.n_iterations,
             commit=self.commit,

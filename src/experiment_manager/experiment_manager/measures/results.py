@@ -14,6 +14,7 @@ RESULTS_FILE = "results.json"
 def results_document(
     *,
     model: str,
+    profile: str,
     seed: int,
     iterations: int,
     commit: str,
@@ -24,12 +25,13 @@ def results_document(
 ) -> dict[str, Any]:
     """Return what results.json holds.
 
-    iterations: of training; metabolic_cost_weight: lambda in 1/W; cost_share_first, ..._last: its
-    share of the reward over the first and the last 5,000 training iterations; tests: one
-    metrics.summary per test.
+    profile: named settings that the run began with, "" for none; iterations: of training;
+    metabolic_cost_weight: lambda in 1/W; cost_share_first, ..._last: its share of the reward over
+    the first and the last 5,000 training iterations; tests: one metrics.summary per test.
     """
     return {
         "model": model,
+        "profile": profile,
         "seed": seed,
         "iterations": iterations,
         "commit": commit,

@@ -198,6 +198,7 @@ class Run:
         write_results(
             self.directory / RESULTS_FILE,
             model=config.model,
+            profile=config.profile,
             seed=config.seed,
             iterations=config.protocol.n_training_iterations,
             commit=config.commit,
