@@ -13,7 +13,7 @@ from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.configuration import build
 from lockstep.topics import COMMAND_NAMES, HORIZONTAL_RECTI, TRAINING
-from sparse_coder.coder import SparseCoder
+from sparse_coder.coder import Encoding, SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.reward import reward
 from vergence_rl.agent import Agent, Decision
@@ -42,6 +42,42 @@ class Step:
     answer: Answer | None
 
 
+@dataclass(frozen=True)
+class Percept:
+    """What the sparse coder makes of one observation, and what it is worth.
+
+    activations: (2,) of medial and lateral rectus, the mean of both eyes.
+    """
+
+    encoding: Encoding
+    metabolic_rate_w: float
+    reward: float
+    activations: np.ndarray
+
+
+class Perception:
+    """The sparse coder before the plant: all that an agent gets to know."""
+
+    def __init__(self, plant: EyePlant, coder: SparseCoder, metabolic_cost_weight: float) -> None:
+        """metabolic_cost_weight: lambda of K17 eq. 5, 1/W."""
+        self._coder = coder
+        self._weight = metabolic_cost_weight
+        names = plant.oculomotor.muscle_names
+        self._recti = [names.index(name) for name in HORIZONTAL_RECTI]
+
+    def perceive(self, observation: Observation, *, learning: bool) -> Percept:
+        """Encode an observation with pictures; learning: the dictionaries move afterwards."""
+        assert observation.pictures is not None
+        encoding = self._coder.encode(*observation.pictures)
+        state = observation.state
+        metabolic_rate_w = float(state.metabolic_rate_w[self._recti].sum())
+        reward_t = reward(encoding.reconstruction_error, metabolic_rate_w, self._weight)
+        if learning:
+            self._coder.learn(encoding)
+        activations = state.activations[self._recti].reshape(2, 2).mean(axis=0)
+        return Percept(encoding, metabolic_rate_w, reward_t, activations)
+
+
 class InProcessLoop:
     """Plant, coder and agent, called in the order in which the graph's messages call them."""
 
@@ -52,9 +88,7 @@ class InProcessLoop:
         self.plant = plant
         self.coder = coder
         self.agent = agent
-        self._weight = metabolic_cost_weight
-        names = plant.oculomotor.muscle_names
-        self._recti = [names.index(name) for name in HORIZONTAL_RECTI]
+        self._perception = Perception(plant, coder, metabolic_cost_weight)
 
     def run_episode(self, episode: Episode, *, learning: bool = True) -> Iterator[Step]:
         """Yield the steps of an episode; learners learn in training episodes only."""
@@ -69,24 +103,22 @@ class InProcessLoop:
         yield Step(observation, None)
 
     def _answer(self, observation: Observation, learning: bool, exploration: bool) -> Answer:
-        assert observation.pictures is not None
-        encoding = self.coder.encode(*observation.pictures)
-        metabolic_rate_w = float(observation.state.metabolic_rate_w[self._recti].sum())
-        reward_t = reward(encoding.reconstruction_error, metabolic_rate_w, self._weight)
-        if learning:
-            self.coder.learn(encoding)
-        activations = observation.state.activations[self._recti].reshape(2, 2).mean(axis=0)
+        percept = self._perception.perceive(observation, learning=learning)
         decision = self.agent.observe(
-            encoding.features,
-            activations,
-            reward_t,
+            percept.encoding.features,
+            percept.activations,
+            percept.reward,
             observation.iteration,
             observation.training_iteration,
             learning=learning,
             exploration=exploration,
         )
         return Answer(
-            encoding.features, encoding.reconstruction_error, metabolic_rate_w, reward_t, decision
+            percept.encoding.features,
+            percept.encoding.reconstruction_error,
+            percept.metabolic_rate_w,
+            percept.reward,
+            decision,
         )
 
 

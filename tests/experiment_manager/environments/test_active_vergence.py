@@ -1,0 +1,240 @@
+"""The Gymnasium environments: Gymnasium's own checks, and the in-process loop as the oracle."""
+
+import importlib.util
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import experiment_manager.environments  # noqa: F401 (registers them)
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.environments.active_vergence import VergenceEnvironment
+from experiment_manager.launch.configuration import Configuration, arguments, configuration_of
+from experiment_manager.loop import make_loop
+from experiment_manager.protocol import make_protocol
+from lockstep.configuration import build
+from lockstep.errors import InputError
+from lockstep.state_file import write_state
+from lockstep.topics import GROUND_TRUTH_NAMES
+from sparse_coder.coder import SparseCoder
+from sparse_coder.config import SparseCoderConfig
+from vergence_rl.agent import Agent
+from vergence_rl.config import VergenceRlConfig
+
+EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "gymnasium_agent.py"
+IDS = ("ActiveVergence-v0", "ActiveVergenceFeatures-v0")
+N_EPISODES = 8
+PRICE = 0.08
+
+
+@pytest.fixture(scope="module")
+def settings(pictures: Path) -> dict[str, Any]:
+    """Return settings small enough for tests, with a price on energy."""
+    return {
+        "eye_plant.stimuli.directory": str(pictures),
+        "eye_plant.stimuli.size_px": 64,
+        "sparse_coder.metabolic_cost_weight": PRICE,
+        "experiment_manager.protocol.n_training_iterations": 10 * N_EPISODES,
+    }
+
+
+@pytest.fixture(params=IDS)
+def environment(
+    request: pytest.FixtureRequest, settings: dict[str, Any]
+) -> Iterator[gymnasium.Env]:
+    """Return one environment after the other, as gymnasium.make makes it."""
+    made = gymnasium.make(request.param, settings=settings)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def bare(settings: dict[str, Any]) -> Iterator[VergenceEnvironment]:
+    """Return the environment of features without Gymnasium's wrappers."""
+    made = gymnasium.make(IDS[1], settings=settings).unwrapped
+    assert isinstance(made, VergenceEnvironment)
+    yield made
+    made.close()
+
+
+@pytest.mark.filterwarnings("ignore:.*:UserWarning")
+def test_gymnasiums_own_checks_pass(environment: gymnasium.Env) -> None:
+    check_env(environment.unwrapped)
+
+
+def configuration(settings: dict[str, Any]) -> Configuration:
+    line = ["--profile", "paper", "--model", "M", "--tests", "0"]
+    line += [word for k, v in settings.items() for word in ("--set", f"{k}={v}")]
+    return configuration_of(arguments(line), "")
+
+
+def test_our_agent_learns_the_same_numbers_as_in_the_loop(
+    bare: VergenceEnvironment, settings: dict[str, Any]
+) -> None:
+    parameters = configuration(settings)
+    loop = make_loop(parameters)
+    protocol = make_protocol(build(ExperimentManagerConfig, parameters["experiment_manager"]))
+    expected_deg = []
+    for segment in protocol.segments:
+        for place in range(segment.first, segment.first + segment.n_episodes):
+            if segment.i_test < 0:
+                *_, last = loop.run_episode(protocol.episode(place))
+                expected_deg.append(last.observation.truth.vergence_error_deg)
+    loop.plant.close()
+
+    spec = importlib.util.spec_from_file_location("gymnasium_agent", EXAMPLE)
+    assert spec is not None
+    assert spec.loader is not None
+    example = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(example)
+    agent = Agent(build(VergenceRlConfig, parameters["vergence_rl"]))
+    got_deg = example.train(bare, agent, N_EPISODES, seed=1)
+
+    assert got_deg == expected_deg
+    assert len(got_deg) == N_EPISODES
+    state, oracle = agent.state(), loop.agent.state()
+    assert state.keys() == oracle.keys()
+    for name, values in oracle.items():
+        assert values.tobytes() == state[name].tobytes(), name
+
+
+def test_ten_steps_then_truncated_and_never_terminated(environment: gymnasium.Env) -> None:
+    for _ in range(2):
+        environment.reset(seed=1)
+        ends = [environment.step(np.zeros(2))[2:4] for _ in range(10)]
+        assert ends == [(False, False)] * 9 + [(False, True)]
+
+
+def test_a_step_after_the_end_is_refused(bare: VergenceEnvironment) -> None:
+    bare.reset(seed=1)
+    for _ in range(10):
+        bare.step(np.zeros(2))
+    with pytest.raises(InputError, match="expected a reset before"):
+        bare.step(np.zeros(2))
+
+
+def test_an_action_is_a_change_in_units_of_the_scale_within_the_limits(
+    bare: VergenceEnvironment,
+) -> None:
+    assert bare.action_scale.tolist() == [0.25, 0.125]
+    start = bare.reset(seed=1)[0]["activations"]
+    expected = np.array([0.01, 0.0])
+    up = bare.step(np.array([0.04, 0.0]))[0]["activations"]
+    np.testing.assert_allclose(up, np.clip(start + expected, 0.0, [0.2, 0.1]), atol=1e-15)
+    assert bare.step(np.array([1.0, 1.0]))[0]["activations"].tolist() == [0.2, 0.1]
+    assert bare.step(np.array([-1.0, -1.0]))[0]["activations"].tolist() == [0.0, 0.0]
+
+
+def test_the_reward_is_that_of_where_the_action_led(bare: VergenceEnvironment) -> None:
+    bare.reset(seed=1)
+    _, reward, _, _, info = bare.step(np.array([0.1, 0.0]))
+    error = info["reconstruction_error_coarse"] + info["reconstruction_error_fine"]
+    assert reward == pytest.approx(-error - PRICE * info["metabolic_rate_w"], rel=1e-12)
+    assert info["iteration"] == 1
+
+
+def test_ground_truth_is_in_info_only(environment: gymnasium.Env) -> None:
+    observed, info = environment.reset(seed=1)
+    assert set(info) >= set(GROUND_TRUTH_NAMES)
+    assert set(observed) < {"pictures", "features", "activations"}
+
+
+def test_one_seed_is_one_experiment_from_nothing(bare: VergenceEnvironment) -> None:
+    def first_features(seed: int | None) -> list[bytes]:
+        found = []
+        for _ in range(3):
+            found.append(bare.reset(seed=seed)[0]["features"].tobytes())
+            seed = None
+        return found
+
+    assert first_features(5) == first_features(5)
+    assert first_features(5) != first_features(6)
+    assert len(set(first_features(5))) == 3
+
+
+def test_options_choose_an_episode_of_the_protocol(bare: VergenceEnvironment) -> None:
+    _, info = bare.reset(seed=1, options={"episode": 3})
+    assert (info["phase"], info["episode"]) == (0, 3)
+    assert bare.reset()[1]["episode"] == 4
+    _, info = bare.reset(options={"trial": 2})
+    assert (info["phase"], info["trial"]) == (1, 2)
+    ends = [bare.step(np.zeros(2))[3] for _ in range(20)]
+    assert ends == [False] * 19 + [True]
+    assert bare.reset()[1]["episode"] == 5
+
+
+def test_after_the_last_episode_comes_the_first(bare: VergenceEnvironment) -> None:
+    bare.reset(seed=1, options={"episode": N_EPISODES - 1})
+    assert bare.reset()[1]["episode"] == 0
+
+
+def test_a_saved_coder_may_be_used_and_left_as_it_is(
+    settings: dict[str, Any], tmp_path: Path
+) -> None:
+    coder = SparseCoder(SparseCoderConfig(seed=77))
+    path = tmp_path / "sparse_coder.npz"
+    write_state(path, "sparse_coder", coder.state())
+    made = gymnasium.make(IDS[1], settings=settings, coder_state=path, coder_learns=False)
+    first = made.reset(seed=1)[0]["features"]
+    made.step(np.zeros(2))
+    again = made.reset(seed=1)[0]["features"]
+    pictures = gymnasium.make(IDS[0], settings=settings)
+    expected = coder.encode(*pictures.reset(seed=1)[0]["pictures"]).features
+    assert first.tobytes() == again.tobytes() == expected.tobytes()
+    made.close()
+    pictures.close()
+
+
+def test_rendered_is_the_anaglyph_of_what_the_eyes_see(settings: dict[str, Any]) -> None:
+    made = gymnasium.make(IDS[0], settings=settings, render_mode="rgb_array")
+    left, right = made.reset(seed=1)[0]["pictures"]
+    picture = made.render()
+    assert isinstance(picture, np.ndarray)
+    np.testing.assert_array_equal(picture, np.stack([left, right, right], axis=-1))
+    made.close()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"distance": 2.0}, "expected one of episode, trial at most, got distance"),
+        ({"episode": 1, "trial": 1}, "at most"),
+        ({"episode": -1}, "from 0 to 7, got -1"),
+        ({"trial": 10**6}, "trial: expected a whole number from 0"),
+        ({"episode": 0.5}, "got 0.5"),
+    ],
+)
+def test_bad_reset_options_are_one_error(
+    bare: VergenceEnvironment, options: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        bare.reset(seed=1, options=options)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"model": "M_D"}, "model: expected M or M_C, got 'M_D'"),
+        ({"settings": {"eye_plant.no_such": 1}}, "no_such"),
+        ({"settings": {"nobody.seed": 1}}, "expected NODE.PARAMETER=VALUE"),
+        ({"render_mode": "human"}, "render_mode: expected None or rgb_array"),
+        ({"coder_state": "nowhere.npz"}, "nowhere.npz"),
+    ],
+)
+def test_bad_arguments_are_one_error(
+    arguments: dict[str, Any], message: str, settings: dict[str, Any]
+) -> None:
+    given = {"settings": settings} | arguments
+    with pytest.raises(InputError, match=message):
+        VergenceEnvironment(**given)
+
+
+@pytest.mark.parametrize("action", [[0.1], [np.nan, 0.0], [0.0, 0.0, 0.0]])
+def test_an_action_that_is_none_is_refused(bare: VergenceEnvironment, action: list[float]) -> None:
+    bare.reset(seed=1)
+    with pytest.raises(InputError, match="expected two finite numbers"):
+        bare.step(np.array(action))
