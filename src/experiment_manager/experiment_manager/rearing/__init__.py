@@ -1,0 +1,1 @@
+"""Altered rearing: its conditions, and what becomes of dictionary and reward in them."""
