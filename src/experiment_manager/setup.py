@@ -26,6 +26,7 @@ setup(
             "run_experiment = experiment_manager.commands.run_experiment:main",
             "evaluate = experiment_manager.commands.evaluate:main",
             "report = experiment_manager.commands.report:main",
+            "list_parameters = experiment_manager.commands.list_parameters:main",
             "inspect_bag = experiment_manager.commands.inspect_bag:main",
         ]
     },

@@ -179,12 +179,15 @@ def test_places_beyond_the_ends(place: int) -> None:
     ("settings", "message"),
     [
         ({"n_training_iterations": 15}, "n_training_iterations: expected a multiple of 10"),
-        ({"n_training_iterations": -10}, "n_training_iterations: expected a multiple of 10"),
+        ({"n_training_iterations": -10}, "n_training_iterations: expected 0 or more, got -10"),
         ({"test_iterations": (5,)}, "test_iterations: expected multiples of 10, got [5]"),
-        ({"test_iterations": (-10,)}, "test_iterations: expected multiples of 10, got [-10]"),
+        ({"test_iterations": (-10,)}, "test_iterations: expected 0 or more, got [-10]"),
         ({"n_stimuli_per_test": 4}, "n_stimuli_per_test: expected 3 or less, got 4"),
         ({"iterations_per_trial": 0}, "iterations_per_trial: expected 1 or more, got 0"),
-        ({"object_distance_m": (1.0,)}, "object_distance_m: expected [lowest, highest] from 0.1"),
+        (
+            {"object_distance_m": (1.0,)},
+            "object_distance_m: expected [lowest, highest], each 0.1 m or more",
+        ),
         ({"object_distance_m": (2.0, 1.0)}, "object_distance_m: expected [lowest, highest]"),
         ({"fixation_distance_m": (0.0, 1.0)}, "fixation_distance_m: expected [lowest, highest]"),
         ({"medial_rectus_limits": (-0.1, 0.2)}, "medial_rectus_limits: expected [lowest, highest]"),
@@ -198,7 +201,7 @@ def test_places_beyond_the_ends(place: int) -> None:
         ),
         ({"test_distances_m": (0.0,)}, "test_distances_m: expected 0.1 m or more, got [0.0]"),
         ({"test_distances_m": (float("nan"),)}, "test_distances_m: expected 0.1 m or more"),
-        ({"least_start_error_deg": 1}, "least_start_error_deg: expected 0 or less, got 1"),
+        ({"least_start_error_deg": 1}, "least_start_error_deg: expected 0 deg or less, got 1"),
     ],
 )
 def test_numbers_that_make_no_experiment(settings: dict[str, Any], message: str) -> None:

@@ -16,6 +16,7 @@ MODULES = {
     "run_experiment": "experiment_manager.commands.run_experiment",
     "evaluate": "experiment_manager.commands.evaluate",
     "report": "experiment_manager.commands.report",
+    "list_parameters": "experiment_manager.commands.list_parameters",
     "inspect_bag": "experiment_manager.commands.inspect_bag",
     "benchmark": "tests.benchmark",
     "torture": "tests.stress",

@@ -180,7 +180,7 @@ def test_bad_pictures_are_refused() -> None:
     [
         ({"n_bases": 0}, "n_bases: expected 1 or more, got 0"),
         ({"n_selections": 0}, "n_selections: expected 1 or more"),
-        ({"learning_rate": -0.1}, "learning_rate: expected a finite number, 0 or more"),
+        ({"learning_rate": -0.1}, "learning_rate: expected 0 or more, got -0.1"),
         ({"metabolic_cost_weight": float("nan")}, "metabolic_cost_weight: .*got nan"),
     ],
 )

@@ -305,7 +305,7 @@ def test_it_never_hears_the_ground_truth(bench: Bench) -> None:
     [
         ({"n_bases": 0}, "n_bases: expected 1 or more, got 0"),
         ({"n_bases": 4.5}, "n_bases: expected an integer, got 4.5"),
-        ({"learning_rate": math.nan}, "learning_rate: expected a finite number"),
+        ({"learning_rate": math.nan}, "learning_rate: expected 0 or more, got nan"),
         ({"n_base": 400}, "unknown parameter n_base"),
     ],
 )

@@ -336,9 +336,9 @@ def test_a_bad_observation_is_refused_and_changes_nothing(
         ({"exploration_variance": -1.0}, "exploration_variance: expected 0 or more"),
         ({"actor_learning_rate": math.nan}, "actor_learning_rate: expected 0 or more, got nan"),
         ({"state_standard_deviation": 0.0}, "state_standard_deviation: expected more than 0"),
-        ({"medial_limits": (0.2, 0.1)}, "medial_limits: expected two activations"),
-        ({"lateral_limits": (0.0, 1.1)}, "lateral_limits: expected two activations"),
-        ({"lateral_limits": (0.1,)}, "lateral_limits: expected two activations"),
+        ({"medial_limits": (0.2, 0.1)}, "medial_limits: expected .lowest, highest., each 0 to 1"),
+        ({"lateral_limits": (0.0, 1.1)}, "lateral_limits: expected .lowest, highest., each 0 to 1"),
+        ({"lateral_limits": (0.1,)}, "lateral_limits: expected .lowest, highest., each 0 to 1"),
     ],
 )
 def test_bad_settings_are_refused(settings: dict[str, Any], message: str) -> None:

@@ -301,7 +301,7 @@ def test_it_never_hears_the_ground_truth(bench: Bench) -> None:
     [
         ({"discount": 1.0}, "discount: expected"),
         ({"discount": "high"}, "discount: expected a number, got 'high'"),
-        ({"medial_limits": [0.2, 0.1]}, "medial_limits: expected two activations"),
+        ({"medial_limits": [0.2, 0.1]}, "medial_limits: expected .lowest, highest., each 0 to 1"),
         ({"gamma": 0.3}, "unknown parameter gamma"),
     ],
 )

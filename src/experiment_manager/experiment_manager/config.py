@@ -1,10 +1,10 @@
 """Settings of the experiment manager."""
 
-import math
 from dataclasses import dataclass, field
 
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
+from lockstep.settings import check_settings, setting
 
 MODELS = ("M", "M_C")
 
@@ -14,61 +14,77 @@ PAPER_TEST_ITERATIONS = (
     *range(300_000, 1_000_001, 100_000),
 )
 
-
 _LEAST_DISTANCE_M = 0.1
-# Parameters that are a lowest and a highest value, and the least that either may be.
-_BOUNDS = {
-    "object_distance_m": _LEAST_DISTANCE_M,
-    "fixation_distance_m": _LEAST_DISTANCE_M,
-    "medial_rectus_limits": 0.0,
-    "lateral_rectus_limits": 0.0,
-}
 
 
 @dataclass(frozen=True)
 class ProtocolConfig:
     """What is shown, how long, and when it is tested; defaults are the paper's.
 
-    test_iterations: training iterations before each test, those beyond the end are left out and
-    one at the end is always made; n_stimuli_per_test: the first so many of the test stimuli;
-    the limits bound the activations that an episode starts with.
     Raises InputError for values that make no experiment.
     """
 
-    n_training_iterations: int = 1_000_000
-    iterations_per_episode: int = 10
-    iterations_per_trial: int = 20
-    test_iterations: tuple[int, ...] = PAPER_TEST_ITERATIONS
-    n_training_stimuli: int = 100
-    n_test_stimuli: int = 40
-    n_stimuli_per_test: int = 40
-    object_distance_m: tuple[float, ...] = (0.5, 6.0)
-    fixation_distance_m: tuple[float, ...] = (0.5, 6.0)
-    test_distances_m: tuple[float, ...] = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
-    least_start_error_deg: int = -3
-    medial_rectus_limits: tuple[float, ...] = (0.0, 0.2)
-    lateral_rectus_limits: tuple[float, ...] = (0.0, 0.1)
+    n_training_iterations: int = setting(1_000_000, "training iterations of the run", least=0)
+    iterations_per_episode: int = setting(10, "iterations of a training episode", least=1)
+    iterations_per_trial: int = setting(20, "iterations of a test trial", least=1)
+    test_iterations: tuple[int, ...] = setting(
+        PAPER_TEST_ITERATIONS,
+        "training iterations before each test; those beyond the end are left out, and one at the"
+        " end is always made",
+        least=0,
+    )
+    n_training_stimuli: int = setting(100, "training stimuli that the plant has", least=1)
+    n_test_stimuli: int = setting(40, "test stimuli that the plant has", least=1)
+    n_stimuli_per_test: int = setting(
+        40, "how many of the test stimuli a test shows, the first ones", least=1
+    )
+    object_distance_m: tuple[float, ...] = setting(
+        (0.5, 6.0),
+        "distance of the plane in training, drawn uniformly",
+        "m",
+        least=_LEAST_DISTANCE_M,
+        is_interval=True,
+    )
+    fixation_distance_m: tuple[float, ...] = setting(
+        (0.5, 6.0),
+        "distance at which the eyes look as a training episode begins, drawn uniformly",
+        "m",
+        least=_LEAST_DISTANCE_M,
+        is_interval=True,
+    )
+    test_distances_m: tuple[float, ...] = setting(
+        (0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0),
+        "distances of the plane in tests",
+        "m",
+        least=_LEAST_DISTANCE_M,
+    )
+    least_start_error_deg: int = setting(
+        -3, "least vergence error with which a test trial starts", "deg", most=0
+    )
+    medial_rectus_limits: tuple[float, ...] = setting(
+        (0.0, 0.2),
+        "limits of the medial rectus' activation as an episode begins",
+        least=0,
+        most=1,
+        is_interval=True,
+    )
+    lateral_rectus_limits: tuple[float, ...] = setting(
+        (0.0, 0.1),
+        "limits of the lateral rectus' activation as an episode begins",
+        least=0,
+        most=1,
+        is_interval=True,
+    )
 
     def __post_init__(self) -> None:
-        """Check that the numbers fit together."""
-        counts = (
-            "iterations_per_episode",
-            "iterations_per_trial",
-            "n_training_stimuli",
-            "n_test_stimuli",
-            "n_stimuli_per_test",
-        )
-        for name in counts:
-            if getattr(self, name) < 1:
-                raise InputError(f"{name}: expected 1 or more, got {getattr(self, name)}")
-        if self.n_training_iterations < 0 or (
-            self.n_training_iterations % self.iterations_per_episode
-        ):
+        """Refuse values out of range, and numbers that do not fit together."""
+        check_settings(self)
+        if self.n_training_iterations % self.iterations_per_episode:
             raise InputError(
                 f"n_training_iterations: expected a multiple of {self.iterations_per_episode} "
                 f"(iterations per episode), got {self.n_training_iterations}"
             )
-        if any(n % self.iterations_per_episode or n < 0 for n in self.test_iterations):
+        if any(n % self.iterations_per_episode for n in self.test_iterations):
             raise InputError(
                 f"test_iterations: expected multiples of {self.iterations_per_episode}, "
                 f"got {list(self.test_iterations)}"
@@ -77,21 +93,6 @@ class ProtocolConfig:
             raise InputError(
                 f"n_stimuli_per_test: expected {self.n_test_stimuli} or less, "
                 f"got {self.n_stimuli_per_test}"
-            )
-        for name, least in _BOUNDS.items():
-            values = getattr(self, name)
-            if len(values) != 2 or not least <= values[0] <= values[1] < math.inf:
-                raise InputError(
-                    f"{name}: expected [lowest, highest] from {least} on, got {list(values)}"
-                )
-        if not all(_LEAST_DISTANCE_M <= d < math.inf for d in self.test_distances_m):
-            raise InputError(
-                f"test_distances_m: expected {_LEAST_DISTANCE_M} m or more, "
-                f"got {list(self.test_distances_m)}"
-            )
-        if self.least_start_error_deg > 0:
-            raise InputError(
-                f"least_start_error_deg: expected 0 or less, got {self.least_start_error_deg}"
             )
 
 
@@ -103,49 +104,46 @@ def bounds(values: tuple[float, ...]) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class ExperimentManagerConfig:
-    """Settings of one run.
+    """Settings of one run; raises InputError for a value out of range."""
 
-    seed: of episodes and trials; model: M or M_C, for the results; profile: the named settings that
-    the run began with ("": none), for the results; metabolic_cost_weight: lambda in 1/W, as the
-    sparse coder has it; run_directory: where the run is written ("": a new one
-    under runs/); run_id: what requests carry ("": the directory's name); commit: of the source;
-    checkpoint_period_s: steady time between checkpoints; gap_s: without a new message for so long,
-    the run has a fault; pictures_every_n_episodes, pictures_every_n_trials: 0 records none (a test
-    has 39 conditions per stimulus: a multiple of 39 would show one condition alone);
-    resume: continue from the newest checkpoint of the run directory; supervised: somebody starts
-    all nodes again after a fault, so that what could be waited out is one too; mechanics: as the
-    plant has it, for the first activations of an episode.
-    Raises InputError for a value out of range.
-    """
-
-    seed: int = 1
-    model: str = "M"
-    profile: str = ""
-    metabolic_cost_weight: float = 0.0
-    run_directory: str = ""
-    run_id: str = ""
-    commit: str = ""
-    checkpoint_period_s: float = 120.0
-    gap_s: float = 5.0
-    pictures_every_n_episodes: int = 1000
-    pictures_every_n_trials: int = 230
-    resume: bool = False
-    supervised: bool = False
+    seed: int = setting(1, "seed of episodes and trials")
+    model: str = setting("M", "model, for the results", choices=MODELS)
+    profile: str = setting(
+        "", "name of the profile that the run began with, for the results; empty: none"
+    )
+    metabolic_cost_weight: float = setting(
+        0.0, "lambda, the price of energy in the reward, as the sparse coder has it", "1/W", least=0
+    )
+    run_directory: str = setting(
+        "", "directory into which the run is written; empty: a new one under runs/"
+    )
+    run_id: str = setting("", "name that requests carry; empty: the run directory's name")
+    commit: str = setting("", "commit of the source, for the results")
+    checkpoint_period_s: float = setting(120.0, "wall time between checkpoints", "s", above=0)
+    gap_s: float = setting(
+        5.0, "wall time without a new message after which the run has a fault", "s", above=0
+    )
+    pictures_every_n_episodes: int = setting(
+        1000, "pictures and features are recorded of every so many-th episode; 0: of none", least=0
+    )
+    pictures_every_n_trials: int = setting(
+        230,
+        "pictures and features are recorded of every so many-th test trial; 0: of none (a test has"
+        " 39 conditions per stimulus: a multiple of 39 would show one condition alone)",
+        least=0,
+    )
+    resume: bool = setting(
+        False, "whether to continue from the newest checkpoint of the run directory"
+    )
+    supervised: bool = setting(
+        False,
+        "whether all nodes are started again after a fault, so that what could be waited out is"
+        " a fault too",
+    )
     protocol: ProtocolConfig = field(default_factory=ProtocolConfig)
+    # As the plant has it, for the first activations of an episode.
     mechanics: MechanicsConfig = field(default_factory=MechanicsConfig)
 
     def __post_init__(self) -> None:
-        """Check the ranges."""
-        if self.model not in MODELS:
-            raise InputError(f"model: expected {' or '.join(MODELS)}, got {self.model!r}")
-        weight = self.metabolic_cost_weight
-        if not (math.isfinite(weight) and weight >= 0.0):
-            raise InputError(
-                f"metabolic_cost_weight: expected a finite number, 0 or more, got {weight}"
-            )
-        for name in ("checkpoint_period_s", "gap_s"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"{name}: expected more than 0 s, got {getattr(self, name)}")
-        for name in ("pictures_every_n_episodes", "pictures_every_n_trials"):
-            if getattr(self, name) < 0:
-                raise InputError(f"{name}: expected 0 or more, got {getattr(self, name)}")
+        """Refuse values out of range."""
+        check_settings(self)

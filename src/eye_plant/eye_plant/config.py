@@ -5,26 +5,27 @@ from dataclasses import dataclass, field
 from eye_plant.camera.config import CameraConfig
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig
-from lockstep.errors import InputError
+from lockstep.settings import check_settings, setting
 
 # Beyond it, a period is shorter than the plant's time step.
-MAX_RATE_HZ = 1000.0
+MAX_RATE_HZ = 1000
 
 
 @dataclass(frozen=True)
 class FreeRunningConfig:
-    """The plant without a protocol: rate_hz of observations (0: off), and what is shown."""
+    """The plant without a protocol: observations at a fixed rate, and what is shown."""
 
-    rate_hz: float = 0.0
-    stimulus: int = 0
-    object_distance_m: float = 1.0
+    rate_hz: float = setting(
+        0.0, "rate of observations; 0: lockstep with the learners", "Hz", least=0, most=MAX_RATE_HZ
+    )
+    stimulus: int = setting(
+        0, "number of the stimulus shown, training stimuli first, then test stimuli", least=0
+    )
+    object_distance_m: float = setting(1.0, "distance of the plane shown", "m", above=0)
 
     def __post_init__(self) -> None:
-        """Refuse rates that are none."""
-        if not 0.0 <= self.rate_hz <= MAX_RATE_HZ:
-            raise InputError(
-                f"free_running.rate_hz: expected 0 to {MAX_RATE_HZ}, got {self.rate_hz}"
-            )
+        """Refuse values out of range."""
+        check_settings(self)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,6 @@
 """One episode, as it is requested: what is shown, from where, and how it is numbered."""
 
 import dataclasses
-import math
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,6 +8,7 @@ from typing import Any
 
 from lockstep.configuration import typed
 from lockstep.errors import InputError
+from lockstep.settings import REQUIRED, check_settings, setting
 from lockstep.topics import TEST, TRAINING
 
 
@@ -16,42 +16,34 @@ from lockstep.topics import TEST, TRAINING
 class Episode:
     """A plane at one distance with one stimulus, and the eyes' first muscle activations.
 
-    phase: 0 training, 1 test; test, trial: -1 in training; episode: training episodes before this
-    one; training_iteration: training iterations before the first observation; stimulus: training
-    stimuli first, then test stimuli; medial_rectus, lateral_rectus: activations in [0, 1] of both
-    eyes; first_observation: the number that the run gives to the first observation.
     Raises InputError for values out of range.
     """
 
-    phase: int
-    test: int
-    trial: int
-    episode: int
-    training_iteration: int
-    stimulus: int
-    object_distance_m: float
-    medial_rectus: float
-    lateral_rectus: float
-    n_iterations: int
-    first_observation: int
+    phase: int = setting(REQUIRED, "0 training, 1 test", least=TRAINING, most=TEST)
+    test: int = setting(REQUIRED, "number of the test; -1 in training", least=-1)
+    trial: int = setting(REQUIRED, "number of the trial in its test; -1 in training", least=-1)
+    episode: int = setting(REQUIRED, "training episodes before this one", least=0)
+    training_iteration: int = setting(
+        REQUIRED, "training iterations before the first observation", least=0
+    )
+    stimulus: int = setting(
+        REQUIRED, "number of the stimulus, training stimuli first, then test stimuli", least=0
+    )
+    object_distance_m: float = setting(REQUIRED, "distance of the plane", "m", above=0)
+    medial_rectus: float = setting(
+        REQUIRED, "first activation of both eyes' medial rectus", least=0, most=1
+    )
+    lateral_rectus: float = setting(
+        REQUIRED, "first activation of both eyes' lateral rectus", least=0, most=1
+    )
+    n_iterations: int = setting(REQUIRED, "iterations of the episode", least=1)
+    first_observation: int = setting(
+        REQUIRED, "number that the run gives to the first observation", least=0
+    )
 
     def __post_init__(self) -> None:
         """Check the ranges that do not depend on the plant."""
-        if self.phase not in (TRAINING, TEST):
-            raise InputError(f"phase: expected 0 (training) or 1 (test), got {self.phase}")
-        for name in ("episode", "training_iteration", "stimulus", "first_observation"):
-            if getattr(self, name) < 0:
-                raise InputError(f"{name}: expected 0 or more, got {getattr(self, name)}")
-        if self.n_iterations < 1:
-            raise InputError(f"n_iterations: expected 1 or more, got {self.n_iterations}")
-        for name in ("medial_rectus", "lateral_rectus"):
-            activation = getattr(self, name)
-            if not 0.0 <= activation <= 1.0:
-                raise InputError(f"{name}: expected an activation in [0, 1], got {activation}")
-        if not (math.isfinite(self.object_distance_m) and self.object_distance_m > 0.0):
-            raise InputError(
-                f"object_distance_m: expected more than 0 m, got {self.object_distance_m}"
-            )
+        check_settings(self)
 
     @classmethod
     def from_arguments(cls, arguments: Mapping[str, Any]) -> "Episode":

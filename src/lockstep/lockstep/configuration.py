@@ -3,7 +3,7 @@
 A configuration class has fields of type bool, int, float, str, tuple[float, ...], tuple[int, ...],
 tuple[str, ...], or of another configuration class; every field has a default, and a tuple has at
 least one entry (ROS parameters have no empty list of a type). Field ``b`` of the nested
-configuration ``a`` is the parameter ``a.b``.
+configuration ``a`` is the parameter ``a.b``. Bounds and texts of fields: `lockstep.settings`.
 """
 
 import dataclasses
@@ -56,10 +56,8 @@ def _build(config_class: type[Config], values: Mapping[str, Any], prefix: str) -
             arguments[field.name] = typed(name, hint, values[name])
     try:
         return config_class(**arguments)
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError(str(error)) from error
+    except ValueError as error:  # its text begins with the field's name
+        raise InputError(f"{prefix}{error}") from error
 
 
 def typed(name: str, hint: Any, value: Any) -> Any:

@@ -1,16 +1,20 @@
 """A node's configuration from its ROS parameters."""
 
+import math
+import sys
 from typing import TypeVar
 
-from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 
 from lockstep import configuration
+from lockstep.settings import Declaration, Setting, declarations
 
 Config = TypeVar("Config")
 
 # What rclpy itself declares on every node.
 _OF_RCLPY = ("use_sim_time", "start_type_description_service", "qos_overrides.")
+_LARGEST_INTEGER = 2**63 - 1
 
 
 def declare_config(node: Node, config_class: type[Config]) -> Config:
@@ -25,7 +29,51 @@ def declare_config(node: Node, config_class: type[Config]) -> Config:
         if not name.startswith(_OF_RCLPY)
     }
     config = configuration.build(config_class, given)
-    for name, value in configuration.flatten(config).items():
-        descriptor = ParameterDescriptor(read_only=True)
-        node.declare_parameter(name, value, descriptor, ignore_override=True)
+    values = configuration.flatten(config)
+    for declared in declarations(config_class):
+        node.declare_parameter(
+            declared.name, values[declared.name], descriptor(declared), ignore_override=True
+        )
     return config
+
+
+def descriptor(declared: Declaration) -> ParameterDescriptor:
+    """Return what `describe_parameters` answers with: text, unit, bounds in words and numbers."""
+    described = ParameterDescriptor(
+        read_only=True,
+        description=declared.setting.description,
+        additional_constraints=declared.setting.expected,
+    )
+    # ROS has ranges for single numbers only.
+    if type(declared.default) is int:
+        described.integer_range = [_integer_range(declared.setting)]
+    elif type(declared.default) is float:
+        described.floating_point_range = [_floating_point_range(declared.setting)]
+    return described
+
+
+def _integer_range(setting: Setting) -> IntegerRange:
+    least, most = -_LARGEST_INTEGER - 1, _LARGEST_INTEGER
+    if setting.least is not None:
+        least = math.ceil(setting.least)
+    if setting.above is not None:
+        least = math.floor(setting.above) + 1
+    if setting.most is not None:
+        most = math.floor(setting.most)
+    if setting.below is not None:
+        most = math.ceil(setting.below) - 1
+    return IntegerRange(from_value=least, to_value=most, step=setting.multiple_of)
+
+
+def _floating_point_range(setting: Setting) -> FloatingPointRange:
+    """Return the range; an exclusive bound becomes the next number within it."""
+    least, most = -sys.float_info.max, sys.float_info.max
+    if setting.least is not None:
+        least = float(setting.least)
+    if setting.above is not None:
+        least = math.nextafter(setting.above, math.inf)
+    if setting.most is not None:
+        most = float(setting.most)
+    if setting.below is not None:
+        most = math.nextafter(setting.below, -math.inf)
+    return FloatingPointRange(from_value=least, to_value=most)

@@ -1,33 +1,25 @@
 """Settings of the sparse coder."""
 
-import math
 from dataclasses import dataclass
 
-from lockstep.errors import InputError
+from lockstep.settings import check_settings, setting
 
 
 @dataclass(frozen=True)
 class SparseCoderConfig:
     """Settings of the sparse coder; the defaults are the published model's (K17 II).
 
-    seed: of the initial dictionaries; n_bases: atoms per scale; n_selections: matching pursuit's
-    selections per patch; learning_rate: eta of the dictionaries; metabolic_cost_weight: lambda of
-    K17 eq. 5 in 1/W, 0 is the model M without a price on energy.
     Raises InputError for a value out of range.
     """
 
-    seed: int = 1
-    n_bases: int = 400
-    n_selections: int = 10
-    learning_rate: float = 0.2
-    metabolic_cost_weight: float = 0.0
+    seed: int = setting(1, "seed of the initial dictionaries")
+    n_bases: int = setting(400, "basis functions of each scale's dictionary", least=1)
+    n_selections: int = setting(10, "matching pursuit's selections per patch", least=1)
+    learning_rate: float = setting(0.2, "eta, learning rate of the dictionaries", least=0)
+    metabolic_cost_weight: float = setting(
+        0.0, "lambda of K17 eq. 5, the price of energy in the reward, 0 in model M", "1/W", least=0
+    )
 
     def __post_init__(self) -> None:
-        """Refuse what no run can mean."""
-        for name in ("n_bases", "n_selections"):
-            if getattr(self, name) < 1:
-                raise InputError(f"{name}: expected 1 or more, got {getattr(self, name)}")
-        for name in ("learning_rate", "metabolic_cost_weight"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InputError(f"{name}: expected a finite number, 0 or more, got {value}")
+        """Refuse values out of range."""
+        check_settings(self)

@@ -157,8 +157,8 @@ def test_set_reads_values_as_yaml_does() -> None:
         (("--set", "vergence_rl.discount=[1"), "--set vergence_rl.discount=[1: expected a value"),
         (("--set", "vergence=1"), "--set: expected NODE.PARAMETER=VALUE with a node of eye_plant"),
         (("--set", "retina.gain=1"), "--set: expected NODE.PARAMETER=VALUE with a node of"),
-        (("--lambda", "-1"), "metabolic_cost_weight: expected a finite number, 0 or more"),
-        (("--lambda", "nan"), "metabolic_cost_weight: expected a finite number, 0 or more"),
+        (("--lambda", "-1"), "metabolic_cost_weight: expected 0 or more"),
+        (("--lambda", "nan"), "metabolic_cost_weight: expected 0 or more"),
         (("--lambda-share", "1"), "--lambda-share: expected a share in [0, 1), got 1.0"),
         (("--lambda-share", "nan"), "--lambda-share: expected a share in [0, 1), got nan"),
         (("--lambda-share", "0.2", "--lambda", "0.1"), "expected it without --lambda, got both"),
@@ -227,7 +227,7 @@ def test_a_config_yaml_that_is_not_there(tmp_path: Path) -> None:
         ({"gap_s": 0.0}, "gap_s: expected more than 0 s, got 0.0"),
         ({"checkpoint_period_s": float("nan")}, "checkpoint_period_s: expected more than 0 s"),
         ({"pictures_every_n_episodes": -1}, "pictures_every_n_episodes: expected 0 or more"),
-        ({"metabolic_cost_weight": -0.1}, "metabolic_cost_weight: expected a finite number"),
+        ({"metabolic_cost_weight": -0.1}, "metabolic_cost_weight: expected 0 or more"),
     ],
 )
 def test_the_managers_own_settings(settings: dict[str, Any], message: str) -> None:

@@ -287,11 +287,11 @@ def test_a_stimulus_of_another_kind_is_refused(stimulus: np.ndarray) -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"roi_width_px": 322}, r"camera\.roi_width_px: expected width_px or less, got 322"),
-        ({"roi_height_px": 127}, r"camera\.roi_height_px: expected an even number, got 127"),
-        ({"focal_length_px": float("nan")}, r"camera\.focal_length_px: expected a positive"),
-        ({"left_magnification": 0.0}, r"camera\.left_magnification: expected a positive"),
-        ({"right_blur_px": -1.0}, r"camera\.right_blur_px: expected 0 to 100, got -1"),
+        ({"roi_width_px": 322}, r"roi_width_px: expected width_px, 320, or less, got 322"),
+        ({"roi_height_px": 127}, r"roi_height_px: expected a multiple of 2, 2 px or more, got 127"),
+        ({"focal_length_px": float("nan")}, r"focal_length_px: expected more than 0 px, got nan"),
+        ({"left_magnification": 0.0}, r"left_magnification: expected more than 0, got 0.0"),
+        ({"right_blur_px": -1.0}, r"right_blur_px: expected 0 to 100 px, got -1"),
     ],
 )
 def test_a_configuration_that_cannot_be_drawn_is_refused(

@@ -96,11 +96,17 @@ def test_a_recession_moves_the_insertion_back_along_the_globe():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"parameter_set": "k18"}, "one of k17, anatomical; got 'k18'"),
-        ({"baseline_m": -0.05}, "baseline_m must be 1 number"),
-        ({"strength": (1.0,) * 11}, "strength must be 12 number"),
-        ({"recession_mm": (0.0,) * 11 + (float("nan"),)}, "recession_mm must be 12 number"),
-        ({"rest_adduction_deg": (0.0, 90.0)}, "rest_adduction_deg must be 2 number"),
+        ({"parameter_set": "k18"}, "parameter_set: expected k17 or anatomical, got 'k18'"),
+        ({"baseline_m": -0.05}, "baseline_m: expected 0.025 to 1 m, got -0.05"),
+        ({"strength": (1.0,) * 11}, "strength: expected 12 numbers, each 0 to 10, got"),
+        (
+            {"recession_mm": (0.0,) * 11 + (float("nan"),)},
+            "recession_mm: expected 12 numbers, each -10 to 10 mm",
+        ),
+        (
+            {"rest_adduction_deg": (0.0, 90.0)},
+            "rest_adduction_deg: expected 2 numbers, each -30 to 30 deg",
+        ),
     ],
 )
 def test_bad_settings_are_refused_by_name(changes, message):

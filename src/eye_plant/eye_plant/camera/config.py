@@ -1,9 +1,9 @@
 """The configuration of both eyes' cameras and of what stands before them."""
 
-import math
 from dataclasses import dataclass
 
 from lockstep.errors import InputError
+from lockstep.settings import check_settings, setting
 
 
 @dataclass(frozen=True)
@@ -14,49 +14,49 @@ class CameraConfig:
     one, 2 atan(120 / F). One pixel is 0.2226 deg.
     """
 
-    width_px: int = 320
-    height_px: int = 240
-    focal_length_px: float = 257.34
-    # Region of interest: only the picture's centre is drawn, read and returned. Its pixels are the
-    # full picture's, bit by bit.
-    roi_width_px: int = 320
-    roi_height_px: int = 240
-    plane_size_m: float = 3.0
-    landscape_distance_m: float = 9.1
-    landscape_width_m: float = 39.0
-    landscape_height_m: float = 12.0
-    landscape_seed: int = 0
-    # Altered rearing: each eye's picture can be blurred (Gaussian, standard deviation), magnified
-    # about its centre, or black.
-    left_blur_px: float = 0.0
-    right_blur_px: float = 0.0
-    left_magnification: float = 1.0
-    right_magnification: float = 1.0
-    left_occluded: bool = False
-    right_occluded: bool = False
+    width_px: int = setting(320, "width of each picture", "px", least=2, multiple_of=2)
+    height_px: int = setting(240, "height of each picture", "px", least=2, multiple_of=2)
+    focal_length_px: float = setting(257.34, "focal length of both cameras", "px", above=0)
+    roi_width_px: int = setting(
+        320,
+        "width of the region of interest about the picture's centre: nothing else is drawn and"
+        " returned, and its pixels are the full picture's, bit by bit",
+        "px",
+        least=2,
+        multiple_of=2,
+    )
+    roi_height_px: int = setting(
+        240, "height of the region of interest", "px", least=2, multiple_of=2
+    )
+    plane_size_m: float = setting(3.0, "width and height of the textured plane", "m", above=0)
+    landscape_distance_m: float = setting(
+        9.1, "distance of the landscape behind the plane", "m", least=0.2, most=19
+    )
+    landscape_width_m: float = setting(39.0, "width of the landscape", "m", above=0)
+    landscape_height_m: float = setting(12.0, "height of the landscape", "m", above=0)
+    landscape_seed: int = setting(0, "seed of the generated landscape")
+    left_blur_px: float = setting(
+        0.0, "standard deviation of the Gaussian blur of the left picture", "px", least=0, most=100
+    )
+    right_blur_px: float = setting(
+        0.0, "standard deviation of the Gaussian blur of the right picture", "px", least=0, most=100
+    )
+    left_magnification: float = setting(
+        1.0, "magnification of the left picture about its centre", above=0
+    )
+    right_magnification: float = setting(
+        1.0, "magnification of the right picture about its centre", above=0
+    )
+    left_occluded: bool = setting(False, "whether the left picture is black")
+    right_occluded: bool = setting(False, "whether the right picture is black")
 
     def __post_init__(self) -> None:
-        """Refuse a configuration that cannot be drawn, naming the parameter."""
-        for name in ("width_px", "height_px", "roi_width_px", "roi_height_px"):
-            _require(self, name, getattr(self, name) >= 2, "2 or more")
-            _require(self, name, getattr(self, name) % 2 == 0, "an even number")
-        _require(self, "roi_width_px", self.roi_width_px <= self.width_px, "width_px or less")
-        _require(self, "roi_height_px", self.roi_height_px <= self.height_px, "height_px or less")
-        for name in (
-            "focal_length_px",
-            "plane_size_m",
-            "landscape_width_m",
-            "landscape_height_m",
-            "left_magnification",
-            "right_magnification",
-        ):
-            value = getattr(self, name)
-            _require(self, name, math.isfinite(value) and value > 0.0, "a positive number")
-        _require(
-            self, "landscape_distance_m", 0.2 <= self.landscape_distance_m <= 19.0, "0.2 to 19"
-        )
-        for name in ("left_blur_px", "right_blur_px"):
-            _require(self, name, 0.0 <= getattr(self, name) <= 100.0, "0 to 100")
+        """Refuse a configuration that cannot be drawn."""
+        check_settings(self)
+        for side in ("width_px", "height_px"):
+            most, roi = getattr(self, side), getattr(self, f"roi_{side}")
+            if roi > most:
+                raise InputError(f"roi_{side}: expected {side}, {most}, or less, got {roi}")
 
     @property
     def magnifications(self) -> tuple[float, float]:
@@ -72,8 +72,3 @@ class CameraConfig:
     def occlusions(self) -> tuple[bool, bool]:
         """Whether the left and the right eye's picture is black."""
         return self.left_occluded, self.right_occluded
-
-
-def _require(config: CameraConfig, name: str, holds: bool, expected: str) -> None:
-    if not holds:
-        raise InputError(f"camera.{name}: expected {expected}, got {getattr(config, name)}")

@@ -15,7 +15,7 @@ import numpy as np
 from eye_plant.mechanics.muscles import MUSCLE_NAMES, MUSCLES, N_MUSCLES, SIDES
 from eye_plant.mechanics.parameter_sets import PARAMETER_SETS
 from eye_plant.mechanics.parameters import MuscleParameters, OrbitParameters, ParameterSet, Point
-from lockstep.errors import InputError
+from lockstep.settings import check_settings, setting
 
 AXES = ("adduction", "elevation", "intorsion")
 JOINT_NAMES = tuple(f"{side}_eye_{axis}" for side in SIDES for axis in AXES)
@@ -27,38 +27,61 @@ HIDDEN_GROUP = 4
 class MechanicsConfig:
     """Two eyes: which parameters, how far apart, how long a control period, which surgery.
 
-    control_period_s, timestep_s: 0 takes the set's own. Twelve numbers follow the order of
-    MUSCLE_NAMES, two are left, right.
-    strength: factor on a muscle's active force (0 paralysed, 1 healthy);
-    recession_mm: insertion moved back along the muscle's path (negative: resected);
-    rest_adduction_deg, rest_elevation_deg: added to where the orbital tissue holds the eye.
+    Twelve numbers follow the order of MUSCLE_NAMES, two are left, right.
     """
 
-    parameter_set: str = "k17"
-    baseline_m: float = 0.056
-    eye_height_m: float = 1.7
-    control_period_s: float = 0.0
-    timestep_s: float = 0.0
-    strength: tuple[float, ...] = (1.0,) * N_MUSCLES
-    recession_mm: tuple[float, ...] = (0.0,) * N_MUSCLES
-    rest_adduction_deg: tuple[float, ...] = (0.0, 0.0)
-    rest_elevation_deg: tuple[float, ...] = (0.0, 0.0)
+    parameter_set: str = setting(
+        "k17", "which eyes: the paper's or anatomical ones", choices=tuple(PARAMETER_SETS)
+    )
+    baseline_m: float = setting(0.056, "distance of the eyes' centres", "m", least=0.025, most=1)
+    eye_height_m: float = setting(
+        1.7, "height of the eyes above the ground", "m", least=0, most=100
+    )
+    control_period_s: float = setting(
+        0.0,
+        "simulated time between two observations; 0: the parameter set's own",
+        "s",
+        least=0,
+        most=10,
+    )
+    timestep_s: float = setting(
+        0.0, "time step of the simulation; 0: the parameter set's own", "s", least=0, most=0.01
+    )
+    strength: tuple[float, ...] = setting(
+        (1.0,) * N_MUSCLES,
+        "factor on each muscle's active force, 0 paralysed, 1 healthy",
+        least=0,
+        most=10,
+        n_entries=N_MUSCLES,
+    )
+    recession_mm: tuple[float, ...] = setting(
+        (0.0,) * N_MUSCLES,
+        "how far each muscle's insertion is moved back along its path; negative: resected",
+        "mm",
+        least=-10,
+        most=10,
+        n_entries=N_MUSCLES,
+    )
+    rest_adduction_deg: tuple[float, ...] = setting(
+        (0.0, 0.0),
+        "added to the adduction at which the orbital tissue holds each eye",
+        "deg",
+        least=-30,
+        most=30,
+        n_entries=2,
+    )
+    rest_elevation_deg: tuple[float, ...] = setting(
+        (0.0, 0.0),
+        "added to the elevation at which the orbital tissue holds each eye",
+        "deg",
+        least=-30,
+        most=30,
+        n_entries=2,
+    )
 
     def __post_init__(self) -> None:
         """Refuse what no pair of eyes can be."""
-        if self.parameter_set not in PARAMETER_SETS:
-            raise InputError(
-                f"mechanics.parameter_set must be one of {', '.join(PARAMETER_SETS)}; "
-                f"got {self.parameter_set!r}"
-            )
-        _check_within("baseline_m", (self.baseline_m,), 1, (0.025, 1.0))
-        _check_within("eye_height_m", (self.eye_height_m,), 1, (0.0, 100.0))
-        _check_within("control_period_s", (self.control_period_s,), 1, (0.0, 10.0))
-        _check_within("timestep_s", (self.timestep_s,), 1, (0.0, 0.01))
-        _check_within("strength", self.strength, N_MUSCLES, (0.0, 10.0))
-        _check_within("recession_mm", self.recession_mm, N_MUSCLES, (-10.0, 10.0))
-        _check_within("rest_adduction_deg", self.rest_adduction_deg, 2, (-30.0, 30.0))
-        _check_within("rest_elevation_deg", self.rest_elevation_deg, 2, (-30.0, 30.0))
+        check_settings(self)
 
     @property
     def parameters(self) -> ParameterSet:
@@ -69,16 +92,6 @@ class MechanicsConfig:
     def period_s(self) -> float:
         """Simulated time between two observations."""
         return self.control_period_s or self.parameters.control_period_s
-
-
-def _check_within(
-    name: str, values: tuple[float, ...], n_values: int, bounds: tuple[float, float]
-) -> None:
-    low, high = bounds
-    if len(values) != n_values or not all(low <= value <= high for value in values):
-        raise InputError(
-            f"mechanics.{name} must be {n_values} number(s) from {low:g} to {high:g}; got {values}"
-        )
 
 
 def build_spec(config: MechanicsConfig) -> mujoco.MjSpec:

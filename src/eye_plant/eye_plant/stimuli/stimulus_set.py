@@ -15,34 +15,31 @@ from eye_plant.stimuli.directory import (
     choose_test_files,
     read_picture,
 )
-from lockstep.errors import InputError
+from lockstep.settings import check_settings, setting
 
 SMALLEST_PX = 64
 
 
 @dataclass(frozen=True)
 class StimuliConfig:
-    """Which pictures to show; K17 has 100 for training and 40 for tests, of 1920 x 1920 pixels.
+    """Which pictures to show; K17 has 100 for training and 40 for tests, of 1920 x 1920 pixels."""
 
-    directory: pictures in it replace the generated ones, up to the numbers below; "" is none. It
-    holds subdirectories train and test, or all pictures, split by seed. cache_directory: where
-    generated pictures are kept; "" is the user's cache directory.
-    """
-
-    directory: str = ""
-    seed: int = 0
-    n_training: int = 100
-    n_test: int = 40
-    size_px: int = 1920
-    cache_directory: str = ""
+    directory: str = setting(
+        "",
+        "directory of pictures instead of the generated ones, up to the numbers below: train and"
+        " test inside it, or all pictures, which are split by seed; empty: none",
+    )
+    seed: int = setting(0, "seed of the generated pictures, or of the split of a directory")
+    n_training: int = setting(100, "number of training pictures", least=1)
+    n_test: int = setting(40, "number of test pictures", least=1)
+    size_px: int = setting(1920, "width and height of each picture", "px", least=SMALLEST_PX)
+    cache_directory: str = setting(
+        "", "where generated pictures are kept; empty: the user's cache directory"
+    )
 
     def __post_init__(self) -> None:
-        """Refuse numbers that make no set, naming the parameter."""
-        for name, least in (("n_training", 1), ("n_test", 1), ("size_px", SMALLEST_PX)):
-            if getattr(self, name) < least:
-                raise InputError(
-                    f"stimuli.{name}: expected {least} or more, got {getattr(self, name)}"
-                )
+        """Refuse values out of range."""
+        check_settings(self)
 
 
 @dataclass(frozen=True)
