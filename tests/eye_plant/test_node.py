@@ -385,9 +385,13 @@ def test_after_the_end_of_a_run_the_plant_is_silent(bench: Bench) -> None:
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("camera__width_px", 321, "camera.width_px: expected an even number, got 321"),
+        (
+            "camera__width_px",
+            321,
+            "camera.width_px: expected a multiple of 2, 2 px or more, got 321",
+        ),
         ("camera__width_px", "wide", "camera.width_px: expected an integer, got 'wide'"),
-        ("mechanics__parameter_set", "k99", "mechanics.parameter_set must be one of k17"),
+        ("mechanics__parameter_set", "k99", "mechanics.parameter_set: expected k17 or anatomical"),
         ("stimuli__directory", "/nowhere", "stimuli.directory: expected a directory of pictures"),
         ("camera__with_px", 320, "unknown parameter camera.with_px"),
     ],
