@@ -155,9 +155,9 @@ def _disturb_once(run: SupervisedRun, draw: np.random.Generator, at_place: Count
     return f"{package} {verb}"
 
 
-def pelt(directory: Path, n_inputs: int, seed: int) -> Outcome:
-    """Throw hostile input at the nodes until n_inputs; compare the numbers."""
-    directory = directory / "pelted"
+def fuzz(directory: Path, n_inputs: int, seed: int) -> Outcome:
+    """Send hostile input to the nodes, n_inputs in all; compare the numbers."""
+    directory = directory / "fuzzed"
     directory.mkdir(parents=True, exist_ok=True)
     config_file = directory / "config.yaml"
     line = _line(_N_DISTURBED_ITERATIONS, *_SMALL_LEARNERS)
@@ -317,7 +317,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         draw = np.random.default_rng(options.seed)
         parts: list[tuple[str, int, Callable[[int], Outcome]]] = [
             ("kills", options.kills, lambda n: disturb(directory, n, draw)),
-            ("hostile input", options.inputs, lambda n: pelt(directory, n, options.seed)),
+            ("hostile input", options.inputs, lambda n: fuzz(directory, n, options.seed)),
             ("cuts", options.cuts, lambda n: cut(directory, n, draw)),
             ("soak", options.soak, lambda n: soak(directory, n, options.seed)),
         ]

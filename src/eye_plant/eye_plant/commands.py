@@ -40,17 +40,17 @@ def target_activations(
 @lru_cache(maxsize=8)  # the same few names come each time
 def _wiring(names: tuple[str, ...], muscle_names: tuple[str, ...]) -> tuple[list[int], list[int]]:
     """Return which muscles are commanded, and by which of the names."""
-    place = {name: i for i, name in enumerate(muscle_names)}
+    index_of = {name: i for i, name in enumerate(muscle_names)}
     i_muscles: list[int] = []
     i_values: list[int] = []
     for i_value, name in enumerate(names):
-        muscles = [name] if name in place else [f"{side}_{name}" for side in SIDES]
-        if not place.keys() >= set(muscles):
+        muscles = [name] if name in index_of else [f"{side}_{name}" for side in SIDES]
+        if not index_of.keys() >= set(muscles):
             raise InputError(
                 f"muscle_command: unknown muscle {name!r}, expected some of "
                 f"{', '.join(muscle_names)}, or one without its side for both eyes"
             )
-        indices = [place[muscle] for muscle in muscles]
+        indices = [index_of[muscle] for muscle in muscles]
         if not set(i_muscles).isdisjoint(indices):
             raise InputError(f"muscle_command: expected each muscle once, got {name!r} again")
         i_muscles += indices

@@ -59,7 +59,7 @@ _BROKEN = (
 
 
 @dataclass(frozen=True)
-class ChunkPlace:
+class IndexedChunk:
     """Where a chunk is, and its messages: {channel id: entries (n,) of INDEX_ENTRY}."""
 
     offset: int
@@ -83,7 +83,7 @@ class McapFile:
     schemas: dict[int, Schema] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     attachments: dict[str, bytes] = field(default_factory=dict)
-    chunks: list[ChunkPlace] = field(default_factory=list)
+    chunks: list[IndexedChunk] = field(default_factory=list)
     n_lost_bytes: int = 0
     _statistics: Statistics | None = None
 
@@ -110,44 +110,44 @@ class McapFile:
         """Return the channel of a topic, None when the file has none."""
         return next((i for i, channel in self.channels.items() if channel.topic == topic), None)
 
-    def entries(self, place: ChunkPlace, topic: str) -> np.ndarray:
-        """Return the stamps and places of a topic's messages in a chunk: (n,) of INDEX_ENTRY."""
+    def entries(self, chunk: IndexedChunk, topic: str) -> np.ndarray:
+        """Return the stamps and positions of a topic's messages in a chunk: (n,) of INDEX_ENTRY."""
         channel_id = self.channel_id(topic)
-        return np.zeros(0, INDEX_ENTRY) if channel_id is None else place.entries(channel_id)
+        return np.zeros(0, INDEX_ENTRY) if channel_id is None else chunk.entries(channel_id)
 
     def type_name(self, channel_id: int) -> str:
         """Return the message type of a channel, such as sensor_msgs/msg/Image."""
         schema = self.schemas.get(self.channels[channel_id].schema_id)
         return schema.name if schema else ""
 
-    def read_chunk(self, place: ChunkPlace) -> np.ndarray:
+    def read_chunk(self, chunk: IndexedChunk) -> np.ndarray:
         """Return the records of a chunk, decompressed: (n_bytes,) uint8.
 
         Raises InputError when the chunk does not fit its checksum, or its index does not fit it:
         what is returned may be trusted.
         """
-        records = np.frombuffer(self._chunk_data(place), np.uint8)
-        for channel_id in place.channel_ids:
-            if not _index_fits(records, place.entries(channel_id), channel_id):
-                raise InputError(f"{self.path}: broken index of the chunk at byte {place.offset}")
+        records = np.frombuffer(self._chunk_data(chunk), np.uint8)
+        for channel_id in chunk.channel_ids:
+            if not _index_fits(records, chunk.entries(channel_id), channel_id):
+                raise InputError(f"{self.path}: broken index of the chunk at byte {chunk.offset}")
         return records
 
-    def scan_chunk(self, place: ChunkPlace) -> tuple[np.ndarray, ChunkPlace]:
+    def scan_chunk(self, chunk: IndexedChunk) -> tuple[np.ndarray, IndexedChunk]:
         """Return the records of a chunk as `read_chunk`, and its messages without its index.
 
         Raises InputError when the chunk does not fit its checksum.
         """
-        data = self._chunk_data(place)
-        return np.frombuffer(data, np.uint8), self._scanned(place.offset, place.n_bytes, data)
+        data = self._chunk_data(chunk)
+        return np.frombuffer(data, np.uint8), self._scanned(chunk.offset, chunk.n_bytes, data)
 
-    def _chunk_data(self, place: ChunkPlace) -> bytes:
+    def _chunk_data(self, chunk: IndexedChunk) -> bytes:
         try:
             with self.path.open("rb") as stream:
-                stream.seek(place.offset + _RECORD.size)
+                stream.seek(chunk.offset + _RECORD.size)
                 return _chunk_data(Chunk.read(ReadDataStream(stream)))
         except _BROKEN as error:
             raise InputError(
-                f"{self.path}: broken chunk at byte {place.offset}: {error}"
+                f"{self.path}: broken chunk at byte {chunk.offset}: {error}"
             ) from error
 
     def log_times_ns(self, channel_id: int) -> np.ndarray:
@@ -159,9 +159,9 @@ class McapFile:
         """Return the greatest stamp of each topic that has messages."""
         last: dict[str, int] = {}
         for channel_id, channel in self.channels.items():
-            for place in reversed(self.chunks):
-                if channel_id in place.channel_ids:
-                    last[channel.topic] = int(place.entries(channel_id)["log_time"].max())
+            for chunk in reversed(self.chunks):
+                if channel_id in chunk.channel_ids:
+                    last[channel.topic] = int(chunk.entries(channel_id)["log_time"].max())
                     break
         return last
 
@@ -208,7 +208,7 @@ class McapFile:
         self.complete = True
         return True
 
-    def _indexed(self, index: ChunkIndex) -> ChunkPlace:
+    def _indexed(self, index: ChunkIndex) -> IndexedChunk:
         def entries(channel_id: int) -> np.ndarray:
             offset = index.message_index_offsets.get(channel_id)
             if offset is None:
@@ -224,7 +224,7 @@ class McapFile:
                         return np.frombuffer(body, INDEX_ENTRY)
             raise InputError(f"{self.path}: broken message index at byte {offset}")
 
-        return ChunkPlace(
+        return IndexedChunk(
             index.chunk_start_offset,
             index.chunk_length,
             entries,
@@ -247,7 +247,7 @@ class McapFile:
                     break
                 if opcode == Opcode.CHUNK:
                     self.chunks.append(
-                        ChunkPlace(position, following - position, _no_entries, frozenset())
+                        IndexedChunk(position, following - position, _no_entries, frozenset())
                     )
                 else:
                     self.n_lost_bytes += following - position
@@ -267,7 +267,7 @@ class McapFile:
             # Opcodes from 0x80 are for applications; below, nothing unknown can be right.
             raise McapError(f"unknown record {opcode} of {length} bytes at {position}")
 
-    def _scanned(self, offset: int, n_bytes: int, data: bytes) -> ChunkPlace:
+    def _scanned(self, offset: int, n_bytes: int, data: bytes) -> IndexedChunk:
         found: dict[int, list[tuple[int, int]]] = {}
         for opcode, position, length in _records(data):
             if opcode == Opcode.MESSAGE:
@@ -279,7 +279,7 @@ class McapFile:
                 body = position + _RECORD.size
                 self._announce(opcode, ReadDataStream(BytesIO(data[body : body + length])))
         entries = {i: np.array(pairs, dtype=INDEX_ENTRY) for i, pairs in found.items()}
-        return ChunkPlace(
+        return IndexedChunk(
             offset, n_bytes, lambda i: entries.get(i, _no_entries(i)), frozenset(entries)
         )
 

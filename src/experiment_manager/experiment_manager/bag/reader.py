@@ -11,7 +11,7 @@ import yaml
 
 from experiment_manager.bag.mcap_file import (
     MESSAGE_HEADER_BYTES,
-    ChunkPlace,
+    IndexedChunk,
     McapFile,
 )
 from experiment_manager.bag.metadata import METADATA_FILE
@@ -49,8 +49,8 @@ class VectorTable:
         if not len(self.stamps_ns):
             return np.full(len(stamps_ns), -1)
         order = np.argsort(self.stamps_ns, kind="stable")
-        place = np.searchsorted(self.stamps_ns, stamps_ns, sorter=order)
-        rows = order[np.minimum(place, len(order) - 1)]
+        nearest = np.searchsorted(self.stamps_ns, stamps_ns, sorter=order)
+        rows = order[np.minimum(nearest, len(order) - 1)]
         return np.where(self.stamps_ns[rows] == stamps_ns, rows, -1)
 
 
@@ -123,9 +123,9 @@ class Bag:
                     f"{name}: expected sensor_msgs/msg/JointState, got {self.types[name]}"
                 )
         parts: dict[str, list[VectorTable]] = {topic: [] for topic in topics}
-        for file, place, data in self._chunks(names.values()):
+        for file, chunk, data in self._chunks(names.values()):
             for topic, name in names.items():
-                parts[topic].extend(_tables(data, file.entries(place, name)))
+                parts[topic].extend(_tables(data, file.entries(chunk, name)))
         # One topic after the other: a full run's parts and whole tables would fill a gigabyte.
         return {topic: _joined(parts.pop(topic)) for topic in topics}
 
@@ -139,23 +139,23 @@ class Bag:
         name = self.topic(topic)
         wanted = None if stamps_ns is None else np.array(sorted(stamps_ns), np.uint64)
         for file in self.files:
-            for place in file.chunks:
-                entries = file.entries(place, name)
+            for chunk in file.chunks:
+                entries = file.entries(chunk, name)
                 if wanted is not None:
                     entries = entries[np.isin(entries["log_time"], wanted)]
                 if not len(entries):
                     continue
-                data = file.read_chunk(place)
+                data = file.read_chunk(chunk)
                 for stamp, offset in entries.tolist():
                     yield stamp, image_array(message_at(data, offset))
 
-    def _chunks(self, names: Iterable[str]) -> Iterator[tuple[McapFile, ChunkPlace, np.ndarray]]:
+    def _chunks(self, names: Iterable[str]) -> Iterator[tuple[McapFile, IndexedChunk, np.ndarray]]:
         wanted = set(names)
         for file in self.files:
             channels = {i for i, channel in file.channels.items() if channel.topic in wanted}
-            for place in file.chunks:
-                if channels & place.channel_ids:
-                    yield file, place, file.read_chunk(place)
+            for chunk in file.chunks:
+                if channels & chunk.channel_ids:
+                    yield file, chunk, file.read_chunk(chunk)
 
 
 def read_vectors(path: Path, topic: str) -> VectorTable:
@@ -239,22 +239,22 @@ def _n_leading(true: np.ndarray) -> int:
 def _joined(tables: Sequence[VectorTable]) -> VectorTable:
     """Put tables below one another; the names are those of all, in order of appearance."""
     names = tuple(dict.fromkeys(name for table in tables for name in table.names))
-    place: Mapping[str, int] = {name: i for i, name in enumerate(names)}
+    column_of: Mapping[str, int] = {name: i for i, name in enumerate(names)}
     stamps = np.concatenate([np.zeros(0, np.int64), *(t.stamps_ns for t in tables)])
-    fields = [_stacked([(t.names, getattr(t, f)) for t in tables], place) for f in _FIELDS]
+    fields = [_stacked([(t.names, getattr(t, f)) for t in tables], column_of) for f in _FIELDS]
     return VectorTable(names, stamps, *fields)
 
 
 def _stacked(
-    parts: Sequence[tuple[tuple[str, ...], np.ndarray]], place: Mapping[str, int]
+    parts: Sequence[tuple[tuple[str, ...], np.ndarray]], column_of: Mapping[str, int]
 ) -> np.ndarray:
     n_rows = sum(len(values) for _, values in parts)
     if not any(values.shape[1] for _, values in parts):
         return np.zeros((n_rows, 0))
-    stacked = np.full((n_rows, len(place)), np.nan)
+    stacked = np.full((n_rows, len(column_of)), np.nan)
     row = 0
     for names, values in parts:
-        columns = [place[name] for name in names[: values.shape[1]]]
+        columns = [column_of[name] for name in names[: values.shape[1]]]
         stacked[row : row + len(values), columns] = values
         row += len(values)
     return stacked

@@ -11,7 +11,7 @@ from mcap.writer import Writer
 from experiment_manager.bag.mcap_file import (
     MESSAGE_STRUCT,
     RECORD_HEADER_BYTES,
-    ChunkPlace,
+    IndexedChunk,
     McapFile,
 )
 from experiment_manager.bag.metadata import (
@@ -56,8 +56,8 @@ def repair_bag(path: Path) -> list[Repair]:
 
 def _is_whole(file: McapFile) -> bool:
     try:
-        for place in file.chunks:
-            file.read_chunk(place)
+        for chunk in file.chunks:
+            file.read_chunk(chunk)
     except InputError:
         return False
     return file.complete
@@ -72,11 +72,11 @@ def _rewrite(path: Path) -> Repair:
         os.fsync(stream.fileno())
     beside.replace(path)
     sync_directory(path.parent)
-    n_lost_bytes = file.n_lost_bytes + sum(place.n_bytes for place in broken)
+    n_lost_bytes = file.n_lost_bytes + sum(chunk.n_bytes for chunk in broken)
     return Repair(path.name, n_messages, len(broken), n_lost_bytes)
 
 
-def _copy(file: McapFile, stream: BinaryIO) -> tuple[int, list[ChunkPlace]]:
+def _copy(file: McapFile, stream: BinaryIO) -> tuple[int, list[IndexedChunk]]:
     """Write what can be read; return the number of messages, and the chunks that are broken."""
     writer = Writer(stream)
     writer.start(profile="ros2")
@@ -95,11 +95,11 @@ def _copy(file: McapFile, stream: BinaryIO) -> tuple[int, list[ChunkPlace]]:
         for i, channel in file.channels.items()
     }
     n_messages, broken = 0, []
-    for place in file.chunks:
+    for chunk in file.chunks:
         try:
-            data, scanned = file.scan_chunk(place)
+            data, scanned = file.scan_chunk(chunk)
         except InputError:
-            broken.append(place)
+            broken.append(chunk)
             continue
         # Of a topic that was announced in a broken chunk nothing can be read.
         offsets = sorted(

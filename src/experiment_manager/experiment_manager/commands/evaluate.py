@@ -145,26 +145,26 @@ def _as_far_as(found: dict[str, Any], expected: dict[str, Any]) -> dict[str, Any
 
 
 def different_entries(expected: dict[str, Any], found: dict[str, Any]) -> list[str]:
-    """Return "place: expected, got" for each entry in which two results.json differ."""
+    """Return "path: expected, got" for each entry in which two results.json differ."""
     left, right = dict(_entries(expected)), dict(_entries(found))
     return [
-        f"{place}: results.json has {left.get(place, 'nothing')}, "
-        f"the bag gives {right.get(place, 'nothing')}"
-        for place in dict.fromkeys([*left, *right])
-        if not _equal(left.get(place, "nothing"), right.get(place, "nothing"))
+        f"{path}: results.json has {left.get(path, 'nothing')}, "
+        f"the bag gives {right.get(path, 'nothing')}"
+        for path in dict.fromkeys([*left, *right])
+        if not _equal(left.get(path, "nothing"), right.get(path, "nothing"))
     ]
 
 
-def _entries(value: Any, place: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield (place, leaf) of a nested document."""
+def _entries(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield (path, leaf) of a nested document."""
     if isinstance(value, dict):
         for key, inner in value.items():
-            yield from _entries(inner, f"{place}.{key}" if place else key)
+            yield from _entries(inner, f"{path}.{key}" if path else key)
     elif isinstance(value, list):
         for i, inner in enumerate(value):
-            yield from _entries(inner, f"{place}[{i}]")
+            yield from _entries(inner, f"{path}[{i}]")
     else:
-        yield place, value
+        yield path, value
 
 
 def _equal(left: Any, right: Any) -> bool:

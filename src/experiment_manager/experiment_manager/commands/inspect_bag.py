@@ -1,4 +1,4 @@
-"""Shows what a bag holds; makes a cut-off one whole; takes its pictures out."""
+"""Shows what a bag holds, repairs a cut-off one, extracts its pictures."""
 
 import argparse
 import sys

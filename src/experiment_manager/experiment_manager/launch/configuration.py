@@ -171,8 +171,8 @@ def _completed(given: Configuration) -> Configuration:
 
 
 def _setting(text: str) -> tuple[str, str, Any]:
-    place, equals, value = text.partition("=")
-    node, dot, name = place.partition(".")
+    target, equals, value = text.partition("=")
+    node, dot, name = target.partition(".")
     if not equals or not dot or node not in CONFIG_CLASSES:
         raise InputError(
             f"--set: expected NODE.PARAMETER=VALUE with a node of {', '.join(CONFIG_CLASSES)}, "

@@ -41,7 +41,7 @@ def addresses() -> frozenset[str]:
 def refuse_neighbours(domain: int, expected: Collection[str] = ()) -> None:
     """Raise InputError when somebody in the domain publishes topics of ours.
 
-    expected: nodes that may be there already. Who only listens may be there too. Takes a few
+    expected: nodes that may be there already. Pure listeners are allowed. Takes a few
     seconds, unless nobody else can be in the domain.
     """
     if is_silent(domain) and not _reaches_other_machines():

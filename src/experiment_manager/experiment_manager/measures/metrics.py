@@ -21,7 +21,7 @@ _ZERO_ERROR_DEG = 0.1
 # Where the start costs what the optimum costs, the share saved (eq. 8) divides by nothing.
 LEAST_COST_RANGE_W = 0.01
 
-_PLACE = {name: i for i, name in enumerate(GROUND_TRUTH_NAMES)}
+_COLUMN = {name: i for i, name in enumerate(GROUND_TRUTH_NAMES)}
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class TestTrials:
 
     n_iterations is that of each trial; iteration 0 is the start, before the first command.
     vergence_error_deg, metabolic_rate_w: (n_trials, n_iterations + 1); optimal_metabolic_rate_w,
-    object_distance_m, stimulus, trial: (n_trials,); rows: the places in the table that the
+    object_distance_m, stimulus, trial: (n_trials,); rows: the rows of the table that the
     trials came from, (n_trials, n_iterations + 1).
     """
 
@@ -84,28 +84,28 @@ def split_tests(rows: np.ndarray) -> list[TestTrials]:
             f"expected ground truth rows of {len(GROUND_TRUTH_NAMES)} values, "
             f"got an array of shape {rows.shape}"
         )
-    in_test = np.flatnonzero(rows[:, _PLACE["phase"]] == TEST)
-    numbers = rows[in_test, _PLACE["test"]]
+    in_test = np.flatnonzero(rows[:, _COLUMN["phase"]] == TEST)
+    numbers = rows[in_test, _COLUMN["test"]]
     found = [_trials(rows, in_test[numbers == number]) for number in np.unique(numbers)]
     return [trials for trials in found if trials is not None]
 
 
 def _trials(rows: np.ndarray, chosen: np.ndarray) -> TestTrials | None:
     """Return the complete trials among the chosen rows of one test, None when there is none."""
-    iteration = rows[chosen, _PLACE["iteration"]].astype(int)
+    iteration = rows[chosen, _COLUMN["iteration"]].astype(int)
     n_rows = iteration.max() + 1
     starts = np.flatnonzero(iteration == 0)
     starts = starts[starts + n_rows <= len(chosen)]
-    places = starts[:, None] + np.arange(n_rows)
-    complete = (iteration[places] == np.arange(n_rows)).all(axis=1)
-    places = chosen[places[complete]]
-    by_trial = {int(rows[place[0], _PLACE["trial"]]): place for place in places}
+    trials = starts[:, None] + np.arange(n_rows)
+    complete = (iteration[trials] == np.arange(n_rows)).all(axis=1)
+    trials = chosen[trials[complete]]
+    by_trial = {int(rows[trial[0], _COLUMN["trial"]]): trial for trial in trials}
     if not by_trial:
         return None
     table = np.stack([by_trial[trial] for trial in sorted(by_trial)])
 
     def column(name: str) -> np.ndarray:
-        values: np.ndarray = rows[table, _PLACE[name]]
+        values: np.ndarray = rows[table, _COLUMN[name]]
         return values
 
     return TestTrials(

@@ -174,10 +174,10 @@ def box_figure(groups: Sequence[Group]) -> Figure:
         lower.axhline(level, color="0.6", lw=0.7, ls=":")
     width = 0.7 / len(groups)
     for i, (group, tests) in enumerate(zip(groups, last, strict=True)):
-        places = np.arange(len(shown)) + (i - (len(groups) - 1) / 2) * width
-        _boxes(upper, [_errors_deg(tests, k) for k in shown], places, width, group.colour)
+        positions = np.arange(len(shown)) + (i - (len(groups) - 1) / 2) * width
+        _boxes(upper, [_errors_deg(tests, k) for k in shown], positions, width, group.colour)
         percent = [100 * _cost_reductions(tests, k) for k in shown]
-        _boxes(lower, percent, places, width, group.colour)
+        _boxes(lower, percent, positions, width, group.colour)
     upper.set(ylabel=r"$|\Delta\gamma|$ / deg", ylim=(0, None))
     lower.set(ylabel="$c$ / %", xlabel="iteration of the trial")
     lower.set_xticks(range(len(shown)), [str(k) for k in shown])
@@ -187,11 +187,11 @@ def box_figure(groups: Sequence[Group]) -> Figure:
 
 
 def _boxes(
-    axes: Axes, values: Sequence[np.ndarray], places: np.ndarray, width: float, colour: str
+    axes: Axes, values: Sequence[np.ndarray], positions: np.ndarray, width: float, colour: str
 ) -> None:
     axes.boxplot(
         list(values),
-        positions=list(places),
+        positions=list(positions),
         widths=0.85 * width,
         showfliers=False,
         patch_artist=True,

@@ -10,7 +10,7 @@ from eye_plant.camera.offscreen import GraphicsError
 
 
 class GreyFramebuffer:
-    """Renderbuffers in place of those that a renderer made for its frame buffer."""
+    """Renderbuffers in attachment of those that a renderer made for its frame buffer."""
 
     def __init__(self, gl: ModuleType, framebuffer: int, width_px: int, height_px: int) -> None:
         """Attach them to the frame buffer of that OpenGL name, in the current context.
@@ -20,8 +20,8 @@ class GreyFramebuffer:
         self._gl = gl
         gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, framebuffer)
         self._names = [
-            self._attach(kind, place, width_px, height_px)
-            for kind, place in (
+            self._attach(kind, attachment, width_px, height_px)
+            for kind, attachment in (
                 (gl.GL_R8, gl.GL_COLOR_ATTACHMENT0),
                 (gl.GL_DEPTH24_STENCIL8, gl.GL_DEPTH_STENCIL_ATTACHMENT),
             )
@@ -32,12 +32,12 @@ class GreyFramebuffer:
                 f"expected OpenGL to draw into one byte of colour per pixel, got status {status:#x}"
             )
 
-    def _attach(self, kind: int, place: int, width_px: int, height_px: int) -> int:
+    def _attach(self, kind: int, attachment: int, width_px: int, height_px: int) -> int:
         gl = self._gl
         name = int(gl.glGenRenderbuffers(1))
         gl.glBindRenderbuffer(gl.GL_RENDERBUFFER, name)
         gl.glRenderbufferStorage(gl.GL_RENDERBUFFER, kind, width_px, height_px)
-        gl.glFramebufferRenderbuffer(gl.GL_FRAMEBUFFER, place, gl.GL_RENDERBUFFER, name)
+        gl.glFramebufferRenderbuffer(gl.GL_FRAMEBUFFER, attachment, gl.GL_RENDERBUFFER, name)
         return name
 
     def delete(self) -> None:
