@@ -24,18 +24,19 @@ def train(environment: gymnasium.Env, agent: Agent, n_episodes: int, seed: int) 
         observed, info = environment.reset(seed=seed if i_episode == 0 else None)
         reward, truncated = 0.0, False  # nothing is learned from an episode's first reward
         while not truncated:
+            truth = info["ground_truth"]  # for its count of iterations
             decision = agent.observe(
                 observed["features"],
                 observed["activations"],
                 reward,
-                int(info["iteration"]),
-                int(info["training_iteration"]),
+                int(truth["iteration"]),
+                int(truth["training_iteration"]),
                 learning=True,
                 exploration=True,
             )
             action = np.clip(decision.action / scale, -1.0, 1.0)
             observed, reward, _, truncated, info = environment.step(action)
-        errors_deg.append(info["vergence_error_deg"])
+        errors_deg.append(info["ground_truth"]["vergence_error_deg"])
     return errors_deg
 
 

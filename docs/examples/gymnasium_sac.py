@@ -24,7 +24,7 @@ def make_environment() -> gymnasium.Env:
     environment = gymnasium.make("experiment_manager.environments:ActiveVergenceFeatures-v0")
     environment = gymnasium.wrappers.FlattenObservation(environment)
     environment = gymnasium.wrappers.DtypeObservation(environment, np.float32)
-    return Monitor(environment, info_keywords=("vergence_error_deg",))
+    return Monitor(environment)
 
 
 class Curve(BaseCallback):
@@ -40,7 +40,7 @@ class Curve(BaseCallback):
     def _on_step(self) -> bool:
         for info in self.locals["infos"]:
             if "episode" in info:
-                self._errors_deg.append(abs(info["vergence_error_deg"]))
+                self._errors_deg.append(abs(info["ground_truth"]["vergence_error_deg"]))
                 if len(self._errors_deg) % 20 == 0:
                     error_deg = np.median(self._errors_deg[-RUNNING:])
                     self._rows.append(f"{self.num_timesteps},{error_deg:.4f}")

@@ -12,6 +12,7 @@ setup(
     maintainer_email="maintainers@active-binocular-vision.example",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),
+    package_data={package: ["export/README.template.md"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
@@ -22,6 +23,7 @@ setup(
     entry_points={
         "console_scripts": [
             "node = eye_plant.node:main",
+            "export_model = eye_plant.export.__main__:main",
             "validate_plant = eye_plant.validation.__main__:main",
         ]
     },

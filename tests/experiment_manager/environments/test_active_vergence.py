@@ -133,13 +133,15 @@ def test_the_reward_is_that_of_where_the_action_led(bare: VergenceEnvironment) -
     bare.reset(seed=1)
     _, reward, _, _, info = bare.step(np.array([0.1, 0.0]))
     error = info["reconstruction_error_coarse"] + info["reconstruction_error_fine"]
-    assert reward == pytest.approx(-error - PRICE * info["metabolic_rate_w"], rel=1e-12)
-    assert info["iteration"] == 1
+    assert reward == pytest.approx(
+        -error - PRICE * info["ground_truth"]["metabolic_rate_w"], rel=1e-12
+    )
+    assert info["ground_truth"]["iteration"] == 1
 
 
 def test_ground_truth_is_in_info_only(environment: gymnasium.Env) -> None:
     observed, info = environment.reset(seed=1)
-    assert set(info) >= set(GROUND_TRUTH_NAMES)
+    assert set(info["ground_truth"]) == set(GROUND_TRUTH_NAMES)
     assert set(observed) < {"pictures", "features", "activations"}
 
 
@@ -157,19 +159,19 @@ def test_one_seed_is_one_experiment_from_nothing(bare: VergenceEnvironment) -> N
 
 
 def test_options_choose_an_episode_of_the_protocol(bare: VergenceEnvironment) -> None:
-    _, info = bare.reset(seed=1, options={"episode": 3})
-    assert (info["phase"], info["episode"]) == (0, 3)
-    assert bare.reset()[1]["episode"] == 4
-    _, info = bare.reset(options={"trial": 2})
-    assert (info["phase"], info["trial"]) == (1, 2)
+    truth = bare.reset(seed=1, options={"episode": 3})[1]["ground_truth"]
+    assert (truth["phase"], truth["episode"]) == (0, 3)
+    assert bare.reset()[1]["ground_truth"]["episode"] == 4
+    truth = bare.reset(options={"trial": 2})[1]["ground_truth"]
+    assert (truth["phase"], truth["trial"]) == (1, 2)
     ends = [bare.step(np.zeros(2))[3] for _ in range(20)]
     assert ends == [False] * 19 + [True]
-    assert bare.reset()[1]["episode"] == 5
+    assert bare.reset()[1]["ground_truth"]["episode"] == 5
 
 
 def test_after_the_last_episode_comes_the_first(bare: VergenceEnvironment) -> None:
     bare.reset(seed=1, options={"episode": N_EPISODES - 1})
-    assert bare.reset()[1]["episode"] == 0
+    assert bare.reset()[1]["ground_truth"]["episode"] == 0
 
 
 def test_a_saved_coder_may_be_used_and_left_as_it_is(

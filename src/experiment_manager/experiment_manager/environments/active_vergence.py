@@ -32,8 +32,8 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
     least power of two that spans a muscle's limits, so that any activation is one step away, and
     that scaling rounds nothing. Activations are kept within the limits, as the agent's are.
     Reward: -E - lambda C of the observation that the action led to (K17 eq. 5).
-    info: ground truth by the names of that topic, and reconstruction_error_coarse, _fine; an agent
-    that learns from it learns from what no eye can see.
+    info: "ground_truth", by the names of that topic, from which no agent should learn, since no eye
+    can see it; reconstruction_error_coarse, _fine.
 
     The coder learns from each observation of a training episode but the last, which in the graph
     is not drawn. `reset(seed=)` starts the experiment of that seed from nothing, the coder too.
@@ -148,11 +148,14 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         self._activations = percept.activations
         observed = self._sensed(self._pictures, percept)
         observed["activations"] = percept.activations.copy()
-        info: dict[str, Any] = dict(
-            zip(GROUND_TRUTH_NAMES, observation.ground_truth_values(), strict=True)
-        )
+        truth = observation.ground_truth_values()
         coarse, fine = percept.encoding.reconstruction_error
-        info |= {"reconstruction_error_coarse": coarse, "reconstruction_error_fine": fine}
+        info = {
+            # Apart from the rest: wrappers of others have an "episode" of their own.
+            "ground_truth": dict(zip(GROUND_TRUTH_NAMES, truth, strict=True)),
+            "reconstruction_error_coarse": float(coarse),
+            "reconstruction_error_fine": float(fine),
+        }
         return observed, percept.reward, info
 
     def render(self) -> np.ndarray | None:

@@ -1,0 +1,1 @@
+"""The eyes as MJCF, for programs that know nothing of this project."""

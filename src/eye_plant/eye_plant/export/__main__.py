@@ -1,0 +1,45 @@
+"""Write the eyes of both parameter sets as MJCF: python -m eye_plant.export DIR."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from eye_plant.export.comparison import difference
+from eye_plant.export.mjcf import mjcf
+from eye_plant.export.readme import readme
+from eye_plant.mechanics.parameter_sets import PARAMETER_SETS
+from lockstep.errors import InputError
+from lockstep.exit_codes import EXIT_BAD_INPUT
+
+
+def export(directory: Path) -> None:
+    """Write the MJCF files and their README; raises InputError unless it is new or empty."""
+    if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
+        raise InputError(f"expected a new or empty directory, got {directory}")
+    texts = {name: mjcf(name) for name in PARAMETER_SETS}
+    differences = {name: difference(name, text) for name, text in texts.items()}
+    directory.mkdir(parents=True, exist_ok=True)
+    for name, text in texts.items():
+        (directory / f"eyes_{name}.xml").write_text(text)
+    (directory / "README.md").write_text(readme(differences))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; return its exit code."""
+    parser = argparse.ArgumentParser(
+        prog="export_model.sh", description="Write the eyes as MJCF, with a README of their own."
+    )
+    parser.add_argument("directory", type=Path, metavar="DIR", help="new or empty directory")
+    directory: Path = parser.parse_args(arguments).directory
+    try:
+        export(directory)
+    except (InputError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    print(f"wrote {', '.join(str(file) for file in sorted(directory.iterdir()))}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
