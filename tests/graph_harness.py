@@ -11,14 +11,11 @@ import numpy as np
 
 from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.launch.configuration import (
-    arguments,
-    configuration_of,
-    configuration_text,
-    read_configuration,
-)
+from experiment_manager.launch.command_line import arguments
+from experiment_manager.launch.configuration import configuration_of
 from experiment_manager.loop import InProcessLoop, Step
 from experiment_manager.protocol import make_protocol
+from experiment_manager.run.config_file import configuration_text, read_configuration
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.plant import EyePlant

@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.launch.configuration import arguments, configuration_of
+from experiment_manager.launch.command_line import arguments
+from experiment_manager.launch.configuration import configuration_of
 from tests.benchmark.encoding import encoding_times_ms
 from tests.benchmark.graph import supervised_run
 from tests.benchmark.loop import STAGES, LoopWindow, TimedLoop

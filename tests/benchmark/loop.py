@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.launch.configuration import CONFIG_CLASSES, Configuration
 from experiment_manager.loop import InProcessLoop, Step
 from experiment_manager.protocol import make_protocol
+from experiment_manager.run.config_file import CONFIG_CLASSES, Configuration
 from eye_plant.observation import Observation
 from eye_plant.plant import EyePlant
 from lockstep.configuration import build

@@ -10,7 +10,7 @@ import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import Image, JointState
 
-from experiment_manager.launch.configuration import CONFIG_CLASSES
+from experiment_manager.run.config_file import CONFIG_CLASSES
 from lockstep.qos import LOCKSTEP_QOS
 from lockstep.topics import ACTOR_CRITIC_NAMES, LEARNER_VECTORS
 from lockstep.vectors import VectorPublisher, vector_message

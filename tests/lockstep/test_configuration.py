@@ -65,7 +65,7 @@ def test_a_list_becomes_a_tuple_of_its_type() -> None:
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"sead": 1}, "unknown parameter sead: expected some of fast, inner.gain"),
+        ({"sead": 1}, "unknown parameter sead: did you mean seed?"),
         ({"inner": 1}, "unknown parameter inner"),
         ({"inner.gain.x": 1.0}, "unknown parameter inner.gain.x"),
         ({"seed": 1.5}, "seed: expected an integer, got 1.5"),

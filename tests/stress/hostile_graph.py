@@ -16,11 +16,11 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import Image, JointState
 
 from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.launch.configuration import read_configuration
 from experiment_manager.launch.domains import own_domain
 from experiment_manager.launch.processes import MANAGER, PACKAGES, NodeProcesses
 from experiment_manager.loop import InProcessLoop
 from experiment_manager.protocol import make_protocol
+from experiment_manager.run.config_file import read_configuration
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.plant import EyePlant

@@ -10,11 +10,11 @@ import numpy as np
 from tqdm import tqdm
 
 from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.launch.configuration import Configuration, read_configuration
 from experiment_manager.loop import InProcessLoop, make_loop
 from experiment_manager.measures.metrics import test_summary
 from experiment_manager.protocol import Protocol, make_protocol
 from experiment_manager.run import checkpoint
+from experiment_manager.run.config_file import Configuration, read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode

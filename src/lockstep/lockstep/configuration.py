@@ -8,10 +8,11 @@ configuration ``a`` is the parameter ``a.b``. Bounds and texts of fields: `locks
 
 import dataclasses
 import typing
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from lockstep.errors import InputError
+from lockstep.nearest import nearest
 
 Config = TypeVar("Config")
 
@@ -38,11 +39,14 @@ def build(config_class: type[Config], values: Mapping[str, Any]) -> Config:
     default = config_class()
     unknown = sorted(set(values) - set(flatten(default)))
     if unknown:
-        raise InputError(
-            f"unknown parameter {', '.join(unknown)}: expected some of "
-            f"{', '.join(sorted(flatten(default)))}"
-        )
+        raise InputError(f"unknown parameter {', '.join(unknown)}: {_meant(unknown, default)}")
     return _build(config_class, values, "")
+
+
+def _meant(unknown: Sequence[str], default: Any) -> str:
+    known = sorted(flatten(default))
+    near = list(dict.fromkeys(name for wrong in unknown for name in nearest(wrong, known)))
+    return f"did you mean {' or '.join(near)}?" if near else f"expected some of {', '.join(known)}"
 
 
 def _build(config_class: type[Config], values: Mapping[str, Any], prefix: str) -> Config:

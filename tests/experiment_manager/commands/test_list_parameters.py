@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from experiment_manager.commands.list_parameters import main, parameter_file
-from experiment_manager.launch.configuration import CONFIG_CLASSES
+from experiment_manager.run.config_file import CONFIG_CLASSES
 from lockstep.configuration import flatten
 
 ROOT = Path(__file__).parents[3]

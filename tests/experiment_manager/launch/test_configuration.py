@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 import yaml
 
+from experiment_manager.agreements import AGREEMENTS, Agreement, check_agreements
 from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.launch.configuration import (
+from experiment_manager.launch.command_line import DEFAULT_METABOLIC_COST_WEIGHTS, arguments
+from experiment_manager.launch.configuration import configuration_of
+from experiment_manager.run.config_file import (
     CONFIG_CLASSES,
-    DEFAULT_METABOLIC_COST_WEIGHTS,
-    arguments,
-    configuration_of,
     configuration_text,
     read_configuration,
 )
@@ -20,6 +20,7 @@ from eye_plant.mechanics.parameter_sets import PARAMETER_SETS
 from lockstep.configuration import flatten
 from lockstep.errors import InputError
 
+_PROTOCOL = "experiment_manager.protocol"
 SOURCES = Path(__file__).parents[3] / "src"
 
 
@@ -86,7 +87,7 @@ def test_the_demonstration_differs_in_named_settings_alone() -> None:
         ),
         (("--model", "M_C", "--set", "sparse_coder.metabolic_cost_weight=0.05"), 0.05),
         (("--model", "M_C", "--lambda", "0.035"), 0.035),
-        (("--model", "M", "--lambda", "0.01"), 0.01),
+        (("--model", "M", "--lambda", "0"), 0.0),
     ],
 )
 def test_the_price_of_energy(line: tuple[str, ...], expected: float) -> None:
@@ -129,6 +130,72 @@ def test_tests_and_their_stimuli() -> None:
     assert manager["protocol.n_stimuli_per_test"] == 3
 
 
+def test_large_numbers_may_be_written_short() -> None:
+    manager = _configuration("--iterations", "1e5", "--tests", "0,5e4")["experiment_manager"]
+    assert manager["protocol.n_training_iterations"] == 100_000
+    assert manager["protocol.test_iterations"] == [0, 50_000]
+    assert arguments(["--iterations", "1_000"]).iterations == 1000
+
+
+@pytest.mark.parametrize("agreement", AGREEMENTS, ids=lambda a: a.second)
+def test_what_two_nodes_must_know_agrees_by_default(agreement: Agreement) -> None:
+    (node, _, name), (other, _, its_name) = (
+        place.partition(".") for place in (agreement.first, agreement.second)
+    )
+    configuration = {n: flatten(c()) for n, c in CONFIG_CLASSES.items()}
+    check_agreements(configuration)
+    assert agreement.second_from(configuration[node][name]) == configuration[other][its_name]
+
+
+@pytest.mark.parametrize(
+    ("setting", "partner"),
+    [
+        ("sparse_coder.n_bases=100", "vergence_rl.n_features=200"),
+        ("vergence_rl.n_features=200", "sparse_coder.n_bases=100"),
+        ("vergence_rl.medial_limits=[0.0, 0.1]", f"{_PROTOCOL}.medial_rectus_limits=[0.0, 0.1]"),
+        (f"{_PROTOCOL}.lateral_rectus_limits=[0.0, 0.2]", "vergence_rl.lateral_limits=[0.0, 0.2]"),
+        (f"{_PROTOCOL}.n_training_iterations=500", "vergence_rl.n_training_iterations=500"),
+        ("vergence_rl.n_training_iterations=500", f"{_PROTOCOL}.n_training_iterations=500"),
+        ("experiment_manager.mechanics.baseline_m=0.06", "eye_plant.mechanics.baseline_m=0.06"),
+    ],
+)
+def test_what_two_nodes_must_know_is_said_to_either(setting: str, partner: str) -> None:
+    one = _configuration("--set", setting, "--tests", "0")
+    assert one == _configuration("--set", partner, "--tests", "0")
+    assert one == _configuration("--set", setting, "--set", partner, "--tests", "0")
+    (node, _, name), value = partner.partition("=")[0].partition("."), partner.partition("=")[2]
+    assert one[node][name] == yaml.safe_load(value)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (
+            ("sparse_coder.n_bases=100", "vergence_rl.n_features=300"),
+            "vergence_rl.n_features: expected 2 times sparse_coder.n_bases, which is 100, got 300",
+        ),
+        (
+            ("vergence_rl.n_features=301",),
+            "vergence_rl.n_features: expected 2 times sparse_coder.n_bases, got 301",
+        ),
+        (
+            ("vergence_rl.n_training_iterations=500", f"{_PROTOCOL}.n_training_iterations=1000"),
+            f"expected {_PROTOCOL}.n_training_iterations, which is 1000, got 500",
+        ),
+        (
+            ("eye_plant.mechanics.baseline_m=0.06", "experiment_manager.mechanics.baseline_m=0.05"),
+            "expected eye_plant.mechanics.baseline_m, which is 0.06, got 0.05",
+        ),
+    ],
+)
+def test_what_two_nodes_must_know_is_not_said_in_two_ways(
+    settings: tuple[str, ...], message: str
+) -> None:
+    line = [word for setting in settings for word in ("--set", setting)]
+    with pytest.raises(InputError, match=re.escape(message)):
+        _configuration("--tests", "0", *line)
+
+
 def test_set_reads_values_as_yaml_does() -> None:
     configuration = _configuration(
         "--set",
@@ -150,15 +217,44 @@ def test_set_reads_values_as_yaml_does() -> None:
     ("line", "message"),
     [
         (("--iterations", "15"), "n_training_iterations: expected a multiple of 10"),
-        (("--tests", "0,x"), "--tests: expected whole numbers, got 'x'"),
+        (
+            ("--iterations", "1000", "--tests", "0,5000"),
+            "--tests 0,5000: expected training iterations up to 1000, the end of training, got",
+        ),
+        (
+            ("--test-stimuli", "4000"),
+            "--test-stimuli 4000: expected 40 or less, as many test stimuli there are",
+        ),
+        (
+            ("--model", "M", "--lambda", "0.03"),
+            "(--lambda): expected 0 with model M, which has no price on energy, got 0.03",
+        ),
+        (
+            ("--lambda-share", "0.2", "--model", "M"),
+            "expected --model M_C, M has no price on energy",
+        ),
+        (
+            ("--iterations", "500", "--set", f"{_PROTOCOL}.n_training_iterations=1000"),
+            f"--iterations 500 and --set {_PROTOCOL}.n_training_iterations=1000: expected one",
+        ),
+        (
+            ("--set", f"{_PROTOCOL}.n_training_stimuli=50"),
+            f"--set {_PROTOCOL}.n_training_stimuli=50: expected 100, as eye_plant.stimuli has",
+        ),
         (("--test-stimuli", "0"), "n_stimuli_per_test: expected 1 or more, got 0"),
-        (("--set", "vergence_rl.discont=0.5"), "unknown parameter discont"),
+        (
+            ("--set", "vergence_rl.discont=0.5"),
+            "vergence_rl: unknown parameter discont: did you mean discount?",
+        ),
+        (("--set", "eye_plant.width_px=9"), "did you mean camera.width_px or "),
+        (("--set", "vergence.discount=1"), "got 'vergence.discount=1'; did you mean vergence_rl?"),
         (("--set", "vergence_rl.discount=fast"), "discount: expected a number, got 'fast'"),
         (("--set", "vergence_rl.discount=[1"), "--set vergence_rl.discount=[1: expected a value"),
         (("--set", "vergence=1"), "--set: expected NODE.PARAMETER=VALUE with a node of eye_plant"),
         (("--set", "retina.gain=1"), "--set: expected NODE.PARAMETER=VALUE with a node of"),
         (("--lambda", "-1"), "metabolic_cost_weight: expected 0 or more"),
         (("--lambda", "nan"), "metabolic_cost_weight: expected 0 or more"),
+        (("--model", "M_C", "--lambda", "inf"), "metabolic_cost_weight: expected 0 or more"),
         (("--lambda-share", "1"), "--lambda-share: expected a share in [0, 1), got 1.0"),
         (("--lambda-share", "nan"), "--lambda-share: expected a share in [0, 1), got nan"),
         (("--lambda-share", "0.2", "--lambda", "0.1"), "expected it without --lambda, got both"),
@@ -171,7 +267,18 @@ def test_a_bad_command_line_is_one_clear_error(line: tuple[str, ...], message: s
         _configuration(*line)
 
 
-@pytest.mark.parametrize("line", [["--model", "X"], ["--iterations", "many"], ["--what"]])
+@pytest.mark.parametrize(
+    "line",
+    [
+        ["--model", "X"],
+        ["--iterations", "many"],
+        ["--iterations", "1.5e0"],
+        ["--iterations", "inf"],
+        ["--tests", "0,x"],
+        ["--what"],
+        ["--iter", "5"],
+    ],
+)
 def test_what_cannot_be_parsed_exits_with_2(
     line: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -204,6 +311,23 @@ def test_what_is_no_config_yaml_is_refused(tmp_path: Path, text: str) -> None:
     path = tmp_path / "config.yaml"
     path.write_text(text)
     with pytest.raises(InputError, match=r"config\.yaml: expected the configuration of a run"):
+        read_configuration(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("  seed: 7", "  seed: 8", "run.seed: expected 7, as experiment_manager has it, got 8"),
+        ("n_features: 800", "n_features: 600", "vergence_rl.n_features: expected 2 times"),
+    ],
+)
+def test_a_config_yaml_that_contradicts_itself_is_refused(
+    tmp_path: Path, old: str, new: str, message: str
+) -> None:
+    path = tmp_path / "config.yaml"
+    text = configuration_text(_configuration("--seed", "7"))
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(InputError, match=re.escape(message)):
         read_configuration(path)
 
 

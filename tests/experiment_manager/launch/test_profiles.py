@@ -4,7 +4,6 @@ import re
 
 import pytest
 
-from experiment_manager.launch.configuration import CONFIG_CLASSES
 from experiment_manager.launch.profiles import (
     Change,
     Profile,
@@ -12,6 +11,7 @@ from experiment_manager.launch.profiles import (
     profile_names,
     read_profile,
 )
+from experiment_manager.run.config_file import CONFIG_CLASSES
 from lockstep.configuration import build
 from lockstep.errors import InputError
 

@@ -16,9 +16,9 @@ import yaml
 
 from experiment_manager.commands.evaluate import main as evaluate
 from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.launch.configuration import CONFIG_CLASSES
 from experiment_manager.measures.recorded_run import RecordedRun
 from experiment_manager.report.performance_figures import learning_curve
+from experiment_manager.run.config_file import CONFIG_CLASSES
 from experiment_manager.run.run_directory import Run
 from lockstep.configuration import flatten
 from lockstep.errors import InputError

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import yaml
 
-from experiment_manager.launch.configuration import CONFIG_CLASSES
+from experiment_manager.run.config_file import CONFIG_CLASSES
 from lockstep.configuration import flatten
 from lockstep.settings import Setting, declarations
 

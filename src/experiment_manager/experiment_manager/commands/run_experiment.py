@@ -9,19 +9,15 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from experiment_manager.launch.configuration import (
-    Configuration,
-    arguments,
-    configuration_of,
-    configuration_text,
-    read_configuration,
-)
+from experiment_manager.launch.command_line import arguments
+from experiment_manager.launch.configuration import configuration_of
 from experiment_manager.launch.cost_weight import first_iterations, with_weight
 from experiment_manager.launch.neighbours import refuse_neighbours
 from experiment_manager.launch.supervisor import Supervisor, known_domain
 from experiment_manager.measures.results import read_results
 from experiment_manager.measures.tables import tests_table
 from experiment_manager.report.performance_figures import learning_curve
+from experiment_manager.run.config_file import Configuration, configuration_text, read_configuration
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
 from eye_plant.config import EyePlantConfig

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from experiment_manager.config import MODELS, ExperimentManagerConfig
-from experiment_manager.launch.configuration import arguments, configuration_of
+from experiment_manager.launch.command_line import arguments
+from experiment_manager.launch.configuration import configuration_of
 from experiment_manager.loop import Perception
 from experiment_manager.protocol import Protocol, make_protocol
 from eye_plant.camera.config import CameraConfig

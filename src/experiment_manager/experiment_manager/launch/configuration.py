@@ -1,136 +1,116 @@
 """From the command line of run_experiment.sh to the effective configuration of all nodes."""
 
 import argparse
-import datetime
-from collections.abc import Sequence
-from importlib import metadata
-from pathlib import Path
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import yaml
 
-from experiment_manager.config import MODELS, ExperimentManagerConfig
-from experiment_manager.launch.profiles import profile_names, read_profile
+from experiment_manager.agreements import check_agreements, with_partners
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.launch.command_line import DEFAULT_METABOLIC_COST_WEIGHTS
+from experiment_manager.launch.profiles import read_profile
+from experiment_manager.run.config_file import CONFIG_CLASSES, Configuration
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import count_stimuli
 from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
-from sparse_coder.config import SparseCoderConfig
-from vergence_rl.config import VergenceRlConfig
+from lockstep.nearest import nearest
 
-CONFIG_CLASSES: dict[str, type] = {
-    "eye_plant": EyePlantConfig,
-    "sparse_coder": SparseCoderConfig,
-    "vergence_rl": VergenceRlConfig,
-    "experiment_manager": ExperimentManagerConfig,
-}
-# Lambda of M_C, 1/W, by the eyes' parameter set: energy is 20 % of the reward over the first 5,000
-# iterations on the generated stimuli, by which rule K17 chose its 0.035. Measured, with seed 1, by
-#   run_experiment.sh --profile paper --model M_C --lambda-share 0.2
-# and, for the second, with --set eye_plant.mechanics.parameter_set=anatomical.
-# k17: mean E 0.3711, mean C 1.4300 W, lambda 0.0649; anatomical, of real muscle masses: mean E
-# 0.4082, mean C 0.0858 W, lambda 1.190.
-DEFAULT_METABOLIC_COST_WEIGHTS = {"k17": 0.065, "anatomical": 1.19}
-# The pseudo-node of config.yaml that says what the run is; no ROS node has this name.
-RUN_SECTION = "run"
-# Who may be on another machine than the supervisor: all but the one that records.
-MOVABLE_NODES = ("eye_plant", "sparse_coder", "vergence_rl")
-_PACKAGES = ("mujoco", "numpy", "opencv-python-headless", "ros-jazzy-rclpy", "mcap", "numba")
-
-Configuration = dict[str, dict[str, Any]]
+_ITERATIONS = "experiment_manager.protocol.n_training_iterations"
+_TESTS = "experiment_manager.protocol.test_iterations"
+_TEST_STIMULI = "experiment_manager.protocol.n_stimuli_per_test"
+_WEIGHT = "sparse_coder.metabolic_cost_weight"
+_MODEL = "experiment_manager.model"
+_SEEDS = ("sparse_coder.seed", "vergence_rl.seed", "experiment_manager.seed")
 
 
-def parser() -> argparse.ArgumentParser:
-    """Return the command line of run_experiment.sh."""
-    line = argparse.ArgumentParser(
-        prog="run_experiment.sh",
-        description="Train and test active binocular vision. Without arguments: a demonstration "
-        "that learns vergence within ten minutes.",
-    )
-    line.add_argument(
-        "--profile",
-        metavar="NAME",
-        help=f"settings to begin with: {', '.join(profile_names())} (default:"
-        " paper if --model or --iterations is given, else demonstration)",
-    )
-    line.add_argument("--model", choices=MODELS, help="M: vergence; M_C: with a price on energy")
-    line.add_argument("--iterations", type=int, metavar="N", help="training iterations")
-    line.add_argument("--seed", type=int, default=1, metavar="S")
-    line.add_argument(
-        "--stimuli",
-        type=Path,
-        metavar="DIR",
-        help="images instead of generated ones: train/ and test/ inside, or one directory",
-    )
-    line.add_argument("--out", type=Path, metavar="DIR", help="run directory (default: runs/...)")
-    line.add_argument("--resume", type=Path, metavar="DIR", help="go on with an interrupted run")
-    line.add_argument(
-        "--elsewhere",
-        default=(),
-        type=_nodes,
-        metavar="NODE,...",
-        help="nodes that you start yourself, on another machine: of "
-        f"{', '.join(MOVABLE_NODES)}; see docs/reliability.md",
-    )
-    line.add_argument(
-        "--lambda",
-        dest="weight",
-        type=float,
-        metavar="L",
-        help="price of energy in the reward, 1/W (default for M_C: "
-        f"{DEFAULT_METABOLIC_COST_WEIGHTS['k17']}; with anatomical eyes "
-        f"{DEFAULT_METABOLIC_COST_WEIGHTS['anatomical']})",
-    )
-    line.add_argument(
-        "--lambda-share",
-        dest="share",
-        type=float,
-        metavar="S",
-        help="choose lambda so that energy is this share of the reward over the first 5,000"
-        " iterations; they are made once without a price, to measure it (about a minute)",
-    )
-    line.add_argument("--tests", metavar="N,N,...", help="training iterations before each test")
-    line.add_argument("--test-stimuli", type=int, metavar="K", help="stimuli of each test")
-    line.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="NODE.PARAMETER=VALUE",
-        help="any parameter of any node; repeatable",
-    )
-    return line
+@dataclass(frozen=True)
+class Given:
+    """A value that somebody has given to a parameter, and the words that did so."""
+
+    value: Any
+    by: str
 
 
 def configuration_of(options: argparse.Namespace, commit: str) -> Configuration:
-    """Return all parameters of all nodes, by node, checked.
+    """Return all parameters of all nodes of a new run, by node, checked.
 
     Raises InputError for whatever a node would refuse.
     """
     is_paper = options.model is not None or options.iterations is not None
     profile = read_profile(options.profile or ("paper" if is_paper else "demonstration"))
-    given: Configuration = {node: dict(profile.settings.get(node, {})) for node in CONFIG_CLASSES}
-    manager = given["experiment_manager"]
-    model = options.model or manager.get("model", "M")
-    manager |= {"model": model, "profile": profile.name, "commit": commit}
+    settings = {
+        f"{node}.{name}": value
+        for node, values in profile.settings.items()
+        for name, value in values.items()
+    }
+    settings |= {
+        "experiment_manager.profile": profile.name,
+        "experiment_manager.commit": commit,
+    }
+    return changed(settings, given_settings(options))
+
+
+def given_settings(options: argparse.Namespace) -> dict[str, Given]:
+    """Return what a command line says of single parameters, by NODE.PARAMETER.
+
+    Raises InputError where it says two things of one parameter, or none that can be.
+    """
     _check_share(options)
+    given: dict[str, Given] = {}
+    for place, setting in _settings(options):
+        before = given.setdefault(place, setting)
+        if before is not setting and before.value != setting.value:
+            raise InputError(f"{before.by} and {setting.by}: expected one value of {place}")
+    return given
+
+
+def _settings(options: argparse.Namespace) -> Iterator[tuple[str, Given]]:
+    if options.model is not None:
+        yield _MODEL, Given(options.model, f"--model {options.model}")
     if options.iterations is not None:
-        manager["protocol.n_training_iterations"] = options.iterations
+        yield _ITERATIONS, Given(options.iterations, f"--iterations {options.iterations}")
+    if options.seed is not None:
+        for place in _SEEDS:
+            yield place, Given(options.seed, f"--seed {options.seed}")
+    if options.weight is not None:
+        yield _WEIGHT, Given(options.weight, f"--lambda {options.weight:g}")
     if options.tests is not None:
-        manager["protocol.test_iterations"] = [_whole(n) for n in options.tests.split(",")]
+        yield _TESTS, Given(options.tests, f"--tests {','.join(map(str, options.tests))}")
     if options.test_stimuli is not None:
-        manager["protocol.n_stimuli_per_test"] = options.test_stimuli
+        yield _TEST_STIMULI, Given(options.test_stimuli, f"--test-stimuli {options.test_stimuli}")
     if options.stimuli is not None:
-        given["eye_plant"]["stimuli.directory"] = str(options.stimuli.resolve())
-    for node in ("sparse_coder", "vergence_rl", "experiment_manager"):
-        given[node]["seed"] = options.seed
-    for setting in options.set:
-        node, name, value = _setting(setting)
-        given[node][name] = value
-    weight = options.weight
-    if weight is None:
-        weight = _default_weight(given) if model == "M_C" else 0.0
-    given["sparse_coder"].setdefault("metabolic_cost_weight", weight)
-    return _completed(given)
+        directory = str(options.stimuli.resolve())
+        yield "eye_plant.stimuli.directory", Given(directory, f"--stimuli {options.stimuli}")
+    for text in options.set:
+        place, value = _read_setting(text)
+        yield place, Given(value, f"--set {text}")
+
+
+def changed(settings: Mapping[str, Any], given: Mapping[str, Given]) -> Configuration:
+    """Return all parameters of all nodes: settings by place, and above them what was given.
+
+    Each brings those with it that must agree. Raises InputError for whatever a node would refuse,
+    and for what contradicts itself.
+    """
+    above = with_partners({place: setting.value for place, setting in given.items()})
+    values = with_partners(settings) | above
+    _count_stimuli(values, given)
+    if _WEIGHT not in above and (_MODEL in above or _WEIGHT not in values):
+        values |= with_partners({_WEIGHT: _default_weight(values)})
+    _check_tests(values, given)
+    by_node: dict[str, dict[str, Any]] = {node: {} for node in CONFIG_CLASSES}
+    for place, value in values.items():
+        node, _, name = place.partition(".")
+        by_node[node][name] = value
+    configuration = {
+        node: flatten(_built(node, settings_of_node)) for node, settings_of_node in by_node.items()
+    }
+    check_agreements(configuration)
+    _check_price(configuration)
+    return configuration
 
 
 def _check_share(options: argparse.Namespace) -> None:
@@ -141,48 +121,88 @@ def _check_share(options: argparse.Namespace) -> None:
         raise InputError("--lambda-share: expected it without --lambda, got both")
     if not 0.0 <= share < 1.0:
         raise InputError(f"--lambda-share: expected a share in [0, 1), got {share}")
+    if options.model != "M_C":
+        raise InputError(
+            f"--lambda-share {share:g}: expected --model M_C, M has no price on energy"
+        )
 
 
-def _default_weight(given: Configuration) -> float:
-    mechanics = build(EyePlantConfig, given["eye_plant"]).mechanics
-    return DEFAULT_METABOLIC_COST_WEIGHTS[mechanics.parameter_set]
+def _default_weight(values: Mapping[str, Any]) -> float:
+    if values.get(_MODEL, "M") == "M":
+        return 0.0
+    default = EyePlantConfig().mechanics.parameter_set
+    return DEFAULT_METABOLIC_COST_WEIGHTS[values.get("eye_plant.mechanics.parameter_set", default)]
 
 
-def _completed(given: Configuration) -> Configuration:
-    """Return given with what follows from it, and all defaults."""
-    plant = build(EyePlantConfig, given["eye_plant"])
-    manager = given["experiment_manager"]
-    n_training, n_test = count_stimuli(plant.stimuli)
-    manager["protocol.n_training_stimuli"] = n_training
-    manager["protocol.n_test_stimuli"] = n_test
-    default = ExperimentManagerConfig().protocol.n_stimuli_per_test
-    wanted = manager.setdefault("protocol.n_stimuli_per_test", min(default, n_test))
-    manager["protocol.n_stimuli_per_test"] = min(wanted, n_test)
-    # One truth for what two nodes must know.
-    manager["metabolic_cost_weight"] = given["sparse_coder"]["metabolic_cost_weight"]
-    manager |= {f"mechanics.{k}": v for k, v in flatten(plant.mechanics).items()}
-    given["vergence_rl"]["n_training_iterations"] = manager.get(
-        "protocol.n_training_iterations", ExperimentManagerConfig().protocol.n_training_iterations
+def _check_price(configuration: Configuration) -> None:
+    manager = configuration["experiment_manager"]
+    weight = manager["metabolic_cost_weight"]
+    if manager["model"] == "M" and weight > 0.0:
+        raise InputError(
+            f"metabolic_cost_weight (--lambda): expected 0 with model M, which has no price on "
+            f"energy, got {weight:g}; --model M_C has one"
+        )
+
+
+def _count_stimuli(values: dict[str, Any], given: Mapping[str, Given]) -> None:
+    """Set how many stimuli there are, and that a test has no more than that."""
+    plant = _built(
+        "eye_plant",
+        {
+            place.removeprefix("eye_plant."): value
+            for place, value in values.items()
+            if place.startswith("eye_plant.")
+        },
     )
-    return {
-        node: flatten(build(config_class, given[node]))
-        for node, config_class in CONFIG_CLASSES.items()
-    }
+    n_training, n_test = count_stimuli(plant.stimuli)
+    found = {"n_training_stimuli": n_training, "n_test_stimuli": n_test}
+    for name, n_stimuli in found.items():
+        place = f"experiment_manager.protocol.{name}"
+        if place in given and given[place].value != n_stimuli:
+            raise InputError(f"{given[place].by}: expected {n_stimuli}, as eye_plant.stimuli has")
+        values[place] = n_stimuli
+    wanted = values.get(_TEST_STIMULI, ExperimentManagerConfig().protocol.n_stimuli_per_test)
+    if _TEST_STIMULI in given and type(wanted) is int and wanted > n_test:
+        raise InputError(
+            f"{given[_TEST_STIMULI].by}: expected {n_test} or less, as many test stimuli there are"
+        )
+    values[_TEST_STIMULI] = min(wanted, n_test) if type(wanted) is int else wanted
 
 
-def _setting(text: str) -> tuple[str, str, Any]:
+def _check_tests(values: Mapping[str, Any], given: Mapping[str, Given]) -> None:
+    """Refuse tests that were asked for and cannot be made; a profile's are left out then."""
+    end = values.get(_ITERATIONS, ExperimentManagerConfig().protocol.n_training_iterations)
+    if _TESTS not in given or type(end) is not int or not isinstance(values[_TESTS], list):
+        return
+    beyond = [n for n in values[_TESTS] if type(n) is int and n > end]
+    if beyond:
+        raise InputError(
+            f"{given[_TESTS].by}: expected training iterations up to {end}, the end of training, "
+            f"got {beyond[0]}"
+        )
+
+
+def _built(node: str, values: Mapping[str, Any]) -> Any:
+    try:
+        return build(CONFIG_CLASSES[node], values)
+    except InputError as error:
+        raise InputError(f"{node}: {error}") from error
+
+
+def _read_setting(text: str) -> tuple[str, Any]:
     target, equals, value = text.partition("=")
-    node, dot, name = target.partition(".")
+    node, dot, _ = target.partition(".")
     if not equals or not dot or node not in CONFIG_CLASSES:
+        near = nearest(node, CONFIG_CLASSES)
         raise InputError(
             f"--set: expected NODE.PARAMETER=VALUE with a node of {', '.join(CONFIG_CLASSES)}, "
-            f"got {text!r}"
+            f"got {text!r}" + (f"; did you mean {' or '.join(near)}?" if dot and near else "")
         )
     try:
         read = yaml.safe_load(value)
     except yaml.YAMLError as error:
         raise InputError(f"--set {text}: expected a value as YAML has it") from error
-    return node, name, _number(read) if isinstance(read, str) else read
+    return target, _number(read) if isinstance(read, str) else read
 
 
 def _number(text: str) -> float | str:
@@ -191,59 +211,3 @@ def _number(text: str) -> float | str:
         return float(text)
     except ValueError:
         return text
-
-
-def _whole(text: str) -> int:
-    try:
-        return int(text)
-    except ValueError as error:
-        raise InputError(f"--tests: expected whole numbers, got {text!r}") from error
-
-
-def configuration_text(configuration: Configuration) -> str:
-    """Return config.yaml: a ROS parameter file of all nodes, and what the run is."""
-    manager = configuration["experiment_manager"]
-    run = {
-        "model": manager["model"],
-        "profile": manager["profile"],
-        "seed": manager["seed"],
-        "n_training_iterations": manager["protocol.n_training_iterations"],
-        "metabolic_cost_weight": manager["metabolic_cost_weight"],
-        "commit": manager["commit"],
-        "date": datetime.datetime.now(tz=datetime.UTC).isoformat(timespec="seconds"),
-        "versions": [f"{name} {metadata.version(name)}" for name in _PACKAGES],
-    }
-    sections = {f"/**/{node}": values for node, values in configuration.items()}
-    document = {
-        name: {"ros__parameters": values}
-        for name, values in ({RUN_SECTION: run} | sections).items()
-    }
-    return yaml.safe_dump(document, sort_keys=False)
-
-
-def read_configuration(path: Path) -> Configuration:
-    """Return the parameters by node of a config.yaml; raise InputError when it is none."""
-    try:
-        document = yaml.safe_load(path.read_text())
-        return {
-            node: flatten(build(config_class, document[f"/**/{node}"]["ros__parameters"]))
-            for node, config_class in CONFIG_CLASSES.items()
-        }
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
-    except (OSError, yaml.YAMLError, KeyError, TypeError) as error:
-        raise InputError(f"{path}: expected the configuration of a run: {error}") from error
-
-
-def _nodes(text: str) -> tuple[str, ...]:
-    nodes = tuple(dict.fromkeys(text.split(",")))
-    if unknown := [node for node in nodes if node not in MOVABLE_NODES]:
-        raise argparse.ArgumentTypeError(
-            f"expected some of {', '.join(MOVABLE_NODES)}, got {unknown[0]!r}"
-        )
-    return nodes
-
-
-def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
-    """Return the parsed command line; exits with 2 and a usage line when it cannot be parsed."""
-    return parser().parse_args(argv)

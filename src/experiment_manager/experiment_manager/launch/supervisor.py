@@ -10,15 +10,13 @@ from pathlib import Path
 from types import FrameType
 
 from experiment_manager.bag.reader import Bag
-from experiment_manager.launch.configuration import (
-    read_configuration,
-)
 from experiment_manager.launch.domains import NODE_SCRIPTS_DOMAIN, given_domain, own_domain
 from experiment_manager.launch.heartbeats import Heartbeats
 from experiment_manager.launch.neighbours import addresses
 from experiment_manager.launch.processes import MANAGER, PACKAGES, NodeProcesses
 from experiment_manager.launch.shared_memory import remove_ports, remove_stale_segments
 from experiment_manager.run import checkpoint
+from experiment_manager.run.config_file import read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE
 from lockstep.durable_files import why_unwritable
 from lockstep.errors import InputError

@@ -1,0 +1,89 @@
+"""Parameters of different nodes that mean the same thing: said once, they are the same everywhere.
+
+A place is NODE.PARAMETER.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from eye_plant.mechanics.model import MechanicsConfig
+from lockstep.configuration import flatten
+from lockstep.errors import InputError
+
+Configuration = Mapping[str, Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """The parameter at `second` is `factor` times that at `first`; a factor is of whole numbers."""
+
+    first: str
+    second: str
+    factor: int = 1
+
+    def second_from(self, value: Any) -> Any:
+        """Return what the second must be when the first has this value."""
+        return value if self.factor == 1 or type(value) is not int else value * self.factor
+
+    def first_from(self, value: Any) -> Any:
+        """Return what the first must be when the second has this value.
+
+        Raises InputError for a value that no first one gives.
+        """
+        if self.factor == 1 or type(value) is not int:
+            return value
+        quotient, rest = divmod(value, self.factor)
+        if rest:
+            raise InputError(
+                f"{self.second}: expected {self.factor} times {self.first}, got {value}"
+            )
+        return quotient
+
+
+AGREEMENTS = (
+    Agreement("sparse_coder.metabolic_cost_weight", "experiment_manager.metabolic_cost_weight"),
+    Agreement(
+        "experiment_manager.protocol.n_training_iterations", "vergence_rl.n_training_iterations"
+    ),
+    # A row of features for the coarse scale and one for the fine scale.
+    Agreement("sparse_coder.n_bases", "vergence_rl.n_features", factor=2),
+    Agreement("vergence_rl.medial_limits", "experiment_manager.protocol.medial_rectus_limits"),
+    Agreement("vergence_rl.lateral_limits", "experiment_manager.protocol.lateral_rectus_limits"),
+    *(
+        Agreement(f"eye_plant.mechanics.{name}", f"experiment_manager.mechanics.{name}")
+        for name in flatten(MechanicsConfig())
+    ),
+)
+
+
+def with_partners(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values by place, and those of the places that must agree with them."""
+    complete = dict(given)
+    for agreement in AGREEMENTS:
+        first, second = agreement.first, agreement.second
+        if first in given:
+            complete.setdefault(second, agreement.second_from(given[first]))
+        elif second in given:
+            complete[first] = agreement.first_from(given[second])
+    return complete
+
+
+def check_agreements(configuration: Configuration) -> None:
+    """Raise InputError with both names and values unless all parameters agree that must.
+
+    configuration: by node, then by parameter; nodes that are not in it are not asked.
+    """
+    for agreement in AGREEMENTS:
+        (node, _, name), (other, _, its_name) = (
+            place.partition(".") for place in (agreement.first, agreement.second)
+        )
+        if name not in configuration.get(node, {}) or its_name not in configuration.get(other, {}):
+            continue
+        value, its_value = configuration[node][name], configuration[other][its_name]
+        if agreement.second_from(value) != its_value:
+            times = f"{agreement.factor} times " if agreement.factor > 1 else ""
+            raise InputError(
+                f"{agreement.second}: expected {times}{agreement.first}, which is {value}, "
+                f"got {its_value}"
+            )

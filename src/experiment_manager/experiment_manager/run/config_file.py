@@ -1,0 +1,87 @@
+"""config.yaml of a run: the parameters of all nodes, and what the run is."""
+
+import datetime
+from collections.abc import Mapping
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from experiment_manager.agreements import check_agreements
+from experiment_manager.config import ExperimentManagerConfig
+from eye_plant.config import EyePlantConfig
+from lockstep.configuration import build, flatten
+from lockstep.errors import InputError
+from sparse_coder.config import SparseCoderConfig
+from vergence_rl.config import VergenceRlConfig
+
+CONFIG_CLASSES: dict[str, type] = {
+    "eye_plant": EyePlantConfig,
+    "sparse_coder": SparseCoderConfig,
+    "vergence_rl": VergenceRlConfig,
+    "experiment_manager": ExperimentManagerConfig,
+}
+# The pseudo-node of config.yaml that says what the run is; no ROS node has this name.
+RUN_SECTION = "run"
+_PACKAGES = ("mujoco", "numpy", "opencv-python-headless", "ros-jazzy-rclpy", "mcap", "numba")
+
+Configuration = dict[str, dict[str, Any]]
+
+
+def configuration_text(configuration: Configuration) -> str:
+    """Return config.yaml: a ROS parameter file of all nodes, and what the run is."""
+    run = about(configuration) | {
+        "date": datetime.datetime.now(tz=datetime.UTC).isoformat(timespec="seconds"),
+        "versions": [f"{name} {metadata.version(name)}" for name in _PACKAGES],
+    }
+    sections = {f"/**/{node}": values for node, values in configuration.items()}
+    document = {
+        name: {"ros__parameters": values}
+        for name, values in ({RUN_SECTION: run} | sections).items()
+    }
+    return yaml.safe_dump(document, sort_keys=False)
+
+
+def about(configuration: Configuration) -> dict[str, Any]:
+    """Return what the parameters say the run is, as in the section of that name."""
+    manager = configuration["experiment_manager"]
+    return {
+        "model": manager["model"],
+        "profile": manager["profile"],
+        "seed": manager["seed"],
+        "n_training_iterations": manager["protocol.n_training_iterations"],
+        "metabolic_cost_weight": manager["metabolic_cost_weight"],
+        "commit": manager["commit"],
+    }
+
+
+def read_configuration(path: Path) -> Configuration:
+    """Return the parameters by node of a config.yaml; raise InputError when it is none.
+
+    So it is where parameters that must agree do not, or the section that says what the run is says
+    something else than they do.
+    """
+    try:
+        document = yaml.safe_load(path.read_text())
+        configuration = {
+            node: flatten(build(config_class, document[f"/**/{node}"]["ros__parameters"]))
+            for node, config_class in CONFIG_CLASSES.items()
+        }
+        check_agreements(configuration)
+        said = document.get(RUN_SECTION, {}).get("ros__parameters", {})
+        _check_header(said, about(configuration))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    except (OSError, yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
+        raise InputError(f"{path}: expected the configuration of a run: {error}") from error
+    return configuration
+
+
+def _check_header(said: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
+    for name, value in expected.items():
+        if name in said and said[name] != value:
+            raise InputError(
+                f"{RUN_SECTION}.{name}: expected {value!r}, as experiment_manager has it, "
+                f"got {said[name]!r}"
+            )
