@@ -49,7 +49,7 @@ def environment(
     request: pytest.FixtureRequest, settings: dict[str, Any]
 ) -> Iterator[gymnasium.Env]:
     """Return one environment after the other, as gymnasium.make makes it."""
-    made = gymnasium.make(request.param, settings=settings)
+    made = gymnasium.make(request.param, model="M_C", settings=settings)
     yield made
     made.close()
 
@@ -57,7 +57,7 @@ def environment(
 @pytest.fixture
 def bare(settings: dict[str, Any]) -> Iterator[VergenceEnvironment]:
     """Return the environment of features without Gymnasium's wrappers."""
-    made = gymnasium.make(IDS[1], settings=settings).unwrapped
+    made = gymnasium.make(IDS[1], model="M_C", settings=settings).unwrapped
     assert isinstance(made, VergenceEnvironment)
     yield made
     made.close()
@@ -69,7 +69,7 @@ def test_gymnasiums_own_checks_pass(environment: gymnasium.Env) -> None:
 
 
 def configuration(settings: dict[str, Any]) -> Configuration:
-    line = ["--profile", "paper", "--model", "M", "--tests", "0"]
+    line = ["--profile", "paper", "--model", "M_C", "--tests", "0"]
     line += [word for k, v in settings.items() for word in ("--set", f"{k}={v}")]
     return configuration_of(arguments(line), "")
 
@@ -182,11 +182,13 @@ def test_a_saved_coder_may_be_used_and_left_as_it_is(
     coder = SparseCoder(SparseCoderConfig(seed=77))
     path = tmp_path / "sparse_coder.npz"
     write_state(path, "sparse_coder", coder.state())
-    made = gymnasium.make(IDS[1], settings=settings, coder_state=path, coder_learns=False)
+    made = gymnasium.make(
+        IDS[1], model="M_C", settings=settings, coder_state=path, coder_learns=False
+    )
     first = made.reset(seed=1)[0]["features"]
     made.step(np.zeros(2))
     again = made.reset(seed=1)[0]["features"]
-    pictures = gymnasium.make(IDS[0], settings=settings)
+    pictures = gymnasium.make(IDS[0], model="M_C", settings=settings)
     expected = coder.encode(*pictures.reset(seed=1)[0]["pictures"]).features
     assert first.tobytes() == again.tobytes() == expected.tobytes()
     made.close()
@@ -194,7 +196,7 @@ def test_a_saved_coder_may_be_used_and_left_as_it_is(
 
 
 def test_rendered_is_the_anaglyph_of_what_the_eyes_see(settings: dict[str, Any]) -> None:
-    made = gymnasium.make(IDS[0], settings=settings, render_mode="rgb_array")
+    made = gymnasium.make(IDS[0], model="M_C", settings=settings, render_mode="rgb_array")
     left, right = made.reset(seed=1)[0]["pictures"]
     picture = made.render()
     assert isinstance(picture, np.ndarray)
@@ -232,7 +234,7 @@ def test_bad_reset_options_are_one_error(
 def test_bad_arguments_are_one_error(
     arguments: dict[str, Any], message: str, settings: dict[str, Any]
 ) -> None:
-    given = {"settings": settings} | arguments
+    given = {"model": "M_C", "settings": settings} | arguments
     with pytest.raises(InputError, match=message):
         VergenceEnvironment(**given)
 
