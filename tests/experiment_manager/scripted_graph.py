@@ -16,6 +16,7 @@ from lockstep.topics import (
     COMMAND_NAMES,
     EPISODE_NAMES,
     GROUND_TRUTH_NAMES,
+    HORIZONTAL_RECTI,
     PLANT_VECTORS,
     REWARD_NAMES,
 )
@@ -65,6 +66,7 @@ class ScriptedPlant(Scripted):
         names = {
             "episode": EPISODE_NAMES,
             "ground_truth": GROUND_TRUTH_NAMES,
+            "muscle_activations": HORIZONTAL_RECTI,
         }
         self._ends = {t: VectorPublisher(self, t, names.get(t, ("x",))) for t in PLANT_VECTORS}
         self.create_publisher(Image, "left/image_raw", LOCKSTEP_QOS)
@@ -91,7 +93,11 @@ class ScriptedPlant(Scripted):
         training = episode.training_iteration + (i if episode.phase == 0 else 0)
         numbers = (episode.phase, episode.test, episode.trial, episode.episode, i, training, number)
         measures = (episode.stimulus, episode.object_distance_m, 1.0, 2.0, 1.0, 1.5, 2.0, 1.0)
-        values = {"episode": numbers, "ground_truth": (*numbers, *measures)}
+        values = {
+            "episode": numbers,
+            "ground_truth": (*numbers, *measures),
+            "muscle_activations": (0.1, 0.0, 0.1, 0.0),
+        }
         for topic, end in self._ends.items():
             end.publish(number * PERIOD_NS, values.get(topic, (0.0,)))
 

@@ -12,6 +12,7 @@ from tqdm import tqdm
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.loop import InProcessLoop, make_loop
 from experiment_manager.measures.metrics import test_summary
+from experiment_manager.measures.trials import mean_of_both_eyes
 from experiment_manager.protocol import Protocol, make_protocol
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import Configuration, read_configuration
@@ -22,6 +23,7 @@ from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli, load_unsee
 from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.state_file import read_state
+from lockstep.topics import HORIZONTAL_RECTI
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ class FrozenTest:
         loop = make_loop(configuration, StimulusSet((), pictures))
         _restore(loop, states)
         try:
-            rows = _ground_truth(loop, protocol)
+            rows = _trial_rows(loop, protocol)
         finally:
             loop.plant.close()
         return {
@@ -112,8 +114,8 @@ def _restore(loop: InProcessLoop, states: Path) -> None:
             raise InputError(f"{path}: {error}") from error
 
 
-def _ground_truth(loop: InProcessLoop, protocol: Protocol) -> np.ndarray:
-    """Return the ground truth of all trials, (n, len(GROUND_TRUTH_NAMES))."""
+def _trial_rows(loop: InProcessLoop, protocol: Protocol) -> np.ndarray:
+    """Return the observations of all trials, (n, len(TRIAL_NAMES))."""
     test = protocol.segments[-1]
     n_training = protocol.config.n_training_stimuli
     rows: list[tuple[float, ...]] = []
@@ -126,6 +128,10 @@ def _ground_truth(loop: InProcessLoop, protocol: Protocol) -> np.ndarray:
 def _trial(loop: InProcessLoop, episode: Episode, n_training: int) -> list[tuple[float, ...]]:
     # This plant holds test pictures alone, so they are counted from 0.
     shown = dataclasses.replace(episode, stimulus=episode.stimulus - n_training)
+    observations = [step.observation for step in loop.run_episode(shown, learning=False)]
+    names = loop.plant.oculomotor.muscle_names
+    recti = [names.index(name) for name in HORIZONTAL_RECTI]
     return [
-        step.observation.ground_truth_values() for step in loop.run_episode(shown, learning=False)
+        (*o.ground_truth_values(), *mean_of_both_eyes(o.state.activations[recti]))
+        for o in observations
     ]

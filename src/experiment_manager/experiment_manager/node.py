@@ -31,7 +31,7 @@ from lockstep.process import run_node
 from lockstep.qos import LOCKSTEP_QOS
 from lockstep.requests import END_RUN, START_RUN, Arguments, RequestClient
 from lockstep.stamps import period_ns
-from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TOPIC_TYPES
+from lockstep.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, REWARD_NAMES, TEST, TOPIC_TYPES
 from lockstep.vectors import Vector, VectorReader, values_of
 
 LEARNERS = ("sparse_coder", "vergence_rl")
@@ -74,7 +74,8 @@ class ExperimentManagerNode(Node):
         self._ask = {name: RequestClient(self, name) for name in (PLANT, *LEARNERS)}
         self._subscriptions_of_pictures: list[Subscription] = []
         self._recorded = {topic: self._subscribe(topic) for topic in (*SMALL_TOPICS, *FREE_TOPICS)}
-        self._readers = {name: VectorReader(name) for name in ("ground_truth", *LEARNER_OF)}
+        measured = ("ground_truth", "muscle_activations", *LEARNER_OF)
+        self._readers = {name: VectorReader(name) for name in measured}
         self._others_are_late = False
         self._next: Callable[[], None] = self._await_graph
         self.create_timer(
@@ -235,6 +236,9 @@ class ExperimentManagerNode(Node):
             self.run.add_truth(
                 values_of(vector, GROUND_TRUTH_NAMES, topic), is_last=stamp_ns == record.last_ns
             )
+        elif topic == "muscle_activations" and record.episode.phase == TEST:
+            vector = self._readers[topic].read(message)
+            self.run.add_activations(record.episode, values_of(vector, HORIZONTAL_RECTI, topic))
         elif topic in LEARNER_OF:
             vector = self._readers[topic].read(message)
             iteration = record.iteration(stamp_ns)

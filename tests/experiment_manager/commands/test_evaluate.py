@@ -30,8 +30,8 @@ def test_a_run_tells_what_it_is(run: RecordedRun) -> None:
 def test_the_tests_are_joined_by_stamp(run: RecordedRun) -> None:
     assert [test.trials.training_iteration for test in run.tests] == [0, 130, 270, 400]
     for test in run.tests:
-        assert test.activations.shape == (39, 21, 2)
-        medial, lateral = test.activations[..., 0], test.activations[..., 1]
+        assert test.trials.activations.shape == (39, 21, 2)
+        medial, lateral = test.trials.activations[..., 0], test.trials.activations[..., 1]
         # The fixture's own map from activations to cost, so each row is joined with its own.
         cost_w = 2 * (
             2.229 * np.maximum(medial, 0.005) ** 0.6 + 2.03 * np.maximum(lateral, 0.005) ** 0.6
@@ -84,6 +84,28 @@ def test_results_from_the_bag_agree_with_themselves(
     assert "different: tests[1].after_2.median_delta_cost_w: results.json has" in error
     assert "different: lambda_share.last_5000: results.json has nothing, the bag gives" in error
     assert error.count("different:") == 2
+
+
+def test_results_of_an_earlier_version_are_compared_as_far_as_they_go(
+    run_directories: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    directory = Path(shutil.copytree(run_directories["M_C"], tmp_path / "run"))
+    path = directory / "results.json"
+    assert main([str(directory), "--write"]) == 0
+    document = json.loads(path.read_text())
+    for test in document["tests"]:
+        for key in ("authors_test_set", "share_within_1_px", "bias_by_distance_deg"):
+            del test[key]
+        del test["after_1"]["share_beyond_1_deg"]
+    write_document(path, document)
+    capsys.readouterr()
+    assert main([str(directory)]) == 0
+    assert f"{path} is of an earlier version" in capsys.readouterr().out
+    document["tests"][0]["median_delta_cost_w"] += 0.01
+    write_document(path, document)
+    assert main([str(directory)]) == 1
+    assert main([str(directory), "--write"]) == 0
+    assert main([str(directory)]) == 0
 
 
 def test_what_is_no_run_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

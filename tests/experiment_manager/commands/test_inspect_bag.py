@@ -70,7 +70,7 @@ def test_it_prints_topics_run_and_learning_curve(
     assert lines["/left/image_raw"] == ["/left/image_raw", IMAGE, "2", "10", "0", "-"]
     assert "seed: 11" in text
     assert "  a:\n    b: 5\n" in text
-    assert lines["4000"][:6] == ["4000", "30", "0.500", "0.000", "0.000", "-"]
+    assert lines["4000"][:6] == ["4000", "30", "0.500", "0.000", "0.0", "%"]
 
 
 def test_pictures_are_taken_out(bag: Path, tmp_path: Path) -> None:

@@ -5,15 +5,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiment_manager.measures.metrics import cost_share, split_tests, summary, test_summary
+from experiment_manager.measures.metrics import PX_DEG, cost_share, summary, test_summary
+from experiment_manager.measures.trials import TRIAL_NAMES, mean_of_both_eyes, pooled, split_tests
 from lockstep.errors import InputError
-from lockstep.topics import GROUND_TRUTH_NAMES, TEST, TRAINING
+from lockstep.topics import TEST, TRAINING
 
-PLACE = {name: i for i, name in enumerate(GROUND_TRUTH_NAMES)}
+PLACE = {name: i for i, name in enumerate(TRIAL_NAMES)}
 
 
 def _row(**values: float) -> list[float]:
-    row = [0.0] * len(GROUND_TRUTH_NAMES)
+    row = [0.0] * len(TRIAL_NAMES)
     for name, value in values.items():
         row[PLACE[name]] = value
     return row
@@ -69,6 +70,9 @@ def test_a_summary_by_hand() -> None:
         "iqr_abs_vergence_error_deg": pytest.approx(0.8),
         "median_delta_cost_w": pytest.approx(0.5),
         "median_cost_reduction": pytest.approx(0.375),
+        "share_within_1_px": pytest.approx(1 / 5),
+        "share_beyond_1_deg": pytest.approx(2 / 5),
+        "share_right_muscle_silent": pytest.approx(1.0),
     }
     assert "after_2" not in result, "two iterations is the end, at the top level already"
 
@@ -99,13 +103,98 @@ def test_measures_without_any_trial_are_none() -> None:
     result = test_summary(np.array(_trial([0.0, 0.1], [0.5, 0.6], trial=0)))
     assert result["n_trials"] == 1
     assert result["median_cost_reduction"] is None, "the only trial starts at the optimum"
-    assert result["without_zero_start_error"] == {
+    nothing: dict[str, Any] = {
         "n_trials": 0,
         "median_abs_vergence_error_deg": None,
         "iqr_abs_vergence_error_deg": None,
         "median_delta_cost_w": None,
         "median_cost_reduction": None,
+        "share_within_1_px": None,
+        "share_beyond_1_deg": None,
+        "share_right_muscle_silent": None,
+        "bias_by_distance_deg": {},
     }
+    assert result["without_zero_start_error"] == nothing
+    assert result["authors_test_set"] == nothing
+
+
+def test_shares_of_errors_by_hand() -> None:
+    assert pytest.approx(0.22264, abs=1e-5) == PX_DEG
+    finals_deg = [0.0, 0.2226, -0.2227, 0.99, 1.0, -1.01, 7.0]
+    rows = [_trial([-1.0, e], [1.0, 1.0], trial=i) for i, e in enumerate(finals_deg)]
+    result = test_summary(np.concatenate(rows))
+    assert result["share_within_1_px"] == pytest.approx(2 / 7)
+    assert result["share_beyond_1_deg"] == pytest.approx(2 / 7), "1 deg itself is not beyond it"
+
+
+def test_the_right_muscle_is_the_lateral_one_near_and_the_medial_one_far() -> None:
+    # distance, medial, lateral after the trial; a muscle is silent below 0.005
+    ends = [
+        (0.5, 0.07, 0.0049),  # right
+        (2.0, 0.0, 0.005),  # the wrong one is silent
+        (3.0, 0.0, 0.0),  # either may be: does not count
+        (3.9, 0.0, 0.0),
+        (4.0, 0.0, 0.003),  # right
+        (6.0, 0.004, 0.3),  # right
+        (6.0, 0.2, 0.0),  # the wrong one is silent
+    ]
+    rows = [
+        _trial(
+            [-1.0, 0.0],
+            [1.0, 1.0],
+            trial=i,
+            object_distance_m=distance_m,
+            medial_rectus=medial,
+            lateral_rectus=lateral,
+        )
+        for i, (distance_m, medial, lateral) in enumerate(ends)
+    ]
+    assert test_summary(np.concatenate(rows))["share_right_muscle_silent"] == pytest.approx(3 / 5)
+    assert test_summary(np.array(rows[2]))["share_right_muscle_silent"] is None
+    unknown = np.concatenate(rows)
+    unknown[:2, PLACE["lateral_rectus"]] = np.nan
+    assert test_summary(unknown)["share_right_muscle_silent"] == pytest.approx(2 / 4)
+
+
+def test_bias_by_distance_by_hand() -> None:
+    finals_deg = {0.5: [0.3, 0.5, -0.1], 6.0: [-0.2, -0.1]}
+    rows: list[list[float]] = []
+    for distance_m, ends_deg in finals_deg.items():
+        for end_deg in ends_deg:
+            n = len(rows) // 2
+            rows += _trial([1.0, end_deg], [1.0, 1.0], trial=n, object_distance_m=distance_m)
+    found = test_summary(np.array(rows))["bias_by_distance_deg"]
+    assert found == {"0.5": pytest.approx(0.3), "6": pytest.approx(-0.15)}
+    assert list(found) == ["0.5", "6"]
+
+
+def test_the_authors_test_set_stops_at_2_deg_and_leaves_out_0() -> None:
+    # The eyes settle within 0.02 deg of the whole degree that was asked for.
+    starts_deg = [-3.01, -1.98, -1.0, 0.0, 0.01, 1.02, 1.99, 3.0, 6.0]
+    rows = [_trial([e, e / 10], [1.0, 0.8], trial=i) for i, e in enumerate(starts_deg)]
+    result = test_summary(np.concatenate(rows))
+    authors = result["authors_test_set"]
+    assert authors["n_trials"] == 5
+    assert authors["median_abs_vergence_error_deg"] == pytest.approx(0.198)
+    assert set(authors) == set(result) - {
+        "iteration",
+        "without_zero_start_error",
+        "authors_test_set",
+    }
+
+
+def test_activations_are_the_mean_of_both_eyes() -> None:
+    # left medial, left lateral, right medial, right lateral
+    assert mean_of_both_eyes(np.array([0.1, 0.02, 0.3, 0.06])).tolist() == [0.2, 0.04]
+
+
+def test_pooled_trials_are_those_of_all_runs() -> None:
+    (one,) = split_tests(np.array(_trial([1.0, 0.5], [1.0, 1.0])))
+    (other,) = split_tests(np.array(_trial([2.0, 0.1], [1.0, 2.0])))
+    both = pooled([one, other])
+    assert both.vergence_error_deg.tolist() == [[1.0, 0.5], [2.0, 0.1]]
+    assert both.training_iteration == 500
+    assert summary(both)["n_trials"] == 2
 
 
 def test_tests_are_split_and_training_is_ignored() -> None:
@@ -135,7 +224,7 @@ def test_one_test_is_expected() -> None:
         test_summary(np.array(two))
     with pytest.raises(InputError, match="expected the rows of one test, got those of 0"):
         test_summary(np.array(one)[1:])
-    with pytest.raises(InputError, match=r"expected ground truth rows of 15 values, got .*\(3,\)"):
+    with pytest.raises(InputError, match=r"expected rows of 17 values, got .*\(3,\)"):
         test_summary(np.zeros(3))
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from experiment_manager.measures.metrics import TestTrials
 from experiment_manager.measures.resting_places import resting_places
+from experiment_manager.measures.trials import TestTrials
 
 
 def _trials(errors_deg: list[list[float]], pairs: list[tuple[int, float]]) -> TestTrials:
@@ -18,6 +18,7 @@ def _trials(errors_deg: list[list[float]], pairs: list[tuple[int, float]]) -> Te
         vergence_error_deg=error_deg,
         metabolic_rate_w=np.ones(error_deg.shape),
         optimal_metabolic_rate_w=np.ones(len(number)),
+        activations=np.zeros((*error_deg.shape, 2)),
         rows=np.zeros(error_deg.shape, dtype=int),
     )
 

@@ -1,13 +1,21 @@
 """results.json is written as a whole, and only with numbers that JSON has."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from experiment_manager.measures.results import read_results, write_results
+from experiment_manager.measures import tables
+from experiment_manager.measures.metrics import test_summary
+from experiment_manager.measures.results import read_results, results_document, write_results
+from experiment_manager.measures.trials import TRIAL_NAMES
 from lockstep.errors import InputError
+from lockstep.topics import TEST
+
+RESULTS = Path(__file__).parents[3] / "results"
 
 VALUES: dict[str, Any] = {
     "model": "M_C",
@@ -56,3 +64,27 @@ def test_what_is_no_results_file_is_refused(tmp_path: Path) -> None:
         read_results(tmp_path / "b.json")
     write_results(tmp_path / "c.json", **VALUES)
     assert read_results(tmp_path / "c.json")["seed"] == 4
+
+
+def test_every_key_of_a_result_is_in_the_document() -> None:
+    text = (Path(__file__).parents[3] / "docs" / "measures.md").read_text()
+    rows = [[0.0] * len(TRIAL_NAMES) for _ in range(5)]
+    for iteration, row in enumerate(rows):
+        row[TRIAL_NAMES.index("phase")] = TEST
+        row[TRIAL_NAMES.index("iteration")] = iteration
+    document = results_document(**(VALUES | {"tests": [test_summary(np.array(rows))]}))
+    assert not _keys(document) - set(re.findall(r"`([a-z_A-Z0-9]+)`", text)) - {"0"}
+
+
+def _keys(value: Any) -> set[str]:
+    if isinstance(value, list):
+        return set().union(*map(_keys, value))
+    return set(value).union(*map(_keys, value.values())) if isinstance(value, dict) else set()
+
+
+@pytest.mark.parametrize(
+    "path", sorted(RESULTS.glob("*/results.json")), ids=lambda p: p.parent.name
+)
+def test_results_that_are_kept_can_be_shown(path: Path) -> None:
+    document = read_results(path)
+    assert len(tables.tests_table(document["tests"]).splitlines()) == 1 + len(document["tests"])

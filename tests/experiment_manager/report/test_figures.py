@@ -136,7 +136,7 @@ def test_fig_4_draws_each_trial_to_its_end(runs: list[RecordedRun]) -> None:
                 & (np.abs(trials.vergence_error_deg[:, 0] - start_deg) < 1e-6)
             )
             found = np.stack([path.get_ydata(), path.get_xdata()], axis=1)
-            assert np.array_equal(found, runs[0].tests[-1].activations[i_trial])
+            assert np.array_equal(found, runs[0].tests[-1].trials.activations[i_trial])
     assert near.get_title() == "object at 0.5 m"
 
 

@@ -6,9 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from experiment_manager.measures.trials import TRIAL_NAMES
 from experiment_manager.run.progress import Progress
 from lockstep.errors import InputError
 from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
+
+ACTIVATIONS = np.array([0.1, 0.02, 0.1, 0.02])
 
 
 def _truth(**values: float) -> np.ndarray:
@@ -42,6 +45,7 @@ def _add_test(progress: Progress, finals_deg: list[float]) -> dict[str, Any]:
         rows = _trial(trial, [-1.0] * 20 + [final_deg])
         for i, row in enumerate(rows):
             progress.add_truth(row, is_last=i == 20)
+            progress.add_activations(TEST, ACTIVATIONS)
     return progress.end_test()
 
 
@@ -112,6 +116,7 @@ def test_a_checkpoint_amid_a_test_carries_everything() -> None:
         undisturbed.add_reward(TRAINING, i, _reward(*draw.random(3)))
     for row in _trial(0, list(draw.normal(size=21))):
         undisturbed.add_truth(row, is_last=False)
+        undisturbed.add_activations(TEST, draw.random(4) / 100)
 
     resumed = Progress(100)
     document = json.loads(json.dumps(undisturbed.document()))
@@ -120,6 +125,7 @@ def test_a_checkpoint_amid_a_test_carries_everything() -> None:
     for progress in (undisturbed, resumed):
         for row in _trial(1, [0.1 / 3] * 21):
             progress.add_truth(row, is_last=False)
+            progress.add_activations(TEST, ACTIVATIONS)
         progress.add_reward(TRAINING, 51, _reward(0.1, 0.2, 0.3))
         progress.end_test()
         ends.append(
@@ -147,7 +153,30 @@ def test_restoring_does_not_share_what_it_restores_from() -> None:
 
 
 def test_no_trials_are_no_rows() -> None:
-    assert Progress(0).trial_rows().shape == (0, len(GROUND_TRUTH_NAMES))
+    assert Progress(0).trial_rows().shape == (0, len(TRIAL_NAMES))
+
+
+def test_activations_come_before_or_after_their_ground_truth() -> None:
+    progress = Progress(0)
+    before, after = _trial(0, [-1.0, 0.5])
+    progress.add_activations(TEST, np.array([0.1, 0.0, 0.3, 0.2]))
+    progress.add_truth(before, is_last=False)
+    progress.add_truth(after, is_last=True)
+    with pytest.raises(InputError, match=r"expected activations of 2 observations.*those of 1"):
+        progress.trial_rows()
+    progress.add_activations(TRAINING, ACTIVATIONS)
+    progress.add_activations(TEST, np.array([0.5, 0.6, 0.5, 0.6]))
+    rows = progress.trial_rows()
+    assert rows[:, -2:] == pytest.approx(np.array([[0.2, 0.1], [0.5, 0.6]]))
+    assert (rows[:, :-2] == [before, after]).all()
+
+
+def test_trials_of_an_earlier_version_are_refused() -> None:
+    progress = Progress(0)
+    old = np.zeros((3, len(GROUND_TRUTH_NAMES)))
+    progress.restore(Progress(0).document(), old[:0])
+    with pytest.raises(InputError, match=r"expected trials with .*shape \(3, 15\)"):
+        progress.restore(Progress(0).document(), old)
 
 
 @pytest.mark.parametrize("name", ["tests", "sums", "running_errors_deg"])

@@ -91,6 +91,7 @@ def drive(vector_bytes: Callable[..., bytes]) -> Drive:
         }
         is_last = iteration == episode.n_iterations
         run.add_truth(np.array(list(values.values())), is_last)
+        run.add_activations(episode, np.zeros(len(HORIZONTAL_RECTI)))
         tables = {
             "ground_truth": values,
             "muscle_activations": dict.fromkeys(HORIZONTAL_RECTI, 0.0),

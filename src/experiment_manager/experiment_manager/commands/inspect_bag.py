@@ -11,8 +11,10 @@ import numpy as np
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT, RUN_METADATA
 from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.repair import repair_bag
-from experiment_manager.measures.metrics import split_tests, summary
+from experiment_manager.measures.metrics import summary
+from experiment_manager.measures.recorded_run import trial_rows
 from experiment_manager.measures.tables import tests_table, text_table
+from experiment_manager.measures.trials import split_tests
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
 
@@ -110,7 +112,8 @@ def _run(bag: Bag) -> str:
 def _learning_curve(bag: Bag) -> str:
     if not bag.has("ground_truth"):
         return ""
-    tests = split_tests(bag.vectors("ground_truth")["ground_truth"].position)
+    tables = bag.vectors(*(t for t in ("ground_truth", "muscle_activations") if bag.has(t)))
+    tests = split_tests(trial_rows(tables["ground_truth"], tables.get("muscle_activations")))
     return tests_table([summary(test) for test in tests]) if tests else "No complete test yet."
 
 

@@ -13,12 +13,11 @@ from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
 from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.measures.metrics import (
     SHARE_ITERATIONS,
-    TestTrials,
     cost_share,
-    split_tests,
     summary,
 )
 from experiment_manager.measures.results import results_document
+from experiment_manager.measures.trials import TestTrials, mean_of_both_eyes, split_tests
 from lockstep.errors import InputError
 from lockstep.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, TRAINING
 
@@ -29,9 +28,8 @@ _EPISODES_PER_BIN = 25
 
 @dataclass(frozen=True)
 class RecordedTest:
-    """One test: its trials, and what the muscles and the sparse coder did in them.
+    """One test: its trials, and what the sparse coder made of them.
 
-    activations: (n_trials, n_iterations + 1, 2) medial and lateral rectus, mean of both eyes;
     reconstruction_error: (n_trials, n_iterations + 1) both scales, nan after the last iteration;
     stamps_ns: (n_trials, n_iterations + 1).
     """
@@ -39,7 +37,6 @@ class RecordedTest:
     __test__ = False
 
     trials: TestTrials
-    activations: np.ndarray
     reconstruction_error: np.ndarray
     stamps_ns: np.ndarray
 
@@ -163,9 +160,9 @@ class RecordedRun:
         # The tables of a full run fill half a gigabyte; only what is made of them is kept.
         tables = self.bag.vectors("ground_truth", "reward", "muscle_activations")
         truth = tables["ground_truth"]
-        rows = np.stack([truth.column(name) for name in GROUND_TRUTH_NAMES], axis=1)
+        rows = trial_rows(truth, tables["muscle_activations"])
         recorded = tuple(
-            _recorded(trials, truth, tables["reward"], tables["muscle_activations"])
+            _recorded(trials, truth, tables["reward"])
             for trials in split_tests(rows)
             if trials.trial[0] == 0
         )
@@ -213,16 +210,21 @@ def _total_error(reward: VectorTable) -> np.ndarray:
     return error
 
 
-def _recorded(
-    trials: TestTrials, truth: VectorTable, reward: VectorTable, activations: VectorTable
-) -> RecordedTest:
+def trial_rows(truth: VectorTable, activations: VectorTable | None) -> np.ndarray:
+    """Return ground truth and activations by TRIAL_NAMES: (n, len(TRIAL_NAMES)), nan for gaps."""
+    both = np.full((len(truth.stamps_ns), 2), np.nan)
+    if activations is not None and len(activations.stamps_ns):
+        # In HORIZONTAL_RECTI's order: left medial, left lateral, right medial, right lateral.
+        recti = np.stack([activations.column(name) for name in HORIZONTAL_RECTI], axis=1)
+        both = _at_stamps(activations, mean_of_both_eyes(recti), truth.stamps_ns)
+    columns = [truth.column(name) for name in GROUND_TRUTH_NAMES]
+    return np.concatenate([np.stack(columns, axis=1), both], axis=1)
+
+
+def _recorded(trials: TestTrials, truth: VectorTable, reward: VectorTable) -> RecordedTest:
     stamps_ns = truth.stamps_ns[trials.rows]
-    # In HORIZONTAL_RECTI's order: left medial, left lateral, right medial, right lateral.
-    eyes = np.stack([activations.column(name) for name in HORIZONTAL_RECTI], axis=1)
-    both = (eyes[:, :2] + eyes[:, 2:]) / 2.0
     return RecordedTest(
         trials=trials,
-        activations=_at_stamps(activations, both, stamps_ns),
         reconstruction_error=_at_stamps(reward, _total_error(reward), stamps_ns),
         stamps_ns=stamps_ns,
     )

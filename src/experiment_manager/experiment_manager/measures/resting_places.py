@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from experiment_manager.measures.metrics import TestTrials
+from experiment_manager.measures.metrics import ARRIVED_DEG
+from experiment_manager.measures.trials import TestTrials
 
-# A trial that ends farther off has not arrived.
-_ARRIVED_DEG = 1.0
 # Distances to the resting place over which the approach is measured: above restlessness, and below
 # one pixel of the coarse scale.
 _NEAR_DEG = (0.03, 0.3)
@@ -43,7 +42,7 @@ def resting_places(trials: TestTrials) -> RestingPlaces:
     error_deg = trials.vergence_error_deg
     resting = error_deg[:, n // 2 + 1 :]
     place_deg = resting.mean(axis=1)
-    arrived = np.abs(place_deg) < _ARRIVED_DEG
+    arrived = np.abs(place_deg) < ARRIVED_DEG
     if not arrived.any():
         return RestingPlaces(0)
     within_deg, between_deg = _spreads(trials.chosen(arrived), place_deg[arrived])

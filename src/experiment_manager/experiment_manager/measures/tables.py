@@ -21,7 +21,13 @@ def text_table(header: Sequence[str], rows: Sequence[Sequence[str]], n_left: int
 
 def number(value: float | None, n_digits: int = 3) -> str:
     """Return a number with n_digits behind the point, or a dash."""
-    return "-" if value is None else f"{value:.{n_digits}f}"
+    # Adding 0 makes what rounds to -0.0 a plain 0.
+    return "-" if value is None else f"{round(value, n_digits) + 0.0:.{n_digits}f}"
+
+
+def percent(share: float | None) -> str:
+    """Return a share in percent, or a dash."""
+    return "-" if share is None else f"{number(100 * share, 1)} %"
 
 
 def test_line(test: Mapping[str, Any]) -> str:
@@ -30,12 +36,16 @@ def test_line(test: Mapping[str, Any]) -> str:
         f"test at {test['iteration']} iterations: "
         f"median |vergence error| {number(test['median_abs_vergence_error_deg'])} deg, "
         f"IQR {number(test['iqr_abs_vergence_error_deg'])} deg, "
+        f"{percent(test['share_within_1_px'])} within 1 px, "
         f"c {number(test['median_cost_reduction'])} ({test['n_trials']} trials)"
     )
 
 
 def tests_table(tests: Sequence[dict[str, Any]]) -> str:
-    """Return the learning curve of a run, one line per summary of results.json."""
+    """Return the learning curve of a run, one line per summary of results.json.
+
+    Of a results.json of an earlier version, what it does not have is a dash.
+    """
     errors_deg = [test["median_abs_vergence_error_deg"] or 0.0 for test in tests]
     most = max(errors_deg, default=0.0) or 1.0
     rows = [
@@ -44,11 +54,25 @@ def tests_table(tests: Sequence[dict[str, Any]]) -> str:
             str(test["n_trials"]),
             number(test["median_abs_vergence_error_deg"]),
             number(test["iqr_abs_vergence_error_deg"]),
+            percent(test.get("share_within_1_px")),
+            percent(test.get("share_beyond_1_deg")),
             number(test["median_delta_cost_w"]),
             number(test["median_cost_reduction"]),
+            percent(test.get("share_right_muscle_silent")),
             ("#" * round(_BAR_WIDTH * error_deg / most)).ljust(_BAR_WIDTH),
         )
         for test, error_deg in zip(tests, errors_deg, strict=True)
     ]
-    header = ("iteration", "trials", "median|error|/deg", "IQR/deg", "delta C/W", "c", "")
+    header = (
+        "iteration",
+        "trials",
+        "median|error|/deg",
+        "IQR/deg",
+        "within 1 px",
+        "beyond 1 deg",
+        "delta C/W",
+        "c",
+        "silent",
+        "",
+    )
     return text_table(header, rows, n_left=0)

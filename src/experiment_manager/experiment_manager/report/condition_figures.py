@@ -8,8 +8,9 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
+from experiment_manager.measures.metrics import PX_DEG
 from experiment_manager.report.groups import Group
-from experiment_manager.report.performance_figures import PX_DEG, new_figure
+from experiment_manager.report.performance_figures import new_figure
 
 # Colours reach from 1/16 px to 16 px; beyond a third of that on either side text is white.
 _REACH = 16.0

@@ -9,9 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
+from experiment_manager.measures.metrics import PX_DEG
 from experiment_manager.measures.recorded_run import RecordedTest
 from experiment_manager.report.groups import Group
-from experiment_manager.report.performance_figures import PX_DEG, new_figure
+from experiment_manager.report.performance_figures import new_figure
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 
@@ -105,7 +106,7 @@ def _draw_paths(axes: Axes, test: RecordedTest, distance_m: float, colour: str) 
     """Draw the paths of the trials shown; return the median metabolic rate at their ends, W."""
     shown = _shown_trials(test, distance_m)
     for i_trial in shown:
-        medial, lateral = test.activations[i_trial].T
+        medial, lateral = test.trials.activations[i_trial].T
         axes.plot(lateral, medial, color=colour, lw=1.1, marker=".", ms=2.5, clip_on=False)
         axes.plot(lateral[-1], medial[-1], "o", color=_END_COLOUR, ms=4, zorder=5, clip_on=False)
     return float(np.median(test.trials.metabolic_rate_w[shown, -1]))

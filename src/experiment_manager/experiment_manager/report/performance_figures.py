@@ -11,13 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from experiment_manager.measures.metrics import REPORTED_ITERATIONS
+from experiment_manager.measures.metrics import PX_DEG, REPORTED_ITERATIONS
 from experiment_manager.measures.recorded_run import RecordedRun, RecordedTest
 from experiment_manager.report.groups import Group, groups_of
 
 FIGURES = "figures"
-# The visual angle of one pixel at the picture's centre, atan(1 / 257.34) (K17 II).
-PX_DEG = 0.2226
 _DPI = 150
 
 # For mpl.rc_context around whoever draws.

@@ -9,9 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullFormatter
 
+from experiment_manager.measures.metrics import PX_DEG
 from experiment_manager.measures.recorded_run import RecordedRun, RecordedTest
 from experiment_manager.report.groups import Group
-from experiment_manager.report.performance_figures import PX_DEG, new_figure
+from experiment_manager.report.performance_figures import new_figure
 
 _BIN_DEG = 0.25
 _RANGE_DEG = 3.25

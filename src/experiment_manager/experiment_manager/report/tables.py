@@ -2,19 +2,15 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
-import numpy as np
-
-from experiment_manager.measures.metrics import REPORTED_ITERATIONS, TestTrials, summary
-from experiment_manager.measures.recorded_run import RecordedRun, RecordedTest
+from experiment_manager.measures.metrics import REPORTED_ITERATIONS, summary
+from experiment_manager.measures.recorded_run import RecordedRun
 from experiment_manager.measures.resting_places import resting_places
-from experiment_manager.measures.tables import number
+from experiment_manager.measures.tables import number, percent
+from experiment_manager.measures.trials import TestTrials, pooled
 from experiment_manager.report import page as report_page
 from experiment_manager.report.groups import Group
-from experiment_manager.report.performance_figures import PX_DEG
-
-# Below this a muscle counts as silent: its cost no longer falls (the floor of its cost).
-_SILENT = 0.005
 
 
 @dataclass(frozen=True)
@@ -31,6 +27,19 @@ class _Paper:
 _PAPER = {
     "M": _Paper("1,000,000", "0", "0.07", "0.080", "single digits"),
     "M_C": _Paper("1,000,000", "0.035", "0.176", "0.269", "101.7 %"),
+}
+
+
+# The rows of a test set, and how each is read from its summary.
+_SHOWN: dict[str, Callable[[dict[str, Any]], str]] = {
+    "trials": lambda told: f"{told['n_trials']:,}",
+    "median |error| / deg": lambda told: number(told["median_abs_vergence_error_deg"]),
+    "IQR of |error| / deg": lambda told: number(told["iqr_abs_vergence_error_deg"]),
+    "median Delta C / W": lambda told: number(told["median_delta_cost_w"]),
+    "median c": lambda told: percent(told["median_cost_reduction"]),
+    "within 1 px": lambda told: percent(told["share_within_1_px"]),
+    "beyond 1 deg": lambda told: percent(told["share_beyond_1_deg"]),
+    "right muscle silent": lambda told: percent(told["share_right_muscle_silent"]),
 }
 
 
@@ -53,7 +62,7 @@ def runs_table(groups: Sequence[Group]) -> str:
             str(run.seed),
             f"{run.n_iterations:,}",
             f"{run.metabolic_cost_weight:.4g}",
-            *(_percent(share) for share in run.cost_shares),
+            *(percent(share) for share in run.cost_shares),
             run.commit[:12] or "unknown",
         )
         for group in groups
@@ -72,60 +81,51 @@ def comparison_table(groups: Sequence[Group]) -> str:
             columns.append(_paper_column(_PAPER[group.model]))
         header.append(f"ours, {group.model}")
         columns.append(_column(group))
-    names = (
-        "training iterations",
-        "runs pooled",
-        "trials",
-        "lambda / per W",
-        "median |error| / deg",
-        "IQR of |error| / deg",
-        "median Delta C / W",
-        "median c",
-        "without zero start errors: median |error| / deg",
-        "without zero start errors: IQR / deg",
-        "without zero start errors: median c",
-        "trials within 1 px",
-        "trials that end with a silent muscle",
-    )
+    names = ["training iterations", "runs pooled", "lambda / per W"]
+    names += [
+        f"{which}: {measure}"
+        for which in ("our test set", "authors' test set")
+        for measure in _SHOWN
+    ]
     rows = [(name, *cells) for name, *cells in zip(names, *columns, strict=True)]
     return report_page.table(header, rows)
 
 
 def _paper_column(paper: _Paper) -> list[str]:
+    stated = ["7,800", paper.median_deg, paper.iqr_deg, "-", paper.cost_reduction]
     return [
         paper.n_iterations,
         "5",
-        "7,800",
         paper.weight,
-        paper.median_deg,
-        paper.iqr_deg,
-        "-",
-        paper.cost_reduction,
-        *["-"] * 5,
+        *["-"] * len(_SHOWN),
+        *stated,
+        *["-"] * (len(_SHOWN) - len(stated)),
     ]
 
 
 def _column(group: Group) -> list[str]:
-    tests = group.tests_at(group.iterations[-1])
-    trials = pooled(tests)
-    all_trials = summary(trials)
-    moved = all_trials["without_zero_start_error"]
-    final = np.concatenate([test.activations[:, -1] for test in tests])
+    ours = summary(_last_trials(group))
     return [
         f"{group.iterations[-1]:,}",
         str(len(group.runs)),
-        f"{all_trials['n_trials']:,}",
         f"{group.runs[0].metabolic_cost_weight:.4g}",
-        number(all_trials["median_abs_vergence_error_deg"]),
-        number(all_trials["iqr_abs_vergence_error_deg"]),
-        number(all_trials["median_delta_cost_w"]),
-        _percent(all_trials["median_cost_reduction"]),
-        number(moved["median_abs_vergence_error_deg"]),
-        number(moved["iqr_abs_vergence_error_deg"]),
-        _percent(moved["median_cost_reduction"]),
-        _percent(_share_within_px(trials, trials.n_iterations)),
-        _percent(float((final.min(axis=1) < _SILENT).mean())),
+        *(text(told) for told in (ours, ours["authors_test_set"]) for text in _SHOWN.values()),
     ]
+
+
+def _last_trials(group: Group) -> TestTrials:
+    return pooled([test.trials for test in group.tests_at(group.iterations[-1])])
+
+
+def bias_table(groups: Sequence[Group]) -> str:
+    """Return the median signed error of each group's last test by object distance."""
+    biases_deg = [summary(_last_trials(group))["bias_by_distance_deg"] for group in groups]
+    distances = sorted({d for bias_deg in biases_deg for d in bias_deg}, key=float)
+    rows = [
+        (group.model, *(number(bias_deg.get(d)) for d in distances))
+        for group, bias_deg in zip(groups, biases_deg, strict=True)
+    ]
+    return report_page.table(("bias / deg at", *(f"{d} m" for d in distances)), rows)
 
 
 def iterations_table(groups: Sequence[Group]) -> str:
@@ -137,11 +137,12 @@ def iterations_table(groups: Sequence[Group]) -> str:
         "median |error| / deg",
         "IQR / deg",
         "within 1 px",
+        "beyond 1 deg",
         "median c",
     )
     rows = []
     for group in groups:
-        trials = pooled(group.tests_at(group.iterations[-1]))
+        trials = _last_trials(group)
         whole = summary(trials)
         for k in (k for k in REPORTED_ITERATIONS if k <= trials.n_iterations):
             told = whole.get(f"after_{k}", whole)
@@ -152,8 +153,9 @@ def iterations_table(groups: Sequence[Group]) -> str:
                     str(k),
                     number(told["median_abs_vergence_error_deg"]),
                     number(told["iqr_abs_vergence_error_deg"]),
-                    _percent(_share_within_px(trials, k)),
-                    _percent(told["median_cost_reduction"]),
+                    percent(told["share_within_1_px"]),
+                    percent(told["share_beyond_1_deg"]),
+                    percent(told["median_cost_reduction"]),
                 )
             )
     return report_page.table(header, rows)
@@ -166,20 +168,32 @@ def tests_of_run_table(run: RecordedRun) -> str:
         "trials",
         "median |error| / deg",
         "IQR / deg",
+        "within 1 px",
+        "beyond 1 deg",
         "median Delta C / W",
         "median c",
+        "right muscle silent",
+        "authors' test set: median |error| / deg",
+        "authors' test set: IQR / deg",
     )
-    shown: tuple[tuple[str, Callable[[float | None], str]], ...] = (
-        ("median_abs_vergence_error_deg", number),
-        ("iqr_abs_vergence_error_deg", number),
-        ("median_delta_cost_w", number),
-        ("median_cost_reduction", _percent),
-    )
-    tests = [summary(test.trials) for test in run.tests]
-    rows = [
-        (f"{test['iteration']:,}", str(test["n_trials"]), *(text(test[key]) for key, text in shown))
-        for test in tests
-    ]
+    rows = []
+    for told in (summary(test.trials) for test in run.tests):
+        authors = told["authors_test_set"]
+        rows.append(
+            (
+                f"{told['iteration']:,}",
+                str(told["n_trials"]),
+                number(told["median_abs_vergence_error_deg"]),
+                number(told["iqr_abs_vergence_error_deg"]),
+                percent(told["share_within_1_px"]),
+                percent(told["share_beyond_1_deg"]),
+                number(told["median_delta_cost_w"]),
+                percent(told["median_cost_reduction"]),
+                percent(told["share_right_muscle_silent"]),
+                number(authors["median_abs_vergence_error_deg"]),
+                number(authors["iqr_abs_vergence_error_deg"]),
+            )
+        )
     return report_page.table(header, rows)
 
 
@@ -206,19 +220,3 @@ def resting_table(run: RecordedRun) -> str:
             )
         )
     return report_page.table(header, rows)
-
-
-def pooled(tests: Sequence[RecordedTest]) -> TestTrials:
-    """Return the trials of several runs' tests as if they were of one."""
-    parts = [test.trials for test in tests]
-    names = [name for name, value in vars(parts[0]).items() if isinstance(value, np.ndarray)]
-    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-    return TestTrials(training_iteration=parts[0].training_iteration, **joined)
-
-
-def _share_within_px(trials: TestTrials, iteration: int) -> float:
-    return float((np.abs(trials.vergence_error_deg[:, iteration]) < PX_DEG).mean())
-
-
-def _percent(share: float | None) -> str:
-    return "-" if share is None else f"{100 * share:.1f} %"

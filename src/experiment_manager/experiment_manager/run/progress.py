@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from experiment_manager.measures.metrics import SHARE_ITERATIONS, test_summary
+from experiment_manager.measures.trials import TRIAL_NAMES, mean_of_both_eyes
 from lockstep.errors import InputError
 from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
 
@@ -16,7 +17,7 @@ _REWARD = {name: i for i, name in enumerate(REWARD_NAMES)}
 
 
 class Progress:
-    """Collects ground truth and rewards, and sums them up.
+    """Collects ground truth, activations and rewards, and sums them up.
 
     `document`, `trial_rows` and `restore` carry it through a checkpoint, also amid a test.
     """
@@ -26,7 +27,8 @@ class Progress:
         self._n_training_iterations = n_training_iterations
         self.tests: list[dict[str, Any]] = []
         # Of float64. A test has ten thousands of rows: as lists of numbers they would be 20 MB.
-        self._trial_bytes = bytearray()
+        self._truth_bytes = bytearray()
+        self._activation_bytes = bytearray()
         # Sums of (E, C) over the first and the last iterations of training, and their counts.
         self._sums = {"first": [0.0, 0.0, 0], "last": [0.0, 0.0, 0]}
         self._running_errors_deg: deque[float] = deque(maxlen=_N_RUNNING)
@@ -34,9 +36,17 @@ class Progress:
     def add_truth(self, values: np.ndarray, is_last: bool) -> None:
         """Add one observation's ground truth; is_last: it ends an episode."""
         if values[_TRUTH["phase"]] == TEST:
-            self._trial_bytes += values.astype(np.float64).tobytes()
+            self._truth_bytes += values.astype(np.float64).tobytes()
         elif is_last:
             self._running_errors_deg.append(abs(float(values[_TRUTH["vergence_error_deg"]])))
+
+    def add_activations(self, phase: int, recti: np.ndarray) -> None:
+        """Add one observation's activations (4,) of lockstep.topics.HORIZONTAL_RECTI.
+
+        Of an observation, they may come before or after its ground truth.
+        """
+        if phase == TEST:
+            self._activation_bytes += mean_of_both_eyes(recti.astype(np.float64)).tobytes()
 
     def add_reward(self, phase: int, training_iteration: int, values: np.ndarray) -> None:
         """Add one observation's reward."""
@@ -62,7 +72,7 @@ class Progress:
         """Return the summary of the test whose last trial has been added."""
         summary = test_summary(self.trial_rows())
         self.tests.append(summary)
-        self._trial_bytes = bytearray()
+        self._keep(np.zeros((0, len(TRIAL_NAMES))))
         return summary
 
     def cost_share(self, end: str, metabolic_cost_weight: float) -> float | None:
@@ -89,12 +99,32 @@ class Progress:
         }
 
     def trial_rows(self) -> np.ndarray:
-        """Return the ground truth of the test under way, (n_rows, n_names)."""
-        rows = np.frombuffer(bytes(self._trial_bytes), dtype=np.float64)
-        return rows.reshape(-1, len(GROUND_TRUTH_NAMES))
+        """Return the observations of the test under way, (n_rows, len(TRIAL_NAMES)).
+
+        Raises InputError when ground truth or activations of some have not come.
+        """
+        truth = np.frombuffer(bytes(self._truth_bytes)).reshape(-1, len(GROUND_TRUTH_NAMES))
+        activations = np.frombuffer(bytes(self._activation_bytes)).reshape(-1, 2)
+        if len(truth) != len(activations):
+            raise InputError(
+                f"expected activations of {len(truth)} observations of a test, got those of "
+                f"{len(activations)}"
+            )
+        return np.concatenate([truth, activations], axis=1)
+
+    def _keep(self, trial_rows: np.ndarray) -> None:
+        rows = trial_rows.astype(np.float64)
+        n_truth = len(GROUND_TRUTH_NAMES)
+        self._truth_bytes = bytearray(rows[:, :n_truth].tobytes())
+        self._activation_bytes = bytearray(rows[:, n_truth:].tobytes())
 
     def restore(self, document: dict[str, Any], trial_rows: np.ndarray) -> None:
         """Take over what `document` and `trial_rows` returned; InputError for anything else."""
+        if len(trial_rows) and trial_rows.shape[1:] != (len(TRIAL_NAMES),):
+            raise InputError(
+                f"expected trials with {', '.join(TRIAL_NAMES)}, got rows of shape "
+                f"{trial_rows.shape}: an earlier version made them, which can go on with this run"
+            )
         try:
             tests = list(document["tests"])
             sums = {end: list(document["sums"][end]) for end in self._sums}
@@ -102,4 +132,4 @@ class Progress:
         except (KeyError, TypeError) as error:
             raise InputError(f"expected a run's progress, got {document}: {error!r}") from error
         self.tests, self._sums, self._running_errors_deg = tests, sums, errors_deg
-        self._trial_bytes = bytearray(trial_rows.astype(np.float64).tobytes())
+        self._keep(trial_rows.reshape(-1, len(TRIAL_NAMES)))

@@ -103,6 +103,10 @@ class Run:
         """Count one observation's ground truth, (n_names,) of lockstep.topics."""
         self.progress.add_truth(values, is_last)
 
+    def add_activations(self, episode: Episode, recti: np.ndarray) -> None:
+        """Count one observation's activations, (4,) of lockstep.topics.HORIZONTAL_RECTI."""
+        self.progress.add_activations(episode.phase, recti)
+
     def add_reward(self, episode: Episode, iteration: int, values: np.ndarray) -> None:
         """Count one observation's reward, (n_names,) of lockstep.topics."""
         self.progress.add_reward(episode.phase, episode.training_iteration + iteration, values)
