@@ -9,15 +9,11 @@ import numpy as np
 import pytest
 
 from experiment_manager.bag.reader import Bag
-from experiment_manager.node import (
-    EXIT_FAULT,
-    EXIT_INTERRUPTED,
-    EXIT_UNWRITABLE,
-    ExperimentManagerNode,
-)
+from experiment_manager.node import ExperimentManagerNode
 from experiment_manager.run.episode_record import SMALL_TOPICS
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
+from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_UNWRITABLE
 from lockstep.stamps import period_ns
 from lockstep.topics import REWARD_NAMES
 from lockstep.vectors import VectorPublisher
