@@ -334,8 +334,8 @@ def _vergence_after_first_command() -> float:
         ({"lateral_rectus": math.nan}, "lateral_rectus: expected 0 to 1, got nan"),
         ({"n_iterations": 0}, "n_iterations: expected 1 or more, got 0"),
         ({"first_observation": -1}, "first_observation: expected 0 or more, got -1"),
-        ({"first_observation": 2**62}, "first_observation: expected stamps below 2^31 s"),
-        ({"n_iterations": 2**62}, "first_observation: expected stamps below 2^31 s"),
+        ({"first_observation": 2**62}, "expected stamps below 2^31 s"),
+        ({"n_iterations": 2**62}, "expected stamps below 2^31 s"),
         ({"weather": 1}, "missing: none, unknown: weather"),
     ],
 )

@@ -31,6 +31,7 @@ class SupervisedRun:
         directory: Path,
         *,
         resume: bool = False,
+        in_process: bool = False,
         elsewhere: Sequence[str] = (),
         prefix: Sequence[str] = (),
     ) -> None:
@@ -41,6 +42,8 @@ class SupervisedRun:
         """
         self.directory = directory
         where = ["--resume", str(directory)] if resume else [*line, "--out", str(directory)]
+        if in_process:
+            where.append("--in-process")
         if elsewhere:
             where += ["--elsewhere", ",".join(elsewhere)]
         self._log = directory.with_name(directory.name + ".log").open("a+")

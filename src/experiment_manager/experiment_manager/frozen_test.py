@@ -22,7 +22,6 @@ from eye_plant.episode import Episode
 from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli, load_unseen_stimuli
 from lockstep.configuration import build
 from lockstep.errors import InputError
-from lockstep.state_file import read_state
 from lockstep.topics import HORIZONTAL_RECTI
 
 
@@ -51,7 +50,7 @@ class FrozenTest:
         pictures = self._pictures(configuration, manager)
         protocol = _test_protocol(manager, place, len(pictures))
         loop = make_loop(configuration, StimulusSet((), pictures))
-        _restore(loop, states)
+        loop.restore({name: states / f"{name}.npz" for name in loop.learners})
         try:
             rows = _trial_rows(loop, protocol)
         finally:
@@ -103,15 +102,6 @@ def _test_protocol(config: ExperimentManagerConfig, place: int, n_stimuli: int) 
         n_stimuli_per_test=n_stimuli,
     )
     return make_protocol(dataclasses.replace(config, protocol=tested))
-
-
-def _restore(loop: InProcessLoop, states: Path) -> None:
-    for name, learner in (("sparse_coder", loop.coder), ("vergence_rl", loop.agent)):
-        path = states / f"{name}.npz"
-        try:
-            learner.restore(read_state(path, name))
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from error
 
 
 def _trial_rows(loop: InProcessLoop, protocol: Protocol) -> np.ndarray:

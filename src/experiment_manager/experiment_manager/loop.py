@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,8 @@ from eye_plant.observation import Observation
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.configuration import build
+from lockstep.errors import InputError
+from lockstep.state_file import read_state, write_state
 from lockstep.topics import COMMAND_NAMES, HORIZONTAL_RECTI, TRAINING
 from sparse_coder.coder import Encoding, SparseCoder
 from sparse_coder.config import SparseCoderConfig
@@ -24,7 +27,8 @@ from vergence_rl.config import VergenceRlConfig
 class Answer:
     """What the learners made of one observation.
 
-    reconstruction_error: (2,) coarse, fine; features: (2, n_bases).
+    features: (2, n_bases) float32; reconstruction_error: (2,) coarse, fine; coder_learning_steps,
+    agent_learning_steps: as each counts them in its answer.
     """
 
     features: np.ndarray
@@ -32,6 +36,8 @@ class Answer:
     metabolic_rate_w: float
     reward: float
     decision: Decision
+    coder_learning_steps: int
+    agent_learning_steps: int
 
 
 @dataclass(frozen=True)
@@ -90,6 +96,27 @@ class InProcessLoop:
         self.agent = agent
         self._perception = Perception(plant, coder, metabolic_cost_weight)
 
+    @property
+    def learners(self) -> dict[str, SparseCoder | Agent]:
+        """The learners by the names of their nodes."""
+        return {"sparse_coder": self.coder, "vergence_rl": self.agent}
+
+    def save(self, paths: Mapping[str, Path]) -> None:
+        """Write each learner's state; raises InputError when a place cannot be written."""
+        for name, path in paths.items():
+            write_state(path, name, self.learners[name].state())
+
+    def restore(self, paths: Mapping[str, Path]) -> None:
+        """Take over each learner's state; raises InputError for a file that holds none that fits.
+
+        What was taken over before that stays.
+        """
+        for name, path in paths.items():
+            try:
+                self.learners[name].restore(read_state(path, name))
+            except ValueError as error:
+                raise InputError(f"{path}: {error}") from error
+
     def run_episode(self, episode: Episode, *, learning: bool = True) -> Iterator[Step]:
         """Yield the steps of an episode; learners learn in training episodes only."""
         in_training = episode.phase == TRAINING
@@ -103,6 +130,7 @@ class InProcessLoop:
         yield Step(observation, None)
 
     def _answer(self, observation: Observation, learning: bool, exploration: bool) -> Answer:
+        coder_learning_steps = self.coder.learning_steps
         percept = self._perception.perceive(observation, learning=learning)
         decision = self.agent.observe(
             percept.encoding.features,
@@ -119,6 +147,8 @@ class InProcessLoop:
             percept.metabolic_rate_w,
             percept.reward,
             decision,
+            coder_learning_steps,
+            self.agent.learning_steps,
         )
 
 

@@ -1,9 +1,80 @@
-"""The messages of each eye's camera."""
+"""The messages of an observation, serialized, and those of each eye's camera."""
 
+from collections.abc import Iterator
+
+import numpy as np
 from sensor_msgs.msg import CameraInfo, Image
 
 from eye_plant.camera.config import CameraConfig
-from lockstep.topics import SIDES
+from eye_plant.config import EyePlantConfig
+from eye_plant.mechanics.muscles import MUSCLE_NAMES
+from eye_plant.observation import Observation
+from lockstep.images import ImageBytes
+from lockstep.stamped_bytes import StampedBytes, clock_bytes
+from lockstep.topics import (
+    CAMERA_INFOS,
+    EPISODE_NAMES,
+    EYE_STATE_NAMES,
+    GROUND_TRUTH_NAMES,
+    PICTURES,
+    SIDES,
+)
+from lockstep.vectors import VectorBytes
+
+
+class ObservationMessages:
+    """Serializes observations: (topic, message) by (topic, message), each when it is asked for."""
+
+    def __init__(self, config: EyePlantConfig) -> None:
+        """Lay out the messages of a plant of that configuration."""
+        self._episode = VectorBytes(EPISODE_NAMES)
+        self._activations = VectorBytes(MUSCLE_NAMES)
+        self._muscles = VectorBytes(MUSCLE_NAMES)
+        self._eyes = VectorBytes(EYE_STATE_NAMES)
+        self._truth = VectorBytes(GROUND_TRUTH_NAMES)
+        self._pictures = [ImageBytes(picture_message(config.camera, i_eye)) for i_eye in range(2)]
+        baseline_m = config.mechanics.baseline_m
+        self._infos = [
+            StampedBytes(camera_info(config.camera, i_eye, baseline_m)) for i_eye in range(2)
+        ]
+
+    def vectors(self, stamp_ns: int, observation: Observation) -> Iterator[tuple[str, bytes]]:
+        """Yield everything small.
+
+        What the next answer needs comes first, the activations last of it: they wake the coder.
+        The rest is sent while others already compute, the eyes' states last: they wake the
+        recorder.
+        """
+        state = observation.state
+        yield "episode", self._episode.of(stamp_ns, observation.episode_values())
+        yield (
+            "muscle_activations",
+            self._activations.of(
+                stamp_ns, state.activations, state.mean_metabolic_rate_w, state.metabolic_rate_w
+            ),
+        )
+        yield "ground_truth", self._truth.of(stamp_ns, observation.ground_truth_values())
+        yield (
+            "muscle_states",
+            self._muscles.of(stamp_ns, state.lengths_m, state.velocities_m_s, state.forces_n),
+        )
+        yield "/clock", clock_bytes(stamp_ns)
+        yield (
+            "eye_states",
+            self._eyes.of(
+                stamp_ns, state.eye_angles_rad.ravel(), state.eye_velocities_rad_s.ravel()
+            ),
+        )
+
+    def pictures(self, stamp_ns: int, pictures: np.ndarray) -> Iterator[tuple[str, bytes]]:
+        """Yield the pictures (2, height_px, width_px)."""
+        for topic, layout, picture in zip(PICTURES, self._pictures, pictures, strict=True):
+            yield topic, layout.of(stamp_ns, picture)
+
+    def camera_infos(self, stamp_ns: int) -> Iterator[tuple[str, bytes]]:
+        """Yield the intrinsics that belong to the pictures."""
+        for topic, layout in zip(CAMERA_INFOS, self._infos, strict=True):
+            yield topic, layout.fill(stamp_ns)
 
 
 def camera_info(config: CameraConfig, i_eye: int, baseline_m: float) -> CameraInfo:

@@ -19,7 +19,7 @@ from lockstep.parameters import declare_config
 from lockstep.process import run_node
 from lockstep.qos import LOCKSTEP_QOS
 from lockstep.requests import END_RUN, START_RUN, RequestServer
-from lockstep.stamps import MAX_STAMP_NS, period_ns
+from lockstep.stamps import period_ns, stamp_of
 from lockstep.vectors import VectorReader, values_of
 
 REPEAT_PERIOD_S = 1.0
@@ -79,12 +79,7 @@ class EyePlantNode(Node):
 
     def _begin(self, arguments: dict[str, Any]) -> None:
         episode = Episode.from_arguments(arguments)
-        last_ns = (episode.first_observation + episode.n_iterations) * self._period_ns
-        if last_ns > MAX_STAMP_NS:
-            raise InputError(
-                f"first_observation: expected stamps below 2^31 s, got observations "
-                f"{episode.first_observation} to {episode.first_observation + episode.n_iterations}"
-            )
+        stamp_of(episode.first_observation + episode.n_iterations, self._period_ns)
         self._publish(self._plant.begin(episode))
 
     def _command(self, data: bytes) -> None:

@@ -30,18 +30,30 @@ class Picture:
     data: np.ndarray
 
 
+class ImageBytes:
+    """Serializes pictures of one size and encoding."""
+
+    def __init__(self, message: Image) -> None:
+        """message: all but stamp and data; it is left as it is, but for its data."""
+        self._layout = _layout(message, message.height * message.step)
+
+    def of(self, stamp_ns: int, picture: np.ndarray) -> bytes:
+        """Return the message of a contiguous picture of height x step bytes."""
+        return self._layout.fill(stamp_ns, picture.view(np.uint8).ravel())
+
+
 class ImagePublisher:
     """Publishes pictures of one size and encoding on one topic, and can repeat the last one."""
 
     def __init__(self, node: Node, topic: str, message: Image) -> None:
         """message: all but stamp and data; it is left as it is, but for its data."""
         self.publisher: Publisher = node.create_publisher(Image, topic, LOCKSTEP_QOS)
-        self._bytes = _layout(message, message.height * message.step)
+        self._bytes = ImageBytes(message)
         self._last = b""
 
     def publish(self, stamp_ns: int, picture: np.ndarray) -> None:
         """Publish a contiguous picture of height x step bytes."""
-        self._last = self._bytes.fill(stamp_ns, picture.view(np.uint8).ravel())
+        self._last = self._bytes.of(stamp_ns, picture)
         self.publisher.publish(self._last)
 
     def repeat(self) -> None:

@@ -5,18 +5,19 @@ deserialize one ten times as much as to take them out: at each message of the lo
 """
 
 import struct
-from itertools import takewhile
 from typing import Any
 
 import numpy as np
-from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.serialization import deserialize_message
 
 from lockstep.errors import InputError
+from lockstep.padding import serialized
 from lockstep.stamps import NS_PER_S, checked_stamp
 
 _STAMP = struct.Struct("<iI")
 _STAMP_OFFSET = 4  # behind the encapsulation (CDR, little-endian): a header comes first
-_LENGTH_BYTES = 4  # of an array; an empty one has nothing else
+_LITTLE_ENDIAN = b"\x00\x01\x00\x00"
+_CLOCK = struct.Struct("<4siI")
 
 
 class StampedBytes:
@@ -25,19 +26,17 @@ class StampedBytes:
     def __init__(self, message: Any, *places: np.ndarray) -> None:
         """places: arrays, not empty, whose bytes are in the message, where values will go.
 
-        In the message's order; behind the last one come empty arrays only.
+        In the message's order; behind the last one come empty arrays only. Without places only
+        the stamp changes.
         """
-        data = serialize_message(message)
+        data = serialized(message)
         # From the end: a small array may look like something that stands before it.
         starts = [data.rindex(place.tobytes()) for place in places]
         ends = [start + place.nbytes for place, start in zip(places, starts, strict=True)]
-        # A few bytes too many come behind empty arrays of numbers, whatever lay in memory there;
-        # strict readers of a bag refuse these.
-        end = ends[-1] + _LENGTH_BYTES * _n_empty_last(message)
-        self._data = bytearray(data[:end])
+        self._data = data
         self._places = [(p.dtype, p.size, start) for p, start in zip(places, starts, strict=True)]
         self._fields = [np.frombuffer(self._data, *place) for place in self._places]
-        between = zip((_STAMP_OFFSET + _STAMP.size, *ends), (*starts, end), strict=True)
+        between = zip((_STAMP_OFFSET + _STAMP.size, *ends), (*starts, len(data)), strict=True)
         self._between = [slice(0, _STAMP_OFFSET), *(slice(*part) for part in between)]
         self._fixed: list[tuple[slice, bytes]] = []
 
@@ -79,7 +78,6 @@ def deserialized(data: bytes, kind: type, topic: str) -> Any:
         ) from error
 
 
-def _n_empty_last(message: Any) -> int:
-    """Return how many of the message's last fields are empty arrays."""
-    fields = [getattr(message, name) for name in message.get_fields_and_field_types()]
-    return len(list(takewhile(lambda field: len(field) == 0, reversed(fields))))
+def clock_bytes(stamp_ns: int) -> bytes:
+    """Return the serialized rosgraph_msgs/Clock of a stamp."""
+    return _CLOCK.pack(_LITTLE_ENDIAN, *divmod(stamp_ns, NS_PER_S))

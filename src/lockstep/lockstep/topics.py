@@ -62,12 +62,11 @@ PLANT_VECTORS = ("episode", "muscle_states", "muscle_activations", "eye_states",
 CODER_VECTORS = ("reward",)
 LEARNER_VECTORS = ("muscle_command", "actor_critic")
 PICTURES = ("left/image_raw", "right/image_raw")
+CAMERA_INFOS = ("left/camera_info", "right/camera_info")
 
 TOPIC_TYPES = {
-    "left/image_raw": IMAGE,
-    "right/image_raw": IMAGE,
-    "left/camera_info": CAMERA_INFO,
-    "right/camera_info": CAMERA_INFO,
+    **dict.fromkeys(PICTURES, IMAGE),
+    **dict.fromkeys(CAMERA_INFOS, CAMERA_INFO),
     **dict.fromkeys(PLANT_VECTORS, VECTOR),
     "features": IMAGE,
     **dict.fromkeys(CODER_VECTORS, VECTOR),

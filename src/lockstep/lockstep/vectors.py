@@ -62,20 +62,18 @@ def vector_message(
     return message
 
 
-class VectorPublisher:
-    """Publishes vectors with fixed names on one topic, and can repeat the last one."""
+class VectorBytes:
+    """Serializes vectors with fixed names."""
 
-    def __init__(self, node: Node, topic: str, names: Sequence[str]) -> None:
+    def __init__(self, names: Sequence[str]) -> None:
         """names: the entries of each vector, in order."""
-        self.publisher: Publisher = node.create_publisher(JointState, topic, LOCKSTEP_QOS)
         self._names = tuple(names)
         self._layouts: dict[tuple[bool, bool], StampedBytes] = {}
-        self._last = b""
 
-    def publish(
+    def of(
         self, stamp_ns: int, position: Values, velocity: Values = (), effort: Values = ()
-    ) -> None:
-        """Publish (n_names,) values; velocity and effort may be empty."""
+    ) -> bytes:
+        """Return the message of (n_names,) values; velocity and effort may be empty."""
         has_velocity, has_effort = len(velocity) > 0, len(effort) > 0
         layout = self._layouts.get((has_velocity, has_effort))
         if layout is None:
@@ -90,7 +88,23 @@ class VectorPublisher:
             values.append(velocity)
         if has_effort:
             values.append(effort)
-        self._last = layout.fill(stamp_ns, *values)
+        return layout.fill(stamp_ns, *values)
+
+
+class VectorPublisher:
+    """Publishes vectors with fixed names on one topic, and can repeat the last one."""
+
+    def __init__(self, node: Node, topic: str, names: Sequence[str]) -> None:
+        """names: the entries of each vector, in order."""
+        self.publisher: Publisher = node.create_publisher(JointState, topic, LOCKSTEP_QOS)
+        self._bytes = VectorBytes(names)
+        self._last = b""
+
+    def publish(
+        self, stamp_ns: int, position: Values, velocity: Values = (), effort: Values = ()
+    ) -> None:
+        """Publish (n_names,) values; velocity and effort may be empty."""
+        self._last = self._bytes.of(stamp_ns, position, velocity, effort)
         self.publisher.publish(self._last)
 
     def repeat(self) -> None:

@@ -1,4 +1,4 @@
-"""Features from sensor_msgs/Image, activations from sensor_msgs/JointState."""
+"""What the agent takes from messages, and what it puts into its own."""
 
 import numpy as np
 from sensor_msgs.msg import Image, JointState
@@ -7,6 +7,7 @@ from lockstep.errors import InputError
 from lockstep.images import Picture
 from lockstep.topics import HORIZONTAL_RECTI
 from lockstep.vectors import Vector, values_of
+from vergence_rl.agent import Decision
 
 _SCALES = 2
 
@@ -46,3 +47,16 @@ def activations_of(message: JointState | Vector) -> np.ndarray:
         )
     mean: np.ndarray = values.reshape(2, 2).mean(axis=0)
     return mean
+
+
+def actor_critic_values(decision: Decision, learning_steps: int) -> tuple[float, ...]:
+    """Return the values of lockstep.topics.ACTOR_CRITIC_NAMES."""
+    return (
+        decision.value,
+        decision.td_error,
+        decision.td_variance,
+        decision.actor_learning_rate,
+        decision.critic_learning_rate,
+        *decision.action,
+        learning_steps,
+    )

@@ -15,7 +15,7 @@ from lockstep.topics import ACTOR_CRITIC_NAMES, COMMAND_NAMES, TRAINING
 from lockstep.vectors import VectorPublisher, values_of, whole_values_of
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
-from vergence_rl.messages import activations_of, features_of
+from vergence_rl.messages import activations_of, actor_critic_values, features_of
 
 INPUTS = {
     "episode": JointState,
@@ -59,16 +59,7 @@ class VergenceRlNode(LearnerNode):
         )
         self._command.publish(stamp_ns, decision.command)
         self._actor_critic.publish(
-            stamp_ns,
-            (
-                decision.value,
-                decision.td_error,
-                decision.td_variance,
-                decision.actor_learning_rate,
-                decision.critic_learning_rate,
-                *decision.action,
-                self.learner.learning_steps,
-            ),
+            stamp_ns, actor_critic_values(decision, self.learner.learning_steps)
         )
 
     def repeat(self) -> None:

@@ -12,6 +12,7 @@ from typing import Any
 from experiment_manager.launch.command_line import arguments
 from experiment_manager.launch.configuration import configuration_of
 from experiment_manager.launch.cost_weight import first_iterations, with_weight
+from experiment_manager.launch.in_process import run_in_process
 from experiment_manager.launch.neighbours import refuse_neighbours
 from experiment_manager.launch.supervisor import Supervisor, known_domain
 from experiment_manager.measures.results import read_results
@@ -103,8 +104,9 @@ def _figure(directory: Path) -> Path | None:
         return None
 
 
-def _how_to_go_on(elsewhere: Sequence[str], directory: Path) -> str:
-    nodes = f" --elsewhere {','.join(elsewhere)}" if elsewhere else ""
+def _how_to_go_on(options: argparse.Namespace, directory: Path) -> str:
+    nodes = f" --elsewhere {','.join(options.elsewhere)}" if options.elsewhere else ""
+    nodes += " --in-process" if options.in_process else ""
     return f"launch_scripts/run_experiment.sh --resume {directory}{nodes}"
 
 
@@ -124,13 +126,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one experiment; return the exit code."""
     try:
         options = arguments(argv)
+        if options.in_process and options.elsewhere:
+            raise InputError("--in-process: expected it without --elsewhere, got both")
         domain = known_domain(options.elsewhere)
-        if domain is not None:
+        if domain is not None and not options.in_process:
             refuse_neighbours(domain, options.elsewhere)
         directory = _prepare(options)
         print(f"run directory: {directory}")
-        _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
-        code = Supervisor(directory, options.elsewhere).run()
+        if options.in_process:
+            code = run_in_process(directory)
+        else:
+            _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
+            code = Supervisor(directory, options.elsewhere).run()
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
@@ -140,7 +147,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if code == 0:
         print(results_table(read_results(directory / RESULTS_FILE), directory, _figure(directory)))
     elif code != EXIT_BAD_INPUT:
-        print(f"to go on: {_how_to_go_on(options.elsewhere, directory)}", file=sys.stderr)
+        print(f"to go on: {_how_to_go_on(options, directory)}", file=sys.stderr)
     return code
 
 

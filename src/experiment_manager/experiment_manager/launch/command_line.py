@@ -49,6 +49,11 @@ def parser() -> argparse.ArgumentParser:
     line.add_argument("--out", type=Path, metavar="DIR", help="run directory (default: runs/...)")
     line.add_argument("--resume", type=Path, metavar="DIR", help="go on with an interrupted run")
     line.add_argument(
+        "--in-process",
+        action="store_true",
+        help="the same run in one process on one core, without nodes: the same files, bit for bit",
+    )
+    line.add_argument(
         "--elsewhere",
         default=(),
         type=_nodes,

@@ -1,25 +1,22 @@
 """Starts the nodes of a run, watches them, and rolls back to the last checkpoint after a fault."""
 
 import re
-import shutil
 import signal
 import sys
 from collections.abc import Collection, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from types import FrameType
 
-from experiment_manager.bag.reader import Bag
+from experiment_manager.launch.attempt import goes_on, place_of
 from experiment_manager.launch.domains import NODE_SCRIPTS_DOMAIN, given_domain, own_domain
 from experiment_manager.launch.heartbeats import Heartbeats
+from experiment_manager.launch.interrupts import Interrupts
 from experiment_manager.launch.neighbours import addresses
 from experiment_manager.launch.processes import MANAGER, PACKAGES, NodeProcesses
 from experiment_manager.launch.shared_memory import remove_ports, remove_stale_segments
-from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE
 from lockstep.durable_files import why_unwritable
-from lockstep.errors import InputError
 from lockstep.exit_codes import (
     EXIT_BAD_INPUT,
     EXIT_FAULT,
@@ -32,8 +29,6 @@ from lockstep.exit_codes import (
 # For nodes elsewhere, in s: a cut shorter than this is not told from a hang. Longer than Fast DDS
 # goes on to count somebody whom it does not hear, 20 s.
 _LEAST_GAP_ELSEWHERE_S = 30.0
-# A bag's file before its first message: schemas, and the configuration.
-_HEADER_BYTES = 1 << 16
 _SAME_FAULT_LIMIT = 3
 # Faults of different kinds without a checkpoint between them: somebody should look.
 _ANY_FAULT_LIMIT = 10
@@ -55,17 +50,13 @@ class Supervisor:
         self._packages = [package for package in PACKAGES if package not in elsewhere]
         self._known_domain = known_domain(elsewhere)
         self._processes: NodeProcesses | None = None
-        self._interrupts = 0
 
     def run(self) -> int:
         """Return the exit code: 0 done, 2 bad input, 3 a fault that stays, 130 Ctrl-C.
 
         A fault is a node that dies, hangs or says that the run cannot go on.
         """
-        signal.signal(signal.SIGINT, self._interrupt)
-        signal.signal(signal.SIGTERM, self._interrupt)
-        if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # as nohup leaves it
-            signal.signal(signal.SIGHUP, self._hang_up)
+        self._interrupts = Interrupts(self._interrupt_manager)
         faults: list[tuple[int, str]] = []
         used_domains: set[int] = set()
         while True:
@@ -82,7 +73,7 @@ class Supervisor:
             if fault is None:
                 return code
             print(f"fault: {fault}", file=sys.stderr)
-            if self._interrupts:
+            if self._interrupts.count:
                 return EXIT_INTERRUPTED
             faults.append((self._place(), _NUMBER.sub("", fault)))
             if error := self._hopeless(faults, fault):
@@ -109,20 +100,15 @@ class Supervisor:
         return ""
 
     def _place(self) -> int:
-        found = checkpoint.newest(self._directory / "checkpoints")
-        return found[0].place if found else -1
+        return place_of(self._directory)
 
     def _attempt(self, domain: int) -> tuple[int, str | None]:
         """Run the nodes until they are done or fail; return (exit code, fault or None)."""
-        if self._interrupts:
+        if self._interrupts.count:
             return EXIT_INTERRUPTED, None
-        resume = self._place() >= 0
-        if not resume and not _holds_observations(self._directory / "bag"):
-            # Left by an attempt that ended before its first episode.
-            shutil.rmtree(self._directory / "bag", ignore_errors=True)
         given = {
             "run_directory": self._directory,
-            "resume": str(resume).lower(),
+            "resume": str(goes_on(self._directory)).lower(),
             "supervised": "true",
         }
         if self._elsewhere:
@@ -169,28 +155,9 @@ class Supervisor:
         lines = log.read_text(errors="replace").split("\n")
         return next((line for line in reversed(lines) if line.strip()), "without a word")
 
-    def _interrupt(self, number: int, frame: FrameType | None) -> None:
-        self._interrupts += 1
+    def _interrupt_manager(self) -> None:
         if self._processes is not None:
             self._processes.interrupt_manager()
-        if self._interrupts == 1:
-            print("\nstopping after this episode, with a checkpoint", file=sys.stderr)
-
-    def _hang_up(self, number: int, frame: FrameType | None) -> None:
-        # A terminal that is closed says so more than once, a person who wants to stop at once not.
-        if not self._interrupts:
-            self._interrupt(number, frame)
-
-
-def _holds_observations(bag: Path) -> bool:
-    """Return whether a bag, which may be cut off, holds anything of an episode."""
-    files = list(bag.glob("*.mcap"))
-    try:
-        opened = Bag(bag)
-        return opened.has("episode") and len(opened.stamps_ns("episode")) > 0
-    except InputError:
-        # Cut off before anything could be read; what is larger is somebody's to repair.
-        return any(file.stat().st_size > _HEADER_BYTES for file in files)
 
 
 def known_domain(elsewhere: Collection[str]) -> int | None:

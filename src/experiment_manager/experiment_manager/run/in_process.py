@@ -1,0 +1,113 @@
+"""A whole run in one process, without nodes: the same files, bit for bit, as a graph writes."""
+
+import dataclasses
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.launch.interrupts import Interrupts
+from experiment_manager.loop import Step, make_loop
+from experiment_manager.run.config_file import Configuration
+from experiment_manager.run.episode_record import takes_pictures
+from experiment_manager.run.run_directory import Run
+from experiment_manager.run.step_messages import StepMessages
+from eye_plant.config import EyePlantConfig
+from eye_plant.episode import Episode
+from lockstep.configuration import build
+from lockstep.errors import InputError
+from lockstep.stamps import period_ns, stamp_of
+from lockstep.topics import HORIZONTAL_RECTI, TEST
+
+
+class InProcessRun:
+    """Plant, learners and recorder of one run, driven episode by episode."""
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        directory: Path,
+        interrupts: Interrupts,
+        *,
+        resume: bool,
+    ) -> None:
+        """directory: of the run, with its config.yaml; resume: go on from its newest checkpoint.
+
+        Raises InputError for whatever a node would refuse, OSError when nothing can be written.
+        """
+        manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
+        self._config = dataclasses.replace(manager, run_directory=str(directory), resume=resume)
+        plant = build(EyePlantConfig, configuration["eye_plant"])
+        self._period_ns = period_ns(plant.mechanics.period_s)
+        self._loop = make_loop(configuration)
+        names = self._loop.plant.oculomotor.muscle_names
+        self._recti = [names.index(name) for name in HORIZONTAL_RECTI]
+        self._messages = StepMessages(plant, self._loop.coder.config.n_bases)
+        self._run = Run(self._config)
+        self._loop.restore(self._run.states_to_load([*self._loop.learners]))
+        self._interrupts = interrupts
+
+    def go_on(self) -> bool:
+        """Bring the run to its end; return whether it came there, or was interrupted before.
+
+        Once interrupted, it stops after the episode under way, with a checkpoint; the second time,
+        at once. Raises InputError for numbers that no learner takes, OSError when the disk refuses.
+        """
+        run = self._run
+        while not run.is_over and not self._interrupts.count:
+            if run.checkpoint_is_due():
+                self._checkpoint()
+            self._record(run.episode())
+        if self._interrupts.count <= 1:
+            self._checkpoint()
+        if run.is_over:
+            run.finish()
+        return run.is_over
+
+    def _record(self, episode: Episode) -> None:
+        run, write = self._run, self._run.writer.write
+        stamp_of(episode.first_observation + episode.n_iterations, self._period_ns)
+        is_sampled = takes_pictures(self._config, episode)
+        for step in self._loop.run_episode(episode):
+            if self._interrupts.count > 1:
+                return
+            run.stamp_ns = step.observation.number * self._period_ns
+            if is_sampled:
+                for topic, message in self._messages.large(run.stamp_ns, step):
+                    write(topic, message, run.stamp_ns)
+            for topic, message in self._messages.small(run.stamp_ns, step):
+                write(topic, message, run.stamp_ns)
+            self._measure(episode, step)
+        run.end_episode()
+
+    def _measure(self, episode: Episode, step: Step) -> None:
+        observation, answer = step.observation, step.answer
+        truth = _finite("ground_truth", observation.ground_truth_values())
+        self._run.add_truth(truth, is_last=answer is None)
+        if episode.phase == TEST:
+            self._run.add_activations(episode, observation.state.activations[self._recti])
+        if answer is not None:
+            coded = (*answer.reconstruction_error, answer.metabolic_rate_w, answer.reward)
+            values = _finite("reward", (*coded, answer.coder_learning_steps))
+            self._run.add_reward(episode, observation.iteration, values)
+
+    def _checkpoint(self) -> None:
+        paths = self._run.state_paths([*self._loop.learners])
+        try:
+            self._loop.save(paths)
+        except InputError as error:
+            raise OSError(str(error)) from error
+        self._run.commit(paths)
+
+    def close(self) -> None:
+        """Close the bag, whole up to the last message, and release the graphics context."""
+        self._loop.plant.close()
+        self._run.close()
+
+
+def _finite(topic: str, values: Sequence[float]) -> np.ndarray:
+    array = np.array(values, dtype=np.float64)
+    if not np.isfinite(array).all():
+        raise InputError(f"{topic}: expected finite values, got {array.tolist()}")
+    return array

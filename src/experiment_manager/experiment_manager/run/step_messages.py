@@ -1,0 +1,53 @@
+"""The messages that a graph would have sent of a step of the loop, by the same functions."""
+
+from collections.abc import Iterator
+
+from experiment_manager.loop import Step
+from eye_plant.config import EyePlantConfig
+from eye_plant.messages import ObservationMessages
+from lockstep.images import ImageBytes
+from lockstep.topics import ACTOR_CRITIC_NAMES, COMMAND_NAMES, REWARD_NAMES
+from lockstep.vectors import VectorBytes
+from sparse_coder.messages import features_message
+from vergence_rl.messages import actor_critic_values
+
+_WORD_BYTES = 4
+
+
+class StepMessages:
+    """Serializes steps: (topic, message) by (topic, message)."""
+
+    def __init__(self, plant: EyePlantConfig, n_bases: int) -> None:
+        """Lay out the messages; n_bases: of each scale's dictionary."""
+        self._observation = ObservationMessages(plant)
+        self._reward = VectorBytes(REWARD_NAMES)
+        self._command = VectorBytes(COMMAND_NAMES)
+        self._actor_critic = VectorBytes(ACTOR_CRITIC_NAMES)
+        self._features = ImageBytes(features_message(n_bases))
+
+    def small(self, stamp_ns: int, step: Step) -> Iterator[tuple[str, bytes]]:
+        """Yield what is recorded of each step."""
+        yield from self._observation.vectors(stamp_ns, step.observation)
+        answer = step.answer
+        if answer is None:
+            return
+        coded = (*answer.reconstruction_error, answer.metabolic_rate_w, answer.reward)
+        yield "reward", self._reward.of(stamp_ns, (*coded, answer.coder_learning_steps))
+        yield "muscle_command", self._command.of(stamp_ns, answer.decision.command)
+        thought = actor_critic_values(answer.decision, answer.agent_learning_steps)
+        yield "actor_critic", self._actor_critic.of(stamp_ns, thought)
+
+    def large(self, stamp_ns: int, step: Step) -> Iterator[tuple[str, bytes]]:
+        """Yield what is recorded of a sample of the episodes."""
+        pictures, answer = step.observation.pictures, step.answer
+        if pictures is None or answer is None:
+            return
+        its = self._observation
+        for topic, message in (*its.pictures(stamp_ns, pictures), *its.camera_infos(stamp_ns)):
+            yield topic, _as_received(message)
+        yield "features", self._features.of(stamp_ns, answer.features)
+
+
+def _as_received(message: bytes) -> bytes:
+    """Return the message with the zeros that RTPS fills up its last word with."""
+    return message + bytes(-len(message) % _WORD_BYTES)
