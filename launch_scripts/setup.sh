@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# Set up all that the project needs, once: a Python environment in .venv with what requirements.lock names, and a
-# check that pictures can be rendered off-screen. The other scripts call this by themselves; when all is done it
-# returns at once. As root on Debian or Ubuntu it installs missing system packages with apt, elsewhere it says which.
+# Set up all that the project needs, once: a Python environment in .venv with what requirements.lock names, and the
+# OpenGL with which MuJoCo can draw off-screen, if there is one; the renderer "plane" needs none. The other scripts
+# call this by themselves; when all is done it returns at once. As root on Debian or Ubuntu it installs missing system
+# packages with apt, elsewhere it says which.
 #
 # usage: launch_scripts/setup.sh [--again]
 #   --again   make the environment again from nothing
 #
 # environment: ABV_PYTHON, the Python to use (3.11 to 3.14; default: the first that fits);
-#              MUJOCO_GL, egl or osmesa (default: the first that works)
+#              MUJOCO_GL, egl or osmesa (default: the first that works), or disable: set up without OpenGL
 set -euo pipefail
 # shellcheck source=launch_scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
@@ -80,7 +81,6 @@ PYTHON
 
 # Sets gl to the backend with which a context can be made as the renderer does it, or gl_error to why none can.
 try_gl() {
-  gl=
   local backend
   for backend in ${MUJOCO_GL:-egl osmesa}; do
     if gl_error=$(MUJOCO_GL=$backend "$python" 2>&1 -c '
@@ -95,25 +95,26 @@ mujoco.MjrContext(mujoco.MjModel.from_xml_string("<mujoco/>"), mujoco.mjtFontSca
   done
 }
 
-need_gl() {
-  fail "off-screen rendering needs a system library, EGL or OSMesa, for example:" \
-    "sudo apt install ${gl_packages[*]}${1:+ (what is there fails: $1)}"
-}
-
-require_gl_library() {
-  gl_library_loads && return
-  may_install || need_gl
-  install_packages "${gl_packages[@]}"
+# Whether the system packages could be installed; no picture of MuJoCo's is worth a set-up that fails.
+gl_gets_installed() {
+  may_install && (install_packages "${gl_packages[@]}")
 }
 
 # A library that loads may still have no driver behind it.
 choose_gl() {
-  try_gl
-  if [[ -z $gl ]] && may_install; then
-    install_packages "${gl_packages[@]}"
-    try_gl
+  gl=disable
+  if [[ ${MUJOCO_GL:-} != disable ]]; then
+    if gl_library_loads || gl_gets_installed; then
+      try_gl
+    fi
+    if [[ $gl == disable && -n ${gl_error:-} ]] && gl_gets_installed; then
+      try_gl
+    fi
   fi
-  [[ -n $gl ]] || need_gl "${gl_error##*$'\n'}"
+  if [[ $gl == disable ]]; then
+    say "no OpenGL here${gl_error:+ (${gl_error##*$'\n'})}: camera.renderer plane works without, mujoco (the default)" \
+      "needs EGL or OSMesa, for example: sudo apt install ${gl_packages[*]}"
+  fi
   printf '%s\n' "$gl" >"$venv/mujoco_gl"
 }
 
@@ -137,7 +138,7 @@ make_environment() {
 
 # Compiles what numba would compile at the first start. That start would show an error better than we can here.
 compile_numerics() {
-  "$python" -c 'import sparse_coder.coder, vergence_rl.agent' >/dev/null 2>&1 || true
+  "$python" -c 'import eye_plant.camera.ray_caster, sparse_coder.coder, vergence_rl.agent' >/dev/null 2>&1 || true
 }
 
 main() {
@@ -157,7 +158,6 @@ main() {
   export_variables
   rm -f "$venv/set_up"
   require_python
-  require_gl_library
   make_environment
   choose_gl
   compile_numerics

@@ -230,20 +230,31 @@ def test_two_at_once_set_up_once(checkout: Checkout) -> None:
     assert checkout.calls().count("python -I -m venv") == 1
 
 
-@pytest.mark.parametrize(
-    ("environment", "sentence"),
-    [
-        ({"PYTHON_FITS": "1"}, "is not a Python 3.11 to 3.14 with its venv module."),
-        ({"GL_LOADS": "1"}, "sudo apt install libegl1 libgl1 libgl1-mesa-dri"),
-        ({"GL_WORKS": "none"}, "sudo apt install libegl1 libgl1 libgl1-mesa-dri"),
-    ],
-)
-def test_what_is_missing_is_said_in_one_sentence(
-    checkout: Checkout, environment: dict[str, str], sentence: str
-) -> None:
-    stopped = checkout.start("run_experiment", **environment)
+def test_a_missing_python_is_said_in_one_sentence(checkout: Checkout) -> None:
+    stopped = checkout.start("run_experiment", PYTHON_FITS="1")
     assert stopped.returncode == 1
+    sentence = "is not a Python 3.11 to 3.14 with its venv module."
     assert sentence in stopped.stderr.splitlines()[-1]
+    assert not any(call.startswith("apt-get") for call in checkout.calls())
+
+
+@pytest.mark.parametrize("environment", [{"GL_LOADS": "1"}, {"GL_WORKS": "none"}])
+def test_a_machine_without_opengl_is_set_up_and_told(
+    checkout: Checkout, environment: dict[str, str]
+) -> None:
+    started = checkout.start("run_experiment", **environment)
+    assert started.returncode == 0, started.stderr
+    notes = [line for line in started.stderr.splitlines() if "no OpenGL here" in line]
+    assert len(notes) == 1
+    assert notes[0].endswith("sudo apt install libegl1 libgl1 libgl1-mesa-dri")
+    assert _variables(started.stdout)["MUJOCO_GL"] == "disable"
+    assert not any(call.startswith("apt-get") for call in checkout.calls())
+    assert "setup: " not in checkout.start("run_experiment").stderr
+
+
+def test_opengl_is_not_looked_for_where_the_user_wants_none(checkout: Checkout) -> None:
+    started = checkout.start("setup", MUJOCO_GL="disable", USER_ID="0", GL_LOADS="1")
+    assert started.returncode == 0
     assert not any(call.startswith("apt-get") for call in checkout.calls())
 
 

@@ -1,12 +1,10 @@
 """The scene's model, its landscape and its textures."""
 
 import numpy as np
-import pytest
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.landscape import landscape_picture
 from eye_plant.camera.scene import LANDSCAPE_GEOM, PLANE_GEOM, build_scene, build_scene_model
-from eye_plant.camera.textures import mipmap_levels
 
 EYE_HEIGHT_M = 1.7
 
@@ -46,20 +44,3 @@ def test_no_part_of_the_landscape_is_even() -> None:
     assert picture.dtype == np.uint8
     tiles = picture.reshape(10, 80, 26, 100)  # 1.2 m x 1.5 m each
     assert tiles.std(axis=(1, 3)).min() > 5.0
-
-
-@pytest.mark.parametrize(
-    ("shape", "sizes"),
-    [((8, 8), [(8, 8), (4, 4), (2, 2), (1, 1)]), ((3, 6), [(3, 6), (1, 3), (1, 1)])],
-)
-def test_mip_maps_halve_down_to_one_pixel(
-    shape: tuple[int, int], sizes: list[tuple[int, int]]
-) -> None:
-    levels = mipmap_levels(np.full(shape, 90, np.uint8))
-    assert [level.shape for level in levels] == sizes
-    assert all((level == 90).all() for level in levels)
-
-
-def test_a_mip_map_is_the_mean_of_four() -> None:
-    picture = np.array([[10, 30, 0, 0], [50, 70, 0, 8]], np.uint8)
-    np.testing.assert_array_equal(mipmap_levels(picture)[1], [[40, 2]])

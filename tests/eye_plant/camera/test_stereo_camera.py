@@ -1,4 +1,4 @@
-"""What both eyes see, against a pinhole camera worked out ray by ray."""
+"""What both eyes see, with either renderer, against a pinhole camera worked out ray by ray."""
 
 import os
 from collections.abc import Callable, Iterator
@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 
-from eye_plant.camera.config import CameraConfig
+from eye_plant.camera.config import RENDERERS, CameraConfig
 from eye_plant.camera.stereo_camera import StereoCamera
 from eye_plant.geometry import desired_vergence_deg, disparity_px
 from eye_plant.stimuli.stimulus_set import StimulusSet
@@ -56,19 +56,24 @@ def stimuli() -> StimulusSet:
     return StimulusSet((*flat, *marks), (quadrants(), noise()))
 
 
+@pytest.fixture(scope="module", params=RENDERERS)
+def plain(request: pytest.FixtureRequest) -> CameraConfig:
+    return CameraConfig(renderer=request.param)
+
+
 @pytest.fixture(scope="module")
-def camera(stimuli: StimulusSet) -> Iterator[StereoCamera]:
-    camera = StereoCamera(CameraConfig(), stimuli, EYE_HEIGHT_M)
+def camera(plain: CameraConfig, stimuli: StimulusSet) -> Iterator[StereoCamera]:
+    camera = StereoCamera(plain, stimuli, EYE_HEIGHT_M)
     yield camera
     camera.close()
 
 
 @pytest.fixture
-def make_camera(stimuli: StimulusSet) -> Iterator[Callable[..., StereoCamera]]:
+def make_camera(plain: CameraConfig, stimuli: StimulusSet) -> Iterator[Callable[..., StereoCamera]]:
     made: list[StereoCamera] = []
 
     def make(**changes: Any) -> StereoCamera:
-        made.append(StereoCamera(replace(CameraConfig(), **changes), stimuli, EYE_HEIGHT_M))
+        made.append(StereoCamera(replace(plain, **changes), stimuli, EYE_HEIGHT_M))
         return made[-1]
 
     yield make
@@ -287,6 +292,7 @@ def test_a_stimulus_of_another_kind_is_refused(stimulus: np.ndarray) -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
+        ({"renderer": "vulkan"}, r"renderer: expected mujoco or plane, got 'vulkan'"),
         ({"roi_width_px": 322}, r"roi_width_px: expected width_px, 320, or less, got 322"),
         ({"roi_height_px": 127}, r"roi_height_px: expected a multiple of 2, 2 px or more, got 127"),
         ({"focal_length_px": float("nan")}, r"focal_length_px: expected more than 0 px, got nan"),

@@ -5,6 +5,10 @@ from dataclasses import dataclass
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
 
+MUJOCO = "mujoco"
+PLANE = "plane"
+RENDERERS = (MUJOCO, PLANE)
+
 
 @dataclass(frozen=True)
 class CameraConfig:
@@ -14,6 +18,12 @@ class CameraConfig:
     one, 2 atan(120 / F). One pixel is 0.2226 deg.
     """
 
+    renderer: str = setting(
+        MUJOCO,
+        "what draws the pictures: MuJoCo's own renderer, which needs OpenGL, or a ray caster of"
+        " plane and landscape, which needs none",
+        choices=RENDERERS,
+    )
     width_px: int = setting(320, "width of each picture", "px", least=2, multiple_of=2)
     height_px: int = setting(240, "height of each picture", "px", least=2, multiple_of=2)
     focal_length_px: float = setting(257.34, "focal length of both cameras", "px", above=0)

@@ -1,8 +1,8 @@
 """An OpenGL context without a window, with or without a GPU.
 
 MuJoCo's renderer needs a current context; PyOpenGL, which comes with MuJoCo, must be loaded for the
-same backend. The environment variable MUJOCO_GL chooses egl or osmesa; without it the first of the
-two that this machine has is taken.
+same backend. The environment variable MUJOCO_GL chooses egl or osmesa; without it, or when it is
+"disable", as on a machine that had neither at set-up, the first of the two that is there is taken.
 """
 
 import ctypes
@@ -14,9 +14,11 @@ from typing import Any
 from lockstep.errors import InputError
 
 _BACKENDS = ("egl", "osmesa")
+_NONE = "disable"
 _INSTALL = (
     "install the Debian packages libegl1 and libgl1-mesa-dri (EGL), or libosmesa6 (OSMesa), "
-    "for instance: apt-get install libegl1 libgl1-mesa-dri"
+    "for instance: apt-get install libegl1 libgl1-mesa-dri; or draw without OpenGL, with "
+    "camera.renderer plane"
 )
 
 
@@ -30,7 +32,7 @@ def choose_backend() -> str:
     Raises GraphicsError when MUJOCO_GL names another one, or when the machine has none.
     """
     wanted = os.environ.get("MUJOCO_GL", "").strip().lower()
-    if wanted:
+    if wanted not in ("", _NONE):
         if wanted not in _BACKENDS:
             raise GraphicsError(f"MUJOCO_GL: expected {' or '.join(_BACKENDS)}, got {wanted}")
         return wanted

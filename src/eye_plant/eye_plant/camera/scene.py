@@ -8,13 +8,12 @@ import mujoco
 import numpy as np
 
 from eye_plant.camera.config import CameraConfig
+from eye_plant.camera.renderer import FAR_M, NEAR_M
 
 # Nearest first: what an earlier geom hides need not be shaded.
 PLANE_GEOM = 0
 LANDSCAPE_GEOM = 1
 
-_NEAR_M = 0.01
-_FAR_M = 20.0
 # Both surfaces face the eyes: their own x, a texture's right, is -y, their own y is up.
 _FACING_EYES_QUAT = (0.5, 0.5, -0.5, -0.5)
 
@@ -100,9 +99,9 @@ def set_projection(camera: mujoco.MjvGLCamera, config: CameraConfig, magnificati
     width from the picture's.
     """
     focal_length_px = config.focal_length_px * magnification
-    half_height_m = _NEAR_M * (config.height_px / 2.0) / focal_length_px
-    camera.frustum_near = _NEAR_M
-    camera.frustum_far = _FAR_M
+    half_height_m = NEAR_M * (config.height_px / 2.0) / focal_length_px
+    camera.frustum_near = NEAR_M
+    camera.frustum_far = FAR_M
     camera.frustum_bottom = -half_height_m
     camera.frustum_top = half_height_m
     camera.frustum_center = 0.0

@@ -1,24 +1,14 @@
-"""Both eyes' pictures of the scene, drawn off-screen by MuJoCo's own renderer."""
+"""Both eyes' pictures of the scene: what is checked before and done after they are drawn."""
 
 import math
 
 import cv2
-import mujoco
 import numpy as np
 
-from eye_plant.camera.config import CameraConfig
-from eye_plant.camera.framebuffer import GreyFramebuffer
-from eye_plant.camera.landscape import landscape_picture
-from eye_plant.camera.offscreen import OffscreenContext
-from eye_plant.camera.scene import (
-    LANDSCAPE_GEOM,
-    PLANE_GEOM,
-    build_scene,
-    build_scene_model,
-    set_pose,
-    set_projection,
-)
-from eye_plant.camera.textures import show_channel, upload_channels, upload_pictures
+from eye_plant.camera.config import MUJOCO, CameraConfig
+from eye_plant.camera.mujoco_renderer import MujocoRenderer
+from eye_plant.camera.plane_renderer import PlaneRenderer
+from eye_plant.camera.renderer import N_EYES, Renderer, View
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.errors import InputError
 
@@ -26,15 +16,13 @@ __all__ = ["CameraConfig", "StereoCamera"]
 
 _NEAREST_M = 0.1
 _GAP_TO_LANDSCAPE_M = 0.1
-_N_EYES = 2
 
 
 class StereoCamera:
     """Draws what two eyes see: stimulus i on the plane at a distance, the landscape behind it.
 
-    The camera owns its scene and knows nothing of muscles: it takes the eyes' poses. All stimuli
-    live in the graphics memory (one byte per pixel, doubled by smaller copies), and nothing of them
-    is kept outside it. Both eyes are drawn by one call of the renderer, side by side.
+    The camera knows nothing of muscles: it takes the eyes' poses. The renderer that the
+    configuration names draws; blur, occlusion and the region of interest are done here.
 
     Deterministic: the same arguments give the same bits on one machine. Use it from one thread.
     """
@@ -42,7 +30,7 @@ class StereoCamera:
     def __init__(
         self, config: CameraConfig, stimuli: StimulusSet, eye_height_m: float = 1.7
     ) -> None:
-        """Create the off-screen context and upload the stimuli.
+        """Give the stimuli to the renderer.
 
         stimuli: grey pictures; each is stretched over the whole plane, row 0 on top. eye_height_m:
         height of the plane's and the landscape's centres. Raises InputError for a picture of
@@ -52,22 +40,7 @@ class StereoCamera:
             _check_stimulus(i_stimulus, stimulus)
         self.n_stimuli = len(stimuli.all)
         self._config = config
-        self._eye_height_m = eye_height_m
-        self._drawn_px = _drawn_size_px(config)
-        self._viewport = mujoco.MjrRect(0, 0, _N_EYES * config.width_px, config.height_px)
-        buffer_size_px = _buffer_size_px(config, self._drawn_px)
-        self._offscreen = OffscreenContext(*buffer_size_px)
-        model = build_scene_model(config, eye_height_m, buffer_size_px)
-        self._renderer = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._renderer)
-        self._framebuffer = GreyFramebuffer(
-            self._offscreen.gl, self._renderer.offFBO, *buffer_size_px
-        )
-        self._scene = build_scene(model)
-        for camera, magnification in zip(self._scene.camera, config.magnifications, strict=True):
-            set_projection(camera, config, magnification)
-        self._upload(stimuli.all)
-        self._mask_what_is_not_drawn()
+        self._renderer = _make_renderer(config, eye_height_m, stimuli)
 
     def render(
         self,
@@ -87,7 +60,7 @@ class StereoCamera:
         i_stimulus: int,
         distance_m: float,
     ) -> None:
-        """Let the graphics hardware, or the threads that stand in for it, begin to draw.
+        """Begin to draw; a renderer may go on in other threads or in hardware.
 
         eye_positions_m (2, 3): the eyes' centres; eye_rotations (2, 3, 3): columns are the eyes'
         x (line of sight), y (left) and z (up) axes in world coordinates, so yaw, pitch and torsion
@@ -95,22 +68,17 @@ class StereoCamera:
         [0.1, 9] with the default landscape. Raises InputError, with nothing drawn, otherwise.
         """
         self.check(i_stimulus, distance_m)
-        _check_array("eye_positions_m", eye_positions_m, (_N_EYES, 3))
-        _check_array("eye_rotations", eye_rotations, (_N_EYES, 3, 3))
-        self._offscreen.make_current()
-        for i_eye in range(_N_EYES):
-            set_pose(self._scene.camera[i_eye], eye_positions_m[i_eye], eye_rotations[i_eye])
-        self._scene.geoms[PLANE_GEOM].pos = (distance_m, 0.0, self._eye_height_m)
-        self._show(i_stimulus, distance_m)
-        mujoco.mjr_render(self._viewport, self._scene, self._renderer)
-        self._offscreen.gl.glFlush()
+        _check_array("eye_positions_m", eye_positions_m, (N_EYES, 3))
+        _check_array("eye_rotations", eye_rotations, (N_EYES, 3, 3))
+        view = View(eye_positions_m, eye_rotations, (i_stimulus, i_stimulus), distance_m)
+        self._renderer.start(view)
 
     def finish(self) -> np.ndarray:
         """Return the pictures that were started, (2, roi_height, roi_width) uint8.
 
         Left first, row 0 on top; the array is the caller's own.
         """
-        return self._manipulated(self._read())
+        return self._manipulated(self._renderer.finish())
 
     def check(self, i_stimulus: int, distance_m: float) -> None:
         """Raise InputError unless stimulus i_stimulus can be shown at distance_m."""
@@ -123,89 +91,18 @@ class StereoCamera:
             )
 
     def close(self) -> None:
-        """Free the graphics memory; the camera draws no more."""
-        self._offscreen.make_current()
-        self._offscreen.gl.glDeleteTextures(
-            [*{name for t in self._textures for name in (t.full, t.reduced)}, self._landscape_name]
-        )
-        self._framebuffer.delete()
-        self._renderer.free()
-        self._offscreen.close()
+        """Release the renderer; the camera draws no more."""
+        self._renderer.close()
 
     @property
     def renderer_name(self) -> str:
-        """The device or software that draws, as OpenGL names it."""
-        return self._offscreen.renderer
-
-    def _upload(self, stimuli: tuple[np.ndarray, ...]) -> None:
-        gl = self._offscreen.gl
-        self._textures = upload_pictures(gl, stimuli)
-        self._shown: tuple[int, int] | None = None
-        landscape = landscape_picture(self._config.landscape_seed)
-        self._landscape_name = upload_channels(gl, [landscape])
-        self._renderer.texture[LANDSCAPE_GEOM] = self._landscape_name
-
-    def _show(self, i_stimulus: int, distance_m: float) -> None:
-        """Put the stimulus on the plane, at the size that suits the distance.
-
-        An eye's magnification must not touch what the other eye sees, and does not count.
-        """
-        config, texture = self._config, self._textures[i_stimulus]
-        pixel_m = distance_m / config.focal_length_px
-        name = texture.name_for(pixel_m * texture.size_px / config.plane_size_m)
-        if self._shown != (name, texture.channel):
-            show_channel(self._offscreen.gl, name, texture.channel)
-            self._renderer.texture[PLANE_GEOM] = name
-            self._shown = (name, texture.channel)
-
-    def _mask_what_is_not_drawn(self) -> None:
-        """Let the stencil buffer stop all drawing outside the region of interest, from here on.
-
-        A smaller or shifted viewport would change the rounding of texture coordinates; a stencil
-        leaves the pixels inside as they are. The renderer touches no stencil without reflections,
-        and a write mask of zero keeps it from being cleared.
-        """
-        if self._drawn_px == (self._config.width_px, self._config.height_px):
-            return
-        gl = self._offscreen.gl
-        gl.glClearStencil(0)
-        gl.glClear(gl.GL_STENCIL_BUFFER_BIT)
-        gl.glClearStencil(1)
-        gl.glEnable(gl.GL_SCISSOR_TEST)
-        for i_eye in range(_N_EYES):
-            gl.glScissor(*self._origin_px(i_eye), *self._drawn_px)
-            gl.glClear(gl.GL_STENCIL_BUFFER_BIT)
-        gl.glDisable(gl.GL_SCISSOR_TEST)
-        gl.glStencilFunc(gl.GL_EQUAL, 1, 1)
-        gl.glStencilMask(0)
-        gl.glEnable(gl.GL_STENCIL_TEST)
-
-    def _origin_px(self, i_eye: int) -> tuple[int, int]:
-        """Return where in the buffer one eye's drawn region starts, from its bottom left."""
-        width_px, height_px = self._drawn_px
-        return (
-            i_eye * self._config.width_px + (self._config.width_px - width_px) // 2,
-            (self._config.height_px - height_px) // 2,
-        )
-
-    def _read(self) -> np.ndarray:
-        """Return what was drawn, (2, height, width) of the drawn region."""
-        gl = self._offscreen.gl
-        width_px, height_px = self._drawn_px
-        left_px, bottom_px = self._origin_px(0)
-        span_px = self._origin_px(1)[0] + width_px - left_px
-        rows = np.empty((height_px, span_px), np.uint8)
-        gl.glPixelStorei(gl.GL_PACK_ALIGNMENT, 1)
-        gl.glReadPixels(
-            left_px, bottom_px, span_px, height_px, gl.GL_RED, gl.GL_UNSIGNED_BYTE, rows
-        )
-        upright = rows[::-1]  # OpenGL's row 0 is at the bottom
-        return np.stack((upright[:, :width_px], upright[:, span_px - width_px :]))
+        """The device or software that draws."""
+        return self._renderer.name
 
     def _manipulated(self, pictures: np.ndarray) -> np.ndarray:
         """Return the pictures (2, height, width) as the eyes get them: blurred, black, cropped."""
         config = self._config
-        for i_eye in range(_N_EYES):
+        for i_eye in range(N_EYES):
             if config.occlusions[i_eye]:
                 pictures[i_eye] = 0
             elif config.blurs_px[i_eye] > 0.0:
@@ -216,6 +113,13 @@ class StereoCamera:
             return pictures
         bottom, right = top + config.roi_height_px, left + config.roi_width_px
         return pictures[:, top:bottom, left:right].copy()
+
+
+def _make_renderer(config: CameraConfig, eye_height_m: float, stimuli: StimulusSet) -> Renderer:
+    drawn_px = _drawn_size_px(config)
+    if config.renderer == MUJOCO:
+        return MujocoRenderer(config, drawn_px, eye_height_m, stimuli.all)
+    return PlaneRenderer(config, drawn_px, eye_height_m, stimuli.all)
 
 
 def _check_stimulus(i_stimulus: int, stimulus: np.ndarray) -> None:
@@ -237,17 +141,6 @@ def _drawn_size_px(config: CameraConfig) -> tuple[int, int]:
     return (
         min(config.width_px, config.roi_width_px + 2 * margin_px),
         min(config.height_px, config.roi_height_px + 2 * margin_px),
-    )
-
-
-def _buffer_size_px(config: CameraConfig, drawn_px: tuple[int, int]) -> tuple[int, int]:
-    """Return width and height of the buffer: up to the right eye's region, and no further.
-
-    What lies right of it and above it can be cut off without moving a pixel.
-    """
-    return (
-        config.width_px + (config.width_px + drawn_px[0]) // 2,
-        (config.height_px + drawn_px[1]) // 2,
     )
 
 

@@ -7,13 +7,13 @@ which software draws faster than one of a single channel.
 """
 
 import itertools
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
 
-import cv2
 import numpy as np
+
+from eye_plant.camera.mipmaps import mipmap_levels, reduced, wants_reduced
 
 _N_CHANNELS = 4
 
@@ -22,10 +22,7 @@ _N_CHANNELS = 4
 class GreyTexture:
     """One picture in a channel of two mip-mapped textures, the second smaller by sqrt(2).
 
-    full, reduced: their OpenGL names; size_px: the longer side of the first; channel: 0 to 3. Of
-    their levels, half an octave apart, one serves a whole picture: a third cheaper to draw than a
-    mixture of the two nearest levels of one texture, pixel by pixel, and as sharp everywhere and in
-    both eyes.
+    full, reduced: their OpenGL names; size_px: the longer side of the first; channel: 0 to 3.
     """
 
     full: int
@@ -35,8 +32,7 @@ class GreyTexture:
 
     def name_for(self, texels_per_pixel: float) -> int:
         """Return the texture with the level nearest to so many texels (of full) in a pixel."""
-        octave = math.log2(texels_per_pixel)
-        return self.reduced if octave > 0.25 and 0.25 <= octave % 1.0 < 0.75 else self.full
+        return self.reduced if wants_reduced(texels_per_pixel) else self.full
 
 
 def upload_pictures(gl: ModuleType, pictures: Sequence[np.ndarray]) -> list[GreyTexture]:
@@ -48,7 +44,7 @@ def upload_pictures(gl: ModuleType, pictures: Sequence[np.ndarray]) -> list[Grey
         for start in range(0, len(alike), _N_CHANNELS):
             group = alike[start : start + _N_CHANNELS]
             full = [pictures[i] for i in group]
-            names = upload_channels(gl, full), upload_channels(gl, [_reduced(p) for p in full])
+            names = upload_channels(gl, full), upload_channels(gl, [reduced(p) for p in full])
             for channel, i in enumerate(group):
                 uploaded[i] = GreyTexture(*names, max(shape), channel)
     return [uploaded[i] for i in range(len(pictures))]
@@ -97,23 +93,3 @@ def upload_channels(gl: ModuleType, pictures: Sequence[np.ndarray]) -> int:
             texels,
         )
     return name
-
-
-def _reduced(picture: np.ndarray) -> np.ndarray:
-    height_px, width_px = (max(1, round(side / math.sqrt(2.0))) for side in picture.shape)
-    reduced = cv2.resize(picture, (width_px, height_px), interpolation=cv2.INTER_AREA)
-    return reduced.reshape(height_px, width_px)
-
-
-def mipmap_levels(picture: np.ndarray) -> list[np.ndarray]:
-    """Return picture (height, width) uint8 and its successive halves down to one pixel.
-
-    Sizes are floor(size / 2), at least 1, as OpenGL wants them.
-    """
-    levels = [picture]
-    while max(levels[-1].shape) > 1:
-        height_px, width_px = levels[-1].shape
-        size_px = (max(1, width_px // 2), max(1, height_px // 2))
-        half = cv2.resize(levels[-1], size_px, interpolation=cv2.INTER_AREA)
-        levels.append(half.reshape(size_px[1], size_px[0]))
-    return levels

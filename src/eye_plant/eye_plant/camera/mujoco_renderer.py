@@ -1,0 +1,178 @@
+"""Both eyes' pictures by MuJoCo's own renderer, which draws with OpenGL, off-screen."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from eye_plant.camera.config import CameraConfig
+from eye_plant.camera.framebuffer import GreyFramebuffer
+from eye_plant.camera.landscape import landscape_picture
+from eye_plant.camera.offscreen import OffscreenContext
+from eye_plant.camera.renderer import N_EYES, View
+from eye_plant.camera.scene import (
+    LANDSCAPE_GEOM,
+    PLANE_GEOM,
+    build_scene,
+    build_scene_model,
+    set_pose,
+    set_projection,
+)
+from eye_plant.camera.textures import show_channel, upload_channels, upload_pictures
+
+
+class MujocoRenderer:
+    """Draws a scene of MuJoCo's, both eyes by one call, side by side.
+
+    All stimuli live in the graphics memory (one byte per pixel, doubled by smaller copies), and
+    nothing of them is kept outside it. Use it from one thread.
+    """
+
+    def __init__(
+        self,
+        config: CameraConfig,
+        drawn_px: tuple[int, int],
+        eye_height_m: float,
+        stimuli: Sequence[np.ndarray],
+    ) -> None:
+        """Create the off-screen context and upload the stimuli.
+
+        drawn_px: width and height of the part to draw; the rest as StereoCamera takes it. Raises
+        GraphicsError when this machine cannot draw.
+        """
+        self._config = config
+        self._eye_height_m = eye_height_m
+        self._drawn_px = drawn_px
+        self._viewport = mujoco.MjrRect(0, 0, N_EYES * config.width_px, config.height_px)
+        buffer_size_px = _buffer_size_px(config, drawn_px)
+        self._offscreen = OffscreenContext(*buffer_size_px)
+        model = build_scene_model(config, eye_height_m, buffer_size_px)
+        self._renderer = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._renderer)
+        self._framebuffer = GreyFramebuffer(
+            self._offscreen.gl, self._renderer.offFBO, *buffer_size_px
+        )
+        self._scene = build_scene(model)
+        for camera, magnification in zip(self._scene.camera, config.magnifications, strict=True):
+            set_projection(camera, config, magnification)
+        self._upload(stimuli)
+        self._left_pictures: np.ndarray | None = None
+        self._mask_what_is_not_drawn()
+
+    @property
+    def name(self) -> str:
+        """The device or software that draws, as OpenGL names it."""
+        return self._offscreen.renderer
+
+    def start(self, view: View) -> None:
+        """Let the graphics hardware, or the threads that stand in for it, begin to draw."""
+        self._offscreen.make_current()
+        for i_eye in range(N_EYES):
+            set_pose(
+                self._scene.camera[i_eye], view.eye_positions_m[i_eye], view.eye_rotations[i_eye]
+            )
+        self._scene.geoms[PLANE_GEOM].pos = (view.distance_m, 0.0, self._eye_height_m)
+        left, right = view.i_stimuli
+        self._left_pictures = None
+        if left != right:  # one call draws both eyes with one stimulus: draw twice
+            self._draw(left, view.distance_m)
+            self._left_pictures = self._read()
+        self._draw(right, view.distance_m)
+        self._offscreen.gl.glFlush()
+
+    def finish(self) -> np.ndarray:
+        """Return what was started, (2, height, width) uint8."""
+        pictures = self._read()
+        if self._left_pictures is not None:
+            pictures[0] = self._left_pictures[0]
+        return pictures
+
+    def close(self) -> None:
+        """Free the graphics memory."""
+        self._offscreen.make_current()
+        self._offscreen.gl.glDeleteTextures(
+            [*{name for t in self._textures for name in (t.full, t.reduced)}, self._landscape_name]
+        )
+        self._framebuffer.delete()
+        self._renderer.free()
+        self._offscreen.close()
+
+    def _upload(self, stimuli: Sequence[np.ndarray]) -> None:
+        gl = self._offscreen.gl
+        self._textures = upload_pictures(gl, stimuli)
+        self._shown: tuple[int, int] | None = None
+        landscape = landscape_picture(self._config.landscape_seed)
+        self._landscape_name = upload_channels(gl, [landscape])
+        self._renderer.texture[LANDSCAPE_GEOM] = self._landscape_name
+
+    def _draw(self, i_stimulus: int, distance_m: float) -> None:
+        self._show(i_stimulus, distance_m)
+        mujoco.mjr_render(self._viewport, self._scene, self._renderer)
+
+    def _show(self, i_stimulus: int, distance_m: float) -> None:
+        """Put the stimulus on the plane, at the size that suits the distance.
+
+        An eye's magnification must not touch what the other eye sees, and does not count.
+        """
+        config, texture = self._config, self._textures[i_stimulus]
+        pixel_m = distance_m / config.focal_length_px
+        name = texture.name_for(pixel_m * texture.size_px / config.plane_size_m)
+        if self._shown != (name, texture.channel):
+            show_channel(self._offscreen.gl, name, texture.channel)
+            self._renderer.texture[PLANE_GEOM] = name
+            self._shown = (name, texture.channel)
+
+    def _mask_what_is_not_drawn(self) -> None:
+        """Let the stencil buffer stop all drawing outside the region of interest, from here on.
+
+        A smaller or shifted viewport would change the rounding of texture coordinates; a stencil
+        leaves the pixels inside as they are. The renderer touches no stencil without reflections,
+        and a write mask of zero keeps it from being cleared.
+        """
+        if self._drawn_px == (self._config.width_px, self._config.height_px):
+            return
+        gl = self._offscreen.gl
+        gl.glClearStencil(0)
+        gl.glClear(gl.GL_STENCIL_BUFFER_BIT)
+        gl.glClearStencil(1)
+        gl.glEnable(gl.GL_SCISSOR_TEST)
+        for i_eye in range(N_EYES):
+            gl.glScissor(*self._origin_px(i_eye), *self._drawn_px)
+            gl.glClear(gl.GL_STENCIL_BUFFER_BIT)
+        gl.glDisable(gl.GL_SCISSOR_TEST)
+        gl.glStencilFunc(gl.GL_EQUAL, 1, 1)
+        gl.glStencilMask(0)
+        gl.glEnable(gl.GL_STENCIL_TEST)
+
+    def _origin_px(self, i_eye: int) -> tuple[int, int]:
+        """Return where in the buffer one eye's drawn region starts, from its bottom left."""
+        width_px, height_px = self._drawn_px
+        return (
+            i_eye * self._config.width_px + (self._config.width_px - width_px) // 2,
+            (self._config.height_px - height_px) // 2,
+        )
+
+    def _read(self) -> np.ndarray:
+        """Return what was drawn, (2, height, width) of the drawn region."""
+        gl = self._offscreen.gl
+        width_px, height_px = self._drawn_px
+        left_px, bottom_px = self._origin_px(0)
+        span_px = self._origin_px(1)[0] + width_px - left_px
+        rows = np.empty((height_px, span_px), np.uint8)
+        gl.glPixelStorei(gl.GL_PACK_ALIGNMENT, 1)
+        gl.glReadPixels(
+            left_px, bottom_px, span_px, height_px, gl.GL_RED, gl.GL_UNSIGNED_BYTE, rows
+        )
+        upright = rows[::-1]  # OpenGL's row 0 is at the bottom
+        return np.stack((upright[:, :width_px], upright[:, span_px - width_px :]))
+
+
+def _buffer_size_px(config: CameraConfig, drawn_px: tuple[int, int]) -> tuple[int, int]:
+    """Return width and height of the buffer: up to the right eye's region, and no further.
+
+    What lies right of it and above it can be cut off without moving a pixel.
+    """
+    return (
+        config.width_px + (config.width_px + drawn_px[0]) // 2,
+        (config.height_px + drawn_px[1]) // 2,
+    )

@@ -1,0 +1,136 @@
+"""Both eyes' pictures by casting one ray per pixel: without OpenGL, on one core."""
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from eye_plant.camera.config import CameraConfig
+from eye_plant.camera.landscape import landscape_picture
+from eye_plant.camera.mipmaps import mipmap_levels, reduced, wants_reduced
+from eye_plant.camera.ray_caster import cast_rays, find_homography
+from eye_plant.camera.renderer import FAR_M, N_EYES, NEAR_M, View
+
+
+@dataclass(frozen=True)
+class Texture:
+    """All levels of one picture.
+
+    texels: one level after the other, row by row; levels (n_levels, 3): each one's offset in
+    texels, height and width. Read only.
+    """
+
+    texels: np.ndarray
+    levels: np.ndarray
+
+
+class PlaneRenderer:
+    """Casts rays at the plane and at the landscape behind it; draws as MuJoCo's renderer does.
+
+    Within one grey level of it on software OpenGL, but for the pixels on the plane's outline and
+    where two mip-map levels meet.
+    """
+
+    def __init__(
+        self,
+        config: CameraConfig,
+        drawn_px: tuple[int, int],
+        eye_height_m: float,
+        stimuli: Sequence[np.ndarray],
+    ) -> None:
+        """drawn_px: width and height of the part to draw; the rest as StereoCamera takes it."""
+        self._config = config
+        self._drawn_px = drawn_px
+        self._eye_height_m = eye_height_m
+        self._sizes_px = [max(stimulus.shape) for stimulus in stimuli]
+        # OpenCV lets other threads run while it reduces.
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            self._full = list(pool.map(_texture, stimuli))
+            self._reduced = list(pool.map(lambda stimulus: _texture(reduced(stimulus)), stimuli))
+        self._landscape = _texture(landscape_picture(config.landscape_seed))
+        self._pictures = self._empty()
+
+    @property
+    def name(self) -> str:
+        """What draws."""
+        return "ray caster of the plane"
+
+    def start(self, view: View) -> None:
+        """Draw the view."""
+        self._pictures = self._empty()
+        for i_eye in range(N_EYES):
+            self._draw(i_eye, view)
+
+    def finish(self) -> np.ndarray:
+        """Return what was drawn, (2, height, width) uint8."""
+        return self._pictures
+
+    def close(self) -> None:
+        """Forget the stimuli."""
+        self._full, self._reduced = [], []
+
+    def _empty(self) -> np.ndarray:
+        width_px, height_px = self._drawn_px
+        return np.empty((N_EYES, height_px, width_px), np.uint8)
+
+    def _draw(self, i_eye: int, view: View) -> None:
+        config = self._config
+        position_m = view.eye_positions_m[i_eye]
+        focal_length_px = config.focal_length_px * config.magnifications[i_eye]
+        intrinsics_px = np.array(
+            [focal_length_px, (config.width_px - 1) / 2.0, (config.height_px - 1) / 2.0]
+        )
+        rectangles_m = self._rectangles_m(view.distance_m)
+        homographies = np.empty((len(rectangles_m), 3, 3))
+        for rectangle_m, homography in zip(rectangles_m, homographies, strict=True):
+            find_homography(
+                position_m, view.eye_rotations[i_eye], rectangle_m, intrinsics_px, homography
+            )
+        # A ray's depth along the line of sight is F, its step along x is w.
+        ahead_m = rectangles_m[:, :1] - position_m[0]
+        limits_w = ahead_m * focal_length_px / np.array([FAR_M, NEAR_M])
+        plane = self._texture(view.i_stimuli[i_eye], view.distance_m)
+        width_px, height_px = self._drawn_px
+        cast_rays(
+            self._pictures[i_eye],
+            ((config.width_px - width_px) // 2, (config.height_px - height_px) // 2),
+            homographies,
+            limits_w,
+            ((plane.texels, plane.levels), (self._landscape.texels, self._landscape.levels)),
+        )
+
+    def _rectangles_m(self, distance_m: float) -> np.ndarray:
+        """Return distance, height of the centre, width and height of plane and landscape."""
+        config = self._config
+        return np.array(
+            [
+                [distance_m, self._eye_height_m, config.plane_size_m, config.plane_size_m],
+                [
+                    config.landscape_distance_m,
+                    self._eye_height_m,
+                    config.landscape_width_m,
+                    config.landscape_height_m,
+                ],
+            ]
+        )
+
+    def _texture(self, i_stimulus: int, distance_m: float) -> Texture:
+        """Return the stimulus at the size that suits the distance; magnification does not count."""
+        config = self._config
+        pixel_m = distance_m / config.focal_length_px
+        texels_per_pixel = pixel_m * self._sizes_px[i_stimulus] / config.plane_size_m
+        return (self._reduced if wants_reduced(texels_per_pixel) else self._full)[i_stimulus]
+
+
+def _texture(picture: np.ndarray) -> Texture:
+    """Return picture (height, width) uint8 with all its mip-map levels."""
+    pictures = mipmap_levels(picture)
+    texels = np.concatenate([level.ravel() for level in pictures])
+    offsets = np.cumsum([0, *(level.size for level in pictures[:-1])])
+    sizes = [level.shape for level in pictures]
+    levels = np.column_stack((offsets, sizes)).astype(np.int64)
+    for array in (texels, levels):
+        array.setflags(write=False)
+    return Texture(texels, levels)

@@ -1,0 +1,53 @@
+"""What draws for a StereoCamera: given a view, both eyes' pictures of the plane and the landscape.
+
+A renderer knows neither blur nor occlusion nor regions of interest: those are the camera's, and the
+same with every renderer.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+N_EYES = 2
+# Depth along an eye's line of sight between which surfaces are drawn.
+NEAR_M = 0.01
+FAR_M = 20.0
+
+
+@dataclass(frozen=True)
+class View:
+    """Where the eyes are and what is on the plane.
+
+    eye_positions_m (2, 3), eye_rotations (2, 3, 3): as StereoCamera.start takes them; i_stimuli:
+    of the left and the right eye's plane; distance_m: of the plane from x = 0.
+    """
+
+    eye_positions_m: np.ndarray
+    eye_rotations: np.ndarray
+    i_stimuli: tuple[int, int]
+    distance_m: float
+
+
+class Renderer(Protocol):
+    """Draws the central part of both eyes' pictures, of the size that it was made with.
+
+    The same view gives the same bits on one machine, whatever was drawn before, and the same
+    pixels in a smaller part.
+    """
+
+    @property
+    def name(self) -> str:
+        """What draws: a device or a piece of software."""
+
+    def start(self, view: View) -> None:
+        """Begin to draw a view that the camera has checked."""
+
+    def finish(self) -> np.ndarray:
+        """Return what was started, (2, height, width) uint8, left first, row 0 on top.
+
+        The array is the caller's own.
+        """
+
+    def close(self) -> None:
+        """Release what drawing needs."""
