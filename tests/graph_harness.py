@@ -1,8 +1,6 @@
 """Whole graphs as processes, in a configuration small enough for tests, and what they recorded."""
 
-import os
 import subprocess
-import sys
 import threading
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -13,28 +11,16 @@ from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.launch.command_line import arguments
 from experiment_manager.launch.configuration import configuration_of
-from experiment_manager.loop import InProcessLoop, Step
+from experiment_manager.loop import Step, make_loop
 from experiment_manager.protocol import make_protocol
 from experiment_manager.run.config_file import configuration_text, read_configuration
-from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
-from eye_plant.plant import EyePlant
 from lockstep.configuration import build
 from lockstep.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
-from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
+from tests.supervisor import PATIENCE_S, environment
 
-# Generous: the machine may have ten times the work that it can do.
-PATIENCE_S = 300.0
 SCRIPTS = Path(__file__).parents[1] / "launch_scripts"
 SMALL_VECTORS = (*PLANT_VECTORS, *CODER_VECTORS, *LEARNER_VECTORS)
-
-
-def environment() -> dict[str, str]:
-    """Return the environment of a graph: the user's domain is none of its business."""
-    return {k: v for k, v in os.environ.items() if k != "ROS_DOMAIN_ID"}
 
 
 def small_run(pictures: Path, n_iterations: int = 200, *more: str) -> list[str]:
@@ -47,6 +33,7 @@ def small_run(pictures: Path, n_iterations: int = 200, *more: str) -> list[str]:
         "experiment_manager.pictures_every_n_trials=3",
         *more,
     )
+    chosen = dict(setting.split("=", 1) for setting in settings)  # of two the last one
     return [
         "--profile",
         "paper",
@@ -58,30 +45,8 @@ def small_run(pictures: Path, n_iterations: int = 200, *more: str) -> list[str]:
         "1",
         "--stimuli",
         str(pictures),
-        *(word for setting in settings for word in ("--set", setting)),
+        *(word for name, value in chosen.items() for word in ("--set", f"{name}={value}")),
     ]
-
-
-def supervisor(line: Sequence[str], **variables: str) -> "subprocess.Popen[str]":
-    """Start a supervisor; its output is one stream. variables: more of its environment."""
-    return subprocess.Popen(
-        [sys.executable, "-m", "experiment_manager.commands.run_experiment", *line],
-        env=environment() | variables,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
-
-
-def finished(process: "subprocess.Popen[str]", code: int = 0) -> str:
-    """Wait for the end of a process with that exit code; return what it printed."""
-    try:
-        output, _ = process.communicate(timeout=PATIENCE_S)
-    finally:
-        process.kill()
-    assert process.returncode == code, f"exit code {process.returncode}:\n{output}"
-    return output
 
 
 def write_configuration(path: Path, line: Sequence[str]) -> None:
@@ -153,12 +118,8 @@ class OracleRun:
         configuration = read_configuration(config_file)
         manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
         self.protocol = make_protocol(manager)
-        self.coder = SparseCoder(build(SparseCoderConfig, configuration["sparse_coder"]))
-        self.agent = Agent(build(VergenceRlConfig, configuration["vergence_rl"]))
-        self.plant = EyePlant(build(EyePlantConfig, configuration["eye_plant"]))
-        self._loop = InProcessLoop(
-            self.plant, self.coder, self.agent, manager.metabolic_cost_weight
-        )
+        self._loop = make_loop(configuration)
+        self.plant, self.coder, self.agent = self._loop.plant, self._loop.coder, self._loop.agent
 
     def steps(self) -> Iterator[tuple[Episode, Step]]:
         """Yield all steps of all episodes; pictures are valid until the next step."""

@@ -4,10 +4,8 @@ The listener reads /diagnostics, one message a second from each node, and so dis
 """
 
 import contextlib
-import os
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -23,6 +21,7 @@ from experiment_manager.launch.domains import own_domain
 from lockstep.diagnostics import TOPIC
 from lockstep.qos import LOCKSTEP_QOS
 from tests.benchmark.samples import Sample
+from tests.supervisor import start_supervisor
 
 # It answers each iteration once, so its count is the count of iterations.
 _COUNTING_NODE = "vergence_rl"
@@ -127,19 +126,11 @@ def supervised_run(arguments: list[str], directory: Path) -> Iterator[MeasuredGr
 
     What it says goes to a file beside the directory.
     """
-    with own_domain() as domain, directory.with_suffix(".log").open("wb") as log:
-        command = [
-            sys.executable,
-            "-m",
-            "experiment_manager.commands.run_experiment",
-            "--out",
-            str(directory),
-        ]
-        process = subprocess.Popen(
-            [*command, *arguments],
-            env=os.environ | {"ROS_DOMAIN_ID": str(domain)},
-            stdout=log,
-            stderr=log,
+    with own_domain() as domain, directory.with_suffix(".log").open("w") as log:
+        process = start_supervisor(
+            ["--out", str(directory), *arguments],
+            variables={"ROS_DOMAIN_ID": str(domain)},
+            output=log,
         )
         graph = MeasuredGraph(domain, lambda: _children(process.pid))
         try:

@@ -2,21 +2,18 @@
 
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from experiment_manager.loop import InProcessLoop, Step
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.loop import Step, make_loop
 from experiment_manager.protocol import make_protocol
-from experiment_manager.run.config_file import CONFIG_CLASSES, Configuration
+from experiment_manager.run.config_file import Configuration
 from eye_plant.observation import Observation
-from eye_plant.plant import EyePlant
 from lockstep.configuration import build
-from lockstep.topics import TRAINING
-from sparse_coder.coder import SparseCoder
-from vergence_rl.agent import Agent
 
 STAGES = ("physics", "rendering", "encoding", "dictionary_step", "actor_critic", "episode_start")
 
@@ -34,26 +31,14 @@ class TimedLoop:
 
     def __init__(self, configuration: Configuration) -> None:
         """Set up plant, coder and agent, and attach the stopwatches."""
-        configs: dict[str, Any] = {
-            node: build(config_class, configuration[node])
-            for node, config_class in CONFIG_CLASSES.items()
-        }
-        self.plant = EyePlant(configs["eye_plant"])
-        self.coder = SparseCoder(configs["sparse_coder"])
-        self._agent = Agent(configs["vergence_rl"])
-        weight = configs["sparse_coder"].metabolic_cost_weight
-        self._loop = InProcessLoop(self.plant, self.coder, self._agent, weight)
-        self._protocol = make_protocol(configs["experiment_manager"])
-        self._places = self._training_places()
+        self._loop = make_loop(configuration)
+        self.plant, self.coder = self._loop.plant, self._loop.coder
+        manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
+        self._episodes = make_protocol(manager).training_episodes()
         self._durations_s: dict[str, list[float]] = defaultdict(list)
         self._physics_s = 0.0
         self.pictures: list[np.ndarray] = []
         self._attach()
-
-    def _training_places(self) -> Iterator[int]:
-        for segment in self._protocol.segments:
-            if segment.i_test < 0:
-                yield from range(segment.first, segment.first + segment.n_episodes)
 
     def _attach(self) -> None:
         oculomotor = self.plant.oculomotor
@@ -62,7 +47,7 @@ class TimedLoop:
         for owner, name, stage in (
             (self.coder, "encode", "encoding"),
             (self.coder, "learn", "dictionary_step"),
-            (self._agent, "observe", "actor_critic"),
+            (self._loop.agent, "observe", "actor_critic"),
             (self.plant, "begin", "episode_start"),
         ):
             setattr(owner, name, self._timed(getattr(owner, name), stage))
@@ -102,9 +87,7 @@ class TimedLoop:
         self._durations_s.clear()
         start_s, n_iterations = time.perf_counter(), 0
         while (elapsed_s := time.perf_counter() - start_s) < duration_s:
-            episode = self._protocol.episode(next(self._places))
-            assert episode.phase == TRAINING
-            steps: list[Step] = list(self._loop.run_episode(episode))
+            steps: list[Step] = list(self._loop.run_episode(next(self._episodes)))
             n_iterations += len(steps) - 1
             pictures = steps[0].observation.pictures
             assert pictures is not None

@@ -1,9 +1,6 @@
 """Serialized messages of the graph's topics, and bags of them, for the tests of this package."""
 
 import math
-import os
-import subprocess
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,6 +12,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from experiment_manager.bag.writer import BagWriter
 from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES
+from tests.supervisor import finished, start_supervisor
 
 VECTOR = "sensor_msgs/msg/JointState"
 IMAGE = "sensor_msgs/msg/Image"
@@ -288,17 +286,9 @@ def small_run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
         "eye_plant.stimuli.size_px": str(STIMULUS_PX),
         "vergence_rl.output_initial_width": "0.1",
     }
-    line = [
-        sys.executable,
-        "-m",
-        "experiment_manager.commands.run_experiment",
-        "--out",
-        str(directory),
-    ]
+    line = ["--out", str(directory)]
     line += ["--iterations", "60", "--tests", "0,30", "--stimuli", str(pictures)]
     for name, value in settings.items():
         line += ["--set", f"{name}={value}"]
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
-    done = subprocess.run(line, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    finished(start_supervisor(line))
     return directory

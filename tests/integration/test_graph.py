@@ -21,14 +21,8 @@ from lockstep.topics import (
     REWARD_NAMES,
     TOPIC_TYPES,
 )
-from tests.graph_harness import (
-    OracleRun,
-    finished,
-    small_run,
-    stacked,
-    supervisor,
-    vectors,
-)
+from tests.graph_harness import OracleRun, small_run, stacked, vectors
+from tests.supervisor import finished, start_supervisor
 
 N_TRAINING, N_TRIALS = 200, 8
 N_ANSWERED = N_TRAINING + 20 * N_TRIALS
@@ -40,7 +34,7 @@ def run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
     """Return the directory of a finished run of model M_C."""
     directory = tmp_path_factory.mktemp("graph") / "run"
     line = small_run(pictures, N_TRAINING)
-    finished(supervisor([*line, "--model", "M_C", "--out", str(directory)]))
+    finished(start_supervisor([*line, "--model", "M_C", "--out", str(directory)]))
     return directory
 
 
@@ -167,7 +161,7 @@ def test_the_bag_carries_its_configuration(run: Path) -> None:
 
 def test_a_directory_that_holds_a_run_is_refused(run: Path, pictures: Path) -> None:
     before = sorted(run.rglob("*"))
-    output = finished(supervisor([*small_run(pictures), "--out", str(run)]), code=2)
+    output = finished(start_supervisor([*small_run(pictures), "--out", str(run)]), code=2)
     assert output.count("error: ") == 1
     assert f"{run}: expected a new or empty directory, it already holds something" in output
     assert sorted(run.rglob("*")) == before
@@ -176,7 +170,7 @@ def test_a_directory_that_holds_a_run_is_refused(run: Path, pictures: Path) -> N
 def test_resuming_a_finished_run_changes_nothing_but_says_its_results(run: Path) -> None:
     before = vectors(run)["ground_truth"].position.tobytes()
     results = (run / "results.json").read_text()
-    output = finished(supervisor(["--resume", str(run)]))
+    output = finished(start_supervisor(["--resume", str(run)]))
     assert f"results: {run / 'results.json'}" in output
     assert vectors(run)["ground_truth"].position.tobytes() == before
     assert (run / "results.json").read_text() == results

@@ -7,10 +7,11 @@ from rclpy.node import Node
 from lockstep.qos import QUEUE_DEPTH
 from lockstep.topics import REWARD_NAMES
 from lockstep.vectors import VectorPublisher
-from tests.graph_harness import finished, small_run, supervisor, write_configuration
+from tests.graph_harness import small_run, write_configuration
 from tests.node_harness import ros_graph
 from tests.stress.hostile_graph import NODES, FuzzedGraph
 from tests.stress.hostile_input import LARGEST_BYTES, Hostility
+from tests.supervisor import finished, start_supervisor
 
 SMALL_LEARNERS = ("sparse_coder.n_bases=32", "vergence_rl.n_features=64")
 
@@ -50,9 +51,9 @@ def test_what_is_thrown_is_a_function_of_the_seed() -> None:
 def test_a_second_publisher_ends_the_run_with_one_error(tmp_path: Path, pictures: Path) -> None:
     with ros_graph() as graph:
         # Long enough to still go on when the other one has been discovered, however late.
-        run = supervisor(
+        run = start_supervisor(
             [*small_run(pictures, 1_000_000, *SMALL_LEARNERS), "--out", str(tmp_path / "run")],
-            ROS_DOMAIN_ID=str(graph.domain),
+            variables={"ROS_DOMAIN_ID": str(graph.domain)},
         )
         # Who is there before is refused; this one comes when the run has begun.
         assert run.stdout is not None

@@ -17,14 +17,13 @@ from lockstep.vectors import VectorPublisher, vector_message
 from tests.graph_harness import (
     NodeProcess,
     OracleRun,
-    finished,
     small_run,
     stacked,
-    supervisor,
     vectors,
     write_configuration,
 )
 from tests.node_harness import Graph, ros_graph
+from tests.supervisor import finished, start_supervisor
 
 N_TRAINING = 20
 Start = Callable[..., NodeProcess]
@@ -120,7 +119,7 @@ def test_a_foreign_node_needs_only_its_topics(graph: Graph, start: Start, tmp_pa
     assert set(activations.column("right_medial_rectus")[after_first]) == {0.04}
     # Without a checkpoint there is nothing to go on from; what was recorded stays.
     (run / "config.yaml").write_bytes((tmp_path / "config.yaml").read_bytes())
-    assert "error: " in finished(supervisor(["--resume", str(run)]), code=2)
+    assert "error: " in finished(start_supervisor(["--resume", str(run)]), code=2)
     assert vectors(run)["ground_truth"].stamps_ns.tolist() == (
         tables["ground_truth"].stamps_ns.tolist()
     )

@@ -15,14 +15,13 @@ from experiment_manager.bag.reader import Bag
 from tests.graph_harness import (
     PATIENCE_S,
     OracleRun,
-    finished,
     small_run,
     stacked,
-    supervisor,
     vectors,
     write_configuration,
 )
 from tests.stress.supervised_run import SupervisedRun, is_intact, stamp_faults
+from tests.supervisor import finished, start_supervisor
 
 N_TRAINING = 200
 SETTINGS = (
@@ -168,7 +167,7 @@ def test_no_graphics(line: list[str], tmp_path: Path) -> None:
     # An EGL without any driver, whatever is installed.
     variables = {"MUJOCO_GL": "egl", "__EGL_VENDOR_LIBRARY_FILENAMES": "/nowhere.json"}
     run = tmp_path / "run"
-    output = finished(supervisor([*line, "--out", str(run)], **variables), code=2)
+    output = finished(start_supervisor([*line, "--out", str(run)], variables=variables), code=2)
     assert output.count("error: ") == 1, output
     assert "fault: " not in output
     assert "apt-get install libegl1 libgl1-mesa-dri" in output
@@ -245,7 +244,7 @@ def test_a_terminal_that_is_closed_and_a_reader_that_leaves(
     n_recorded = len(vectors(directory)["muscle_command"].stamps_ns)
     assert 0 < n_recorded < len(commands)
     # And one that speaks to a pipe, whose reader leaves at once.
-    resumed = supervisor(["--resume", str(directory)])
+    resumed = start_supervisor(["--resume", str(directory)])
     assert resumed.stdout is not None
     resumed.stdout.close()
     try:

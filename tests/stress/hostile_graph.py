@@ -18,23 +18,17 @@ from sensor_msgs.msg import Image, JointState
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.launch.domains import own_domain
 from experiment_manager.launch.processes import MANAGER, PACKAGES, NodeProcesses
-from experiment_manager.loop import InProcessLoop
+from experiment_manager.loop import make_loop
 from experiment_manager.protocol import make_protocol
 from experiment_manager.run.config_file import read_configuration
-from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
-from eye_plant.plant import EyePlant
 from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.qos import LOCKSTEP_QOS
 from lockstep.requests import RequestClient, service_name
 from lockstep.stamps import period_ns, to_ns
 from lockstep.state_file import read_state
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
 from tests.stress.hostile_input import IMAGE_TOPICS, VECTOR_NAMES, Hostility
-from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
 
 NODES = tuple(package for package in PACKAGES if package != MANAGER)
 _RUN = "fuzzed"
@@ -130,7 +124,6 @@ class FuzzedGraph:
         configuration = read_configuration(config_file)
         manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
         self._configuration = configuration
-        self._weight = manager.metabolic_cost_weight
         self._protocol = make_protocol(manager)
         self._period_ns = period_ns(manager.mechanics.period_s)
         self._hostility = Hostility(seed, self._period_ns)
@@ -167,11 +160,7 @@ class FuzzedGraph:
 
     def _compare(self, n_episodes: int, rows: dict[str, Rows], logs: Path) -> tuple[list[str], int]:
         """Return what differs from the same episodes in one process, and how much was compared."""
-        values = self._configuration
-        plant = EyePlant(build(EyePlantConfig, values["eye_plant"]))
-        coder = SparseCoder(build(SparseCoderConfig, values["sparse_coder"]))
-        agent = Agent(build(VergenceRlConfig, values["vergence_rl"]))
-        loop = InProcessLoop(plant, coder, agent, self._weight)
+        loop = make_loop(self._configuration)
         expected: dict[str, Rows] = {"ground_truth": {}, "actor_critic": {}}
         for episode in self._protocol_episodes(n_episodes):
             for step in loop.run_episode(episode):
@@ -186,9 +175,9 @@ class FuzzedGraph:
                         decision.actor_learning_rate,
                         decision.critic_learning_rate,
                         *decision.action.tolist(),
-                        agent.learning_steps,
+                        loop.agent.learning_steps,
                     )
-        plant.close()
+        loop.plant.close()
         found = [
             f"{topic} at {stamp_ns} ns: {rows[topic].get(stamp_ns)} instead of {row}"
             for topic, wanted in expected.items()
@@ -196,7 +185,7 @@ class FuzzedGraph:
             if not _equal(rows[topic].get(stamp_ns), row)
         ]
         n_compared = sum(len(row) for wanted in expected.values() for row in wanted.values())
-        for name, learner in (("sparse_coder", coder), ("vergence_rl", agent)):
+        for name, learner in (("sparse_coder", loop.coder), ("vergence_rl", loop.agent)):
             state = read_state(logs / f"{name}.npz", name)
             for key, array in learner.state().items():
                 n_compared += array.size

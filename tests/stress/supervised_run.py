@@ -2,20 +2,18 @@
 
 import os
 import signal
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Collection, Sequence
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from experiment_manager.bag.reader import Bag
-from experiment_manager.launch.processes import PACKAGES, die_with
+from experiment_manager.launch.processes import PACKAGES
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.run import checkpoint
 from experiment_manager.run.episode_record import SMALL_TOPICS
+from tests.supervisor import start_supervisor
 
 # A machine with ten times the work it can do still gets there.
 PATIENCE_S = 600.0
@@ -47,15 +45,7 @@ class SupervisedRun:
         if elsewhere:
             where += ["--elsewhere", ",".join(elsewhere)]
         self._log = directory.with_name(directory.name + ".log").open("a+")
-        environment = {k: v for k, v in os.environ.items() if k != "ROS_DOMAIN_ID"}
-        self.process = subprocess.Popen(
-            [*prefix, sys.executable, "-m", "experiment_manager.commands.run_experiment", *where],
-            env=environment,
-            stdin=subprocess.DEVNULL,
-            stdout=self._log,
-            stderr=self._log,
-            preexec_fn=partial(die_with, os.getpid()),  # noqa: PLW1509 (no threads yet)
-        )
+        self.process = start_supervisor(where, prefix=prefix, output=self._log)
 
     def __enter__(self) -> "SupervisedRun":
         """Return itself."""
@@ -75,16 +65,6 @@ class SupervisedRun:
         """Return how many episodes the newest checkpoint holds, -1 without one."""
         manifests = sorted((self.directory / "checkpoints").glob("*/manifest.json"))
         return int(manifests[-1].parent.name) if manifests else -1
-
-    def n_bag_bytes(self) -> int:
-        """Return the size of the bag's files now."""
-        sizes = []
-        for path in (self.directory / "bag").glob("*.mcap"):
-            try:
-                sizes.append(path.stat().st_size)
-            except FileNotFoundError:
-                continue  # removed by a roll-back just now
-        return sum(sizes)
 
     def wait_until(self, condition: Callable[[], bool], what: str) -> bool:
         """Wait for a condition; return False when the run ended first.

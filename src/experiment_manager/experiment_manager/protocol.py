@@ -7,7 +7,7 @@ function of (configuration, seed, place in the sequence), so a run goes on where
 import bisect
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig, bounds
@@ -130,6 +130,14 @@ class Protocol:
     def episode(self, place: int) -> Episode:
         """Return the episode at a place in the sequence; raises IndexError beyond the end."""
         return self._cached(place)
+
+    def training_episodes(self) -> Iterator[Episode]:
+        """Yield the training episodes, one after the other, without the tests between them."""
+        for segment in self.segments:
+            if segment.i_test < 0:
+                yield from map(
+                    self.episode, range(segment.first, segment.first + segment.n_episodes)
+                )
 
     def _draw(self, place: int) -> Episode:
         segment = self.segment(place)

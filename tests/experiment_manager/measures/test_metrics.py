@@ -230,6 +230,6 @@ def test_one_test_is_expected() -> None:
 
 def test_the_share_of_the_cost_by_hand() -> None:
     # E = 0.4 + 0.2, C = 1 + 2, lambda = 0.05: 0.15 / (0.6 + 0.15)
-    assert cost_share([0.4, 0.2], [1.0, 2.0], 0.05) == pytest.approx(0.2)
-    assert cost_share([0.4], [1.0], 0.0) == 0.0
-    assert cost_share([], [], 0.05) is None
+    assert cost_share(0.4 + 0.2, 1.0 + 2.0, 0.05) == pytest.approx(0.2)
+    assert cost_share(0.4, 1.0, 0.0) == 0.0
+    assert cost_share(0.0, 0.0, 0.05) is None

@@ -2,10 +2,7 @@
 
 import dataclasses
 import json
-import os
 import shutil
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -24,6 +21,7 @@ from lockstep.configuration import flatten
 from lockstep.errors import InputError
 from lockstep.state_file import write_state
 from lockstep.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, REWARD_NAMES, TRAINING
+from tests.supervisor import finished, start_supervisor
 
 PERIOD_NS = 100_000_000
 PROTOCOL = ProtocolConfig(
@@ -237,15 +235,6 @@ def test_the_graph_ends_a_run_from_its_last_checkpoint_alone(
     small_run: Path, tmp_path: Path
 ) -> None:
     directory = _copied_without_bag(small_run, tmp_path / "copy")
-    line = [
-        sys.executable,
-        "-m",
-        "experiment_manager.commands.run_experiment",
-        "--resume",
-        str(directory),
-    ]
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
-    done = subprocess.run(line, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert "bag: not here; it begins with what comes now" in done.stderr
+    output = finished(start_supervisor(["--resume", str(directory)]))
+    assert "bag: not here; it begins with what comes now" in output
     assert (directory / "results.json").read_text() == (small_run / "results.json").read_text()

@@ -1,7 +1,7 @@
 """How large lambda must be for the cost to have a given share of the reward (K17 II)."""
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,8 +10,7 @@ from tqdm import tqdm
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.loop import make_loop
 from experiment_manager.measures.metrics import SHARE_ITERATIONS
-from experiment_manager.protocol import Protocol, make_protocol
-from eye_plant.episode import Episode
+from experiment_manager.protocol import make_protocol
 from lockstep.configuration import build
 
 Parameters = Mapping[str, Mapping[str, Any]]
@@ -48,7 +47,9 @@ def first_iterations(parameters: Parameters) -> FirstIterations:
     loop = make_loop(free)
     try:
         with tqdm(total=n_iterations, desc="E and C", unit="it", file=sys.stderr) as bar:
-            for episode in _training_episodes(make_protocol(manager), n_iterations):
+            for episode in make_protocol(manager).training_episodes():
+                if episode.training_iteration >= n_iterations:
+                    break
                 answers = [step.answer for step in loop.run_episode(episode)]
                 error += sum(float(a.reconstruction_error.sum()) for a in answers if a)
                 cost_w += sum(a.metabolic_rate_w for a in answers if a)
@@ -64,14 +65,3 @@ def with_weight(parameters: Parameters, weight: float) -> dict[str, dict[str, An
     for node in _NODES:
         changed[node][_NAME] = weight
     return changed
-
-
-def _training_episodes(protocol: Protocol, n_iterations: int) -> Iterator[Episode]:
-    for segment in protocol.segments:
-        for place in range(segment.first, segment.first + segment.n_episodes):
-            if segment.i_test >= 0:
-                break
-            episode = protocol.episode(place)
-            if episode.training_iteration >= n_iterations:
-                return
-            yield episode

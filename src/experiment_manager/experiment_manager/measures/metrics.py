@@ -4,7 +4,6 @@ C is the metabolic rate, C_0 that at the start of a trial, C* the least one with
 """
 
 import math
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -131,18 +130,13 @@ def _spread(values: np.ndarray) -> float | None:
 
 
 def cost_share(
-    reconstruction_error: Iterable[float],
-    metabolic_rate_w: Iterable[float],
-    metabolic_cost_weight: float,
+    reconstruction_error: float, metabolic_rate_w: float, metabolic_cost_weight: float
 ) -> float | None:
-    """Return the cost's share of the reward over some iterations, None when there are none.
+    """Return the cost's share of the reward, lambda C / (E + lambda C) (K17 eq. 5).
 
-    lambda C / (E + lambda C) with the means of E (both scales) and C; K17 eq. 5.
+    reconstruction_error, metabolic_rate_w: E of both scales and C, summed over some iterations.
+    None where the reward is nothing, as over no iterations.
     """
-    # Summed in order, as a running experiment does, so that both give the same bits.
-    error = np.cumsum(np.fromiter(reconstruction_error, np.float64))
-    cost_w = np.cumsum(np.fromiter(metabolic_rate_w, np.float64))
-    if not len(error):
-        return None
-    priced = metabolic_cost_weight * float(cost_w[-1])
-    return priced / (float(error[-1]) + priced)
+    priced = metabolic_cost_weight * metabolic_rate_w
+    total = reconstruction_error + priced
+    return priced / total if total else None

@@ -184,10 +184,19 @@ class RecordedRun:
             chosen = training & (iteration >= first) & (iteration < end)
             if begin > first:
                 return None
-            return cost_share(error[chosen], cost_w[chosen], self.metabolic_cost_weight)
+            return cost_share(
+                _sum_in_order(error[chosen]),
+                _sum_in_order(cost_w[chosen]),
+                self.metabolic_cost_weight,
+            )
 
         n = self.n_iterations
         return share(0, SHARE_ITERATIONS), share(max(0, n - SHARE_ITERATIONS), n)
+
+
+def _sum_in_order(values: np.ndarray) -> float:
+    """Return the sum of (n,) values with the bits that a running experiment gets."""
+    return float(np.cumsum(values)[-1]) if len(values) else 0.0
 
 
 def _about(configuration: str, path: Path) -> Mapping[str, Any]:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.measures.metrics import SHARE_ITERATIONS, test_summary
+from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, test_summary
 from experiment_manager.measures.trials import TRIAL_NAMES, mean_of_both_eyes
 from lockstep.errors import InputError
 from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
@@ -77,12 +77,8 @@ class Progress:
 
     def cost_share(self, end: str, metabolic_cost_weight: float) -> float | None:
         """Return lambda C / (E + lambda C) over the "first" or "last" training iterations."""
-        error, cost_w, count = self._sums[end]
-        if not count:
-            return None
-        priced = metabolic_cost_weight * cost_w
-        total = error + priced
-        return priced / total if total else None
+        error, cost_w, _ = self._sums[end]
+        return cost_share(error, cost_w, metabolic_cost_weight)
 
     @property
     def running_median_error_deg(self) -> float | None:

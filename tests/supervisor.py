@@ -1,0 +1,51 @@
+"""The supervisor of a run as a process, for tests, benchmarks and stress."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import IO
+
+from experiment_manager.launch.processes import die_with
+
+# Generous: the machine may have ten times the work that it can do.
+PATIENCE_S = 300.0
+
+
+def environment() -> dict[str, str]:
+    """Return the environment of a graph: the user's domain is none of its business."""
+    return {k: v for k, v in os.environ.items() if k != "ROS_DOMAIN_ID"}
+
+
+def start_supervisor(
+    line: Sequence[str],
+    *,
+    prefix: Sequence[str] = (),
+    variables: Mapping[str, str] | None = None,
+    output: int | IO[str] = subprocess.PIPE,
+) -> "subprocess.Popen[str]":
+    """Start a supervisor that ends with this process; what it says is one stream, the output.
+
+    line: the command line of run_experiment.sh; prefix: a command that becomes the one that follows
+    it, such as env or prlimit; variables: more of its environment.
+    """
+    return subprocess.Popen(
+        [*prefix, sys.executable, "-m", "experiment_manager.commands.run_experiment", *line],
+        env=environment() | dict(variables or {}),
+        stdin=subprocess.DEVNULL,
+        stdout=output,
+        stderr=subprocess.STDOUT,
+        text=True,
+        preexec_fn=partial(die_with, os.getpid()),  # noqa: PLW1509 (it calls the kernel only)
+    )
+
+
+def finished(process: "subprocess.Popen[str]", code: int = 0) -> str:
+    """Wait for the end of a process with that exit code; return what it printed."""
+    try:
+        output, _ = process.communicate(timeout=PATIENCE_S)
+    finally:
+        process.kill()
+    assert process.returncode == code, f"exit code {process.returncode}:\n{output}"
+    return output
