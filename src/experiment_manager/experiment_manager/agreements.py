@@ -43,8 +43,11 @@ class Agreement:
 
 AGREEMENTS = (
     Agreement("sparse_coder.metabolic_cost_weight", "experiment_manager.metabolic_cost_weight"),
-    Agreement(
-        "experiment_manager.protocol.n_training_iterations", "vergence_rl.n_training_iterations"
+    *(
+        Agreement(
+            "experiment_manager.protocol.n_training_iterations", f"{node}.n_training_iterations"
+        )
+        for node in ("sparse_coder", "vergence_rl")
     ),
     # A row of features for the coarse scale and one for the fine scale.
     Agreement("sparse_coder.n_bases", "vergence_rl.n_features", factor=2),
@@ -61,11 +64,12 @@ def with_partners(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values by place, and those of the places that must agree with them."""
     complete = dict(given)
     for agreement in AGREEMENTS:
-        first, second = agreement.first, agreement.second
-        if first in given:
-            complete.setdefault(second, agreement.second_from(given[first]))
-        elif second in given:
-            complete[first] = agreement.first_from(given[second])
+        if agreement.second in given and agreement.first not in given:
+            complete[agreement.first] = agreement.first_from(given[agreement.second])
+    for agreement in AGREEMENTS:
+        if agreement.first in complete:
+            second = agreement.second_from(complete[agreement.first])
+            complete.setdefault(agreement.second, second)
     return complete
 
 

@@ -52,6 +52,11 @@ class ProtocolConfig:
         least=_LEAST_DISTANCE_M,
         is_interval=True,
     )
+    draws_vergence_evenly: bool = setting(
+        False,
+        "whether training draws the vergence of plane and eyes uniformly, between those of the"
+        " distances' limits, not the distances (D18)",
+    )
     test_distances_m: tuple[float, ...] = setting(
         (0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0),
         "distances of the plane in tests",

@@ -10,9 +10,12 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig, bounds
 from eye_plant.episode import Episode
 from eye_plant.geometry import desired_vergence_deg
+from eye_plant.geometry import fixation_distance_m as distance_of_vergence_m
 from eye_plant.mechanics.inverse import Inverse
 from lockstep.randomness import generator
 from lockstep.topics import TEST, TRAINING
@@ -151,8 +154,8 @@ class Protocol:
         number = segment.training_iteration // config.iterations_per_episode + offset
         draw = generator(self._seed, "episode", number)
         stimulus = int(draw.integers(config.n_training_stimuli))
-        object_distance_m = float(draw.uniform(*bounds(config.object_distance_m)))
-        fixation_distance_m = float(draw.uniform(*bounds(config.fixation_distance_m)))
+        object_distance_m = self._distance_m(draw, bounds(config.object_distance_m))
+        fixation_distance_m = self._distance_m(draw, bounds(config.fixation_distance_m))
         medial, lateral = self._activation_pair(
             desired_vergence_deg(fixation_distance_m, self._baseline_m), float(draw.random())
         )
@@ -170,6 +173,21 @@ class Protocol:
             first_observation=segment.first_observation
             + offset * (config.iterations_per_episode + 1),
         )
+
+    def _distance_m(self, draw: np.random.Generator, ends_m: tuple[float, float]) -> float:
+        """Draw a distance uniformly (K17), or one of uniformly drawn vergence (D18).
+
+        ours: uniform distances are seldom near, so that the vergence errors of more than 2 deg
+        with which a test may start hardly occur in training.
+        """
+        if not self.config.draws_vergence_evenly:
+            return float(draw.uniform(*ends_m))
+        nearest_m, farthest_m = ends_m
+        vergence = draw.uniform(
+            desired_vergence_deg(farthest_m, self._baseline_m),
+            desired_vergence_deg(nearest_m, self._baseline_m),
+        )
+        return distance_of_vergence_m(float(vergence), self._baseline_m)
 
     def _trial(self, segment: Segment, trial: int) -> Episode:
         config = self.config

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from lockstep.errors import InputError
 from lockstep.randomness import generator
 from sparse_coder.config import SparseCoderConfig
-from sparse_coder.dictionary import Dictionary, initial_atoms, learned_atoms
+from sparse_coder.dictionary import Dictionary, declining_rate, initial_atoms, learned_atoms
 from sparse_coder.matching_pursuit import (
     Selections,
     matching_pursuit,
@@ -86,13 +86,19 @@ class SparseCoder:
 
     def learn(self, encoding: Encoding) -> None:
         """Move both dictionaries by one step towards the pictures of an encoding of theirs."""
+        rate = self._learning_rate()
         for dictionary, patches, selections in zip(
             self._dictionaries, encoding.patches, encoding.selections, strict=True
         ):
             dictionary.replace(
-                learned_atoms(dictionary.atoms, patches, selections, self.config.learning_rate)
+                learned_atoms(dictionary.atoms, patches, selections, rate)
             )
         self.learning_steps += 1
+
+    def _learning_rate(self) -> float:
+        config = self.config
+        done = min(1.0, self.learning_steps / config.n_training_iterations)
+        return declining_rate(config.learning_rate, config.final_learning_rate_share, done)
 
     def atoms(self) -> NDArray[np.float32]:
         """Return a copy of the basis functions, (n_scales, n_bases, n_pixels)."""

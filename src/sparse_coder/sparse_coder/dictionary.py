@@ -42,6 +42,15 @@ def initial_atoms(
     return (atoms / np.linalg.norm(atoms, axis=1, keepdims=True)).astype(np.float32)
 
 
+def declining_rate(initial_rate: float, final_share: float, fraction_done: float) -> float:
+    """Return the learning rate, linear from initial_rate to final_share of it (D17; K17: 1).
+
+    ours: the actor's own rate falls to 0, so it cannot follow features that go on changing.
+    fraction_done: of training, in [0, 1].
+    """
+    return initial_rate * (1.0 - (1.0 - final_share) * fraction_done)
+
+
 def learned_atoms(
     atoms: NDArray[np.float32],
     patches: NDArray[np.float32],

@@ -12,6 +12,7 @@ from lockstep.errors import InputError
 from lockstep.randomness import generator
 from vergence_rl.cacla import actor_step, n_updates
 from vergence_rl.config import N_MUSCLES, VergenceRlConfig
+from vergence_rl.exploration import exploration_sd, step_scale
 from vergence_rl.networks import ActorOutput, ActorWeights, actor, uniform_weights
 from vergence_rl.normalizer import (
     RunningStatistics,
@@ -54,7 +55,8 @@ class Decision:
 class _Experience:
     """What the next observation of the episode needs of this one to learn.
 
-    action: (n_muscles,) that the actor is to copy, should it have done well.
+    action: (n_muscles,) that the actor is to copy, should it have done well; noise_sd: of the
+    exploration that it was drawn with.
     """
 
     iteration: int
@@ -62,6 +64,7 @@ class _Experience:
     state: NDArray[np.float64]
     output: ActorOutput
     action: NDArray[np.float64]
+    noise_sd: float
 
 
 class Agent:
@@ -117,12 +120,17 @@ class Agent:
         last = self._predecessor(iteration, training_iteration) if learning else None
         delta = math.nan if last is None else self._learn(last, reward, value_t, rate)
         output = actor(self._actor, state)
-        action = output.action + self._noise(training_iteration) if exploration else output.action
+        noise_sd = self._exploration_sd(training_iteration)
+        action = output.action
+        if exploration:
+            action = action + self._noise(training_iteration, noise_sd)
         before = entries[-N_MUSCLES:]
         command = np.clip(before + action, self._lowest, self._highest)
         copied = command - before if self.config.copies_clipped_action else action
         self._last = (
-            _Experience(iteration, training_iteration, state, output, copied) if learning else None
+            _Experience(iteration, training_iteration, state, output, copied, noise_sd)
+            if learning
+            else None
         )
         return Decision(
             command,
@@ -180,7 +188,10 @@ class Agent:
             raise InputError(
                 f"activations: expected medial and lateral, got shape {np.shape(activations)}"
             )
-        entries = np.concatenate((np.ravel(features), activations)).astype(np.float64)
+        powers = np.ravel(features).astype(np.float64)
+        if self.config.feature_exponent != 1.0:
+            powers = np.power(powers, self.config.feature_exponent)
+        entries = np.concatenate((powers, activations))
         if not np.isfinite(entries).all():
             raise InputError("features and activations: expected finite numbers, got others")
         if not math.isfinite(reward):
@@ -215,15 +226,23 @@ class Agent:
                 last.state,
                 last.output,
                 last.action,
-                rate=rate * n,
+                rate=rate * n * step_scale(last.noise_sd, config.exploration_step_exponent),
                 shrinkage=rate * config.weight_shrinkage,
             )
         self.learning_steps += 1
         return delta
 
-    def _noise(self, training_iteration: int) -> NDArray[np.float64]:
+    def _exploration_sd(self, training_iteration: int) -> float:
+        config = self.config
+        return exploration_sd(
+            math.sqrt(config.exploration_variance),
+            config.final_exploration_share,
+            min(1.0, training_iteration / config.n_training_iterations),
+        )
+
+    def _noise(self, training_iteration: int, sd: float) -> NDArray[np.float64]:
         draw = generator(self.config.seed, "exploration", training_iteration)
-        return draw.normal(0.0, math.sqrt(self.config.exploration_variance), N_MUSCLES)
+        return draw.normal(0.0, sd, N_MUSCLES)
 
 
 def _check_state(state: Mapping[str, NDArray[Any]], expected: Mapping[str, NDArray[Any]]) -> None:

@@ -6,6 +6,7 @@ from lockstep.settings import check_settings, setting
 
 N_MUSCLES = 2  # medial rectus, lateral rectus; the same command for both eyes (K17 II)
 N_BIASES = 1
+PAPER_EXPLORATION_VARIANCE = 1e-5  # K17 II; see exploration_step_exponent
 
 
 @dataclass(frozen=True)
@@ -17,9 +18,15 @@ class VergenceRlConfig:
 
     seed: int = setting(1, "seed of the initial weights and of the exploration")
     n_training_iterations: int = setting(
-        1_000_000, "iterations after which the actor's learning rate has fallen to 0", least=1
+        1_000_000,
+        "iterations after which the actor's learning rate has fallen to 0 and exploration to its"
+        " final share",
+        least=1,
     )
     n_features: int = setting(800, "features of both scales together", least=1)
+    feature_exponent: float = setting(
+        1.0, "power to which features are raised before they are normalised (D15)", above=0
+    )
     medial_limits: tuple[float, ...] = setting(
         (0.0, 0.2), "limits of the medial rectus' activation", least=0, most=1, is_interval=True
     )
@@ -60,7 +67,20 @@ class VergenceRlConfig:
         least=0,
     )
     exploration_variance: float = setting(
-        1e-5, "variance of the noise on each muscle's action", least=0
+        PAPER_EXPLORATION_VARIANCE,
+        "variance of the noise on each muscle's action, as training begins",
+        least=0,
+    )
+    final_exploration_share: float = setting(
+        1.0,
+        "share of the noise's standard deviation that is left as training ends; it falls"
+        " exponentially (D16)",
+        above=0,
+    )
+    exploration_step_exponent: float = setting(
+        0.0,
+        "k, where the actor's step is divided by (standard deviation of the noise / K17's)^k (D16)",
+        least=0,
     )
     initial_td_variance: float = setting(
         1.0, "where the running variance of the TD error starts", above=0
@@ -69,9 +89,9 @@ class VergenceRlConfig:
         0.001, "zeta of K17, rate of the running variance of the TD error", least=0, below=1
     )
     copies_clipped_action: bool = setting(
-        False,
-        "whether the actor copies the change of activation that the limits have left, not the one"
-        " before clipping, as in K17; there a muscle at its limit learns nothing any more, since"
+        True,
+        "whether the actor copies the change of activation that the limits have left (D14), not the"
+        " one before clipping, as in K17; there a muscle at its limit learns nothing any more, since"
         " whatever is tried beyond it has no effect",
     )
 

@@ -1,0 +1,22 @@
+"""How far actions are tried out, and how much is learned from one that was."""
+
+from vergence_rl.config import PAPER_EXPLORATION_VARIANCE
+
+
+def exploration_sd(initial_sd: float, final_share: float, fraction_done: float) -> float:
+    """Return sigma_0 final_share^fraction_done: exponential from wide to narrow (D16; K17: 1).
+
+    ours: only noise wider than the valley of E finds it from afar, and only noise narrower than it
+    shows where its ground is. fraction_done: of training, in [0, 1].
+    """
+    return initial_sd * final_share**fraction_done
+
+
+def step_scale(sd: float, exponent: float) -> float:
+    """Return (sigma_K17 / sigma)^exponent, by which the actor's step is multiplied (D16; K17: 0).
+
+    The gradient of a Gaussian policy's log-likelihood is (a - A) / sigma^2 (Williams 1992): a
+    surplus of any size tells as much. With exponent 1 a step has the same size whatever sigma;
+    ours: a little less than 1, so that learning rests at the end.
+    """
+    return (PAPER_EXPLORATION_VARIANCE**0.5 / sd) ** exponent if sd > 0.0 else 1.0
