@@ -3,6 +3,7 @@
 import re
 from typing import Any
 
+import numpy as np
 import pytest
 
 from experiment_manager.config import PAPER_TEST_ITERATIONS, ProtocolConfig
@@ -142,6 +143,23 @@ def test_training_draws_stay_in_their_ranges_and_differ() -> None:
     assert 5.9 < max(distances_m) <= 6.0
     assert {e.stimulus for e in drawn} == {0, 1, 2, 3, 4}
     assert len({(e.object_distance_m, e.medial_rectus, e.lateral_rectus) for e in drawn}) == 500
+
+
+def test_vergence_drawn_evenly_is_as_often_near_as_far() -> None:
+    protocol = _protocol(
+        n_training_iterations=20_000, test_iterations=(0,), draws_vergence_evenly=True
+    )
+    drawn = [protocol.episode(protocol.n_trials + i) for i in range(2000)]
+    distances_m = [e.object_distance_m for e in drawn]
+    # By K17 eq. 6, 6.410 deg at 0.5 m and 0.535 deg at 6 m; their mean, 3.472 deg, is at 0.924 m.
+    assert 0.5 <= min(distances_m) < 0.51
+    assert 5.5 < max(distances_m) <= 6.0
+    assert np.median(distances_m) == pytest.approx(0.924, rel=0.05)
+    # The stand-in for the inverse tells the vergence that was asked for.
+    vergence_deg = np.array([100.0 * e.medial_rectus for e in drawn])
+    assert np.histogram(vergence_deg, bins=4, range=(0.535, 6.410))[0].tolist() == pytest.approx(
+        [500] * 4, rel=0.12
+    )
 
 
 def test_an_episode_is_a_function_of_seed_and_place() -> None:

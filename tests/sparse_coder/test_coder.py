@@ -82,6 +82,18 @@ def test_learning_lowers_the_error_at_both_scales(stereo_pair: Pair) -> None:
     np.testing.assert_allclose(np.linalg.norm(coder.atoms(), axis=2), 1.0, atol=1e-6)
 
 
+def test_dictionaries_come_to_rest_as_training_ends(stereo_pair: Pair) -> None:
+    config = SparseCoderConfig(n_bases=40, n_training_iterations=4, final_learning_rate_share=0.0)
+    coder = SparseCoder(config)
+    moved = []
+    for _ in range(6):
+        before = coder.atoms()
+        coder.learn(coder.encode(*stereo_pair))
+        moved.append(float(np.abs(coder.atoms() - before).max()))
+    assert min(moved[:4]) > 0.0
+    assert moved[4:] == [0.0, 0.0]
+
+
 def test_after_learning_equal_pictures_cost_less_than_shifted_ones(
     picture: NDArray[np.uint8],
 ) -> None:

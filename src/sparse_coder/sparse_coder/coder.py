@@ -90,9 +90,7 @@ class SparseCoder:
         for dictionary, patches, selections in zip(
             self._dictionaries, encoding.patches, encoding.selections, strict=True
         ):
-            dictionary.replace(
-                learned_atoms(dictionary.atoms, patches, selections, rate)
-            )
+            dictionary.replace(learned_atoms(dictionary.atoms, patches, selections, rate))
         self.learning_steps += 1
 
     def _learning_rate(self) -> float:

@@ -91,7 +91,7 @@ class VergenceRlConfig:
     copies_clipped_action: bool = setting(
         True,
         "whether the actor copies the change of activation that the limits have left (D14), not the"
-        " one before clipping, as in K17; there a muscle at its limit learns nothing any more, since"
+        " one before clipping, as in K17; there a muscle at its limit learns nothing more, since"
         " whatever is tried beyond it has no effect",
     )
 
