@@ -16,6 +16,7 @@ from experiment_manager.protocol import make_protocol
 from experiment_manager.run.config_file import configuration_text, read_configuration
 from eye_plant.episode import Episode
 from lockstep.configuration import build
+from lockstep.state_file import read_state
 from lockstep.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 from tests.supervisor import PATIENCE_S, environment
 
@@ -121,9 +122,14 @@ class OracleRun:
         self._loop = make_loop(configuration)
         self.plant, self.coder, self.agent = self._loop.plant, self._loop.coder, self._loop.agent
 
-    def steps(self) -> Iterator[tuple[Episode, Step]]:
-        """Yield all steps of all episodes; pictures are valid until the next step."""
-        for place in range(len(self.protocol)):
+    def restore(self, states: Path) -> None:
+        """Take over the learners of a checkpoint's directory."""
+        self.coder.restore(read_state(states / "sparse_coder.npz", "sparse_coder"))
+        self.agent.restore(read_state(states / "vergence_rl.npz", "vergence_rl"))
+
+    def steps(self, first: int = 0) -> Iterator[tuple[Episode, Step]]:
+        """Yield all steps of all episodes from a place on; pictures last until the next step."""
+        for place in range(first, len(self.protocol)):
             episode = self.protocol.episode(place)
             for step in self._loop.run_episode(episode):
                 yield episode, step

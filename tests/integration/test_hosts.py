@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from experiment_manager.run.run_directory import CONFIG_FILE
+from experiment_manager.run.config_file import CONFIG_FILE
 from tests.graph_harness import OracleRun, small_run, stacked, vectors
 from tests.stress.supervised_run import SupervisedRun, are_gone, is_alive, stamp_faults
 from tests.stress.two_hosts import NodeOnHost, TwoHosts

@@ -18,8 +18,7 @@ import numpy as np
 from experiment_manager.launch.command_line import arguments
 from experiment_manager.launch.configuration import configuration_of
 from experiment_manager.launch.processes import PACKAGES
-from experiment_manager.run.config_file import configuration_text
-from experiment_manager.run.run_directory import CONFIG_FILE
+from experiment_manager.run.config_file import CONFIG_FILE, configuration_text
 from lockstep.errors import InputError
 from lockstep.qos import QUEUE_DEPTH
 from tests.stress.hostile_graph import FuzzedGraph, memory_mb

@@ -15,8 +15,7 @@ from experiment_manager.measures.metrics import test_summary
 from experiment_manager.measures.trials import mean_of_both_eyes
 from experiment_manager.protocol import Protocol, make_protocol
 from experiment_manager.run import checkpoint
-from experiment_manager.run.config_file import Configuration, read_configuration
-from experiment_manager.run.run_directory import CONFIG_FILE
+from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli, load_unseen_stimuli

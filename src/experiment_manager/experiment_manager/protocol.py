@@ -17,6 +17,7 @@ from eye_plant.episode import Episode
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.geometry import fixation_distance_m as distance_of_vergence_m
 from eye_plant.mechanics.inverse import Inverse
+from lockstep.errors import InputError
 from lockstep.randomness import generator
 from lockstep.topics import TEST, TRAINING
 
@@ -129,6 +130,24 @@ class Protocol:
             return segment.training_iteration
         n_episodes = place - segment.first
         return segment.training_iteration + n_episodes * self.config.iterations_per_episode
+
+    def place_after(self, training_iterations: int) -> int:
+        """Return the first place with so many training iterations before it, a test's if one is.
+
+        Raises InputError when no episode begins there.
+        """
+        per_episode = self.config.iterations_per_episode
+        for segment in self.segments:
+            done = training_iterations - segment.training_iteration
+            if segment.i_test >= 0:
+                if done == 0:
+                    return segment.first
+            elif 0 <= done < segment.n_episodes * per_episode and done % per_episode == 0:
+                return segment.first + done // per_episode
+        raise InputError(
+            f"n_training_iterations: expected {training_iterations} or more, and episodes of which "
+            f"one begins there, got {self.config.n_training_iterations}"
+        )
 
     def episode(self, place: int) -> Episode:
         """Return the episode at a place in the sequence; raises IndexError beyond the end."""

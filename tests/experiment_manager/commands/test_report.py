@@ -20,7 +20,7 @@ def _with_checkpoint(directory: Path) -> None:
     atoms = np.random.default_rng(0).normal(size=(2, 30, 128)).astype(np.float32)
     np.savez(below / "sparse_coder.npz", atoms=atoms)
     hashes = {"sparse_coder.npz": checkpoint.hash_of(below / "sparse_coder.npz")}
-    manifest = Manifest(5, "hash", ("bag_0.mcap",), hashes, {})
+    manifest = Manifest(5, {"vergence_rl": {}}, ("bag_0.mcap",), hashes, {})
     checkpoint.commit(directory / "checkpoints", manifest)
 
 

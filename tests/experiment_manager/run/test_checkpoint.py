@@ -10,6 +10,8 @@ from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
 from lockstep.errors import InputError
 
+PARAMETERS = {"vergence_rl": {"discount": 0.1 + 0.2, "medial_limits": [0.0, 0.2]}}
+
 
 def _commit(checkpoints: Path, place: int, **changes: Any) -> Path:
     directory = checkpoint.place_directory(checkpoints, place)
@@ -18,7 +20,7 @@ def _commit(checkpoints: Path, place: int, **changes: Any) -> Path:
     state.write_bytes(f"state after {place}".encode())
     values: dict[str, Any] = {
         "place": place,
-        "config_hash": "abc",
+        "parameters": PARAMETERS,
         "bag_files": ("bag_0.mcap",),
         "state_hashes": {state.name: checkpoint.hash_of(state)},
         "progress": {"tests": [], "sum": 0.1},
@@ -40,7 +42,7 @@ def test_a_manifest_comes_back_as_it_was(tmp_path: Path) -> None:
     assert where == directory
     assert manifest == Manifest(
         12,
-        "abc",
+        PARAMETERS,
         ("bag_0.mcap",),
         {"coder.npz": checkpoint.hash_of(directory / "coder.npz")},
         {"tests": [{"median": 0.1 + 0.2}], "n": 3},
@@ -111,7 +113,7 @@ def test_a_changed_or_missing_state_is_an_error(tmp_path: Path, damage: bytes | 
 
 @pytest.mark.parametrize(
     "text",
-    ["", "{", "[]", "null", "3", '{"version": 1}', '{"version": 1, "place": 2, "x": 3}', "\x00"],
+    ["", "{", "[]", "null", "3", '{"version": 2}', '{"version": 2, "place": 2, "x": 3}', "\x00"],
 )
 def test_a_damaged_manifest_is_an_error(tmp_path: Path, text: str) -> None:
     (_commit(tmp_path, 1) / "manifest.json").write_text(text)
@@ -134,7 +136,8 @@ def test_a_manifest_cut_off_anywhere_is_an_error(tmp_path: Path) -> None:
         ("place", "2"),
         ("place", -1),
         ("place", True),
-        ("config_hash", 3),
+        ("parameters", 3),
+        ("parameters", {"vergence_rl": 3}),
         ("bag_files", "bag_0.mcap"),
         ("bag_files", [1]),
         ("bag_files", None),
@@ -151,9 +154,25 @@ def test_a_manifest_of_wrong_types_is_an_error(tmp_path: Path, name: str, value:
         checkpoint.newest(tmp_path)
 
 
+def test_one_of_the_first_version_tells_no_parameters(tmp_path: Path) -> None:
+    path = _commit(tmp_path, 1) / "manifest.json"
+    document = json.loads(path.read_text()) | {"version": 1, "config_hash": "abc"}
+    del document["parameters"]
+    path.write_text(json.dumps(document))
+    manifest, _ = checkpoint.at(tmp_path, 1)
+    assert manifest.parameters == {}
+    assert manifest.place == 1
+
+
+def test_everyone_comes_in_order(tmp_path: Path) -> None:
+    for place in (9, 10):
+        _commit(tmp_path, place)
+    assert [m.place for m, _ in checkpoint.everyone(tmp_path)] == [9, 10]
+
+
 def test_another_version_is_an_error(tmp_path: Path) -> None:
     manifest = _commit(tmp_path, 1) / "manifest.json"
     document = json.loads(manifest.read_text())
     manifest.write_text(json.dumps(document | {"version": 99}))
-    with pytest.raises(InputError, match="expected version 1, got 99"):
+    with pytest.raises(InputError, match="expected version 2, got 99"):
         checkpoint.newest(tmp_path)

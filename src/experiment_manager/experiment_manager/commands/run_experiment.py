@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from experiment_manager.launch.command_line import arguments
-from experiment_manager.launch.configuration import configuration_of
+from experiment_manager.launch.configuration import configuration_of, given_settings
+from experiment_manager.launch.continuation import Branch, branch, check_resumable, extend
 from experiment_manager.launch.cost_weight import first_iterations, with_weight
 from experiment_manager.launch.in_process import run_in_process
 from experiment_manager.launch.neighbours import refuse_neighbours
@@ -18,9 +19,13 @@ from experiment_manager.launch.supervisor import Supervisor, known_domain
 from experiment_manager.measures.results import read_results
 from experiment_manager.measures.tables import tests_table
 from experiment_manager.report.performance_figures import learning_curve
-from experiment_manager.run.config_file import Configuration, configuration_text, read_configuration
+from experiment_manager.run.config_file import (
+    CONFIG_FILE,
+    Configuration,
+    configuration_text,
+)
 from experiment_manager.run.lasting_output import make_standard_streams_last
-from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
+from experiment_manager.run.run_directory import RESULTS_FILE
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import load_stimuli
 from lockstep.configuration import build
@@ -71,15 +76,52 @@ def _say_how_to_start(nodes: Collection[str], domain: int | None, config: Path) 
 def _prepare(options: argparse.Namespace) -> Path:
     """Return the run directory that the command line asks for, with its config.yaml."""
     if options.resume is not None:
-        directory = Path(options.resume).resolve()
-        read_configuration(directory / CONFIG_FILE)
-        if why := why_unwritable(directory):
-            raise InputError(f"{directory}: cannot be written: {why}")
-        return directory
-    configuration = configuration_of(options, _source_commit())
+        return _prepare_old(options)
+    if options.extend is not None:
+        raise InputError("--extend: expected it with --resume, got it alone")
+    branched = _branch(options) if options.branch is not None else None
+    if branched is not None:
+        configuration = branched.configuration
+    else:
+        configuration = configuration_of(options, _source_commit())
+    directory = _new_directory(options)
     _prepare_stimuli(configuration)
     if options.share is not None:
         configuration = _with_share(configuration, options.share)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        if branched is not None:
+            branched.write(directory)
+        else:
+            replace_file(directory / CONFIG_FILE, configuration_text(configuration).encode())
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written: {error}") from error
+    return directory
+
+
+def _prepare_old(options: argparse.Namespace) -> Path:
+    directory = Path(options.resume).resolve()
+    if options.branch is not None:
+        raise InputError("--branch: expected it without --resume, got both")
+    check_resumable(options, directory)
+    if why := why_unwritable(directory):
+        raise InputError(f"{directory}: cannot be written: {why}")
+    if options.extend is not None:
+        extend(directory, options.extend)
+    return directory
+
+
+def _branch(options: argparse.Namespace) -> Branch:
+    for name in ("profile", "share"):
+        if getattr(options, name) is not None:
+            raise InputError(
+                f"--branch: expected the settings of {options.branch} and single ones, got "
+                f"--{'lambda-share' if name == 'share' else name}"
+            )
+    return branch(options.branch, given_settings(options), _source_commit())
+
+
+def _new_directory(options: argparse.Namespace) -> Path:
     name = time.strftime("%Y%m%d-%H%M%S")
     directory = (options.out or Path("runs") / name).resolve()
     if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
@@ -87,11 +129,6 @@ def _prepare(options: argparse.Namespace) -> Path:
             f"{directory}: expected a new or empty directory, it already holds something; "
             f"--resume {directory} goes on with a run"
         )
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        replace_file(directory / CONFIG_FILE, configuration_text(configuration).encode())
-    except OSError as error:
-        raise InputError(f"{directory}: cannot be written: {error}") from error
     return directory
 
 

@@ -47,7 +47,25 @@ def parser() -> argparse.ArgumentParser:
         help="images instead of generated ones: train/ and test/ inside, or one directory",
     )
     line.add_argument("--out", type=Path, metavar="DIR", help="run directory (default: runs/...)")
-    line.add_argument("--resume", type=Path, metavar="DIR", help="go on with an interrupted run")
+    line.add_argument(
+        "--resume",
+        type=Path,
+        metavar="DIR",
+        help="go on with an interrupted run, with the settings that it has",
+    )
+    line.add_argument(
+        "--extend",
+        type=_whole,
+        metavar="N",
+        help="with --resume: N training iterations more; what falls towards the end of training,"
+        " as the learning rate of the actor, then falls towards the new end",
+    )
+    line.add_argument(
+        "--branch",
+        metavar="RUN[@ITERATION]",
+        help="begin a new run from a checkpoint of another, the newest or that after so many"
+        " training iterations, with its settings but for those given here",
+    )
     line.add_argument(
         "--in-process",
         action="store_true",

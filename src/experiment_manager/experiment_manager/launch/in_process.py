@@ -5,9 +5,8 @@ from pathlib import Path
 
 from experiment_manager.launch.attempt import goes_on
 from experiment_manager.launch.interrupts import Interrupts
-from experiment_manager.run.config_file import read_configuration
+from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.in_process import InProcessRun
-from experiment_manager.run.run_directory import CONFIG_FILE
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
 

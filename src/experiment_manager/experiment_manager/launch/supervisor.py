@@ -14,8 +14,7 @@ from experiment_manager.launch.interrupts import Interrupts
 from experiment_manager.launch.neighbours import addresses
 from experiment_manager.launch.processes import MANAGER, PACKAGES, NodeProcesses
 from experiment_manager.launch.shared_memory import remove_ports, remove_stale_segments
-from experiment_manager.run.config_file import read_configuration
-from experiment_manager.run.run_directory import CONFIG_FILE
+from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from lockstep.durable_files import why_unwritable
 from lockstep.exit_codes import (
     EXIT_BAD_INPUT,

@@ -15,7 +15,7 @@ from typing import Any
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
 
-_VERSION = 1
+_VERSION = 2
 _MANIFEST = "manifest.json"
 # The newest one and, should its files prove damaged, the one before.
 _N_KEPT = 2
@@ -25,13 +25,13 @@ _N_KEPT = 2
 class Manifest:
     """Everything that a resume needs besides the learners' states.
 
-    place: episodes done, in the sequence of the protocol; config_hash: of the configuration that
-    the run began with; bag_files: those that are whole and belong to the run so far; state_hashes:
-    SHA-256 by file name; progress: what the manager has counted up so far.
+    place: episodes done, in the sequence of the protocol; parameters: of all nodes, by node, with
+    which the run has been made; bag_files: those that are whole and belong to the run so far;
+    state_hashes: SHA-256 by file name; progress: what the manager has counted up so far.
     """
 
     place: int
-    config_hash: str
+    parameters: dict[str, dict[str, Any]]
     bag_files: tuple[str, ...]
     state_hashes: dict[str, str]
     progress: dict[str, Any]
@@ -54,9 +54,7 @@ def commit(checkpoints: Path, manifest: Manifest) -> None:
 
     Raises OSError when the disk refuses; then the older checkpoints are untouched.
     """
-    directory = place_directory(checkpoints, manifest.place)
-    document = {"version": _VERSION, **dataclasses.asdict(manifest)}
-    replace_file(directory / _MANIFEST, json.dumps(document, indent=1).encode())
+    write(checkpoints, manifest)
     done = sorted(path.parent for path in checkpoints.glob(f"*/{_MANIFEST}"))
     for old in done[:-_N_KEPT]:
         # Without its manifest a half-deleted directory is no checkpoint.
@@ -64,6 +62,18 @@ def commit(checkpoints: Path, manifest: Manifest) -> None:
     for path in checkpoints.iterdir():
         if path.is_dir() and not (path / _MANIFEST).exists():
             shutil.rmtree(path)
+
+
+def write(checkpoints: Path, manifest: Manifest) -> None:
+    """Write the manifest of states that are already there, whole."""
+    document = {"version": _VERSION, **dataclasses.asdict(manifest)}
+    path = place_directory(checkpoints, manifest.place) / _MANIFEST
+    replace_file(path, json.dumps(document, indent=1).encode())
+
+
+def everyone(checkpoints: Path) -> list[tuple[Manifest, Path]]:
+    """Return all checkpoints with their directories, the oldest first; errors as for newest."""
+    return [_checked(path) for path in sorted(checkpoints.glob(f"*/{_MANIFEST}"))]
 
 
 def newest(checkpoints: Path) -> tuple[Manifest, Path] | None:
@@ -107,7 +117,10 @@ def _read(path: Path) -> Manifest:
     try:
         document = json.loads(path.read_bytes())
         version = document.pop("version")
-        if version != _VERSION:
+        if version == 1:
+            # As those of published runs: they tell of their parameters by a hash alone.
+            document["parameters"] = {} if isinstance(document.pop("config_hash"), str) else None
+        elif version != _VERSION:
             raise InputError(f"checkpoint {path}: expected version {_VERSION}, got {version}")
         manifest = Manifest(**document)
     except InputError:
@@ -123,11 +136,13 @@ def _is_sound(manifest: Manifest) -> bool:
     """Whether the values read are of the types that were written."""
     # As read from JSON: a list of bag files, and whatever somebody may have written instead.
     bag_files: Any = manifest.bag_files
+    parameters: Any = manifest.parameters
     hashes: Any = manifest.state_hashes
     return (
         type(manifest.place) is int
         and manifest.place >= 0
-        and isinstance(manifest.config_hash, str)
+        and isinstance(parameters, dict)
+        and all(isinstance(values, dict) for values in parameters.values())
         and isinstance(bag_files, list)
         and all(isinstance(name, str) for name in bag_files)
         and isinstance(hashes, dict)

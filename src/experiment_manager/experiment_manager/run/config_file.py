@@ -10,12 +10,14 @@ import yaml
 
 from experiment_manager.agreements import check_agreements
 from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.run.checkpoint import Manifest
 from eye_plant.config import EyePlantConfig
 from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
 from sparse_coder.config import SparseCoderConfig
 from vergence_rl.config import VergenceRlConfig
 
+CONFIG_FILE = "config.yaml"
 CONFIG_CLASSES: dict[str, type] = {
     "eye_plant": EyePlantConfig,
     "sparse_coder": SparseCoderConfig,
@@ -24,6 +26,19 @@ CONFIG_CLASSES: dict[str, type] = {
 }
 # The pseudo-node of config.yaml that says what the run is; no ROS node has this name.
 RUN_SECTION = "run"
+# What may differ between a run and its resumption without touching a number of it.
+_FREE_TO_CHANGE = {
+    "experiment_manager": {
+        "run_directory",
+        "run_id",
+        "resume",
+        "supervised",
+        "checkpoint_period_s",
+        "gap_s",
+        "commit",
+    },
+    "eye_plant": {"stimuli.cache_directory"},
+}
 _PACKAGES = ("mujoco", "numpy", "opencv-python-headless", "ros-jazzy-rclpy", "mcap", "numba")
 
 Configuration = dict[str, dict[str, Any]]
@@ -31,10 +46,20 @@ Configuration = dict[str, dict[str, Any]]
 
 def configuration_text(configuration: Configuration) -> str:
     """Return config.yaml: a ROS parameter file of all nodes, and what the run is."""
-    run = about(configuration) | {
+    return text_of_continuation("", configuration, {})
+
+
+def text_of_continuation(text: str, configuration: Configuration, more: Mapping[str, Any]) -> str:
+    """Return config.yaml of a run that goes on with other parameters than before.
+
+    text: config.yaml so far, "" for a new run; more: further words on what the run is.
+    """
+    before = (yaml.safe_load(text) or {}).get(RUN_SECTION, {}).get("ros__parameters", {})
+    begun = {
         "date": datetime.datetime.now(tz=datetime.UTC).isoformat(timespec="seconds"),
         "versions": [f"{name} {metadata.version(name)}" for name in _PACKAGES],
     }
+    run = {**begun, **before, **about(configuration), **more}
     sections = {f"/**/{node}": values for node, values in configuration.items()}
     document = {
         name: {"ros__parameters": values}
@@ -76,6 +101,46 @@ def read_configuration(path: Path) -> Configuration:
     except (OSError, yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: expected the configuration of a run: {error}") from error
     return configuration
+
+
+def parameters_in(text: str) -> Configuration:
+    """Return the parameters by node of a config.yaml's text, as they are, of any nodes.
+
+    Raises InputError for what is no parameter file.
+    """
+    try:
+        sections = yaml.safe_load(text)
+        return {
+            name.removeprefix("/**/"): dict(section["ros__parameters"])
+            for name, section in sections.items()
+            if name != RUN_SECTION
+        }
+    except (yaml.YAMLError, KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(f"{CONFIG_FILE}: expected parameters by node: {error}") from error
+
+
+def check_unchanged(directory: Path, manifest: Manifest, found: Configuration) -> None:
+    """Raise InputError, naming them, where parameters are not those of a checkpoint.
+
+    directory: of the run. A parameter that the checkpoint does not know is of a later version.
+    """
+    if not manifest.parameters:
+        raise InputError(
+            f"{directory}: expected a checkpoint that tells its parameters, got one of an earlier "
+            f"version; --branch {directory} begins a new run from it"
+        )
+    differing = [
+        f"{node}.{name} was {value!r}, is {found.get(node, {}).get(name)!r}"
+        for node, values in manifest.parameters.items()
+        for name, value in values.items()
+        if name not in _FREE_TO_CHANGE.get(node, ()) and found.get(node, {}).get(name) != value
+    ]
+    if differing:
+        raise InputError(
+            f"{directory}: expected the parameters that the run has been made with: "
+            f"{'; '.join(differing)}. Set them back, or begin a new run from its checkpoint with "
+            "--branch"
+        )
 
 
 def _check_header(said: Mapping[str, Any], expected: Mapping[str, Any]) -> None:

@@ -31,6 +31,8 @@ class Progress:
         self._activation_bytes = bytearray()
         # Sums of (E, C) over the first and the last iterations of training, and their counts.
         self._sums = {"first": [0.0, 0.0, 0], "last": [0.0, 0.0, 0]}
+        # The training iteration from which each was counted.
+        self._counted_from = dict.fromkeys(self._sums, 0)
         self._running_errors_deg: deque[float] = deque(maxlen=_N_RUNNING)
 
     def add_truth(self, values: np.ndarray, is_last: bool) -> None:
@@ -62,6 +64,29 @@ class Progress:
         if training_iteration >= self._n_training_iterations - SHARE_ITERATIONS:
             self._count("last", error, cost_w)
 
+    def begin_at(self, training_iteration: int) -> None:
+        """Begin to count here: the run has been somebody else's before."""
+        self._counted_from = dict.fromkeys(self._sums, training_iteration)
+
+    def extend(self, n_training_iterations: int, trained: int) -> None:
+        """Go on to another end of training, `trained` iterations being done.
+
+        Raises InputError when some of the new last iterations are already over and not counted.
+        """
+        before, after = (
+            max(0, n - SHARE_ITERATIONS)
+            for n in (self._n_training_iterations, n_training_iterations)
+        )
+        if before < trained and before != after:
+            if trained > after:
+                raise InputError(
+                    f"n_training_iterations: expected {trained + SHARE_ITERATIONS} or more, "
+                    f"since energy's share is measured over the last {SHARE_ITERATIONS}, "
+                    f"got {n_training_iterations}"
+                )
+            self._sums["last"] = [0.0, 0.0, 0]
+        self._n_training_iterations = n_training_iterations
+
     def _count(self, end: str, error: float, cost_w: float) -> None:
         sums = self._sums[end]
         sums[0] += error
@@ -76,7 +101,13 @@ class Progress:
         return summary
 
     def cost_share(self, end: str, metabolic_cost_weight: float) -> float | None:
-        """Return lambda C / (E + lambda C) over the "first" or "last" training iterations."""
+        """Return lambda C / (E + lambda C) over the "first" or "last" training iterations.
+
+        None where they were not all counted.
+        """
+        begin = 0 if end == "first" else max(0, self._n_training_iterations - SHARE_ITERATIONS)
+        if self._counted_from[end] > begin:
+            return None
         error, cost_w, _ = self._sums[end]
         return cost_share(error, cost_w, metabolic_cost_weight)
 
@@ -91,6 +122,7 @@ class Progress:
         return {
             "tests": self.tests,
             "sums": self._sums,
+            "counted_from": self._counted_from,
             "running_errors_deg": list(self._running_errors_deg),
         }
 
@@ -124,8 +156,11 @@ class Progress:
         try:
             tests = list(document["tests"])
             sums = {end: list(document["sums"][end]) for end in self._sums}
+            nothing = dict.fromkeys(self._sums, 0)
+            counted_from = {end: document.get("counted_from", nothing)[end] for end in self._sums}
             errors_deg = deque(document["running_errors_deg"], maxlen=_N_RUNNING)
-        except (KeyError, TypeError) as error:
+        except (KeyError, TypeError, AttributeError) as error:
             raise InputError(f"expected a run's progress, got {document}: {error!r}") from error
         self.tests, self._sums, self._running_errors_deg = tests, sums, errors_deg
         self._keep(trial_rows.reshape(-1, len(TRIAL_NAMES)))
+        self._counted_from = counted_from

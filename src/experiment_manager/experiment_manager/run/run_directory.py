@@ -1,8 +1,6 @@
 """One run on disk: where it stands, its bag, its checkpoints and its results. No ROS."""
 
 import datetime
-import hashlib
-import json
 import math
 import time
 from collections.abc import Sequence
@@ -18,6 +16,7 @@ from experiment_manager.measures.tables import test_line
 from experiment_manager.protocol import make_protocol
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
+from experiment_manager.run.config_file import CONFIG_FILE, check_unchanged, parameters_in
 from experiment_manager.run.episode_record import is_sampled
 from experiment_manager.run.progress import Progress
 from experiment_manager.run.progress_bar import ProgressBar
@@ -28,20 +27,11 @@ from lockstep.errors import InputError
 from lockstep.state_file import read_state, write_state
 from lockstep.topics import TOPIC_TYPES
 
-CONFIG_FILE = "config.yaml"
 RESULTS_FILE = "results.json"
 TRIALS_FILE, TRIALS_KIND = "trials.npz", "trials"
+_MANAGER = "experiment_manager"
 # On a busy machine DDS needs a good part of a second to match a new reader.
 _EPISODES_AHEAD = 10
-# What may differ between a run and its resumption without touching a number of it.
-_FREE_TO_CHANGE = (
-    "run_directory",
-    "resume",
-    "supervised",
-    "checkpoint_period_s",
-    "gap_s",
-    "commit",
-)
 
 
 class Run:
@@ -57,14 +47,18 @@ class Run:
         self.place = 0
         self.stamp_ns = 0
         self._loaded_from: Path | None = None
-        self._bag_is_elsewhere = False
-        bag_files = self._resume() if config.resume else None
+        # A directory without a checkpoint is left as it is.
+        found = self._newest() if config.resume else None
         self.directory.mkdir(parents=True, exist_ok=True)
+        text = self._configuration_text()
+        self._parameters = parameters_in(text) | {_MANAGER: flatten(config)}
+        self._bag_is_elsewhere = False
+        bag_files = self._resume(*found) if found else None
         self.writer = BagWriter(
             self.directory / "bag",
             TOPIC_TYPES,
             {"run_id": self.run_id, "model": config.model, "seed": str(config.seed)},
-            configuration=self._configuration_text(),
+            configuration=text,
             resume_files=bag_files,
         )
         # A new run has its first checkpoint before its first episode: so saving is known to work.
@@ -147,7 +141,7 @@ class Run:
             self._checkpoints,
             Manifest(
                 place=self.place,
-                config_hash=self._config_hash(),
+                parameters=self._parameters,
                 bag_files=tuple(self.writer.files),
                 state_hashes={path.name: checkpoint.hash_of(path) for path in files},
                 progress=self.progress.document(),
@@ -159,19 +153,18 @@ class Run:
     def _checkpoints(self) -> Path:
         return self.directory / "checkpoints"
 
-    def _resume(self) -> tuple[str, ...]:
-        """Take over the newest checkpoint; return the files of the bag that belong to it."""
+    def _newest(self) -> tuple[Manifest, Path]:
         found = checkpoint.newest(self._checkpoints)
         if found is None:
             raise InputError(f"{self.directory}: expected a checkpoint to resume from, found none")
-        manifest, self._loaded_from = found
-        if manifest.config_hash != self._config_hash():
-            raise InputError(
-                f"{self.directory}: expected the configuration that the run began with; "
-                f"{CONFIG_FILE} has another"
-            )
+        return found
+
+    def _resume(self, manifest: Manifest, states: Path) -> tuple[str, ...]:
+        """Take over a checkpoint; return the files of the bag that belong to it."""
+        check_unchanged(self.directory, manifest, self._parameters)
+        self._loaded_from = states
         self.place = manifest.place
-        trials = read_state(self._loaded_from / TRIALS_FILE, TRIALS_KIND)
+        trials = read_state(states / TRIALS_FILE, TRIALS_KIND)
         self.progress.restore(manifest.progress, trials["rows"])
         # A checkpoint that was copied without the bag is enough to go on.
         bag = self.directory / "bag"
@@ -180,15 +173,11 @@ class Run:
         )
         return () if self._bag_is_elsewhere else manifest.bag_files
 
-    def _config_hash(self) -> str:
-        values = {k: v for k, v in flatten(self._config).items() if k not in _FREE_TO_CHANGE}
-        return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
-
     def _configuration_text(self) -> str:
         """Return the run's configuration, and write it beside the bag if nobody has yet."""
         path = self.directory / CONFIG_FILE
         if not path.exists():
-            own = {"experiment_manager": {"ros__parameters": flatten(self._config)}}
+            own = {_MANAGER: {"ros__parameters": flatten(self._config)}}
             replace_file(path, yaml.safe_dump(own, sort_keys=False).encode())
         return path.read_text()
 

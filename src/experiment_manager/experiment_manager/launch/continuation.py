@@ -1,0 +1,188 @@
+"""Going on with a run: as it is, for longer, or as another one that begins where it stood."""
+
+import argparse
+import dataclasses
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.launch.configuration import Given, changed, given_settings
+from experiment_manager.protocol import Protocol, make_protocol
+from experiment_manager.run import checkpoint
+from experiment_manager.run.checkpoint import Manifest
+from experiment_manager.run.config_file import (
+    CONFIG_CLASSES,
+    CONFIG_FILE,
+    Configuration,
+    check_unchanged,
+    read_configuration,
+    text_of_continuation,
+)
+from experiment_manager.run.progress import Progress
+from experiment_manager.run.run_directory import TRIALS_FILE, TRIALS_KIND
+from lockstep.configuration import build, flatten
+from lockstep.durable_files import replace_file
+from lockstep.errors import InputError
+from lockstep.state_file import read_state, write_state
+from sparse_coder.coder import SparseCoder
+from vergence_rl.agent import Agent
+
+_ITERATIONS = "protocol.n_training_iterations"
+_TESTS = "protocol.test_iterations"
+# What a run decides for itself, whoever it begins from.
+_OF_ONE_RUN = ("run_directory", "run_id", "resume", "supervised")
+_LEARNERS = {"sparse_coder": SparseCoder, "vergence_rl": Agent}
+
+
+def check_resumable(options: argparse.Namespace, directory: Path) -> None:
+    """Raise InputError unless a run can go on, and nothing on the command line contradicts it."""
+    configuration = read_configuration(directory / CONFIG_FILE)
+    _check_whole_run(options, directory, configuration)
+    for target, given in given_settings(options).items():
+        node, _, name = target.partition(".")
+        found = configuration[node].get(name)
+        wanted = flatten(build(CONFIG_CLASSES[node], {**configuration[node], name: given.value}))
+        if wanted[name] != found:
+            raise _contradiction(given.by, directory, f"{target} = {found}")
+    newest = checkpoint.newest(directory / "checkpoints")
+    if newest is not None:
+        check_unchanged(directory, newest[0], configuration)
+
+
+def _check_whole_run(
+    options: argparse.Namespace, directory: Path, configuration: Configuration
+) -> None:
+    profile = configuration["experiment_manager"]["profile"]
+    if options.profile is not None and options.profile != profile:
+        raise _contradiction(f"--profile {options.profile}", directory, f"profile {profile!r}")
+    if options.out is not None and options.out.resolve() != directory:
+        raise _contradiction(f"--out {options.out}", directory, "a directory of its own")
+    if options.share is not None:
+        weight = configuration["experiment_manager"]["metabolic_cost_weight"]
+        raise _contradiction(f"--lambda-share {options.share:g}", directory, f"lambda = {weight:g}")
+
+
+def _contradiction(by: str, directory: Path, has: str) -> InputError:
+    return InputError(
+        f"{by}: the run to be resumed, {directory}, has {has}, and keeps it; "
+        f"--branch {directory} begins a new run from its checkpoint"
+    )
+
+
+def extend(directory: Path, n_more: int) -> None:
+    """Give a run n_more training iterations; its old end keeps its test.
+
+    Raises InputError when the run cannot be extended; then nothing has been changed.
+    """
+    if n_more < 1:
+        raise InputError(f"--extend: expected 1 or more, got {n_more}")
+    path = directory / CONFIG_FILE
+    before = read_configuration(path)
+    end = before["experiment_manager"][_ITERATIONS]
+    tests = sorted({*before["experiment_manager"][_TESTS], end})
+    after = {node: dict(values) for node, values in before.items()}
+    after["experiment_manager"] |= {_ITERATIONS: end + n_more, _TESTS: tests}
+    after["vergence_rl"]["n_training_iterations"] = end + n_more
+    manager = build(ExperimentManagerConfig, after["experiment_manager"])
+    protocol = make_protocol(manager)
+    manifests = []
+    for manifest, states in checkpoint.everyone(directory / "checkpoints"):
+        check_unchanged(directory, manifest, before)
+        progress = Progress(end)
+        progress.restore(manifest.progress, read_state(states / TRIALS_FILE, TRIALS_KIND)["rows"])
+        progress.extend(end + n_more, protocol.training_iterations_before(manifest.place))
+        manifests.append(
+            dataclasses.replace(manifest, parameters=after, progress=progress.document())
+        )
+    text = text_of_continuation(path.read_text(), after, {"extended_from": end})
+    for manifest in manifests:
+        checkpoint.write(directory / "checkpoints", manifest)
+    replace_file(path, text.encode())
+
+
+@dataclasses.dataclass(frozen=True)
+class Branch:
+    """A new run that is to begin where another one stood.
+
+    training_iterations: done at the checkpoint; source: the other run's directory.
+    """
+
+    source: Path
+    training_iterations: int
+    configuration: Configuration
+    states: Path
+
+    def write(self, directory: Path) -> None:
+        """Make the new run's directory one that can be resumed: its configuration, a checkpoint.
+
+        Raises OSError when the disk refuses.
+        """
+        manager = build(ExperimentManagerConfig, self.configuration["experiment_manager"])
+        place = make_protocol(manager).place_after(self.training_iterations)
+        checkpoints = directory / "checkpoints"
+        to = checkpoint.place_directory(checkpoints, place)
+        to.mkdir(parents=True)
+        progress = Progress(manager.protocol.n_training_iterations)
+        progress.begin_at(self.training_iterations)
+        write_state(to / TRIALS_FILE, TRIALS_KIND, {"rows": progress.trial_rows()})
+        for name in _LEARNERS:
+            shutil.copyfile(self.states / f"{name}.npz", to / f"{name}.npz")
+        about = {
+            "branched_from": str(self.source),
+            "branched_at_iteration": self.training_iterations,
+        }
+        text = text_of_continuation("", self.configuration, about)
+        replace_file(directory / CONFIG_FILE, text.encode())
+        files = sorted(to.iterdir())
+        hashes = {path.name: checkpoint.hash_of(path) for path in files}
+        checkpoint.commit(
+            checkpoints, Manifest(place, self.configuration, (), hashes, progress.document())
+        )
+
+
+def branch(text: str, given: Mapping[str, Given], commit: str) -> Branch:
+    """Return the run that begins from RUN[@ITERATION], with the settings that were given.
+
+    Raises InputError for a run, checkpoint or setting that cannot be used.
+    """
+    name, at, iteration = text.rpartition("@")
+    source = Path(name if at and iteration.isdigit() else text).resolve()
+    before = read_configuration(source / CONFIG_FILE)
+    protocol = make_protocol(build(ExperimentManagerConfig, before["experiment_manager"]))
+    trained, states = _chosen(source, protocol, int(iteration) if iteration.isdigit() else None)
+    settings: dict[str, Any] = {
+        f"{node}.{parameter}": value
+        for node, values in before.items()
+        for parameter, value in values.items()
+        if node != "experiment_manager" or parameter not in _OF_ONE_RUN
+    }
+    settings["experiment_manager.commit"] = commit
+    configuration = changed(settings, given)
+    manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
+    make_protocol(manager).place_after(trained)
+    for node, learner in _LEARNERS.items():
+        # The nodes would refuse what does not fit; here it costs nothing.
+        config: Any = build(CONFIG_CLASSES[node], configuration[node])
+        learner(config).restore(read_state(states / f"{node}.npz", node))
+    return Branch(source, trained, configuration, states)
+
+
+def _chosen(source: Path, protocol: Protocol, iteration: int | None) -> tuple[int, Path]:
+    """Return training iterations and states of the newest checkpoint, or of that at an iteration.
+
+    The newest one, where several have made as many: during a test, learners stand still.
+    """
+    found = {
+        protocol.training_iterations_before(manifest.place): states
+        for manifest, states in checkpoint.everyone(source / "checkpoints")
+    }
+    trained = max(found, default=0) if iteration is None else iteration
+    if trained not in found:
+        raise InputError(
+            f"{source}: expected a checkpoint to begin from"
+            + ("" if iteration is None else f" after {iteration} training iterations")
+            + f", there is one after {', '.join(map(str, sorted(found))) or 'none'}"
+        )
+    return trained, found[trained]

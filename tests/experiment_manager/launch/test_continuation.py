@@ -1,0 +1,200 @@
+"""A run that goes on: with its own settings only, for longer, or as a new one."""
+
+import json
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import yaml
+
+from experiment_manager.commands.evaluate import main as evaluate
+from experiment_manager.commands.run_experiment import main as run_experiment
+from experiment_manager.measures.recorded_run import RecordedRun
+from experiment_manager.run import checkpoint
+from tests.graph_harness import OracleRun, stacked, vectors
+from tests.supervisor import finished, start_supervisor
+
+Refused = Callable[..., str]
+
+
+@pytest.fixture
+def run(small_run: Path, tmp_path: Path) -> Path:
+    """Return a copy of a run that has been made to its end: 60 iterations, tests at 0, 30, 60."""
+    return Path(shutil.copytree(small_run, tmp_path / "run"))
+
+
+@pytest.fixture
+def refused(run: Path, capsys: pytest.CaptureFixture[str]) -> Refused:
+    """Return a function that runs a command line in vain and returns the one line it says."""
+
+    def refused(*line: str) -> str:
+        before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
+        assert run_experiment(line) == 2
+        assert before == {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
+        (error,) = capsys.readouterr().err.splitlines()
+        return error
+
+    return refused
+
+
+def _edit(run: Path, old: str, new: str) -> None:
+    path = run / "config.yaml"
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
+@pytest.mark.parametrize(
+    ("line", "has"),
+    [
+        (("--seed", "3"), "--seed 3: .* sparse_coder.seed = 1,"),
+        (("--iterations", "500"), "--iterations 500: .*n_training_iterations = 60,"),
+        (("--model", "M_C"), "--model M_C: .* experiment_manager.model = M,"),
+        (("--lambda", "0.2"), "--lambda 0.2: .* sparse_coder.metabolic_cost_weight = 0.0,"),
+        (("--set", "vergence_rl.discount=0.5"), "discount=0.5: .* vergence_rl.discount = 0.3,"),
+        (("--out", "elsewhere"), "--out elsewhere: "),
+        (("--stimuli", "/pictures"), "--stimuli /pictures: .* eye_plant.stimuli.directory = "),
+        (("--profile", "demonstration"), "--profile demonstration: .* has profile 'paper'"),
+        (("--tests", "0"), r"--tests 0: .*test_iterations = \[0, 30\],"),
+        (("--test-stimuli", "1"), "--test-stimuli 1: .*n_stimuli_per_test = 2,"),
+        (("--lambda-share", "0.2", "--model", "M_C"), "--lambda-share 0.2: .* lambda = 0,"),
+    ],
+)
+def test_a_resumed_run_keeps_its_settings(
+    run: Path, refused: Refused, line: tuple[str, ...], has: str
+) -> None:
+    error = refused("--resume", str(run), *line)
+    assert re.search(has, error)
+    assert f"--branch {run} begins a new run" in error
+
+
+def test_settings_that_a_run_has_may_be_said_again(run: Path) -> None:
+    line = ["--seed", "1", "--iterations", "60", "--model", "M", "--lambda", "0", "--tests", "0,30"]
+    line += ["--set", "vergence_rl.discount=0.3", "--profile", "paper", "--out", str(run)]
+    assert run_experiment(["--in-process", "--resume", str(run), *line]) == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "names"),
+    [
+        ("discount: 0.3", "discount: 0.4", ("vergence_rl.discount was 0.3, is 0.4",)),
+        (
+            "camera.left_blur_px: 0.0",
+            "camera.left_blur_px: 1.0",
+            ("eye_plant.camera.left_blur_px was 0.0, is 1.0",),
+        ),
+        ("n_selections: 10", "n_selections: 9", ("sparse_coder.n_selections was 10, is 9",)),
+        ("iterations_per_trial: 4", "iterations_per_trial: 5", ("iterations_per_trial was 4",)),
+    ],
+)
+def test_an_edited_configuration_is_told_by_name(
+    run: Path, refused: Refused, old: str, new: str, names: tuple[str, ...]
+) -> None:
+    _edit(run, old, new)
+    error = refused("--resume", str(run))
+    assert all(name in error for name in names)
+
+
+def test_a_header_that_lies_is_refused(run: Path, refused: Refused) -> None:
+    _edit(run, "    profile: paper\n    seed: 1", "    profile: paper\n    seed: 2")
+    assert "run.seed: expected 1, as experiment_manager has it, got 2" in refused(
+        "--resume", str(run)
+    )
+
+
+def test_what_touches_no_number_may_be_edited(run: Path) -> None:
+    _edit(run, "gap_s: 5.0", "gap_s: 9.0")
+    assert run_experiment(["--in-process", "--resume", str(run)]) == 0
+
+
+def test_an_extended_run_has_the_numbers_of_the_new_schedule(small_run: Path, run: Path) -> None:
+    assert run_experiment(["--in-process", "--resume", str(run), "--extend", "40"]) == 0
+    results = json.loads((run / "results.json").read_text())
+    before = json.loads((small_run / "results.json").read_text())
+    assert [test["iteration"] for test in results["tests"]] == [0, 30, 60, 100]
+    assert results["tests"][:3] == before["tests"]
+    assert results["iterations"] == 100
+    assert evaluate([str(run)]) == 0
+    assert (
+        yaml.safe_load((run / "config.yaml").read_text())["run"]["ros__parameters"]["extended_from"]
+        == 60
+    )
+
+    manifest, states = checkpoint.everyone(small_run / "checkpoints")[-1]
+    oracle = OracleRun(run / "config.yaml")
+    oracle.restore(states)
+    truth = [s.observation.ground_truth_values() for _, s in oracle.steps(manifest.place)]
+    table = vectors(run)["ground_truth"]
+    assert table.position[-len(truth) :].tolist() == stacked(truth).tolist()
+    whole = table.column("observation").tolist()
+    assert whole == list(range(len(whole)))
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        (("--extend", "15"), "n_training_iterations: expected a multiple of 10"),
+        (("--extend", "0"), "--extend: expected 1 or more, got 0"),
+        (("--extend", "4990"), "n_training_iterations: expected 5060 or more"),
+        (("--branch", "x"), "--branch: expected it without --resume"),
+    ],
+)
+def test_what_cannot_be_extended(
+    run: Path, refused: Refused, line: tuple[str, ...], message: str
+) -> None:
+    assert message in refused("--resume", str(run), *line)
+
+
+def test_extending_needs_a_run(refused: Refused) -> None:
+    assert "--extend: expected it with --resume" in refused("--extend", "10")
+
+
+def test_a_branch_goes_on_from_the_learners_of_another_run(run: Path, tmp_path: Path) -> None:
+    out = tmp_path / "branch"
+    line = ["--branch", f"{run}@60", "--iterations", "100", "--out", str(out)]
+    line += ["--set", "vergence_rl.discount=0.5", "--seed", "4"]
+    finished(start_supervisor(line))
+    _, states = checkpoint.everyone(run / "checkpoints")[-1]
+    oracle = OracleRun(out / "config.yaml")
+    oracle.restore(states)
+    first = oracle.protocol.place_after(60)
+    truth = [s.observation.ground_truth_values() for _, s in oracle.steps(first)]
+    recorded = RecordedRun(out)
+    assert recorded.bag.vectors("ground_truth")["ground_truth"].position.tolist() == (
+        stacked(truth).tolist()
+    )
+    about = yaml.safe_load(recorded.configuration)["run"]["ros__parameters"]
+    assert (about["branched_from"], about["branched_at_iteration"]) == (str(run), 60)
+    assert recorded.parameters("vergence_rl")["discount"] == 0.5
+    assert recorded.seed == 4
+    assert evaluate([str(out)]) == 0
+    results = json.loads((out / "results.json").read_text())
+    assert [test["iteration"] for test in results["tests"]] == [100]
+    assert results["lambda_share"] == {"first_5000": None, "last_5000": None}
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        (
+            ("--branch", "RUN@70"),
+            "expected a checkpoint to begin from after 70 training iterations",
+        ),
+        (("--branch", "nowhere"), "expected the configuration of a run"),
+        (("--branch", "RUN", "--iterations", "30"), "expected 60 or more"),
+        (
+            ("--branch", "RUN", "--set", "sparse_coder.n_bases=7"),
+            "atoms: expected float32 of shape (2, 7, 128)",
+        ),
+        (("--branch", "RUN", "--profile", "paper"), "expected the settings of RUN and single ones"),
+    ],
+)
+def test_what_cannot_be_branched(
+    run: Path, refused: Refused, tmp_path: Path, line: tuple[str, ...], message: str
+) -> None:
+    words = [word.replace("RUN", str(run)) for word in line]
+    error = refused(*words, "--out", str(tmp_path / "out"))
+    assert message.replace("RUN", str(run)) in error
+    assert not (tmp_path / "out").exists()
