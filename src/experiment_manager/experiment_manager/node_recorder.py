@@ -97,6 +97,8 @@ class Recorder:
         """Expect the messages of an episode."""
         self.record = EpisodeRecord(episode, self._period_ns)
         self._records.appendleft(self.record)
+        # A picture of the last episode may still come, of those before nothing does.
+        self._run.writer.release(self._records[-1].first_ns)
         self.wait_from_now()
 
     def end(self) -> None:

@@ -90,10 +90,12 @@ def test_rows_are_found_by_stamp(make_bag: Callable[..., Path], values: np.ndarr
     assert table.at(stamps_ns).tolist() == [3, -1, 0, -1]
 
 
-def test_topics_are_found_by_their_last_parts(tmp_path: Path) -> None:
+def test_topics_are_found_by_their_last_parts(
+    tmp_path: Path, image_bytes: Callable[..., bytes]
+) -> None:
     topics = {"/a/left/image_raw": IMAGE, "/b/left/image_raw": IMAGE, "/b/reward": VECTOR}
     with BagWriter(tmp_path / "bag", topics | {"/clock": "rosgraph_msgs/msg/Clock"}, {}) as writer:
-        writer.write("/clock", b"\0\1\0\0" + bytes(8), 0)
+        writer.write("/a/left/image_raw", image_bytes(np.zeros((2, 2), np.uint8), 0), 0)
     bag = Bag(tmp_path / "bag")
     assert bag.topic("reward") == "/b/reward"
     assert bag.topic("b/left/image_raw") == "/b/left/image_raw"

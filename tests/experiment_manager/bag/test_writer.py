@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 import yaml
 from mcap.reader import make_reader
+from mcap.records import Channel, Message
+from mcap.stream_reader import StreamReader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import QosDurability, QosHistory, QosReliability
@@ -178,9 +180,11 @@ def test_the_default_qos_is_that_of_the_graph() -> None:
     )
 
 
-def test_a_namespace_is_put_before_relative_names_only(tmp_path: Path) -> None:
+def test_a_namespace_is_put_before_relative_names_only(
+    tmp_path: Path, messages: list[tuple[str, bytes, int]]
+) -> None:
     with BagWriter(tmp_path / "bag", TOPICS, METADATA, namespace="/robot_1") as writer:
-        writer.write("/clock", b"\0\1\0\0" + bytes(8), 0)
+        writer.write(*messages[0])
     file = McapFile.open(tmp_path / "bag" / "bag_0.mcap")
     assert {c.topic for c in file.channels.values()} == {
         "/robot_1/ground_truth",
@@ -206,8 +210,11 @@ def test_the_first_message_of_a_stamp_is_kept(
         assert [(t, raw) for _, t, raw in reader.messages()] == [(5, first), (6, second)]
 
 
-def test_clock_and_diagnostics_may_repeat_their_stamps(tmp_path: Path) -> None:
+def test_clock_and_diagnostics_may_repeat_their_stamps(
+    tmp_path: Path, messages: list[tuple[str, bytes, int]]
+) -> None:
     with BagWriter(tmp_path / "bag", TOPICS, METADATA) as writer:
+        writer.write("ground_truth", messages[0][1], 5)
         for stamp_ns in (7, 7, 3):
             assert writer.write("/clock", b"\0\1\0\0" + bytes(8), stamp_ns)
             assert writer.write("/diagnostics", b"\0\1\0\0" + bytes(16), stamp_ns)
@@ -286,9 +293,11 @@ def test_resuming_deletes_what_was_not_committed_and_goes_on(
         ]
 
 
-def test_resuming_from_nothing_starts_anew(tmp_path: Path) -> None:
+def test_resuming_from_nothing_starts_anew(
+    tmp_path: Path, messages: list[tuple[str, bytes, int]]
+) -> None:
     with BagWriter(tmp_path / "bag", TOPICS, METADATA, resume_files=[]) as writer:
-        writer.write("/clock", b"\0\1\0\0" + bytes(8), 0)
+        writer.write(*messages[0])
     assert writer.files == ["bag_0.mcap"]
 
 
@@ -328,10 +337,104 @@ def test_an_idle_writer_flushes_when_asked(
         now_s[0] += 1.9
         writer.flush_when_due()
         path = tmp_path / "bag" / "bag_0.mcap"
-        assert path.stat().st_size == 0, "one message does not fill a buffer"
+        assert not path.exists(), "an older message may still come"
         now_s[0] += 0.1
         writer.flush_when_due()
         assert McapFile.open(path).summary().n_messages == 1
+
+
+# --- order
+
+
+def _as_mcap_doctor_reads(path: Path) -> list[tuple[str, int]]:
+    """Return (topic, log time) of all messages as they lie in a file, chunk by chunk.
+
+    Asserts what `mcap doctor` warns of: each log time is no less than all before it.
+    """
+    found: list[tuple[str, int]] = []
+    topics: dict[int, str] = {}
+    with path.open("rb") as stream:
+        for record in StreamReader(stream, validate_crcs=True).records:
+            if isinstance(record, Channel):
+                topics[record.id] = record.topic
+            elif isinstance(record, Message):
+                found.append((topics[record.channel_id], record.log_time))
+    log_times_ns = [log_time_ns for _, log_time_ns in found]
+    assert log_times_ns == sorted(log_times_ns), path.name
+    return found
+
+
+def test_messages_lie_in_the_order_of_their_stamps_and_topics(
+    tmp_path: Path, messages: list[tuple[str, bytes, int]]
+) -> None:
+    # Topic after topic, as bunches arrive; the diagnostics with the stamp of then.
+    arrival = sorted(messages, key=lambda message: (message[0] == "ground_truth", message[2]))
+    arrival.insert(2, ("/diagnostics", b"\0\1\0\0" + bytes(16), 3 * PERIOD_NS))
+    with BagWriter(tmp_path / "bag", TOPICS, METADATA) as writer:
+        assert all(writer.write(*message) for message in arrival)
+        writer.release(15 * PERIOD_NS)
+    names = {name: name if name.startswith("/") else f"/{name}" for name in TOPICS}
+    assert _as_mcap_doctor_reads(tmp_path / "bag" / "bag_0.mcap") == [
+        (names[topic], stamp_ns)
+        for stamp_ns in range(0, N_MESSAGES * PERIOD_NS, PERIOD_NS)
+        for topic in TOPICS
+        if any((topic, stamp_ns) == (m[0], m[2]) for m in arrival)
+    ]
+
+
+def test_the_files_of_a_run_are_in_order_and_none_is_without_an_observation(
+    small_run: Path,
+) -> None:
+    paths = sorted((small_run / "bag").glob("*.mcap"))
+    assert paths
+    for path in paths:
+        assert "/ground_truth" in {topic for topic, _ in _as_mcap_doctor_reads(path)}
+
+
+def test_what_is_released_is_written_and_the_rest_waits(
+    tmp_path: Path, messages: list[tuple[str, bytes, int]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now_s = [100.0]
+    monkeypatch.setattr("experiment_manager.bag.writer.time.monotonic", lambda: now_s[0])
+    vectors = [message for message in messages if message[0] == "ground_truth"]
+    picture = next(message for message in messages if message[2] == 10 * PERIOD_NS)
+    path = tmp_path / "bag" / "bag_0.mcap"
+    with BagWriter(tmp_path / "bag", TOPICS, METADATA, flush_period_s=2.0) as writer:
+        for vector in vectors[:20]:
+            writer.write(*vector)
+        writer.release(10 * PERIOD_NS)
+        # What comes late is put in its place as long as it has not been released.
+        writer.write("left/image_raw", picture[1], 10 * PERIOD_NS)
+        # Of the others, those that arrived a flush period ago are handed over, too.
+        now_s[0] += 1.5
+        writer.write(*vectors[20])
+        now_s[0] += 0.5
+        writer.flush_when_due()
+        assert McapFile.open(path).summary().n_messages == 21, "all but the youngest"
+        now_s[0] += 2.0
+        writer.flush_when_due()
+        assert McapFile.open(path).summary().n_messages == 22
+    assert len(_as_mcap_doctor_reads(path)) == 22
+
+
+def test_a_file_begins_with_an_observation(
+    tmp_path: Path, messages: list[tuple[str, bytes, int]]
+) -> None:
+    diagnostics = b"\0\1\0\0" + bytes(16)
+    directory = tmp_path / "bag"
+    with BagWriter(directory, TOPICS, METADATA, flush_period_s=0.0) as writer:
+        for _ in range(1500):
+            writer.write("/diagnostics", diagnostics, 0)
+        writer.commit()
+        assert writer.files == [], "nothing but diagnostics"
+        writer.write(*messages[0])
+        writer.commit()
+        writer.write("/diagnostics", diagnostics, 7)
+        writer.flush_when_due()
+        assert [path.name for path in directory.glob("*.mcap")] == ["bag_0.mcap"]
+    assert writer.files == ["bag_0.mcap"]
+    counts = McapFile.open(directory / "bag_0.mcap").summary().message_counts
+    assert (counts["/ground_truth"], counts["/diagnostics"]) == (1, 1000)
 
 
 @contextmanager

@@ -1,5 +1,8 @@
 """inspect_bag: what it prints, repairs and takes out."""
 
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,6 +17,7 @@ from rosbags.highlevel import AnyReader
 from experiment_manager.bag.mcap_file import McapFile
 from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.writer import BagWriter
+from experiment_manager.commands import inspect_bag
 from experiment_manager.commands.inspect_bag import main
 from lockstep.topics import GROUND_TRUTH_NAMES, TEST
 
@@ -67,9 +71,12 @@ def test_it_prints_topics_run_and_learning_curve(
     assert "whole" in text
     # 90 messages in 89 + 5 periods of 0.1 s; one gap of six periods.
     assert lines["/ground_truth"] == ["/ground_truth", VECTOR, "90", "9.47", "1", "0.6"]
-    assert lines["/left/image_raw"] == ["/left/image_raw", IMAGE, "2", "10", "0", "-"]
+    assert lines["/left/image_raw"] == ["/left/image_raw", IMAGE, "2", "-", "-", "-"]
     assert "seed: 11" in text
-    assert "  a:\n    b: 5\n" in text
+    assert text.index("4000 ") < text.index("/ground_truth"), "the learning curve comes first"
+    assert "a:\n  b: 5\n" not in text
+    assert main([str(bag.parent), "--configuration"]) == 0
+    assert "\nconfig.yaml:\n\na:\n  b: 5\n" in capsys.readouterr().out
     assert lines["4000"][:6] == ["4000", "30", "0.500", "0.000", "0.0", "%"]
 
 
@@ -210,3 +217,55 @@ def test_repairing_a_whole_bag_changes_nothing(bag: Path) -> None:
     before = {path: (path.read_bytes(), path.stat().st_mtime_ns) for path in bag.iterdir()}
     assert main([str(bag), "--repair"]) == 0
     assert {p: (p.read_bytes(), p.stat().st_mtime_ns) for p in bag.iterdir()} == before
+
+
+def test_any_single_file_of_a_run_can_be_looked_at(
+    small_run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    paths = sorted((small_run / "bag").glob("*.mcap"))
+    assert paths
+    for path in paths:
+        assert main([str(path)]) == 0
+        text = capsys.readouterr().out
+        assert "1 file," in text
+        assert "/ground_truth" in text
+
+
+def test_a_file_with_a_picture_alone_can_be_looked_at(
+    tmp_path: Path, image_bytes: Callable[..., bytes], capsys: pytest.CaptureFixture[str]
+) -> None:
+    # The last pictures of an episode may come after all else, at the end of a run.
+    with BagWriter(tmp_path / "bag", {"ground_truth": VECTOR, "features": IMAGE}, {}) as writer:
+        writer.write("features", image_bytes(np.zeros((2, 2), np.float32), 0), 0)
+    assert main([str(tmp_path / "bag" / "bag_0.mcap")]) == 0
+    lines = {line.split()[0]: line.split() for line in capsys.readouterr().out.splitlines() if line}
+    assert lines["/features"][2] == "1"
+    assert lines["/ground_truth"][2] == "0"
+
+
+def test_the_diagnostics_of_a_healthy_run_show_no_gaps(
+    small_run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([str(small_run)]) == 0
+    lines = {line.split()[0]: line.split() for line in capsys.readouterr().out.splitlines() if line}
+    assert lines["/diagnostics"][3:] == ["-", "-", "-"]
+    assert int(lines["/diagnostics"][2]) > 0
+    assert lines["/ground_truth"][4:] == ["0", "-"]
+
+
+def test_a_reader_that_has_seen_enough_is_no_error(bag: Path) -> None:
+    # The reader is gone before the first line is written, which "head" is at some moment, too.
+    done = subprocess.run(
+        [
+            "bash",
+            "-o",
+            "pipefail",
+            "-c",
+            f"{sys.executable} -m {inspect_bag.__name__} {bag} | true",
+        ],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")

@@ -23,20 +23,28 @@ from experiment_manager.bag.metadata import (
     bag_information,
     write_metadata,
 )
+from experiment_manager.bag.stamp_buffer import Held, StampBuffer
 from lockstep.durable_files import sync_directory
 from lockstep.errors import InputError
 
 EXEMPT_TOPICS = ("/clock", "/diagnostics")
 _CHUNK_BYTES = 1 << 20
+# Of the flush period, the longest that a message waits for older ones.
+_HOLD_SHARE = 0.5
+# While nothing else comes, no more exempt messages are held back than these.
+_MOST_EXEMPT_HELD = 1000
 _FILE_NAME = re.compile(r"^bag_(\d+)\.mcap$")
 
 
 class BagWriter:
     """A rosbag2 directory under construction: metadata.yaml, bag_0.mcap, bag_1.mcap, ...
 
-    Each commit ends a file; what was committed is never touched again. Between commits complete
-    chunks are handed to the system at least every flush period, so that a kill loses no more than
-    that, and a cut-off file still opens up to its last complete chunk.
+    Each commit ends a file; what was committed is never touched again. A file begins with the first
+    message that is not exempt. In a file the messages lie in the order of their stamps, those of
+    one stamp in the order of the topics: they are held back until `release` says that nothing older
+    will come, or for half a flush period. Between commits complete chunks are handed to the system
+    at least every flush period, so that a kill loses no more than one and a half of them, and a
+    cut-off file still opens up to its last complete chunk.
     """
 
     def __init__(
@@ -72,6 +80,8 @@ class BagWriter:
         self._flush_period_s = flush_period_s
         self._last_stamp_ns = dict.fromkeys(topics, -1)
         self.n_ignored = dict.fromkeys(topics, 0)
+        self._buffer = StampBuffer(topics)
+        self._flushed_s = time.monotonic()
         self._committed: list[FileSummary] = []
         self._open: _OpenFile | None = None
         self._failed = False
@@ -100,21 +110,24 @@ class BagWriter:
             return False
         self._last_stamp_ns[topic] = max(stamp_ns, last_ns)
         with self._guarded():
-            if self._open is None:
-                self._open = self._next_file()
-            self._open.write(topic, message, stamp_ns)
+            self._buffer.add(topic, message, stamp_ns, time.monotonic())
             self._flush_when_due()
         return True
 
+    def release(self, before_ns: int) -> None:
+        """Write what has a smaller stamp: nothing older than that will come."""
+        with self._guarded():
+            self._put(self._buffer.take_before(before_ns))
+
     def flush_when_due(self) -> None:
         """Hand what was written to the system if the flush period is over; for an idle timer."""
-        if self._open is not None:
-            with self._guarded():
-                self._flush_when_due()
+        with self._guarded():
+            self._flush_when_due()
 
     def commit(self) -> None:
         """End and sync the current file and replace metadata.yaml; the next write starts a file."""
         with self._guarded():
+            self._put(self._buffer.take_all())
             if self._open is not None:
                 self._committed.append(self._open.finish())
                 self._open = None
@@ -163,10 +176,23 @@ class BagWriter:
             raise
 
     def _flush_when_due(self) -> None:
-        assert self._open is not None
         now_s = time.monotonic()
-        if now_s - self._open.flushed_s >= self._flush_period_s:
-            self._open.flush(now_s)
+        if now_s - self._flushed_s < self._flush_period_s:
+            return
+        self._flushed_s = now_s
+        self._put(self._buffer.take_arrived_by(now_s - _HOLD_SHARE * self._flush_period_s))
+        if self._open is not None:
+            self._open.flush()
+
+    def _put(self, messages: list[Held]) -> None:
+        """Write messages into the open file, or into a new one if an observation is among them."""
+        if self._open is None:
+            if all(held.topic in self._exempt for held in messages):
+                self._buffer.put_back(messages[-_MOST_EXEMPT_HELD:])
+                return
+            self._open = self._next_file()
+        for held in messages:
+            self._open.write(held.topic, held.message, held.stamp_ns)
 
     def _next_file(self) -> "_OpenFile":
         number = 1 + max((_number(name) for name in self.files), default=-1)
@@ -224,7 +250,6 @@ class _OpenFile:
         self._names = {name: topic.name for name, topic in topics.items()}
         self._counts = dict.fromkeys(topics, 0)
         self._span_ns: tuple[int, int] | None = None
-        self.flushed_s = time.monotonic()
 
     def _register(self, topics: Mapping[str, Topic]) -> dict[str, int]:
         schemas: dict[str, int] = {}
@@ -251,9 +276,8 @@ class _OpenFile:
         start_ns, end_ns = self._span_ns or (stamp_ns, stamp_ns)
         self._span_ns = (min(start_ns, stamp_ns), max(end_ns, stamp_ns))
 
-    def flush(self, now_s: float) -> None:
+    def flush(self) -> None:
         self._writer.flush()
-        self.flushed_s = now_s
 
     def finish(self) -> FileSummary:
         self._writer.finish()

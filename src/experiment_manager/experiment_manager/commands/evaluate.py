@@ -12,6 +12,7 @@ from experiment_manager.frozen_test import FrozenTest
 from experiment_manager.measures.recorded_run import RecordedRun
 from experiment_manager.measures.results import RESULTS_FILE, read_results, write_document
 from experiment_manager.measures.tables import number, tests_table
+from experiment_manager.run.lasting_output import make_standard_streams_last
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIFFERENT
 
@@ -186,4 +187,6 @@ def _equal(left: Any, right: Any) -> bool:
 
 
 if __name__ == "__main__":
+    # Who reads the text may have seen enough of it, as head has.
+    make_standard_streams_last()
     sys.exit(main())

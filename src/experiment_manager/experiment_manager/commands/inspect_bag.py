@@ -15,6 +15,7 @@ from experiment_manager.measures.metrics import summary
 from experiment_manager.measures.recorded_run import trial_rows
 from experiment_manager.measures.tables import tests_table, text_table
 from experiment_manager.measures.trials import split_tests
+from experiment_manager.run.lasting_output import make_standard_streams_last
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
 
@@ -33,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         bag = Bag(path)
         if options.extract is not None:
             _extract(bag, options.extract)
-        print(describe(bag))
+        print(describe(bag, with_configuration=options.configuration))
     except (InputError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
@@ -43,9 +44,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="inspect_bag.sh",
-        description="Topics with counts, rates and gaps, the run's configuration, learning curve.",
+        description="The learning curve, topics with counts, rates and gaps, and the run.",
     )
     parser.add_argument("bag", type=Path, help="bag directory, run directory or .mcap file")
+    parser.add_argument(
+        "--configuration", action="store_true", help="print the run's config.yaml, too"
+    )
     parser.add_argument(
         "--repair", action="store_true", help="rewrite a cut-off or damaged bag as a whole"
     )
@@ -55,9 +59,11 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def describe(bag: Bag) -> str:
+def describe(bag: Bag, *, with_configuration: bool = False) -> str:
     """Return what a bag holds, as text for a terminal."""
-    parts = [_files(bag), _topics(bag), _run(bag), _learning_curve(bag)]
+    parts = [_files(bag), _run(bag), _learning_curve(bag), _topics(bag)]
+    if with_configuration:
+        parts.append(f"{CONFIGURATION_ATTACHMENT}:\n\n{_configuration(bag)}")
     return "\n\n".join(part for part in parts if part)
 
 
@@ -65,9 +71,10 @@ def _files(bag: Bag) -> str:
     n_bytes = sum(file.path.stat().st_size for file in bag.files)
     cut_off = [file.path.name for file in bag.files if not file.complete]
     state = "whole"
+    n_files = len(bag.files)
     if cut_off:
         state = f"{', '.join(cut_off)} cut off (--repair makes it whole)"
-    return f"{bag.path}: {len(bag.files)} files, {n_bytes / 1e6:.1f} MB, {state}"
+    return f"{bag.path}: {n_files} file{'s' * (n_files != 1)}, {n_bytes / 1e6:.1f} MB, {state}"
 
 
 def _topics(bag: Bag) -> str:
@@ -78,12 +85,18 @@ def _topics(bag: Bag) -> str:
     period_ns = min(periods, default=0)
     header = ("topic", "type", "messages", "rate/Hz", "gaps", "longest gap/s")
     rows = [
-        (topic, bag.types[topic], str(len(bag.stamps_ns(topic))), *_rhythm(s, period_ns))
+        (
+            topic,
+            bag.types[topic],
+            str(len(bag.stamps_ns(topic))),
+            *(_rhythm(s, period_ns) if bag.types[topic] == _VECTOR else ("-", "-", "-")),
+        )
         for topic, s in stamps.items()
     ]
     note = (
         f"Rates and gaps in simulated time. A gap is longer than two periods of {period_ns / 1e9:g}"
-        " s; an episode's last observation is not answered, and pictures are a sample."
+        " s; an episode's last observation is not answered. Pictures are a sample and diagnostics "
+        "come in real time, they have no gaps."
     )
     return f"{text_table(header, rows, n_left=2)}\n{note}"
 
@@ -100,21 +113,24 @@ def _rhythm(stamps_ns: np.ndarray, period_ns: int) -> tuple[str, str, str]:
 
 
 def _run(bag: Bag) -> str:
-    lines = [f"{key}: {text}" for key, text in bag.metadata.get(RUN_METADATA, {}).items()]
-    try:
-        configuration = bag.attachment(CONFIGURATION_ATTACHMENT).decode()
-    except InputError:
-        return "\n".join(lines)
-    indented = "\n".join(f"  {line}" for line in configuration.rstrip().splitlines())
-    return "\n".join([*lines, f"{CONFIGURATION_ATTACHMENT}:", indented])
+    return "\n".join(f"{key}: {text}" for key, text in bag.metadata.get(RUN_METADATA, {}).items())
+
+
+def _configuration(bag: Bag) -> str:
+    return bag.attachment(CONFIGURATION_ATTACHMENT).decode().rstrip()
 
 
 def _learning_curve(bag: Bag) -> str:
     if not bag.has("ground_truth"):
         return ""
     tables = bag.vectors(*(t for t in ("ground_truth", "muscle_activations") if bag.has(t)))
-    tests = split_tests(trial_rows(tables["ground_truth"], tables.get("muscle_activations")))
-    return tests_table([summary(test) for test in tests]) if tests else "No complete test yet."
+    truth = tables["ground_truth"]
+    if not len(truth.stamps_ns):
+        return ""
+    tests = split_tests(trial_rows(truth, tables.get("muscle_activations")))
+    return (
+        tests_table([summary(test) for test in tests]) if tests else "No complete trial of a test."
+    )
 
 
 def _print_repairs(path: Path) -> None:
@@ -152,4 +168,6 @@ def _as_grey(picture: np.ndarray) -> np.ndarray:
 
 
 if __name__ == "__main__":
+    # Who reads the text may have seen enough of it, as head has.
+    make_standard_streams_last()
     sys.exit(main())

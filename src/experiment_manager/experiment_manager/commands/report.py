@@ -35,6 +35,7 @@ from experiment_manager.report.tables import (
     tests_of_run_table,
 )
 from experiment_manager.run import checkpoint
+from experiment_manager.run.lasting_output import make_standard_streams_last
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.configuration import build
 from lockstep.durable_files import replace_file
@@ -274,4 +275,6 @@ def _configurations(runs: Sequence[RecordedRun]) -> list[str]:
 
 
 if __name__ == "__main__":
+    # Who reads the text may have seen enough of it, as head has.
+    make_standard_streams_last()
     sys.exit(main())
