@@ -138,7 +138,7 @@ make_environment() {
 
 # Compiles what numba would compile at the first start. That start would show an error better than we can here.
 compile_numerics() {
-  "$python" -c 'import eye_plant.camera.ray_caster, sparse_coder.coder, vergence_rl.agent' >/dev/null 2>&1 || true
+  "$python" -c 'import eye_plant.plant, sparse_coder.coder, vergence_rl.agent' >/dev/null 2>&1 || true
 }
 
 main() {

@@ -23,6 +23,9 @@ FULL_RANGE: Limits = ((0.0, 1.0), (0.0, 1.0))
 
 _TOLERANCE_DEG = 1e-7
 _MAX_ITERATIONS = 80
+# Along an edge of the limits: between two of them the vergence is so straight that two or three
+# evaluations find a root.
+_N_SAMPLES = 33
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,7 @@ class Inverse:
         self._equilibrium = Equilibrium(self._eyes.model, self._eyes.data)
         self._start_rad: np.ndarray | None = None
         self._corners_deg: dict[Pair, float] = {}
+        self._samples_deg: dict[tuple[Pair, Pair], np.ndarray] = {}
 
     def vergence_deg(self, medial: float, lateral: float) -> float:
         """Sum of both eyes' adduction at the static equilibrium of a pair of activations."""
@@ -107,11 +111,28 @@ class Inverse:
     def _end(self, vergence_deg: float, limits: Limits, i_end: int) -> Pair:
         """Return the end of the line with the least (0) or the most (1) activation in limits."""
         pair, interval = self._edge(vergence_deg, limits, i_end)
-        low, high = (self._corner_deg(pair(a)) - vergence_deg for a in interval)
+        activations, vergences_deg = self._sampled(pair, interval)
+        errors_deg = vergences_deg - vergence_deg
+        # The line's end lies between the first two neighbours on either side of it.
+        i = int(np.argmax(errors_deg[:-1] * errors_deg[1:] <= 0.0))
         self._start_rad = None
         return pair(
-            _root(lambda a: self._vergence_deg(*pair(a)) - vergence_deg, interval, (low, high))
+            _root(
+                lambda a: self._vergence_deg(*pair(a)) - vergence_deg,
+                (float(activations[i]), float(activations[i + 1])),
+                (float(errors_deg[i]), float(errors_deg[i + 1])),
+            )
         )
+
+    def _sampled(
+        self, pair: Callable[[float], Pair], interval: Pair
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return activations along an edge and the vergences there, solved from scratch once."""
+        activations = np.linspace(*interval, _N_SAMPLES)
+        ends = pair(interval[0]), pair(interval[1])
+        if ends not in self._samples_deg:
+            self._samples_deg[ends] = np.array([self.vergence_deg(*pair(a)) for a in activations])
+        return activations, self._samples_deg[ends]
 
     def _edge(
         self, vergence_deg: float, limits: Limits, i_end: int

@@ -7,6 +7,7 @@ negative, as in the paper.
 from dataclasses import dataclass
 
 import numpy as np
+from numba import bool_, float64, guvectorize, njit, vectorize, void
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
@@ -58,42 +59,6 @@ class MetabolicTerms:
         return heat + self.work_w
 
 
-def activation_maintenance_w_per_kg(
-    activation: ArrayLike, isometric_force: ArrayLike, energetics: Energetics
-) -> Array:
-    """Heat of activation and maintenance, S A^0.6 h_AM (Umberger 2003, eqs. 7 and 8).
-
-    isometric_force: fraction of the peak force that is left above the optimal length, 1 below;
-    it scales the 60 % of the heat that is maintenance.
-    """
-    heat_w_per_kg = FAST_HEAT_W_PER_KG * energetics.fast_fraction + SLOW_HEAT_W_PER_KG
-    share = 0.4 + 0.6 * np.asarray(isometric_force)
-    return energetics.scaling * np.asarray(activation) ** 0.6 * heat_w_per_kg * share
-
-
-def shortening_lengthening_w_per_kg(
-    activation: ArrayLike,
-    velocity_per_s: ArrayLike,
-    max_velocity_per_s: ArrayLike,
-    isometric_force: ArrayLike,
-    energetics: Energetics,
-) -> Array:
-    """Heat of shortening or lengthening (Umberger 2003, eqs. 9 to 12).
-
-    velocity_per_s: optimal lengths per second, shortening negative; max_velocity_per_s > 0.
-    """
-    activation = np.asarray(activation)
-    speed = np.abs(velocity_per_s)
-    fast = energetics.fast_fraction
-    per_slow = SLOW_SHORTENING_W_PER_KG * FAST_TO_SLOW_VELOCITY / np.asarray(max_velocity_per_s)
-    per_fast = FAST_SHORTENING_W_PER_KG / np.asarray(max_velocity_per_s)
-    slow_heat = np.minimum(per_slow * speed, SLOW_SHORTENING_W_PER_KG) * (1.0 - fast)
-    shortening = activation**2 * (slow_heat + per_fast * speed * fast)
-    lengthening = activation * LENGTHENING_FACTOR * per_slow * speed
-    heat = np.where(np.asarray(velocity_per_s) <= 0.0, shortening, lengthening)
-    return energetics.scaling * heat * np.asarray(isometric_force)
-
-
 def settled_rate_w(
     *,
     activation: ArrayLike,
@@ -103,16 +68,9 @@ def settled_rate_w(
     energetics: Energetics,
 ) -> Array:
     """Metabolic rate of muscles that neither move nor change their activation."""
-    charged = np.maximum(activation, energetics.minimum_activation)
-    left = _force_left(length, isometric_force, energetics)
-    heat = activation_maintenance_w_per_kg(charged, left, energetics)
-    return np.maximum(heat, MINIMUM_HEAT_W_PER_KG) * np.asarray(mass_kg)
-
-
-def _force_left(length: ArrayLike, isometric_force: ArrayLike, energetics: Energetics) -> Array:
-    """Isometric force above the optimal length, 1 below it or where length does not count."""
-    above = energetics.length_dependent & (np.asarray(length) > 1.0)
-    return np.where(above, isometric_force, 1.0)
+    return np.asarray(
+        _settled_rate_w(activation, length, isometric_force, mass_kg, *_numbers(energetics))
+    )
 
 
 def metabolic_terms(
@@ -134,19 +92,99 @@ def metabolic_terms(
     length: fibre length in optimal lengths; isometric_force: FL at that length;
     contractile_force_n: force of the active fibres alone, pull positive.
     """
-    excitation, activation = np.asarray(excitation), np.asarray(activation)
-    charged = np.where(excitation > activation, excitation, 0.5 * (excitation + activation))
-    charged = np.maximum(charged, energetics.minimum_activation)
-    left = _force_left(length, isometric_force, energetics)
-    maintenance = activation_maintenance_w_per_kg(charged, left, energetics)
-    sliding = shortening_lengthening_w_per_kg(
-        charged, velocity_per_s, max_velocity_per_s, left, energetics
-    )
-    mass_kg = np.asarray(mass_kg)
-    velocity_m_s = np.asarray(velocity_per_s) * np.asarray(optimal_length_m)
     return MetabolicTerms(
-        activation_maintenance_w=maintenance * mass_kg,
-        shortening_lengthening_w=sliding * mass_kg,
-        floor_w=np.maximum(MINIMUM_HEAT_W_PER_KG - maintenance - sliding, 0.0) * mass_kg,
-        work_w=-np.asarray(contractile_force_n) * velocity_m_s,
+        *_metabolic_terms_w(
+            excitation,
+            activation,
+            length,
+            velocity_per_s,
+            isometric_force,
+            contractile_force_n,
+            optimal_length_m,
+            max_velocity_per_s,
+            mass_kg,
+            *_numbers(energetics),
+        )
     )
+
+
+def _numbers(energetics: Energetics) -> tuple[float, float, float, bool]:
+    """Return the energetics as the compiled functions take them."""
+    return (
+        energetics.scaling,
+        energetics.fast_fraction,
+        energetics.minimum_activation,
+        energetics.length_dependent,
+    )
+
+
+@njit(cache=True)
+def _maintenance_w_per_kg(activation, left, scaling, fast):  # type: ignore[no-untyped-def]
+    """Heat of activation and maintenance, S A^0.6 h_AM (Umberger 2003, eqs. 7 and 8).
+
+    left: fraction of the peak force that is left above the optimal length, 1 below; it scales the
+    60 % of the heat that is maintenance.
+    """
+    heat_w_per_kg = FAST_HEAT_W_PER_KG * fast + SLOW_HEAT_W_PER_KG
+    return scaling * activation**0.6 * heat_w_per_kg * (0.4 + 0.6 * left)
+
+
+@njit(cache=True)
+def _sliding_w_per_kg(activation, velocity, max_velocity, scaling, fast):  # type: ignore[no-untyped-def]
+    """Heat of shortening or lengthening at full isometric force (Umberger 2003, eqs. 9 to 12).
+
+    velocity: optimal lengths per second, shortening negative; max_velocity > 0.
+    """
+    speed = abs(velocity)
+    per_slow = SLOW_SHORTENING_W_PER_KG * FAST_TO_SLOW_VELOCITY / max_velocity
+    if velocity > 0.0:
+        return scaling * activation * LENGTHENING_FACTOR * per_slow * speed
+    per_fast = FAST_SHORTENING_W_PER_KG / max_velocity
+    slow_heat = min(per_slow * speed, SLOW_SHORTENING_W_PER_KG) * (1.0 - fast)
+    return scaling * activation**2 * (slow_heat + per_fast * speed * fast)
+
+
+@vectorize(
+    [float64(float64, float64, float64, float64, float64, float64, float64, bool_)], cache=True
+)
+def _settled_rate_w(  # type: ignore[no-untyped-def]  # noqa: PLR0917 (a ufunc)
+    activation, length, isometric_force, mass_kg, scaling, fast, minimum, length_dependent
+):
+    left = isometric_force if length_dependent and length > 1.0 else 1.0
+    heat = _maintenance_w_per_kg(max(activation, minimum), left, scaling, fast)
+    return max(heat, MINIMUM_HEAT_W_PER_KG) * mass_kg
+
+
+@guvectorize(
+    [void(*(float64,) * 12, bool_, *(float64[:],) * 4)],
+    ",".join(["()"] * 13) + "->" + ",".join(["()"] * 4),
+    cache=True,
+)
+def _metabolic_terms_w(  # type: ignore[no-untyped-def]  # noqa: PLR0917 (a ufunc)
+    excitation,
+    activation,
+    length,
+    velocity_per_s,
+    isometric_force,
+    contractile_force_n,
+    optimal_length_m,
+    max_velocity_per_s,
+    mass_kg,
+    scaling,
+    fast,
+    minimum,
+    length_dependent,
+    activation_maintenance_w,
+    shortening_lengthening_w,
+    floor_w,
+    work_w,
+):
+    charged = excitation if excitation > activation else 0.5 * (excitation + activation)
+    charged = max(charged, minimum)
+    left = isometric_force if length_dependent and length > 1.0 else 1.0
+    maintenance = _maintenance_w_per_kg(charged, left, scaling, fast)
+    sliding = left * _sliding_w_per_kg(charged, velocity_per_s, max_velocity_per_s, scaling, fast)
+    activation_maintenance_w[0] = maintenance * mass_kg
+    shortening_lengthening_w[0] = sliding * mass_kg
+    floor_w[0] = max(MINIMUM_HEAT_W_PER_KG - maintenance - sliding, 0.0) * mass_kg
+    work_w[0] = -contractile_force_n * velocity_per_s * optimal_length_m

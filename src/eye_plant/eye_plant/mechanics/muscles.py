@@ -11,6 +11,7 @@ arrays: the energetics and the figures need the parts of the force, MuJoCo retur
 """
 
 import numpy as np
+from numba import float64, vectorize
 from numpy.typing import ArrayLike, NDArray
 
 SIDES = ("left", "right")
@@ -33,27 +34,29 @@ HORIZONTAL = np.array([0, 1, 6, 7])
 Array = NDArray[np.float64]
 
 
-def force_length(length: ArrayLike, shortest: ArrayLike, longest: ArrayLike) -> Array:
+@vectorize([float64(float64, float64, float64)], cache=True)
+def force_length(length: float, shortest: float, longest: float) -> float:
     """Active force at full activation and zero velocity, as a fraction of the peak force.
 
-    FL(l): four parabolas that meet smoothly half-way between shortest, 1 and longest.
-    length: fibre length in optimal lengths; shortest < 1 < longest: where the force vanishes.
+    FL(l): four parabolas that meet smoothly half-way between shortest, 1 and longest. A function of
+    arrays. length: fibre length in optimal lengths; shortest < 1 < longest: where the force
+    vanishes.
     """
-    length, shortest, longest = np.broadcast_arrays(length, shortest, longest)
     below = (length - shortest) / (1.0 - shortest)
     above = (longest - length) / (longest - 1.0)
-    rise = np.clip(np.where(length < 1.0, below, above), 0.0, 1.0)
-    return np.where(rise < 0.5, 2.0 * rise**2, 1.0 - 2.0 * (1.0 - rise) ** 2)
+    rise = min(max(below if length < 1.0 else above, 0.0), 1.0)
+    return 2.0 * rise**2 if rise < 0.5 else 1.0 - 2.0 * (1.0 - rise) ** 2
 
 
-def passive_force_length(length: ArrayLike, longest: ArrayLike, stiffness: ArrayLike) -> Array:
+@vectorize([float64(float64, float64, float64)], cache=True)
+def passive_force_length(length: float, longest: float, stiffness: float) -> float:
     """Force of the unexcited fibres, as a fraction of the peak force.
 
     FP(l): zero up to 1, a parabola to (1 + longest) / 2, straight from there on; its slope there
-    is ``stiffness`` per (longest - 1) / 2 optimal lengths.
+    is ``stiffness`` per (longest - 1) / 2 optimal lengths. A function of arrays.
     """
-    stretch = np.maximum(np.asarray(length) - 1.0, 0.0) / (0.5 * (np.asarray(longest) - 1.0))
-    return np.asarray(stiffness) * np.where(stretch <= 1.0, 0.5 * stretch**2, stretch - 0.5)
+    stretch = max(length - 1.0, 0.0) / (0.5 * (longest - 1.0))
+    return stiffness * (0.5 * stretch**2 if stretch <= 1.0 else stretch - 0.5)
 
 
 def force_velocity(velocity: ArrayLike, lengthening_gain: ArrayLike) -> Array:

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from eye_plant.mechanics.compiled import addresses_of, step_and_trace
 from eye_plant.mechanics.equilibrium import Equilibrium
 from eye_plant.mechanics.metabolics import MetabolicTerms
 from eye_plant.mechanics.model import AXES, MechanicsConfig, build_spec
@@ -56,12 +57,23 @@ class Oculomotor:
         self.musculature = Musculature(config)
         self.data = mujoco.MjData(self.model)
         self._equilibrium = Equilibrium(self.model, self.data)
+        self._addresses = addresses_of(self.model, self.data)
+        # Views, kept: each look-up takes time.
+        self._live = (
+            self.data.act,
+            self.data.actuator_length,
+            self.data.actuator_velocity,
+            self.data.actuator_force,
+        )
+        self._angles, self._velocities = self.data.qpos, self.data.qvel
+        self._i_eyes = [self.model.body(f"{side}_eye").id for side in SIDES]
+        self._positions_m, self._rotations = self.data.xpos, self.data.xmat
         parameters = config.parameters
         period_s = config.period_s
         timestep_s = config.timestep_s or parameters.timestep_s
         self._n_substeps = max(1, round(period_s / timestep_s))
         self.model.opt.timestep = period_s / self._n_substeps
-        self._trace = np.empty((self._n_substeps, 4 * N_MUSCLES))
+        self._trace = np.empty((self._n_substeps, len(self._live), N_MUSCLES))
         self._n_traced = 0
         self.settle(self.tonic_activations)
 
@@ -99,37 +111,33 @@ class Oculomotor:
         The period is simulated; what would still creep after it is taken at once, so that the
         eyes rest at the static equilibrium that they were on their way to.
         """
-        model, data = self.model, self.data
         activations = check_activations(activations)
-        data.ctrl[:] = activations
-        live = (data.act, data.actuator_length, data.actuator_velocity, data.actuator_force)
-        for row in self._trace:
-            mujoco.mj_step(model, data)
-            np.concatenate(live, out=row)
-        self._equilibrium.solve(activations, data.qpos)
+        self.data.ctrl[:] = activations
+        step_and_trace(self._addresses, self._trace, self._live)
+        self._equilibrium.solve(activations, self._angles)
         self._n_traced = self._n_substeps
 
     def state(self) -> OculomotorState:
         """Copies of the present state."""
-        data = self.data
+        activations, lengths_m, velocities_m_s, forces_n = self._live
         settled_w = self.settled_metabolic_rate_w()
         mean_w = settled_w
         if self._n_traced:
             mean_w = self.metabolic_trace().total_w.mean(axis=0)
         return OculomotorState(
-            eye_angles_rad=data.qpos.reshape(len(SIDES), len(AXES)).copy(),
-            eye_velocities_rad_s=data.qvel.reshape(len(SIDES), len(AXES)).copy(),
-            activations=data.act.copy(),
-            lengths_m=data.actuator_length.copy(),
-            velocities_m_s=data.actuator_velocity.copy(),
-            forces_n=-data.actuator_force,
+            eye_angles_rad=self._angles.reshape(len(SIDES), len(AXES)).copy(),
+            eye_velocities_rad_s=self._velocities.reshape(len(SIDES), len(AXES)).copy(),
+            activations=activations.copy(),
+            lengths_m=lengths_m.copy(),
+            velocities_m_s=velocities_m_s.copy(),
+            forces_n=-forces_n,
             metabolic_rate_w=settled_w,
             mean_metabolic_rate_w=mean_w,
         )
 
     def settled_metabolic_rate_w(self) -> Array:
         """Metabolic rate (12,) of the muscles as they are, were they to stay so."""
-        return self.musculature.settled_rate_w(self.data.act, self.data.actuator_length)
+        return self.musculature.settled_rate_w(*self._live[:2])
 
     def advance(self, activations: Array, duration_s: float) -> None:
         """Simulate towards the target activations (12,) without waiting for the eyes to settle.
@@ -144,8 +152,8 @@ class Oculomotor:
 
     def metabolic_trace(self) -> MetabolicTerms:
         """Umberger's terms, (n, 12) each, over the n substeps of the last control period."""
-        traced = self._trace[: self._n_traced].reshape(self._n_traced, 4, N_MUSCLES)
-        activations, lengths_m, velocities_m_s, forces_n = traced.swapaxes(0, 1)
+        traced = self._trace[: self._n_traced].swapaxes(0, 1)
+        activations, lengths_m, velocities_m_s, forces_n = traced
         return self.musculature.metabolic_terms(
             self.data.ctrl, activations, lengths_m, velocities_m_s, -forces_n
         )
@@ -156,11 +164,11 @@ class Oculomotor:
 
     def eye_positions_m(self) -> Array:
         """Centres of the eyes, (2, 3), in the world frame: x forward, y left, z up."""
-        return np.stack([self.data.body(f"{side}_eye").xpos for side in SIDES])
+        return self._positions_m[self._i_eyes]
 
     def eye_rotations(self) -> Array:
         """Rotation matrices of the eyes, (2, 3, 3): columns are forward, left and up of an eye."""
-        return np.stack([self.data.body(f"{side}_eye").xmat.reshape(3, 3) for side in SIDES])
+        return self._rotations[self._i_eyes].reshape(len(SIDES), 3, 3)
 
 
 def check_activations(activations: Array) -> Array:
