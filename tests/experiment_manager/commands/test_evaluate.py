@@ -108,6 +108,16 @@ def test_results_of_an_earlier_version_are_compared_as_far_as_they_go(
     assert main([str(directory)]) == 0
 
 
+def test_the_trials_kept_from_the_bag_are_those_of_the_run(small_run: Path, tmp_path: Path) -> None:
+    directory = Path(shutil.copytree(small_run, tmp_path / "run"))
+    results, trials = (directory / name for name in ("results.json", "trials.npz"))
+    before = results.read_bytes(), trials.read_bytes()
+    results.unlink()
+    trials.unlink()
+    assert main([str(directory), "--write"]) == 0
+    assert (results.read_bytes(), trials.read_bytes()) == before
+
+
 def test_what_is_no_run_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([str(tmp_path)]) == 2
     assert capsys.readouterr().err.startswith("error: expected a bag directory or an .mcap file")

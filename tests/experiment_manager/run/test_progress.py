@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from experiment_manager.measures.kept_trials import arrays_of
 from experiment_manager.measures.trials import TRIAL_NAMES
 from experiment_manager.run.progress import Progress
 from lockstep.errors import InputError
@@ -120,7 +121,7 @@ def test_a_checkpoint_amid_a_test_carries_everything() -> None:
 
     resumed = Progress(100)
     document = json.loads(json.dumps(undisturbed.document()))
-    resumed.restore(document, undisturbed.trial_rows())
+    resumed.restore(document, undisturbed.trial_rows(), undisturbed.kept_trials)
     ends = []
     for progress in (undisturbed, resumed):
         for row in _trial(1, [0.1 / 3] * 21):
@@ -134,9 +135,11 @@ def test_a_checkpoint_amid_a_test_carries_everything() -> None:
                 progress.cost_share("first", 0.07),
                 progress.cost_share("last", 0.07),
                 progress.running_median_error_deg,
+                {name: array.tolist() for name, array in arrays_of(progress.kept_trials).items()},
             )
         )
     assert ends[0] == ends[1]
+    assert ends[0][-1]["training_iteration"] == [500, 500]
     assert len(ends[0][0]) == 2
 
 

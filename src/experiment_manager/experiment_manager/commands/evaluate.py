@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from experiment_manager.frozen_test import FrozenTest
+from experiment_manager.measures.kept_trials import KEPT_FILE, write_trials
 from experiment_manager.measures.recorded_run import RecordedRun
 from experiment_manager.measures.results import RESULTS_FILE, read_results, write_document
 from experiment_manager.measures.tables import number, tests_table
@@ -103,8 +104,9 @@ def _evaluate(directory: Path, *, write: bool) -> int:
     if write and begins_late:
         raise InputError(f"{directory}: expected the whole run in its bag, to write {path} from it")
     if write:
+        write_trials(directory, run.kept_trials())
         write_document(path, found)
-        print(f"\nwritten: {path}")
+        print(f"\nwritten: {path} and {KEPT_FILE} beside it")
         return 0
     if not path.exists():
         print(f"\nThere is no {path} to compare with (--write makes one).")

@@ -31,15 +31,20 @@ _MEDIAL_IS_SILENT_FROM_M = 4.0
 _ZERO_ERROR_DEG = 0.1
 
 
-def test_summary(rows: np.ndarray) -> dict[str, Any]:
-    """Return the measures of one test from its rows (n, len(TRIAL_NAMES)), as in results.json.
+def only_test(rows: np.ndarray) -> TestTrials:
+    """Return the trials of one test from its rows (n, len(TRIAL_NAMES)).
 
     Raises InputError unless the rows hold complete trials of exactly one test.
     """
     tests = split_tests(rows)
     if len(tests) != 1:
         raise InputError(f"expected the rows of one test, got those of {len(tests)}")
-    return summary(tests[0])
+    return tests[0]
+
+
+def test_summary(rows: np.ndarray) -> dict[str, Any]:
+    """Return the measures of one test from its rows, as in results.json; errors as only_test."""
+    return summary(only_test(rows))
 
 
 test_summary.__test__ = False  # type: ignore[attr-defined]
@@ -83,6 +88,7 @@ def _summary_of_all(trials: TestTrials) -> dict[str, Any]:
 def measures(trials: TestTrials, iteration: int) -> dict[str, float | None]:
     """Return the measures after an iteration (quartiles by linear interpolation)."""
     error_deg = np.abs(trials.vergence_error_deg[:, iteration])
+    error_deg = error_deg[~np.isnan(error_deg)]
     return {
         "median_abs_vergence_error_deg": _quantile(error_deg, 0.5),
         "iqr_abs_vergence_error_deg": _spread(error_deg),

@@ -11,6 +11,7 @@ import yaml
 
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
 from experiment_manager.bag.reader import Bag, VectorTable
+from experiment_manager.measures.kept_trials import KeptTrials, with_test
 from experiment_manager.measures.metrics import (
     SHARE_ITERATIONS,
     cost_share,
@@ -154,6 +155,13 @@ class RecordedRun:
             cost_share_last=last,
             tests=[summary(test.trials) for test in self.tests],
         )
+
+    def kept_trials(self) -> KeptTrials | None:
+        """Return what trials.npz holds, from the bag alone; None without a test."""
+        kept = None
+        for test in self.tests:
+            kept = with_test(kept, test.trials)
+        return kept
 
     @cached_property
     def _measured(self) -> _Measures:

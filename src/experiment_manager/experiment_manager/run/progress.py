@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, test_summary
+from experiment_manager.measures.kept_trials import KeptTrials, with_test
+from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, only_test, summary
 from experiment_manager.measures.trials import TRIAL_NAMES, mean_of_both_eyes
 from lockstep.errors import InputError
 from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
@@ -19,13 +20,15 @@ _REWARD = {name: i for i, name in enumerate(REWARD_NAMES)}
 class Progress:
     """Collects ground truth, activations and rewards, and sums them up.
 
-    `document`, `trial_rows` and `restore` carry it through a checkpoint, also amid a test.
+    `document`, `trial_rows`, `kept_trials` and `restore` carry it through a checkpoint, also amid a
+    test.
     """
 
     def __init__(self, n_training_iterations: int) -> None:
         """n_training_iterations: of the whole run."""
         self._n_training_iterations = n_training_iterations
         self.tests: list[dict[str, Any]] = []
+        self.kept_trials: KeptTrials | None = None
         # Of float64. A test has ten thousands of rows: as lists of numbers they would be 20 MB.
         self._truth_bytes = bytearray()
         self._activation_bytes = bytearray()
@@ -95,10 +98,11 @@ class Progress:
 
     def end_test(self) -> dict[str, Any]:
         """Return the summary of the test whose last trial has been added."""
-        summary = test_summary(self.trial_rows())
-        self.tests.append(summary)
+        trials = only_test(self.trial_rows())
+        self.tests.append(summary(trials))
+        self.kept_trials = with_test(self.kept_trials, trials)
         self._keep(np.zeros((0, len(TRIAL_NAMES))))
-        return summary
+        return self.tests[-1]
 
     def cost_share(self, end: str, metabolic_cost_weight: float) -> float | None:
         """Return lambda C / (E + lambda C) over the "first" or "last" training iterations.
@@ -146,8 +150,13 @@ class Progress:
         self._truth_bytes = bytearray(rows[:, :n_truth].tobytes())
         self._activation_bytes = bytearray(rows[:, n_truth:].tobytes())
 
-    def restore(self, document: dict[str, Any], trial_rows: np.ndarray) -> None:
-        """Take over what `document` and `trial_rows` returned; InputError for anything else."""
+    def restore(
+        self,
+        document: dict[str, Any],
+        trial_rows: np.ndarray,
+        kept_trials: KeptTrials | None = None,
+    ) -> None:
+        """Take over what another had to carry; InputError for anything else."""
         if len(trial_rows) and trial_rows.shape[1:] != (len(TRIAL_NAMES),):
             raise InputError(
                 f"expected trials with {', '.join(TRIAL_NAMES)}, got rows of shape "
@@ -162,5 +171,6 @@ class Progress:
         except (KeyError, TypeError, AttributeError) as error:
             raise InputError(f"expected a run's progress, got {document}: {error!r}") from error
         self.tests, self._sums, self._running_errors_deg = tests, sums, errors_deg
+        self.kept_trials = kept_trials
         self._keep(trial_rows.reshape(-1, len(TRIAL_NAMES)))
         self._counted_from = counted_from

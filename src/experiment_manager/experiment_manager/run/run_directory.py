@@ -11,6 +11,7 @@ import yaml
 
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.measures.kept_trials import arrays_of, from_arrays, write_trials
 from experiment_manager.measures.results import write_results
 from experiment_manager.measures.tables import test_line
 from experiment_manager.protocol import make_protocol
@@ -29,6 +30,8 @@ from lockstep.topics import TOPIC_TYPES
 
 RESULTS_FILE = "results.json"
 TRIALS_FILE, TRIALS_KIND = "trials.npz", "trials"
+# The observations of the test under way; all else in that file is kept of the tests before.
+_ROWS = "rows"
 _MANAGER = "experiment_manager"
 # On a busy machine DDS needs a good part of a second to match a new reader.
 _EPISODES_AHEAD = 10
@@ -135,7 +138,8 @@ class Run:
         """Make bag and states so far a checkpoint; the states have been written."""
         self.writer.commit()
         trials = checkpoint.place_directory(self._checkpoints, self.place) / TRIALS_FILE
-        write_state(trials, TRIALS_KIND, {"rows": self.progress.trial_rows()})
+        rows = {_ROWS: self.progress.trial_rows()}
+        write_state(trials, TRIALS_KIND, rows | arrays_of(self.progress.kept_trials))
         files = (trials, *states.values())
         checkpoint.commit(
             self._checkpoints,
@@ -165,7 +169,8 @@ class Run:
         self._loaded_from = states
         self.place = manifest.place
         trials = read_state(states / TRIALS_FILE, TRIALS_KIND)
-        self.progress.restore(manifest.progress, trials["rows"])
+        rows = trials.pop(_ROWS)
+        self.progress.restore(manifest.progress, rows, from_arrays(trials))
         # A checkpoint that was copied without the bag is enough to go on.
         bag = self.directory / "bag"
         self._bag_is_elsewhere = bool(manifest.bag_files) and not (
@@ -184,10 +189,11 @@ class Run:
     # The end
 
     def finish(self) -> None:
-        """Write results.json and the learning curve from what was measured."""
+        """Write results.json and trials.npz from what was measured."""
         config = self._config
         weight = config.metabolic_cost_weight
         self._bar.close()
+        write_trials(self.directory, self.progress.kept_trials)
         write_results(
             self.directory / RESULTS_FILE,
             model=config.model,

@@ -1,0 +1,107 @@
+"""What a run keeps of its trials: small, and enough for what is drawn of it."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from experiment_manager.measures.kept_trials import (
+    KEPT_FILE,
+    KeptTrials,
+    arrays_of,
+    from_arrays,
+    read_trials,
+    with_test,
+    write_trials,
+)
+from experiment_manager.measures.metrics import summary
+from experiment_manager.measures.trials import TestTrials
+from lockstep.errors import InputError
+
+N_TRIALS, N = 12, 20
+
+
+def _test(training_iteration: int, n_trials: int = N_TRIALS) -> TestTrials:
+    """Trials of four stimuli that begin alike in every test and then go their way."""
+    draw, start = np.random.default_rng(training_iteration), np.random.default_rng(0)
+    error_deg, rate_w = draw.normal(size=(2, n_trials, N + 1))
+    activations = draw.random((n_trials, N + 1, 2)) / 10
+    error_deg[:, 0], rate_w[:, 0] = start.normal(size=(2, n_trials))
+    return TestTrials(
+        training_iteration=training_iteration,
+        trial=np.arange(n_trials),
+        stimulus=100 + np.arange(n_trials) // 3,
+        object_distance_m=start.choice([0.5, 3.0, 6.0], n_trials),
+        vergence_error_deg=error_deg,
+        metabolic_rate_w=rate_w,
+        optimal_metabolic_rate_w=start.random(n_trials),
+        activations=activations,
+        rows=np.zeros((n_trials, N + 1), dtype=int),
+    )
+
+
+def _kept(*tests: TestTrials) -> KeptTrials:
+    kept = None
+    for test in tests:
+        kept = with_test(kept, test)
+    assert kept is not None
+    return kept
+
+
+def test_the_last_test_has_its_measures_and_the_others_their_ends(tmp_path: Path) -> None:
+    tests = [_test(at) for at in (0, 500, 1000)]
+    write_trials(tmp_path, _kept(*tests))
+    found = read_trials(tmp_path)
+    assert [test.training_iteration for test in found] == [0, 500, 1000]
+
+    def numbers(told: dict[str, Any]) -> list[float]:
+        return [n for v in told.values() for n in (numbers(v) if isinstance(v, dict) else [v])]
+
+    assert numbers(summary(found[-1])) == pytest.approx(numbers(summary(tests[-1])), rel=1e-5)
+    for before, after in zip(tests, found, strict=True):
+        for k in (0, N):
+            for name in ("vergence_error_deg", "metabolic_rate_w"):
+                kept, whole = getattr(after, name)[:, k], getattr(before, name)[:, k]
+                assert np.allclose(kept, whole, rtol=1e-6)
+        assert np.allclose(after.cost_reduction(N), before.cost_reduction(N), rtol=1e-4)
+    told = summary(found[0])["after_2"]
+    assert set(told.values()) == {None}, "not kept of an earlier test"
+
+
+def test_the_paths_of_the_first_stimulus_are_whole(tmp_path: Path) -> None:
+    test = _test(0)
+    write_trials(tmp_path, _kept(test))
+    (found,) = read_trials(tmp_path)
+    assert np.allclose(found.activations[:3], test.activations[:3], rtol=1e-6)
+    assert np.isnan(found.activations[3:, 5]).all()
+    assert np.allclose(found.activations[:, [0, 1, 2, 3, N]], test.activations[:, [0, 1, 2, 3, N]])
+
+
+def test_tests_of_other_trials_are_forgotten() -> None:
+    kept = _kept(_test(0), _test(500), _test(1000, n_trials=6))
+    assert kept.training_iteration.tolist() == [1000]
+    assert kept.final_error_deg.shape == (1, 6)
+
+
+def test_a_full_run_is_small(tmp_path: Path) -> None:
+    write_trials(tmp_path, _kept(*(_test(at, n_trials=1560) for at in range(13))))
+    assert (tmp_path / KEPT_FILE).stat().st_size < 500_000
+
+
+def test_nothing_kept_is_no_file(tmp_path: Path) -> None:
+    write_trials(tmp_path, None)
+    assert not list(tmp_path.iterdir())
+    assert read_trials(tmp_path) == []
+    assert from_arrays(arrays_of(None)) is None
+
+
+def test_what_is_no_trials_is_refused(tmp_path: Path) -> None:
+    arrays = arrays_of(_kept(_test(0)))
+    with pytest.raises(InputError, match=r"expected activations, .*, got trial$"):
+        from_arrays({"trial": arrays["trial"]})
+    with pytest.raises(InputError, match=r"rate_w: expected shape \(12, 5\), got \(11, 5\)"):
+        from_arrays(arrays | {"rate_w": arrays["rate_w"][1:]})
+    (tmp_path / KEPT_FILE).write_bytes(b"PK")
+    with pytest.raises(InputError, match=r"trials\.npz: expected a state of trials_of_run"):
+        read_trials(tmp_path)
