@@ -21,22 +21,37 @@ def wants_reduced(texels_per_pixel: float) -> bool:
     return octave > 0.25 and 0.25 <= octave % 1.0 < 0.75
 
 
+def reduced_shape(shape: tuple[int, ...]) -> tuple[int, int]:
+    """Return height and width of the reduced copy of a picture of that height and width."""
+    height_px, width_px = (max(1, round(side / math.sqrt(2.0))) for side in shape)
+    return height_px, width_px
+
+
 def reduced(picture: np.ndarray) -> np.ndarray:
     """Return picture (height, width) uint8 at 1 / sqrt(2) of its size, by area averaging."""
-    height_px, width_px = (max(1, round(side / math.sqrt(2.0))) for side in picture.shape)
-    smaller = cv2.resize(picture, (width_px, height_px), interpolation=cv2.INTER_AREA)
-    return smaller.reshape(height_px, width_px)
+    return _resized(picture, reduced_shape(picture.shape))
+
+
+def level_shapes(shape: tuple[int, ...]) -> list[tuple[int, int]]:
+    """Return heights and widths of a picture's levels: each floor(size / 2), at least 1.
+
+    As OpenGL wants them, from the picture's own down to one pixel.
+    """
+    height_px, width_px = shape
+    shapes = [(height_px, width_px)]
+    while max(shapes[-1]) > 1:
+        height_px, width_px = shapes[-1]
+        shapes.append((max(1, height_px // 2), max(1, width_px // 2)))
+    return shapes
 
 
 def mipmap_levels(picture: np.ndarray) -> list[np.ndarray]:
-    """Return picture (height, width) uint8 and its successive halves down to one pixel.
-
-    Sizes are floor(size / 2), at least 1, as OpenGL wants them.
-    """
+    """Return picture (height, width) uint8 and its successive halves, by area averaging."""
     levels = [picture]
-    while max(levels[-1].shape) > 1:
-        height_px, width_px = levels[-1].shape
-        size_px = (max(1, width_px // 2), max(1, height_px // 2))
-        half = cv2.resize(levels[-1], size_px, interpolation=cv2.INTER_AREA)
-        levels.append(half.reshape(size_px[1], size_px[0]))
+    for shape in level_shapes(picture.shape)[1:]:
+        levels.append(_resized(levels[-1], shape))
     return levels
+
+
+def _resized(picture: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    return cv2.resize(picture, shape[::-1], interpolation=cv2.INTER_AREA).reshape(shape)

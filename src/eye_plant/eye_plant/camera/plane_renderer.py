@@ -1,29 +1,15 @@
 """Both eyes' pictures by casting one ray per pixel: without OpenGL, on one core."""
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 
 import numpy as np
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.landscape import landscape_picture
-from eye_plant.camera.mipmaps import mipmap_levels, reduced, wants_reduced
+from eye_plant.camera.mipmaps import wants_reduced
 from eye_plant.camera.ray_caster import cast_rays, find_homography
 from eye_plant.camera.renderer import FAR_M, N_EYES, NEAR_M, View
-
-
-@dataclass(frozen=True)
-class Texture:
-    """All levels of one picture.
-
-    texels: one level after the other, row by row; levels (n_levels, 3): each one's offset in
-    texels, height and width. Read only.
-    """
-
-    texels: np.ndarray
-    levels: np.ndarray
+from eye_plant.camera.texels import Texture, texture_of, textures_of
 
 
 class PlaneRenderer:
@@ -45,11 +31,8 @@ class PlaneRenderer:
         self._drawn_px = drawn_px
         self._eye_height_m = eye_height_m
         self._sizes_px = [max(stimulus.shape) for stimulus in stimuli]
-        # OpenCV lets other threads run while it reduces.
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            self._full = list(pool.map(_texture, stimuli))
-            self._reduced = list(pool.map(lambda stimulus: _texture(reduced(stimulus)), stimuli))
-        self._landscape = _texture(landscape_picture(config.landscape_seed))
+        self._textures = textures_of(stimuli)
+        self._landscape = texture_of(landscape_picture(config.landscape_seed))
         self._pictures = self._empty()
 
     @property
@@ -69,7 +52,7 @@ class PlaneRenderer:
 
     def close(self) -> None:
         """Forget the stimuli."""
-        self._full, self._reduced = [], []
+        self._textures = []
 
     def _empty(self) -> np.ndarray:
         width_px, height_px = self._drawn_px
@@ -98,7 +81,7 @@ class PlaneRenderer:
             ((config.width_px - width_px) // 2, (config.height_px - height_px) // 2),
             homographies,
             limits_w,
-            ((plane.texels, plane.levels), (self._landscape.texels, self._landscape.levels)),
+            (plane.arrays, self._landscape.arrays),
         )
 
     def _rectangles_m(self, distance_m: float) -> np.ndarray:
@@ -121,16 +104,4 @@ class PlaneRenderer:
         config = self._config
         pixel_m = distance_m / config.focal_length_px
         texels_per_pixel = pixel_m * self._sizes_px[i_stimulus] / config.plane_size_m
-        return (self._reduced if wants_reduced(texels_per_pixel) else self._full)[i_stimulus]
-
-
-def _texture(picture: np.ndarray) -> Texture:
-    """Return picture (height, width) uint8 with all its mip-map levels."""
-    pictures = mipmap_levels(picture)
-    texels = np.concatenate([level.ravel() for level in pictures])
-    offsets = np.cumsum([0, *(level.size for level in pictures[:-1])])
-    sizes = [level.shape for level in pictures]
-    levels = np.column_stack((offsets, sizes)).astype(np.int64)
-    for array in (texels, levels):
-        array.setflags(write=False)
-    return Texture(texels, levels)
+        return self._textures[i_stimulus][wants_reduced(texels_per_pixel)]

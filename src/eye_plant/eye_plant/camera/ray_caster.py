@@ -20,7 +20,7 @@ _TILE_PX = 16
 # Read-only arrays, such as those mapped from a file, can be passed as well as others.
 _TEXELS = types.Array(uint8, 1, "C", readonly=True)
 _LEVELS = types.Array(int64, 2, "C", readonly=True)
-_TEXTURE = types.Tuple((_TEXELS, _LEVELS))
+_TEXTURE = types.Tuple((_TEXELS, _TEXELS, _LEVELS))
 
 
 @njit(
@@ -116,7 +116,8 @@ def _look(homography, limits_w, first, uv, is_seen):  # type: ignore[no-untyped-
 def _sample(uv, span, texture, scratch, greys):  # type: ignore[no-untyped-def]
     """Fill greys (tile,) with the bilinear samples at uv (2, tile); outside, the border goes on.
 
-    span: first and end of the pixels to fill; texture: all texels, and one level's row of levels.
+    span: first and end of the pixels to fill; texture: texels, and one level's offset in them,
+    height and width.
     """
     texels, (offset, height, width) = texture[0], texture[1]
     places, shares = scratch
@@ -140,8 +141,11 @@ def _sample(uv, span, texture, scratch, greys):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _level(levels, i_level):  # type: ignore[no-untyped-def]
-    return levels[i_level, 0], levels[i_level, 1], levels[i_level, 2]
+def _level_of(texture, i_level):  # type: ignore[no-untyped-def]
+    """Return one level of a texture as _sample takes it."""
+    largest, texels, levels = texture
+    size = levels[i_level, 0], levels[i_level, 1], levels[i_level, 2]
+    return (largest if i_level == 0 else texels), size
 
 
 @njit(
@@ -160,19 +164,20 @@ def cast_rays(
     origin_px: tuple[int, int],
     homographies: Floats,
     limits_w: Floats,
-    textures: tuple[tuple[NDArray[np.uint8], NDArray[np.int64]], ...],
+    textures: tuple[tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.int64]], ...],
 ) -> None:
     """Draw one eye's picture (height, width), whose top left pixel is at origin_px (column, row).
 
     homographies (2, 3, 3), limits_w (2, 2), textures (2): of the plane, which is nearer, and of the
     landscape. w below the first limit is too far to be drawn, above the second too near; what sees
-    neither surface is black. A texture: all levels' texels, one level after the other, and
-    each level's offset, height and width. A pixel's grey does not depend on what else is drawn.
+    neither surface is black. Each texture is eye_plant.camera.texels.Texture.arrays. A pixel's grey
+    does not depend on what else is drawn.
     """
     height, width = picture.shape
     left_px, top_px = origin_px
     plane, landscape = homographies[0], homographies[1]
-    (plane_texels, plane_levels), (landscape_texels, landscape_levels) = textures
+    plane_texture, landscape_texture = textures
+    plane_levels, landscape_levels = plane_texture[2], landscape_texture[2]
     uv, is_seen = np.empty((2, _TILE_PX)), np.empty(_TILE_PX, bool_)
     far_uv, is_far_seen = np.empty((2, _TILE_PX)), np.empty(_TILE_PX, bool_)
     greys = np.empty(_TILE_PX, uint8)
@@ -187,20 +192,20 @@ def cast_rays(
                 if n_seen < _TILE_PX:
                     n_far_seen = _look(landscape, limits_w[1], (left, row), far_uv, is_far_seen)
                 if n_seen == _TILE_PX and i_plane >= 0:
-                    texture = plane_texels, _level(plane_levels, i_plane)
+                    texture = _level_of(plane_texture, i_plane)
                     _sample(uv, (0, _TILE_PX), texture, scratch, greys)
                 elif n_seen == 0 and n_far_seen == _TILE_PX and i_landscape >= 0:
-                    texture = landscape_texels, _level(landscape_levels, i_landscape)
+                    texture = _level_of(landscape_texture, i_landscape)
                     _sample(far_uv, (0, _TILE_PX), texture, scratch, greys)
                 else:
                     for i in range(_TILE_PX):
                         if is_seen[i]:
                             i_level = _block_level(plane, left + i, row, plane_levels)
-                            texture = plane_texels, _level(plane_levels, i_level)
+                            texture = _level_of(plane_texture, i_level)
                             _sample(uv, (i, i + 1), texture, scratch, greys)
                         elif is_far_seen[i]:
                             i_level = _block_level(landscape, left + i, row, landscape_levels)
-                            texture = landscape_texels, _level(landscape_levels, i_level)
+                            texture = _level_of(landscape_texture, i_level)
                             _sample(far_uv, (i, i + 1), texture, scratch, greys)
                         else:
                             greys[i] = 0

@@ -49,26 +49,26 @@ def _set_directory(cache_directory: str, seed: int, size_px: int) -> Path:
 
 def _load_one(directory: Path, seed: int, role: str, number: int, size_px: int) -> np.ndarray:
     path = directory / f"{role}_{number:04d}.npy"
-    picture = _map(path, size_px)
+    picture = map_array(path, (size_px, size_px))
     if picture is None:
-        _write(path, stimulus_generator.generate_stimulus(seed, role, number, size_px))
-        picture = _map(path, size_px)
+        write_array(path, stimulus_generator.generate_stimulus(seed, role, number, size_px))
+        picture = map_array(path, (size_px, size_px))
     if picture is None:
         raise InputError(f"{path}: expected the picture just written, got something else")
     return picture
 
 
-def _map(path: Path, size_px: int) -> np.ndarray | None:
-    """Return the file's picture, or None when there is none or it is damaged."""
+def map_array(path: Path, shape: tuple[int, ...]) -> np.ndarray | None:
+    """Return the array of uint8 in a file, mapped; None when there is none of that shape in it."""
     try:
-        picture = np.load(path, mmap_mode="r")
+        array = np.load(path, mmap_mode="r")
     except (OSError, ValueError, EOFError):
         return None
-    is_whole = picture.shape == (size_px, size_px) and picture.dtype == np.uint8
-    return picture if is_whole else None
+    return array if array.shape == shape and array.dtype == np.uint8 else None
 
 
-def _write(path: Path, picture: np.ndarray) -> None:
+def write_array(path: Path, array: np.ndarray) -> None:
+    """Write the file by one rename, so that nobody finds a part of it; raises OSError."""
     with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".", delete=False) as file:
-        np.save(file, picture)
+        np.save(file, array)
     os.replace(file.name, path)
