@@ -11,6 +11,7 @@ import yaml
 from rosbags.typesys import Stores, get_typestore
 
 from experiment_manager.bag.writer import BagWriter
+from experiment_manager.measures.metrics import PX_DEG
 from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES
 from tests.supervisor import finished, start_supervisor
 
@@ -90,7 +91,6 @@ def make_bag(tmp_path: Path) -> Callable[..., Path]:
     return write
 
 
-PX_DEG = math.degrees(math.atan(1 / 257.34))
 _SIDES_AND_MUSCLES = (
     "left_medial_rectus",
     "left_lateral_rectus",

@@ -9,7 +9,6 @@ from eye_plant.geometry import (
     desired_vergence_deg,
     disparity_px,
     fixation_distance_m,
-    px_from_degrees,
     vergence_error_deg,
 )
 from lockstep.errors import InputError
@@ -50,7 +49,6 @@ def test_a_pixel_is_0_2226_degrees() -> None:
 def test_half_the_picture_is_25_degrees_high() -> None:
     half_field_deg = math.degrees(math.atan(120.0 / FOCAL_LENGTH_PX))
     assert half_field_deg == pytest.approx(25.0, abs=2e-3)
-    assert px_from_degrees(half_field_deg, FOCAL_LENGTH_PX) == pytest.approx(120.0)
 
 
 @pytest.mark.parametrize("distance_m", [0.0, -1.0, math.nan, math.inf])

@@ -141,19 +141,6 @@ def test_tests_are_answered_and_not_learned_from(bench: Bench) -> None:
     assert bench.node.learner.atoms().tobytes() == before
 
 
-def test_learning_can_be_switched_off_and_on(bench: Bench) -> None:
-    assert bench.request("modes", learning=False, exploration=True) == (True, "")
-    _show(bench, _observation(1))
-    bench.wait_distinct("features", 1)
-    assert _steps(bench) == 0
-    assert bench.request("modes", learning=True, exploration=True) == (True, "")
-    _show(bench, _observation(2))
-    bench.graph.spin_until(lambda: _steps(bench) == 1, "a lesson")
-    assert not bench.request("modes", learning=1, exploration=True)[0]
-    assert not bench.request("modes", learning=False)[0]
-    assert bench.node.learning
-
-
 def test_a_saved_state_goes_on_bit_for_bit(bench: Bench, tmp_path: Path) -> None:
     path = tmp_path / "state.npz"
     _show(bench, _observation(1))

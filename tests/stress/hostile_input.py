@@ -144,7 +144,6 @@ class Hostility:
             "no file": {"run_id": run_id, "request": "load", "path": "/nowhere/state.npz"},
             "no place": {"run_id": run_id, "request": "save", "path": "/nowhere/state.npz"},
             "no state": {"run_id": run_id, "request": "load", "path": "/dev/null"},
-            "no modes": {"run_id": run_id, "request": "modes", "learning": "false"},
         }
         chosen = text[self._one_of(sorted(text))]
         parameters = [

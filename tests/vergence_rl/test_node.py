@@ -166,15 +166,6 @@ def test_tests_are_answered_without_noise_and_not_learned_from(bench: Bench) -> 
     assert _weights(bench) == before
 
 
-def test_exploration_can_be_switched_off(bench: Bench) -> None:
-    assert bench.request("modes", learning=False, exploration=False) == (True, "")
-    before = _weights(bench)
-    _show(bench, _observation(0))
-    command = bench.wait_distinct("muscle_command", 1)[0]
-    assert list(command.position) == _decide(Agent(CONFIG), 0, TEST).command.tolist()
-    assert _weights(bench) == before
-
-
 def test_a_saved_state_goes_on_bit_for_bit(bench: Bench, tmp_path: Path) -> None:
     path = tmp_path / "state.npz"
     for number in (0, 1):

@@ -1,6 +1,5 @@
 """What is recorded: the messages of each episode, until each expected one is in the bag."""
 
-import struct
 import time
 from collections import deque
 from collections.abc import Callable, Collection
@@ -21,6 +20,7 @@ from experiment_manager.run.episode_record import (
 )
 from experiment_manager.run.run_directory import Run
 from eye_plant.episode import Episode
+from lockstep.cdr import stamp_of
 from lockstep.qos import LOCKSTEP_QOS
 from lockstep.stamps import NS_PER_S, period_ns
 from lockstep.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, REWARD_NAMES, TEST, TOPIC_TYPES
@@ -28,8 +28,6 @@ from lockstep.vectors import Vector, VectorReader, values_of
 
 # Of an observation, the plant sends its small messages while the others compute, this one last.
 _LAST_TOPIC = "eye_states"
-_HEADER_STAMP = struct.Struct("<iI")
-_HEADER_OFFSET = 4  # behind the CDR encapsulation
 
 
 class Recorder:
@@ -129,8 +127,8 @@ class Recorder:
             # Its own stamp is of another clock.
             self._run.writer.write(topic, message, self._run.stamp_ns)
             return
-        stamp_s, stamp_rest_ns = _HEADER_STAMP.unpack_from(message, _HEADER_OFFSET)
-        stamp_ns = stamp_s * NS_PER_S + stamp_rest_ns
+        seconds, nanoseconds = stamp_of(message)
+        stamp_ns = seconds * NS_PER_S + nanoseconds
         record = next((r for r in self._records if r.holds(stamp_ns)), None)
         if record is None:
             return

@@ -55,15 +55,6 @@ def degrees_per_px(focal_length_px: float) -> float:
     return math.degrees(math.atan(1.0 / focal_length_px))
 
 
-def px_from_degrees(angle_deg: float, focal_length_px: float) -> float:
-    """Return the distance from the picture's centre of a point angle_deg off the line of sight.
-
-    x = F tan(angle): a pinhole camera's pixels grow in angle toward the centre.
-    """
-    _require_positive("focal_length_px", focal_length_px)
-    return focal_length_px * math.tan(math.radians(angle_deg))
-
-
 def _require_positive(name: str, value: float) -> None:
     if not (value > 0.0 and math.isfinite(value)):
         raise InputError(f"{name}: expected a positive number, got {value}")

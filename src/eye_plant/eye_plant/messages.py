@@ -9,8 +9,9 @@ from eye_plant.camera.config import CameraConfig
 from eye_plant.config import EyePlantConfig
 from eye_plant.mechanics.muscles import MUSCLE_NAMES
 from eye_plant.observation import Observation
+from lockstep.cdr import StampedBytes, clock_bytes
 from lockstep.images import ImageBytes
-from lockstep.stamped_bytes import StampedBytes, clock_bytes
+from lockstep.padding import serialized
 from lockstep.topics import (
     CAMERA_INFOS,
     EPISODE_NAMES,
@@ -35,7 +36,8 @@ class ObservationMessages:
         self._pictures = [ImageBytes(picture_message(config.camera, i_eye)) for i_eye in range(2)]
         baseline_m = config.mechanics.baseline_m
         self._infos = [
-            StampedBytes(camera_info(config.camera, i_eye, baseline_m)) for i_eye in range(2)
+            StampedBytes(serialized(camera_info(config.camera, i_eye, baseline_m)))
+            for i_eye in range(2)
         ]
 
     def vectors(self, stamp_ns: int, observation: Observation) -> Iterator[tuple[str, bytes]]:

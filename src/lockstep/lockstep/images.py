@@ -7,11 +7,10 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import Image
 
+from lockstep.cdr import Alike, ImageLayout, StampedBytes, stamp_ns_of
+from lockstep.errors import InputError
+from lockstep.padding import serialized
 from lockstep.qos import LOCKSTEP_QOS
-from lockstep.stamped_bytes import StampedBytes, deserialized
-from lockstep.stamps import checked_ns
-
-_LARGEST_PRIME_BYTE = 251  # no period of a picture's rows, so that the pattern is found once only
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +34,9 @@ class ImageBytes:
 
     def __init__(self, message: Image) -> None:
         """message: all but stamp and data; it is left as it is, but for its data."""
-        self._layout = _layout(message, message.height * message.step)
+        message.data = bytes(message.height * message.step)
+        data = serialized(message)
+        self._layout = StampedBytes(data, [(np.uint8, ImageLayout.of(bytes(data)).block)])
 
     def of(self, stamp_ns: int, picture: np.ndarray) -> bytes:
         """Return the message of a contiguous picture of height x step bytes."""
@@ -68,34 +69,33 @@ class ImageReader:
     def __init__(self, topic: str) -> None:
         """topic: for error messages."""
         self._topic = topic
-        self._last = Image()
-        self._layout: StampedBytes | None = None
+        self._alike: Alike | None = None
+        self._layout: ImageLayout
 
     def read(self, data: bytes) -> Picture:
         """Return what a message holds, quickly when it is laid out like the one before.
 
         Raises InputError for bytes that are no sensor_msgs/Image, and for its stamp.
         """
-        found = self._layout.read(data) if self._layout is not None else None
-        if found is None:
-            message = deserialized(data, Image, self._topic)
-            stamp_ns = checked_ns(message.header.stamp)
-            self._last = message
-            picture = np.asarray(message.data, np.uint8)
-            self._layout = None
-            if picture.size:
-                layout = _layout(message, picture.size)
-                self._layout = layout if layout.expect(data) else None
-        else:
-            stamp_ns, (picture,) = found
-        last = self._last
+        if self._alike is None or not self._alike.fits(data):
+            self._learn(data)
+        layout = self._layout
+        start, n_bytes = layout.block
         return Picture(
-            stamp_ns, last.height, last.width, last.encoding, last.is_bigendian, last.step, picture
+            stamp_ns_of(data),
+            layout.height,
+            layout.width,
+            layout.encoding,
+            layout.is_bigendian,
+            layout.step,
+            np.frombuffer(data, np.uint8, n_bytes, start) if n_bytes else np.zeros(0, np.uint8),
         )
 
-
-def _layout(message: Image, n_bytes: int) -> StampedBytes:
-    """Return the message with so many bytes as data; the message's own data are replaced."""
-    place = (np.arange(n_bytes) % _LARGEST_PRIME_BYTE).astype(np.uint8)
-    message.data = place.tobytes()
-    return StampedBytes(message, place)
+    def _learn(self, data: bytes) -> None:
+        try:
+            layout = ImageLayout.of(data)
+        except InputError as error:
+            raise InputError(f"{self._topic}: {error}") from error
+        self._layout = layout
+        start, n_bytes = layout.block
+        self._alike = Alike(data, [slice(start, start + n_bytes)])

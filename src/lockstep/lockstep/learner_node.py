@@ -57,8 +57,6 @@ class LearnerNode(Node):
         super().__init__(name, **kwargs)
         self.config: Any = declare_config(self, config_class)
         self.learner = self.make_learner()
-        self.learning = True
-        self.exploration = True
         self.diagnostics = Diagnostics(self, self._state_of_learning)
         self._gather = Gather(tuple(inputs))
         self._answers = AnswerOnce()
@@ -78,7 +76,6 @@ class LearnerNode(Node):
             self.diagnostics,
             {
                 START_RUN: self._start_run,
-                "modes": self._set_modes,
                 "save": self._save,
                 "load": self._load,
                 END_RUN: self._end_run,
@@ -127,7 +124,6 @@ class LearnerNode(Node):
         _expect_none(START_RUN, arguments)
         self._forget_observations()
         self.learner = self.make_learner()
-        self.learning = self.exploration = True
 
     def _end_run(self, arguments: Arguments) -> None:
         _expect_none(END_RUN, arguments)
@@ -136,13 +132,6 @@ class LearnerNode(Node):
     def _forget_observations(self) -> None:
         self._gather.reset()
         self._answers.reset()
-
-    def _set_modes(self, arguments: Arguments) -> None:
-        if set(arguments) != {"learning", "exploration"} or not all(
-            isinstance(value, bool) for value in arguments.values()
-        ):
-            raise InputError(f"modes: expected booleans learning, exploration, got {arguments}")
-        self.learning, self.exploration = arguments["learning"], arguments["exploration"]
 
     def _save(self, arguments: Arguments) -> None:
         write_state(_path_of(arguments), self.get_name(), self.learner.state())

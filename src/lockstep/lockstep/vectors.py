@@ -13,14 +13,14 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
 
+from lockstep.cdr import Alike, StampedBytes, VectorLayout, stamp_ns_of
 from lockstep.errors import InputError
+from lockstep.padding import serialized
 from lockstep.qos import LOCKSTEP_QOS
-from lockstep.stamped_bytes import StampedBytes, deserialized
-from lockstep.stamps import checked_ns, to_time
+from lockstep.stamps import to_time
 
 # Up to here every whole number is a double of its own.
 _MAX_WHOLE = 2.0**53
-_FIRST_PLACE = np.uint64(0x7FF4_0000_0000_0000)
 _NO_VALUES = np.zeros(0)
 
 Values = np.ndarray | Sequence[float]
@@ -77,11 +77,7 @@ class VectorBytes:
         has_velocity, has_effort = len(velocity) > 0, len(effort) > 0
         layout = self._layouts.get((has_velocity, has_effort))
         if layout is None:
-            n_names = len(self._names)
-            layout = _layout(
-                JointState(name=self._names),
-                (n_names, n_names * has_velocity, n_names * has_effort),
-            )
+            layout = _stamped_bytes(self._names, (True, has_velocity, has_effort))
             self._layouts[has_velocity, has_effort] = layout
         values = [position]
         if has_velocity:
@@ -119,42 +115,40 @@ class VectorReader:
     def __init__(self, topic: str) -> None:
         """topic: for error messages."""
         self._topic = topic
+        self._alike: Alike | None = None
         self._name: list[str] = []
-        self._is_there: tuple[bool, ...] = ()
-        self._layout: StampedBytes | None = None
+        self._layout: VectorLayout
 
     def read(self, data: bytes) -> Vector:
         """Return what a message holds, quickly when it is laid out like the one before.
 
         Raises InputError for bytes that are no sensor_msgs/JointState, and for its stamp.
         """
-        found = self._layout.read(data) if self._layout is not None else None
-        if found is None:
-            message = deserialized(data, JointState, self._topic)
-            stamp_ns = checked_ns(message.header.stamp)
-            fields = [np.array(f) for f in (message.position, message.velocity, message.effort)]
-            self._name = message.name
-            self._is_there = tuple(field.size > 0 for field in fields)
-            self._layout = None
-            if any(self._is_there):
-                layout = _layout(message, [field.size for field in fields])
-                self._layout = layout if layout.expect(data) else None
-            return Vector(stamp_ns, self._name, *fields)
-        stamp_ns, present = found
-        fields = [present.pop(0) if is_there else _NO_VALUES for is_there in self._is_there]
-        return Vector(stamp_ns, self._name, *fields)
+        if self._alike is None or not self._alike.fits(data):
+            self._learn(data)
+        layout = self._layout
+        fields = [
+            np.frombuffer(data, layout.dtype, n, start) if n else _NO_VALUES
+            for start, n in layout.blocks
+        ]
+        return Vector(stamp_ns_of(data), self._name, *fields)
+
+    def _learn(self, data: bytes) -> None:
+        try:
+            layout = VectorLayout.of(data)
+        except InputError as error:
+            raise InputError(f"{self._topic}: {error}") from error
+        self._layout = layout
+        self._name = list(layout.names)
+        self._alike = Alike(data, [slice(start, start + 8 * n) for start, n in layout.blocks])
 
 
-def _layout(message: JointState, sizes: Sequence[int]) -> StampedBytes:
-    """Return the message with so many values as position, velocity and effort.
-
-    The message itself is left without values.
-    """
-    # Numbers that are no numbers, each another: no name and no length looks like them.
-    places = (np.arange(sum(sizes), dtype=np.uint64) + _FIRST_PLACE).view(np.float64)
-    fields = np.split(places, np.cumsum(sizes)[:-1])
-    message.position, message.velocity, message.effort = map(_doubles, fields)
-    return StampedBytes(message, *(field for field in fields if field.size))
+def _stamped_bytes(names: Sequence[str], has: Sequence[bool]) -> StampedBytes:
+    """Return the message with or without each of position, velocity and effort."""
+    zeros = np.zeros(len(names))
+    message = serialized(vector_message(0, names, *(zeros if there else () for there in has)))
+    layout = VectorLayout.of(bytes(message))
+    return StampedBytes(message, [(layout.dtype, block) for block in layout.blocks if block[1]])
 
 
 def values_of(

@@ -50,7 +50,7 @@ class SparseCoderNode(LearnerNode):
             stamp_ns, (*errors, metabolic_rate_w, reward_t, self.learner.learning_steps)
         )
         self._features.publish(stamp_ns, encoding.features)
-        if self.learning and phase == TRAINING:
+        if phase == TRAINING:
             self.learner.learn(encoding)
 
     def repeat(self) -> None:

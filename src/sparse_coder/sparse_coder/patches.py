@@ -16,6 +16,8 @@ COARSE_WINDOW_PX = 128
 FINE_WINDOW_PX = 40
 N_REDUCTIONS = 2  # of the coarse window, a factor of 2 each
 N_PIXELS = 2 * PATCH_SIZE_PX**2
+# Pixels of the picture in one of the window, coarse before fine.
+PX_PER_PIXEL = (float(2**N_REDUCTIONS), 1.0)
 
 Image = NDArray[np.uint8]
 Window = NDArray[np.float32]

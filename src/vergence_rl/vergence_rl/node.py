@@ -54,8 +54,8 @@ class VergenceRlNode(LearnerNode):
             float(reward_t),
             iteration,
             training_iteration,
-            learning=self.learning and in_training,
-            exploration=self.exploration and in_training,
+            learning=in_training,
+            exploration=in_training,
         )
         self._command.publish(stamp_ns, decision.command)
         self._actor_critic.publish(

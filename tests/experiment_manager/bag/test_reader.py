@@ -133,14 +133,14 @@ def test_what_is_no_vector_or_picture_is_refused(
     with BagWriter(tmp_path / "bag", topics, {}) as writer:
         writer.write("a", b"\0\1\0\0" + bytes(5), 0)
         writer.write("b", b"\0\1\0\0" + bytes(40), 0)
-        writer.write("c", b"\0\0\0\0" + bytes(40), 0)
+        writer.write("c", b"\0\7\0\0" + bytes(40), 0)
         writer.write("d", vector_bytes(["a", "b"], [1.0]), 0)
         writer.write("e", vector_bytes(["a"], [1.0])[:-24], 0)
     bag = Bag(tmp_path / "bag")
     for topic, error in (
         ("a", "expected a serialized JointState"),
         ("b", "expected sensor_msgs/msg/JointState, got sensor_msgs/msg/Image"),
-        ("c", "expected a little-endian CDR message, got 00000000"),
+        ("c", "expected a CDR message, got 00070000"),
         ("d", "expected a number for each of 2 names, got 1"),
         ("e", "expected a "),
     ):

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from eye_plant.mechanics.anatomical import ANATOMICAL
-from eye_plant.mechanics.model import JOINT_NAMES, MechanicsConfig, build_spec, receded_insertion_m
+from eye_plant.mechanics.model import AXES, MechanicsConfig, build_spec, receded_insertion_m
 from eye_plant.mechanics.muscles import MUSCLE_NAMES, MUSCLES
 
 SETS = ("k17", "anatomical")
@@ -35,7 +35,9 @@ def pull_of(model: mujoco.MjModel, name: str) -> np.ndarray:
 
 
 def test_joints_and_muscles_stand_in_their_documented_order(model):
-    assert tuple(model.joint(i).name for i in range(model.njnt)) == JOINT_NAMES
+    assert tuple(model.joint(i).name for i in range(model.njnt)) == tuple(
+        f"{side}_eye_{axis}" for side in ("left", "right") for axis in AXES
+    )
     assert tuple(model.actuator(i).name for i in range(model.nu)) == MUSCLE_NAMES
 
 

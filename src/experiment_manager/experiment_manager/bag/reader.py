@@ -208,6 +208,11 @@ def _tables(data: np.ndarray, entries: np.ndarray) -> Iterator[VectorTable]:
     while len(offsets):
         first = message_at(data, int(offsets[0]))
         layout = VectorLayout.of(first)
+        lengths = {n for _, n in layout.blocks} - {0, len(layout.names)}
+        if lengths:
+            raise InputError(
+                f"expected a number for each of {len(layout.names)} names, got {lengths.pop()}"
+            )
         messages = _messages_alike(data, offsets, first, layout)
         position, velocity, effort = (layout.values(messages, i) for i in range(3))
         n_same = len(messages)

@@ -3,12 +3,13 @@
 C is the metabolic rate, C_0 that at the start of a trial, C* the least one with correct gaze.
 """
 
-import math
 from typing import Any
 
 import numpy as np
 
 from experiment_manager.measures.trials import TestTrials, split_tests
+from eye_plant.camera.config import CameraConfig
+from eye_plant.geometry import degrees_per_px
 from lockstep.errors import InputError
 
 # K17 Fig. 3 shows these; the last one is what all tables report.
@@ -16,7 +17,7 @@ REPORTED_ITERATIONS = (1, 2, 3, 20)
 # K17's share of the cost in the reward is told over so many iterations at either end of training.
 SHARE_ITERATIONS = 5000
 # The visual angle of one pixel at the picture's centre (K17 II).
-PX_DEG = math.degrees(math.atan(1.0 / 257.34))
+PX_DEG = degrees_per_px(CameraConfig().focal_length_px)
 # A trial that ends farther off has not arrived.
 ARRIVED_DEG = 1.0
 # Below this a muscle counts as silent: its cost no longer falls (the floor of its cost).

@@ -12,12 +12,10 @@ from numpy.typing import NDArray
 from experiment_manager.rearing.gabor import Gabors, fit_gabors
 from eye_plant.geometry import degrees_per_px
 from lockstep.errors import InputError
-from sparse_coder.patches import N_PIXELS, N_REDUCTIONS
+from sparse_coder.patches import N_PIXELS
 
 Array = NDArray[np.float64]
 
-# A pixel of the coarse scale is four of the picture (K17 II); coarse before fine.
-PX_PER_PIXEL = (float(2**N_REDUCTIONS), 1.0)
 # Edges of the seven bins of ocular dominance, from the left eye alone to the right eye alone
 # (Klimmasch et al. 2021, after Hubel & Wiesel 1962).
 BINOCULARITY_EDGES = np.array([-1.0, -0.85, -0.5, -0.15, 0.15, 0.5, 0.85, 1.0])

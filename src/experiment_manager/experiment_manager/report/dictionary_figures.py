@@ -7,11 +7,9 @@ from matplotlib.figure import Figure
 
 from experiment_manager.report.performance_figures import new_figure
 from lockstep.errors import InputError
+from sparse_coder.patches import N_PIXELS, PATCH_SIZE_PX, PX_PER_PIXEL
 
 SCALES = ("coarse", "fine")
-# A pixel of the coarse window is four of the picture (K17 II).
-_PX_PER_PIXEL = (4.0, 1.0)
-_SIDE = 8
 _N_COLUMNS = 16
 _N_BINS = 37  # odd: one is centred on 0
 # Beyond half a patch too little of both eyes' parts overlaps to tell a match from chance.
@@ -46,9 +44,11 @@ def preference(atoms: np.ndarray) -> Preference:
     The preferred disparity is where the cross-correlation along rows of the two parts is largest,
     between pixels by the parabola through the three largest values.
     """
-    if atoms.ndim != 2 or atoms.shape[1] != 2 * _SIDE**2:
-        raise InputError(f"expected atoms (n_bases, {2 * _SIDE**2}), got shape {atoms.shape}")
-    left, right = atoms.reshape(-1, 2, _SIDE, _SIDE).astype(np.float64).transpose(1, 0, 2, 3)
+    if atoms.ndim != 2 or atoms.shape[1] != N_PIXELS:
+        raise InputError(f"expected atoms (n_bases, {N_PIXELS}), got shape {atoms.shape}")
+    left, right = (
+        atoms.reshape(-1, 2, PATCH_SIZE_PX, PATCH_SIZE_PX).astype(np.float64).transpose(1, 0, 2, 3)
+    )
     norms = np.sqrt(np.stack([(eye**2).sum(axis=(1, 2)) for eye in (left, right)]))
     stronger = np.maximum(norms.max(axis=0), np.finfo(float).tiny)
     shifts = np.arange(-_LARGEST_SHIFT - 1, _LARGEST_SHIFT + 2)
@@ -69,7 +69,7 @@ def preference(atoms: np.ndarray) -> Preference:
 
 def _overlap(left: np.ndarray, right: np.ndarray, shift: int) -> np.ndarray:
     """Sum of left(x + shift) right(x) over the pixels that both have: (n_bases,)."""
-    n = _SIDE - abs(shift)
+    n = PATCH_SIZE_PX - abs(shift)
     first = max(shift, 0)
     moved = left[:, :, first : first + n]
     still = right[:, :, first - shift : first - shift + n]
@@ -84,7 +84,7 @@ def dictionary_figure(atoms: np.ndarray) -> Figure:
     Binocular atoms come first, by preferred disparity; then the others, most balanced first.
     """
     if atoms.ndim != 3 or len(atoms) != len(SCALES):
-        raise InputError(f"expected atoms (2, n_bases, {2 * _SIDE**2}), got shape {atoms.shape}")
+        raise InputError(f"expected atoms (2, n_bases, {N_PIXELS}), got shape {atoms.shape}")
     figure = new_figure(9.6, 5.6)
     tiles, histograms = figure.subplots(2, 2, height_ratios=(3.6, 1))
     for i, scale in enumerate(SCALES):
@@ -96,8 +96,8 @@ def dictionary_figure(atoms: np.ndarray) -> Figure:
             f"{scale} scale: {n_binocular} of {len(atoms[i])} prefer a disparity and come first",
             fontsize=9,
         )
-        disparity_px = found.disparity[found.binocular] * _PX_PER_PIXEL[i]
-        reach = (_LARGEST_SHIFT + 0.5) * _PX_PER_PIXEL[i]
+        disparity_px = found.disparity[found.binocular] * PX_PER_PIXEL[i]
+        reach = (_LARGEST_SHIFT + 0.5) * PX_PER_PIXEL[i]
         histograms[i].hist(disparity_px, bins=np.linspace(-reach, reach, _N_BINS + 1), color="0.35")
         histograms[i].axvline(0.0, color="#d62728", lw=0.8)
         histograms[i].set(xlabel="preferred disparity / px of the picture", xlim=(-reach, reach))
@@ -113,13 +113,13 @@ def _order(found: Preference) -> np.ndarray:
 def _mosaic(atoms: np.ndarray) -> np.ndarray:
     """Return atoms as tiles, _N_COLUMNS in a row, white lines between them."""
     n_rows = -(-len(atoms) // _N_COLUMNS)
-    height, width = _SIDE + 1, 2 * _SIDE + 3
+    height, width = PATCH_SIZE_PX + 1, 2 * PATCH_SIZE_PX + 3
     mosaic = np.ones((n_rows * height + 1, _N_COLUMNS * width + 1))
     for i, atom in enumerate(atoms):
         row, column = divmod(i, _N_COLUMNS)
         largest = np.abs(atom).max() or 1.0
         top, first = row * height + 1, column * width + 2
-        for eye, part in enumerate((atom / largest).reshape(2, _SIDE, _SIDE)):
-            start = first + eye * _SIDE
-            mosaic[top : top + _SIDE, start : start + _SIDE] = part
+        for eye, part in enumerate((atom / largest).reshape(2, PATCH_SIZE_PX, PATCH_SIZE_PX)):
+            start = first + eye * PATCH_SIZE_PX
+            mosaic[top : top + PATCH_SIZE_PX, start : start + PATCH_SIZE_PX] = part
     return mosaic

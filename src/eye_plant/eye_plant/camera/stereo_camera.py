@@ -94,11 +94,6 @@ class StereoCamera:
         """Release the renderer; the camera draws no more."""
         self._renderer.close()
 
-    @property
-    def renderer_name(self) -> str:
-        """The device or software that draws."""
-        return self._renderer.name
-
     def _manipulated(self, pictures: np.ndarray) -> np.ndarray:
         """Return the pictures (2, height, width) as the eyes get them: blurred, black, cropped."""
         config = self._config

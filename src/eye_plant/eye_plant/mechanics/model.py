@@ -18,7 +18,6 @@ from eye_plant.mechanics.parameters import MuscleParameters, OrbitParameters, Pa
 from lockstep.settings import check_settings, setting
 
 AXES = ("adduction", "elevation", "intorsion")
-JOINT_NAMES = tuple(f"{side}_eye_{axis}" for side in SIDES for axis in AXES)
 
 HIDDEN_GROUP = 4
 

@@ -14,17 +14,18 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.messages import camera_info
+from lockstep.cdr import StampedBytes, clock_bytes
 from lockstep.images import ImagePublisher
-from lockstep.stamped_bytes import StampedBytes, clock_bytes
+from lockstep.padding import serialized
 from lockstep.stamps import to_time
-from lockstep.vectors import VectorPublisher, vector_message
+from lockstep.vectors import VectorBytes, VectorPublisher, vector_message
 
 
 @pytest.fixture
 def node() -> Iterator[Node]:
     context = Context()
     context.init(domain_id=97)
-    node = Node("stamped_bytes", context=context)
+    node = Node("cdr", context=context)
     yield node
     node.destroy_node()
     context.try_shutdown()
@@ -78,10 +79,9 @@ def test_a_picture_is_the_picture_that_was_meant(node: Node) -> None:
 
 
 def test_what_was_sent_does_not_change_when_the_next_is_filled_in() -> None:
-    place = np.array([0.125])
-    filled = StampedBytes(vector_message(0, ("a",), place), place)
-    first = filled.fill(0, [1.0])
-    filled.fill(1, [2.0])
+    vector = VectorBytes(("a",))
+    first = vector.of(0, [1.0])
+    vector.of(1, [2.0])
     assert list(deserialize_message(first, JointState).position) == [1.0]
 
 
@@ -139,11 +139,11 @@ def test_a_picture_ends_with_its_last_pixel(
     assert capfd.readouterr().err == ""
 
 
-def test_a_message_without_places_changes_its_stamp_alone() -> None:
+def test_a_message_without_numbers_changes_its_stamp_alone() -> None:
     message = camera_info(CameraConfig(), 1, 0.056)
     message.header.stamp = to_time(7_000_000_008)
     store = get_typestore(Stores.ROS2_JAZZY)
-    filled = StampedBytes(camera_info(CameraConfig(), 1, 0.056)).fill(7_000_000_008)
+    filled = StampedBytes(serialized(camera_info(CameraConfig(), 1, 0.056))).fill(7_000_000_008)
     assert deserialize_message(filled, CameraInfo) == message
     read = store.deserialize_cdr(filled, "sensor_msgs/msg/CameraInfo")
     assert filled == bytes(store.serialize_cdr(read, "sensor_msgs/msg/CameraInfo"))
