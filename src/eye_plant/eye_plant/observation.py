@@ -13,15 +13,36 @@ from lockstep.topics import TRAINING
 class GroundTruth:
     """What only an experimenter knows; learners never see it.
 
-    metabolic_rate_w is C, the charged settled rate of both eyes; initial_... is C_0, optimal_...
-    is C* (K17 eq. 8).
+    adduction_deg: of the left and the right eye; metabolic_rate_w is C, the charged settled rate of
+    both eyes; initial_... is C_0, optimal_... is C* (K17 eq. 8).
     """
 
-    vergence_deg: float
+    adduction_deg: tuple[float, float]
     desired_vergence_deg: float
     metabolic_rate_w: float
     initial_metabolic_rate_w: float
     optimal_metabolic_rate_w: float
+
+    @property
+    def vergence_deg(self) -> float:
+        """Sum of both eyes' adduction."""
+        return sum(self.adduction_deg)
+
+    @property
+    def version_deg(self) -> float:
+        """Where both eyes look together, half the difference of their adduction; right positive."""
+        left_deg, right_deg = self.adduction_deg
+        return (left_deg - right_deg) / 2.0
+
+    @property
+    def deviations_deg(self) -> tuple[float, float]:
+        """How far each eye is turned in beyond the fixation of the plane's centre (K17 eq. 6).
+
+        An eye behind a cover deviates by its phoria; below 0 it is turned out.
+        """
+        left_deg, right_deg = self.adduction_deg
+        half_deg = self.desired_vergence_deg / 2.0
+        return left_deg - half_deg, right_deg - half_deg
 
     @property
     def vergence_error_deg(self) -> float:
@@ -77,6 +98,8 @@ class Observation:
             truth.vergence_deg,
             truth.desired_vergence_deg,
             truth.vergence_error_deg,
+            truth.version_deg,
+            *truth.deviations_deg,
             truth.metabolic_rate_w,
             truth.initial_metabolic_rate_w,
             truth.optimal_metabolic_rate_w,

@@ -114,8 +114,9 @@ class EyePlant:
             )
 
     def _observe(self, episode: Episode, state: OculomotorState) -> Observation:
+        left_deg, right_deg = np.degrees(state.eye_angles_rad[:, 0]).tolist()
         truth = GroundTruth(
-            vergence_deg=float(np.degrees(state.eye_angles_rad[:, 0].sum())),
+            adduction_deg=(left_deg, right_deg),
             desired_vergence_deg=self._desired_deg,
             metabolic_rate_w=self.oculomotor.horizontal_metabolic_rate_w(state.metabolic_rate_w),
             initial_metabolic_rate_w=self._initial_rate_w,

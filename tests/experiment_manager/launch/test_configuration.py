@@ -152,7 +152,7 @@ def test_what_two_nodes_must_know_agrees_by_default(agreement: Agreement) -> Non
     [
         ("sparse_coder.n_bases=100", "vergence_rl.n_features=200"),
         ("vergence_rl.n_features=200", "sparse_coder.n_bases=100"),
-        ("vergence_rl.medial_limits=[0.0, 0.1]", f"{_PROTOCOL}.medial_rectus_limits=[0.0, 0.1]"),
+        ("vergence_rl.medial_limits=[0.0, 0.3]", f"{_PROTOCOL}.medial_rectus_limits=[0.0, 0.3]"),
         (f"{_PROTOCOL}.lateral_rectus_limits=[0.0, 0.2]", "vergence_rl.lateral_limits=[0.0, 0.2]"),
         (f"{_PROTOCOL}.n_training_iterations=500", "vergence_rl.n_training_iterations=500"),
         ("vergence_rl.n_training_iterations=500", f"{_PROTOCOL}.n_training_iterations=500"),
@@ -203,13 +203,13 @@ def test_set_reads_values_as_yaml_does() -> None:
         "--set",
         "vergence_rl.exploration_variance=2e-5",
         "--set",
-        "vergence_rl.medial_limits=[0.0, 0.1]",
+        "vergence_rl.medial_limits=[0.0, 0.3]",
         "--set",
         "eye_plant.mechanics.parameter_set=anatomical",
     )
     assert configuration["vergence_rl"]["discount"] == 0.5
     assert configuration["vergence_rl"]["exploration_variance"] == 2e-5
-    assert configuration["vergence_rl"]["medial_limits"] == [0.0, 0.1]
+    assert configuration["vergence_rl"]["medial_limits"] == [0.0, 0.3]
     assert configuration["experiment_manager"]["mechanics.parameter_set"] == "anatomical"
 
 

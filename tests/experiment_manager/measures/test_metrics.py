@@ -113,9 +113,33 @@ def test_measures_without_any_trial_are_none() -> None:
         "share_beyond_1_deg": None,
         "share_right_muscle_silent": None,
         "bias_by_distance_deg": {},
+        "median_abs_version_deg": None,
+        "median_left_deviation_deg": None,
+        "median_right_deviation_deg": None,
     }
     assert result["without_zero_start_error"] == nothing
     assert result["authors_test_set"] == nothing
+
+
+def test_each_eye_by_hand() -> None:
+    rows = [
+        _row(
+            phase=TEST,
+            trial=trial,
+            iteration=iteration,
+            version_deg=9.0 if iteration == 0 else version_deg,
+            left_deviation_deg=9.0 if iteration == 0 else left_deg,
+            right_deviation_deg=right_deg,
+        )
+        for trial, (version_deg, left_deg, right_deg) in enumerate(
+            [(1.0, 2.0, 0.0), (-3.0, -3.0, 3.0), (0.5, 1.0, 0.0)]
+        )
+        for iteration in (0, 1)
+    ]
+    result = test_summary(np.array(rows))
+    assert result["median_abs_version_deg"] == pytest.approx(1.0)
+    assert result["median_left_deviation_deg"] == pytest.approx(1.0)
+    assert result["median_right_deviation_deg"] == pytest.approx(0.0)
 
 
 def test_shares_of_errors_by_hand() -> None:
@@ -224,7 +248,7 @@ def test_one_test_is_expected() -> None:
         test_summary(np.array(two))
     with pytest.raises(InputError, match="expected the rows of one test, got those of 0"):
         test_summary(np.array(one)[1:])
-    with pytest.raises(InputError, match=r"expected rows of 17 values, got .*\(3,\)"):
+    with pytest.raises(InputError, match=r"expected rows of 20 values, got .*\(3,\)"):
         test_summary(np.zeros(3))
 
 

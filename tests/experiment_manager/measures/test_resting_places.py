@@ -16,6 +16,8 @@ def _trials(errors_deg: list[list[float]], pairs: list[tuple[int, float]]) -> Te
         stimulus=np.array([stimulus for stimulus, _ in pairs]),
         object_distance_m=np.array([distance_m for _, distance_m in pairs]),
         vergence_error_deg=error_deg,
+        version_deg=np.zeros(error_deg.shape),
+        deviations_deg=np.zeros((*error_deg.shape, 2)),
         metabolic_rate_w=np.ones(error_deg.shape),
         optimal_metabolic_rate_w=np.ones(len(number)),
         activations=np.zeros((*error_deg.shape, 2)),

@@ -178,7 +178,7 @@ def test_trials_of_an_earlier_version_are_refused() -> None:
     progress = Progress(0)
     old = np.zeros((3, len(GROUND_TRUTH_NAMES)))
     progress.restore(Progress(0).document(), old[:0])
-    with pytest.raises(InputError, match=r"expected trials with .*shape \(3, 15\)"):
+    with pytest.raises(InputError, match=r"expected trials with .*shape \(3, 18\)"):
         progress.restore(Progress(0).document(), old)
 
 

@@ -11,6 +11,7 @@ from experiment_manager.agreements import check_agreements, with_partners
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.launch.command_line import DEFAULT_METABOLIC_COST_WEIGHTS
 from experiment_manager.launch.profiles import read_profile
+from experiment_manager.reach import check_reach
 from experiment_manager.run.config_file import CONFIG_CLASSES, Configuration
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import count_stimuli
@@ -110,6 +111,7 @@ def changed(settings: Mapping[str, Any], given: Mapping[str, Given]) -> Configur
     }
     check_agreements(configuration)
     _check_price(configuration)
+    check_reach(configuration)
     return configuration
 
 

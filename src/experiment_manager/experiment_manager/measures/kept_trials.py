@@ -69,6 +69,8 @@ class KeptTrials:
                     stimulus=self.stimulus,
                     object_distance_m=self.object_distance_m,
                     vergence_error_deg=error_deg,
+                    version_deg=np.full((n_trials, n + 1), np.nan),
+                    deviations_deg=np.full((n_trials, n + 1, 2), np.nan),
                     metabolic_rate_w=rate_w,
                     optimal_metabolic_rate_w=self.optimal_rate_w.astype(np.float64),
                     activations=activations,

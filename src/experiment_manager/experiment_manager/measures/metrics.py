@@ -82,6 +82,7 @@ def _summary_of_all(trials: TestTrials) -> dict[str, Any]:
         "n_trials": len(trials.trial),
         **measures(trials, trials.n_iterations),
         "bias_by_distance_deg": _bias_by_distance_deg(trials),
+        **_of_each_eye(trials),
         **{f"after_{k}": measures(trials, k) for k in early},
     }
 
@@ -109,6 +110,19 @@ def _bias_by_distance_deg(trials: TestTrials) -> dict[str, float | None]:
     distance_m = trials.object_distance_m
     final_deg = trials.vergence_error_deg[:, -1]
     return {f"{d:g}": _quantile(final_deg[distance_m == d], 0.5) for d in np.unique(distance_m)}
+
+
+def _of_each_eye(trials: TestTrials) -> dict[str, float | None]:
+    """Return where the eyes look together, and how far each is turned in, after the last iteration.
+
+    Other than vergence, these tell unlike eyes: a weak muscle, or the phoria of a covered eye.
+    """
+    left_deg, right_deg = trials.deviations_deg[:, -1].T
+    return {
+        "median_abs_version_deg": _quantile(np.abs(trials.version_deg[:, -1]), 0.5),
+        "median_left_deviation_deg": _quantile(left_deg, 0.5),
+        "median_right_deviation_deg": _quantile(right_deg, 0.5),
+    }
 
 
 def _right_muscle_is_silent(trials: TestTrials, iteration: int) -> np.ndarray:

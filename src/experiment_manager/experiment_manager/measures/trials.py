@@ -28,7 +28,8 @@ class TestTrials:
     """All trials of one test, by trial number.
 
     n_iterations is that of each trial; iteration 0 is the start, before the first command.
-    vergence_error_deg, metabolic_rate_w: (n_trials, n_iterations + 1); optimal_metabolic_rate_w,
+    vergence_error_deg, version_deg, metabolic_rate_w: (n_trials, n_iterations + 1); deviations_deg:
+    of the left and the right eye, (n_trials, n_iterations + 1, 2); optimal_metabolic_rate_w,
     object_distance_m, stimulus, trial: (n_trials,); activations: medial and lateral rectus, mean
     of both eyes, nan where they were not recorded, (n_trials, n_iterations + 1, 2); rows: the
     rows of the table that the trials came from, (n_trials, n_iterations + 1).
@@ -41,6 +42,8 @@ class TestTrials:
     stimulus: np.ndarray
     object_distance_m: np.ndarray
     vergence_error_deg: np.ndarray
+    version_deg: np.ndarray
+    deviations_deg: np.ndarray
     metabolic_rate_w: np.ndarray
     optimal_metabolic_rate_w: np.ndarray
     activations: np.ndarray
@@ -114,6 +117,10 @@ def _trials(rows: np.ndarray, chosen: np.ndarray) -> TestTrials | None:
         stimulus=column("stimulus")[:, 0].astype(int),
         object_distance_m=column("object_distance_m")[:, 0],
         vergence_error_deg=column("vergence_error_deg"),
+        version_deg=column("version_deg"),
+        deviations_deg=np.stack(
+            [column("left_deviation_deg"), column("right_deviation_deg")], axis=-1
+        ),
         metabolic_rate_w=column("metabolic_rate_w"),
         optimal_metabolic_rate_w=column("optimal_metabolic_rate_w")[:, 0],
         activations=np.stack([column("medial_rectus"), column("lateral_rectus")], axis=-1),

@@ -56,6 +56,20 @@ class Inverse:
         self._start_rad = None
         return self._vergence_deg(medial, lateral)
 
+    def adduction_deg(self, medial: float, lateral: float) -> tuple[float, float]:
+        """Return the adduction of the left and the right eye at rest with a pair of activations."""
+        self.vergence_deg(medial, lateral)
+        left, right = self._eyes.data.qpos[[0, 3]]
+        return math.degrees(float(left)), math.degrees(float(right))
+
+    def vergence_range_deg(self, limits: Limits) -> Pair:
+        """Return the least and the largest vergence that pairs of activations in limits give."""
+        (medial_low, medial_high), (lateral_low, lateral_high) = limits
+        return (
+            self._corner_deg((medial_low, lateral_high)),
+            self._corner_deg((medial_high, lateral_low)),
+        )
+
     def activation_pair(self, vergence_deg: float, fraction: float, limits: Limits) -> Pair:
         """Return the (medial, lateral) pair at a fraction of the line of equal vergence in limits.
 

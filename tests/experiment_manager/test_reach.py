@@ -1,0 +1,81 @@
+"""What eyes must reach for a protocol, and unlike eyes in a run."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from experiment_manager.commands.run_experiment import main as run_experiment
+from experiment_manager.launch.command_line import arguments
+from experiment_manager.launch.configuration import configuration_of
+from eye_plant.mechanics.muscles import MUSCLE_NAMES
+from lockstep.errors import InputError
+
+_PROTOCOL = "experiment_manager.protocol"
+
+
+def _strength(**changed: float) -> str:
+    assert set(changed) <= set(MUSCLE_NAMES)
+    values = [changed.get(name, 1.0) for name in MUSCLE_NAMES]
+    return f"eye_plant.mechanics.strength={values}"
+
+
+def _check(*settings: str) -> None:
+    words = [word for setting in settings for word in ("--set", setting)]
+    configuration_of(arguments(["--profile", "paper", *words]), "")
+
+
+def test_a_paralysed_muscle_is_allowed_where_the_protocol_can_be_met() -> None:
+    _check(_strength(left_lateral_rectus=0.0))
+    # One medial rectus reaches 8.78 deg: not the start of 3 deg beyond an object at 0.5 m.
+    with pytest.raises(InputError, match=r"from 0.07 to 9.41 deg, .* reach -7.19 to 8.78 deg"):
+        _check(_strength(right_medial_rectus=0.0))
+    _check(_strength(right_medial_rectus=0.0), f"{_PROTOCOL}.least_start_error_deg=-2")
+
+
+def test_anatomical_eyes_meet_the_protocol() -> None:
+    _check("eye_plant.mechanics.parameter_set=anatomical")
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        # At rest the eyes converge by 0.96 deg, and nothing is left to turn them out, or in.
+        (
+            (_strength(left_lateral_rectus=0.0, right_lateral_rectus=0.0),),
+            r"reach vergences from 0\.\d\d to 9\.41 deg, .* these reach 0\.96 to ",
+        ),
+        (
+            (_strength(left_medial_rectus=0.0, right_medial_rectus=0.0),),
+            r"these reach -\d\.\d\d to 0\.96 deg",
+        ),
+        (
+            ("vergence_rl.medial_limits=[0.0, 0.05]",),
+            r"with medial activations in \[0\.0, 0\.05\] and lateral ones in \[0\.0, 0\.1\]",
+        ),
+        (
+            ("eye_plant.mechanics.rest_adduction_deg=[25.0, -25.0]",),
+            r"they look 2\d\.\d deg to the right",
+        ),
+    ],
+)
+def test_what_cannot_be_met_is_refused_with_the_limits(
+    settings: tuple[str, ...], message: str
+) -> None:
+    with pytest.raises(InputError, match=r"^mechanics: expected ") as caught:
+        _check(*settings)
+    assert re.search(message, str(caught.value))
+
+
+def test_a_run_with_a_paralysed_muscle_measures_each_eye(pictures: Path, tmp_path: Path) -> None:
+    line = ["--in-process", "--iterations", "20", "--tests", "0", "--test-stimuli", "1"]
+    line += ["--stimuli", str(pictures), "--out", str(tmp_path / "run")]
+    line += ["--set", _strength(left_lateral_rectus=0.0)]
+    line += ["--set", "eye_plant.stimuli.size_px=64"]
+    assert run_experiment(line) == 0
+    first = json.loads((tmp_path / "run" / "results.json").read_text())["tests"][0]
+    assert first["n_trials"] == 39
+    # Of the lateral recti only the right one pulls: both eyes end turned to the right.
+    assert first["median_left_deviation_deg"] > 0.1 > -0.1 > first["median_right_deviation_deg"]
+    assert first["median_abs_version_deg"] > 0.1
