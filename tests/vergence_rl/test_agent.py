@@ -1,5 +1,6 @@
 import dataclasses
 import math
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lockstep.errors import InputError
+from lockstep.errors import DivergenceError, InputError
 from lockstep.randomness import generator
 from vergence_rl.agent import Agent, Decision
 from vergence_rl.config import VergenceRlConfig
@@ -340,6 +341,37 @@ def test_a_bad_observation_is_refused_and_changes_nothing(
     one, two = train(agent, 3, 1)[0], train(other, 3, 1)[0]
     assert one.td_error == two.td_error
     np.testing.assert_array_equal(one.command, two.command)
+
+
+@pytest.mark.parametrize(
+    ("settings", "quantity"),
+    [
+        ({"critic_learning_rate": 1e6, "critic_step_limit": 1e9}, "value|td_error"),
+        ({"actor_learning_rate": 1e9}, "action"),
+    ],
+)
+def test_divergence_ends_learning_with_iteration_and_quantity(
+    settings: dict[str, float], quantity: str
+) -> None:
+    agent = Agent(dataclasses.replace(CONFIG, **settings))
+    message = rf"diverged in training iteration (\d+): ({quantity}) is .*, expected 100 at most"
+    with pytest.raises(DivergenceError, match=message) as error:
+        train(agent, 0, 300)
+    # Whatever was answered before was sane.
+    (iteration,) = re.findall(r"iteration (\d+)", str(error.value))
+    before = train(Agent(dataclasses.replace(CONFIG, **settings)), 0, int(iteration))
+    assert max(np.abs(d.action).max() for d in before) <= 101
+    assert all(math.isfinite(d.value) for d in before)
+
+
+@pytest.mark.parametrize("name", ["critic", "actor_hidden", "actor_output"])
+def test_weights_that_are_no_numbers_never_become_an_answer(name: str) -> None:
+    agent = Agent(CONFIG)
+    train(agent, 0, 20)
+    weights = {"critic": agent._critic, **vars(agent._actor)}
+    weights[name.removeprefix("actor_")][...] = np.nan
+    with pytest.raises(DivergenceError, match=r"iteration 20: .* is nan"):
+        train(agent, 20, 1)
 
 
 @pytest.mark.parametrize(

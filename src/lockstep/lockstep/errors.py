@@ -1,4 +1,4 @@
-"""The one error that bad input raises."""
+"""The errors with a meaning of their own: of bad input, and of learning that has run away."""
 
 _LONGEST = 500
 
@@ -14,3 +14,10 @@ class InputError(ValueError):
         if len(text) > _LONGEST:
             text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
         super().__init__(text)
+
+
+class DivergenceError(ArithmeticError):
+    """A learner's weights or values have left every sane range: the run cannot go on.
+
+    The message names the training iteration and the quantity.
+    """

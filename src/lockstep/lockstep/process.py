@@ -13,9 +13,9 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from lockstep.cores import share_two_cores
-from lockstep.errors import InputError
+from lockstep.errors import DivergenceError, InputError
 from lockstep.executor import LockstepExecutor
-from lockstep.exit_codes import EXIT_BAD_INPUT
+from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, FAULT_TEXT
 
 _ROS_ERRORS = (_rclpy.RCLError, _rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError)
 
@@ -27,7 +27,8 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
     does not interrupt others there if the node `gives_way`; see lockstep.cores.
     SIGTERM ends the process; so does SIGINT, unless the node has an `interrupt` to call instead.
     The code is the node's `exit_code` if it has one, else 0; it is 2 when the node cannot start
-    because of what it was given: then the reason is the last line on standard error.
+    because of what it was given, and 6 when what it learns diverges: then the reason is the last
+    line on standard error.
     """
     try:
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
@@ -59,6 +60,9 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
         executor.spin()
     except ExternalShutdownException:
         pass
+    except DivergenceError as error:
+        print(f"{FAULT_TEXT}{_in_one_line(error)}", file=sys.stderr)
+        return EXIT_DIVERGED
     finally:
         node.destroy_node()
         rclpy.try_shutdown()

@@ -95,7 +95,8 @@ class SparseCoder:
 
     def _learning_rate(self) -> float:
         config = self.config
-        done = min(1.0, self.learning_steps / config.n_training_iterations)
+        n_until_rest = config.resting_share * config.n_training_iterations
+        done = min(1.0, self.learning_steps / n_until_rest)
         return declining_rate(config.learning_rate, config.final_learning_rate_share, done)
 
     def atoms(self) -> NDArray[np.float32]:

@@ -13,16 +13,20 @@ class SparseCoderConfig:
     """
 
     seed: int = setting(1, "seed of the initial dictionaries")
-    n_training_iterations: int = setting(
-        1_000_000, "iterations after which the learning rate has fallen to its final share", least=1
-    )
+    n_training_iterations: int = setting(1_000_000, "training iterations of the run", least=1)
     n_bases: int = setting(400, "basis functions of each scale's dictionary", least=1)
     n_selections: int = setting(10, "matching pursuit's selections per patch", least=1)
     learning_rate: float = setting(0.2, "eta, learning rate of the dictionaries", least=0)
     final_learning_rate_share: float = setting(
         1.0,
-        "share of the learning rate that is left as training ends; it falls linearly (D17)",
+        "share of the learning rate left when the dictionaries rest; it falls linearly (D17)",
         least=0,
+    )
+    resting_share: float = setting(
+        1.0,
+        "share of the training after which the learning rate has fallen to its final share (D17)",
+        above=0,
+        most=1,
     )
     metabolic_cost_weight: float = setting(
         0.0, "lambda of K17 eq. 5, the price of energy in the reward, 0 in model M", "1/W", least=0

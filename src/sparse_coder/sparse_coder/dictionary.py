@@ -46,7 +46,7 @@ def declining_rate(initial_rate: float, final_share: float, fraction_done: float
     """Return the learning rate, linear from initial_rate to final_share of it (D17; K17: 1).
 
     ours: the actor's own rate falls to 0, so it cannot follow features that go on changing.
-    fraction_done: of training, in [0, 1].
+    fraction_done: of the way to rest, in [0, 1].
     """
     return initial_rate * (1.0 - (1.0 - final_share) * fraction_done)
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.errors import InputError
+from lockstep.errors import DivergenceError, InputError
 from lockstep.randomness import generator
 from vergence_rl.cacla import actor_step, n_updates
 from vergence_rl.config import N_MUSCLES, VergenceRlConfig
@@ -28,6 +28,9 @@ from vergence_rl.td import (
     td_variance,
     value,
 )
+
+# Rewards are about -0.2 and activations end at 1: whatever is a hundred times that has run away.
+_SANE = {"value": 100.0, "td_error": 100.0, "action": 100.0}
 
 
 @dataclass(frozen=True)
@@ -107,7 +110,8 @@ class Agent:
         reward: r_t, of now; iteration: within the episode, from 0; training_iteration: number of
         training iterations before this one. There is nothing to learn at an episode's start or
         after a gap, nor from an action that was taken without learning.
-        Raises InputError, and changes nothing, for a wrong size or a number that is not finite.
+        Raises InputError, and changes nothing, for a wrong size or a number that is not finite;
+        DivergenceError when value, TD error or action leave every sane range.
         """
         entries = self._checked_entries(features, activations, reward, iteration)
         if learning:
@@ -122,6 +126,9 @@ class Agent:
         output = actor(self._actor, state)
         noise_sd = self._exploration_sd(training_iteration)
         action = output.action
+        _check_sanity(
+            training_iteration, {"value": value_t, "td_error": delta, "action": _largest(action)}
+        )
         if exploration:
             action = action + self._noise(training_iteration, noise_sd)
         before = entries[-N_MUSCLES:]
@@ -236,6 +243,7 @@ class Agent:
         config = self.config
         return exploration_sd(
             math.sqrt(config.exploration_variance),
+            config.wide_exploration_share,
             config.final_exploration_share,
             min(1.0, training_iteration / config.n_training_iterations),
         )
@@ -243,6 +251,23 @@ class Agent:
     def _noise(self, training_iteration: int, sd: float) -> NDArray[np.float64]:
         draw = generator(self.config.seed, "exploration", training_iteration)
         return draw.normal(0.0, sd, N_MUSCLES)
+
+
+def _largest(values: NDArray[np.float64]) -> float:
+    return float(np.abs(values).max())
+
+
+def _check_sanity(training_iteration: int, quantities: Mapping[str, float]) -> None:
+    """Raise DivergenceError for a quantity beyond its limit; weights that are not show in them."""
+    for name, quantity in quantities.items():
+        limit = _SANE[name]
+        if name == "td_error" and math.isnan(quantity):
+            continue  # nothing was learned
+        if not abs(quantity) <= limit:  # also true of NaN
+            raise DivergenceError(
+                f"vergence_rl diverged in training iteration {training_iteration}: {name} is "
+                f"{quantity:g}, expected {limit:g} at most"
+            )
 
 
 def _check_state(state: Mapping[str, NDArray[Any]], expected: Mapping[str, NDArray[Any]]) -> None:

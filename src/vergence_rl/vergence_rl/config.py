@@ -71,6 +71,12 @@ class VergenceRlConfig:
         "variance of the noise on each muscle's action, as training begins",
         least=0,
     )
+    wide_exploration_share: float = setting(
+        0.0,
+        "share of the training before the noise's standard deviation begins to fall (D16)",
+        least=0,
+        below=1,
+    )
     final_exploration_share: float = setting(
         1.0,
         "share of the noise's standard deviation that is left as training ends; it falls"

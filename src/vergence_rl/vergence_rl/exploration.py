@@ -3,13 +3,17 @@
 from vergence_rl.config import PAPER_EXPLORATION_VARIANCE
 
 
-def exploration_sd(initial_sd: float, final_share: float, fraction_done: float) -> float:
-    """Return sigma_0 final_share^fraction_done: exponential from wide to narrow (D16; K17: 1).
+def exploration_sd(
+    initial_sd: float, wide_share: float, final_share: float, fraction_done: float
+) -> float:
+    """Return the noise's standard deviation after a fraction of training, in [0, 1] (D16).
 
-    ours: only noise wider than the valley of E finds it from afar, and only noise narrower than it
-    shows where its ground is. fraction_done: of training, in [0, 1].
+    sigma_0 up to wide_share of training, then exponentially down to sigma_0 final_share (K17:
+    sigma_0 throughout). ours: only noise wider than the valley of E finds it from afar, and only
+    noise narrower than it shows where its ground is.
     """
-    return initial_sd * final_share**fraction_done
+    done = max(0.0, fraction_done - wide_share) / (1.0 - wide_share)
+    return initial_sd * final_share**done
 
 
 def step_scale(sd: float, exponent: float) -> float:

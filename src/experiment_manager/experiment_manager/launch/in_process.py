@@ -7,7 +7,7 @@ from experiment_manager.launch.attempt import goes_on
 from experiment_manager.launch.interrupts import Interrupts
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.in_process import InProcessRun
-from lockstep.errors import InputError
+from lockstep.errors import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
 
 
@@ -27,6 +27,9 @@ def run_in_process(directory: Path) -> int:
     except OSError as error:
         reason = f"{directory} cannot be written: {error}; what was saved before is whole"
         print(f"error: {reason}", file=sys.stderr)
+        return EXIT_FAULT
+    except DivergenceError as error:
+        print(f"error: {error}; what was saved before is whole", file=sys.stderr)
         return EXIT_FAULT
     except InputError as error:
         if run is None:

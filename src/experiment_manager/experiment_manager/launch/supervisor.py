@@ -18,6 +18,7 @@ from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from lockstep.durable_files import why_unwritable
 from lockstep.exit_codes import (
     EXIT_BAD_INPUT,
+    EXIT_DIVERGED,
     EXIT_FAULT,
     EXIT_INTERRUPTED,
     EXIT_NETWORK,
@@ -127,8 +128,9 @@ class Supervisor:
                 if not self._elsewhere <= heartbeats.heard and not addresses() <= at_start:
                     # Who is elsewhere does not know the way to nodes that are older than it.
                     return EXIT_NETWORK, None
-            # Of several that have ended, the manager knows best why.
-            name = MANAGER if MANAGER in codes else next(iter(codes))
+            # Of several that have ended, one that diverged knows best why, and then the manager.
+            known = [MANAGER, *(name for name, code in codes.items() if code == EXIT_DIVERGED)]
+            name = next((name for name in reversed(known) if name in codes), next(iter(codes)))
             return self._ended(name, codes[name])
 
     def _ended(self, name: str, code: int) -> tuple[int, str | None]:
@@ -145,6 +147,9 @@ class Supervisor:
             if FAULT_TEXT not in last_line:  # the log could not be written either
                 why = why_unwritable(self._directory)
                 reason = f"{self._directory} cannot be written{': ' if why else ''}{why}"
+            print(f"error: {reason}; what was saved before is whole", file=sys.stderr)
+            return EXIT_FAULT, None
+        if code == EXIT_DIVERGED:
             print(f"error: {reason}; what was saved before is whole", file=sys.stderr)
             return EXIT_FAULT, None
         return EXIT_FAULT, f"{name} ended: {reason}"

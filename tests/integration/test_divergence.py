@@ -1,0 +1,37 @@
+"""Learning that runs away ends the run with one error, and leaves what was saved before whole."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from experiment_manager.bag.reader import read_vectors
+from tests.graph_harness import small_run
+from tests.stress.supervised_run import SupervisedRun, is_intact
+
+SETTINGS = (
+    "experiment_manager.checkpoint_period_s=1e9",  # the first one alone, at the start
+    "sparse_coder.n_bases=32",
+    "vergence_rl.n_features=64",
+    "vergence_rl.critic_learning_rate=1e6",
+    "vergence_rl.critic_step_limit=1e9",
+)
+
+
+@pytest.mark.parametrize("in_process", [False, True])
+def test_divergence_ends_the_run_with_one_error(
+    pictures: Path, tmp_path: Path, in_process: bool
+) -> None:
+    directory = tmp_path / "run"
+    with SupervisedRun(
+        small_run(pictures, 400, *SETTINGS), directory, in_process=in_process
+    ) as run:
+        assert run.wait() == 3, run.output()
+        output = run.output()
+    assert output.count("error: ") == 1
+    assert "error: vergence_rl diverged in training iteration " in output
+    assert "expected 100 at most; what was saved before is whole" in output
+    assert "fault: " not in output
+    assert is_intact(directory)
+    published = read_vectors(directory / "bag", "actor_critic").column("value")
+    assert np.abs(published).max() <= 100.0
