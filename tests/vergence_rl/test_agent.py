@@ -351,7 +351,7 @@ def test_a_bad_observation_is_refused_and_changes_nothing(
     ],
 )
 def test_divergence_ends_learning_with_iteration_and_quantity(
-    settings: dict[str, float], quantity: str
+    settings: dict[str, Any], quantity: str
 ) -> None:
     agent = Agent(dataclasses.replace(CONFIG, **settings))
     message = rf"diverged in training iteration (\d+): ({quantity}) is .*, expected 100 at most"
