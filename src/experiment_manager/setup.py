@@ -24,6 +24,7 @@ setup(
         "console_scripts": [
             "node = experiment_manager.node:main",
             "run_experiment = experiment_manager.commands.run_experiment:main",
+            "sweep = experiment_manager.commands.sweep:main",
             "evaluate = experiment_manager.commands.evaluate:main",
             "report = experiment_manager.commands.report:main",
             "list_parameters = experiment_manager.commands.list_parameters:main",

@@ -14,6 +14,7 @@ SCRIPTS = tuple(
 NODES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")
 MODULES = {
     "run_experiment": "experiment_manager.commands.run_experiment",
+    "sweep": "experiment_manager.commands.sweep",
     "evaluate": "experiment_manager.commands.evaluate",
     "report": "experiment_manager.commands.report",
     "list_parameters": "experiment_manager.commands.list_parameters",

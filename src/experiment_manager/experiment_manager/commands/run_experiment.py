@@ -34,7 +34,8 @@ from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
 
 
-def _source_commit() -> str:
+def source_commit() -> str:
+    """Return the commit of the source, "unknown" when it is not in git."""
     command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -83,7 +84,7 @@ def _prepare(options: argparse.Namespace) -> Path:
     if branched is not None:
         configuration = branched.configuration
     else:
-        configuration = configuration_of(options, _source_commit())
+        configuration = configuration_of(options, source_commit())
     directory = _new_directory(options)
     _prepare_stimuli(configuration)
     if options.share is not None:
@@ -118,7 +119,7 @@ def _branch(options: argparse.Namespace) -> Branch:
                 f"--branch: expected the settings of {options.branch} and single ones, got "
                 f"--{'lambda-share' if name == 'share' else name}"
             )
-    return branch(options.branch, given_settings(options), _source_commit())
+    return branch(options.branch, given_settings(options), source_commit())
 
 
 def _new_directory(options: argparse.Namespace) -> Path:

@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# Make many runs that differ in a few options, so many at a time, each in one process on one core; or as a job array of
+# Slurm. Started again, it goes on with what is not finished. Ctrl-C stops all runs, with checkpoints. docs/sweeps.md
+#
+# usage: launch_scripts/sweep.sh SWEEP.yaml [--out DIR] [--stimuli DIR] [--jobs N | --slurm [more options]]
+#        launch_scripts/sweep.sh DIR [--status] [--jobs N]
+set -euo pipefail
+# shellcheck source=launch_scripts/environment.sh
+source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+
+run_module experiment_manager.commands.sweep "$@"

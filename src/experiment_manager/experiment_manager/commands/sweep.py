@@ -1,0 +1,159 @@
+"""sweep.sh: many runs that differ in a few options, in one command, on one machine or a cluster."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+from experiment_manager.commands.run_experiment import source_commit
+from experiment_manager.run.lasting_output import make_standard_streams_last
+from experiment_manager.sweep import slurm
+from experiment_manager.sweep.cell_run import CellRun
+from experiment_manager.sweep.pool import Pool
+from experiment_manager.sweep.slurm import Resources
+from experiment_manager.sweep.status import status_of, table
+from experiment_manager.sweep.sweep_file import SWEEP_FILE, Sweep, read_sweep
+from eye_plant.config import EyePlantConfig
+from eye_plant.stimuli.stimulus_set import StimuliConfig, load_stimuli
+from lockstep.configuration import build
+from lockstep.durable_files import replace_file
+from lockstep.errors import InputError
+from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the command line of sweep.sh."""
+    line = argparse.ArgumentParser(prog="sweep.sh", allow_abbrev=False)
+    line.add_argument(
+        "sweep",
+        type=Path,
+        metavar="SWEEP",
+        help="a YAML file with options for all runs and axes, or the directory of a sweep",
+    )
+    line.add_argument(
+        "--out", type=Path, metavar="DIR", help="of the sweep (default: runs/NAME OF THE FILE)"
+    )
+    line.add_argument(
+        "--stimuli", type=Path, metavar="DIR", help="images for all runs, as run_experiment.sh has"
+    )
+    line.add_argument("--jobs", type=int, metavar="N", help="runs at a time (default: one a core)")
+    line.add_argument("--status", action="store_true", help="say where each run stands")
+    line.add_argument("--slurm", action="store_true", help="submit a job array to Slurm")
+    line.add_argument("--partition", default="", metavar="P", help="of Slurm")
+    line.add_argument(
+        "--time", default="", metavar="T", help="limit of a task; it goes on after it"
+    )
+    line.add_argument("--memory", default="", metavar="M", help="of a task, such as 2G")
+    line.add_argument("--tasks", type=int, metavar="N", help="of Slurm at a time")
+    line.add_argument("--task", type=int, help=argparse.SUPPRESS)
+    return line
+
+
+def _opened(options: argparse.Namespace) -> tuple[Path, Sweep]:
+    """Return the directory of the sweep, which need not exist yet, and the sweep.
+
+    Raises InputError for a directory that holds something else.
+    """
+    if options.sweep.is_dir():
+        if options.out is not None or options.stimuli is not None:
+            raise InputError(f"{options.sweep}: expected no --out and no --stimuli: it has its own")
+        return options.sweep.resolve(), read_sweep(options.sweep / SWEEP_FILE)
+    sweep = read_sweep(options.sweep, options.stimuli)
+    directory = (options.out or Path("runs") / options.sweep.stem).resolve()
+    held = directory / SWEEP_FILE
+    if held.exists() and read_sweep(held) != sweep:
+        raise InputError(
+            f"{directory}: expected the directory of this sweep, it holds another; "
+            f"sweep.sh {directory} goes on with that one"
+        )
+    if not held.exists() and not _is_free(directory):
+        raise InputError(
+            f"{directory}: expected a new or empty directory, it already holds something"
+        )
+    return directory, sweep
+
+
+def _is_free(directory: Path) -> bool:
+    return not directory.exists() or (directory.is_dir() and not any(directory.iterdir()))
+
+
+def _check(options: argparse.Namespace) -> None:
+    for name in ("jobs", "tasks"):
+        number = getattr(options, name)
+        if number is not None and number < 1:
+            raise InputError(f"--{name}: expected 1 or more, got {number}")
+    of_slurm = ("partition", "time", "memory", "tasks")
+    if not options.slurm and (given := [name for name in of_slurm if getattr(options, name)]):
+        raise InputError(f"--{given[0]}: expected it with --slurm only")
+    if options.slurm and options.jobs is not None:
+        raise InputError("--jobs: expected it without --slurm, which has --tasks")
+
+
+def _prepare_stimuli(configs: Sequence[StimuliConfig]) -> None:
+    """Make generated stimuli once, before the runs; in another process, which forgets them."""
+    with ProcessPoolExecutor(1, get_context("spawn")) as process:
+        for config in dict.fromkeys(configs):
+            process.submit(_load, config).result()
+
+
+def _load(config: StimuliConfig) -> None:
+    load_stimuli(config)
+
+
+def _begin(directory: Path, sweep: Sweep) -> None:
+    """Check all cells, and keep the sweep in its directory."""
+    commit = source_commit()
+    configurations = [cell.configuration(commit) for cell in sweep.cells()]
+    print(f"{len(configurations)} runs in {directory}; preparing their stimuli")
+    plants = [build(EyePlantConfig, configuration["eye_plant"]) for configuration in configurations]
+    _prepare_stimuli([plant.stimuli for plant in plants])
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        replace_file(directory / SWEEP_FILE, sweep.text().encode())
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written: {error}") from error
+
+
+def _run(options: argparse.Namespace) -> int:
+    _check(options)
+    directory, sweep = _opened(options)
+    runs = [CellRun(directory, cell) for cell in sweep.cells()]
+    if options.task is not None:
+        return slurm.run_task(runs[options.task])
+    if options.status:
+        print(table([status_of(run) for run in runs]))
+        return 0
+    resources = Resources(options.partition, options.time, options.memory, options.tasks)
+    if options.slurm:
+        slurm.check(resources)
+    _begin(directory, sweep)
+    undone = [i for i, run in enumerate(runs) if not run.is_done]
+    if options.slurm and undone:
+        job = slurm.submit(directory, runs, undone, resources)
+        print(f"job {job}: {len(undone)} tasks; launch_scripts/sweep.sh {directory} --status")
+        return 0
+    code = Pool(options.jobs or len(os.sched_getaffinity(0))).run([runs[i] for i in undone])
+    print(table([status_of(run) for run in runs]))
+    if code:
+        print(f"to go on: launch_scripts/sweep.sh {directory}", file=sys.stderr)
+    return code
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Make the runs of a sweep; return the exit code."""
+    try:
+        return _run(parser().parse_args(argv))
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        print("stopped before the first run", file=sys.stderr)
+        return EXIT_INTERRUPTED
+
+
+if __name__ == "__main__":
+    make_standard_streams_last()
+    sys.exit(main())

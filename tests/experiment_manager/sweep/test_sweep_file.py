@@ -1,0 +1,144 @@
+"""What a sweep's file says, and what it may not say."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from experiment_manager.launch.command_line import parser
+from experiment_manager.sweep.sweep_file import OPTIONS, Sweep, read_sweep
+from lockstep.errors import InputError
+
+SWEEPS = Path(__file__).parents[3] / "sweeps"
+
+
+def read(tmp_path: Path, text: str, stimuli: Path | None = None) -> Sweep:
+    path = tmp_path / "sweep.yaml"
+    path.write_text(text)
+    return read_sweep(path, stimuli)
+
+
+def test_each_combination_is_a_run_named_after_its_values(tmp_path: Path) -> None:
+    sweep = read(
+        tmp_path,
+        "options: {profile: paper, iterations: 1e5, sparse_coder.n_bases: 32}\n"
+        "axes: {model: [M, M_C], vergence_rl.discount: [0.3, 1e-5]}\n",
+    )
+    cells = {cell.name: cell.line for cell in sweep.cells()}
+    assert [*cells] == [
+        "model_M-discount_0.3",
+        "model_M-discount_1e-5",
+        "model_M_C-discount_0.3",
+        "model_M_C-discount_1e-5",
+    ]
+    assert cells["model_M_C-discount_0.3"] == (
+        *("--profile", "paper", "--iterations", "1e5", "--set", "sparse_coder.n_bases=32"),
+        *("--model", "M_C", "--set", "vergence_rl.discount=0.3"),
+    )
+
+
+def test_a_cell_is_configured_as_its_command_line_says(tmp_path: Path, pictures: Path) -> None:
+    sweep = read(
+        tmp_path,
+        "options: {iterations: 100, tests: [0, 50], test-stimuli: 1, eye_plant.stimuli.size_px: 64}"
+        "\naxes: {lambda: [0, 0.5], model: [M_C], vergence_rl.discount: [1e-5]}\n",
+        pictures,
+    )
+    free, priced = (cell.configuration("0123abc") for cell in sweep.cells())
+    assert free["sparse_coder"]["metabolic_cost_weight"] == 0.0
+    assert priced["sparse_coder"]["metabolic_cost_weight"] == 0.5
+    assert priced["vergence_rl"]["discount"] == 1e-5
+    manager = priced["experiment_manager"]
+    assert manager["protocol.test_iterations"] == [0, 50]
+    assert manager["commit"] == "0123abc"
+    assert priced["eye_plant"]["stimuli.directory"] == str(pictures)
+
+
+def test_parameters_of_one_last_name_are_told_apart(tmp_path: Path) -> None:
+    sweep = read(tmp_path, "axes: {sparse_coder.seed: [1], vergence_rl.seed: [2]}")
+    assert [cell.name for cell in sweep.cells()] == ["sparse_coder.seed_1-vergence_rl.seed_2"]
+
+
+def test_a_name_is_a_directory_whatever_its_values_are(tmp_path: Path) -> None:
+    sweep = read(tmp_path, "axes: {tests: [[0, 10], [20]], profile: [rearing/aligned]}")
+    assert [cell.name for cell in sweep.cells()] == [
+        "tests_0_10-profile_rearing_aligned",
+        "tests_20-profile_rearing_aligned",
+    ]
+
+
+def test_what_a_sweep_keeps_of_itself_reads_as_the_same(tmp_path: Path) -> None:
+    sweep = read(tmp_path, "description: why\noptions: {seed: 3}\naxes: {lambda: [0.1, 1e-3]}")
+    assert read(tmp_path, sweep.text()) == sweep
+    assert yaml.safe_load(sweep.text())["description"] == "why"
+
+
+def test_every_option_is_one_of_run_experiment(tmp_path: Path) -> None:
+    known = {word for action in parser()._actions for word in action.option_strings}
+    assert {f"--{name}" for name in OPTIONS} <= known
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        (
+            "axes: {sead: [1]}",
+            "axes: expected NODE.PARAMETER or one of .*'sead'; did you mean seed",
+        ),
+        ("options: {out: x}\naxes: {seed: [1]}", "options: expected NODE.PARAMETER .*'out'"),
+        ("axes: {seed: []}", r"axes: seed: expected a list of values, got \[\]"),
+        ("axes: {seed: 3}", "axes: seed: expected a list of values, got 3"),
+        ("options: {seed: 1}", "axes: expected one at least"),
+        (
+            "options: {seed: 1}\naxes: {seed: [1]}",
+            "seed: expected it among the options or the axes",
+        ),
+        (
+            "axes: {seed: [1, 2, 1]}",
+            "axes: expected a name of its own for each run, got seed_1 twice",
+        ),
+        (
+            "axes: {profile: [a/b, a_b]}",
+            "axes: expected a name of its own .* got profile_a_b twice",
+        ),
+        ("axis: {seed: [1]}", "expected description, options, axes, got 'axis'"),
+        ("axes: [seed]", "axes: expected names and values"),
+        ("- axes", "expected a sweep with axes, got list"),
+        ("axes: {seed: [1]", "expected a sweep as YAML"),
+    ],
+)
+def test_bad_files_are_one_error_that_names_the_file(tmp_path: Path, text: str, error: str) -> None:
+    with pytest.raises(InputError, match=rf"sweep\.yaml: {error}"):
+        read(tmp_path, text)
+
+
+def test_a_file_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"nowhere\.yaml: expected a sweep as YAML"):
+        read_sweep(tmp_path / "nowhere.yaml")
+
+
+@pytest.mark.parametrize(
+    ("axes", "error"),
+    [
+        ("model: [M, X]", "model_X: argument --model: invalid choice: 'X'"),
+        ("seed: [1, one]", "seed_one: argument --seed: expected a whole number, got 'one'"),
+        ("model: [M], lambda: [0.1]", "model_M-lambda_0.1: .*expected 0 with model M"),
+        ("vergence_rl.discont: [0.1]", "discont_0.1: .*discount"),
+        ("vergence_rl.discount: [2.0]", "discount_2.0: "),
+    ],
+)
+def test_what_a_cell_cannot_be_is_said_with_its_name(
+    tmp_path: Path, pictures: Path, axes: str, error: str
+) -> None:
+    sweep = read(tmp_path, f"options: {{iterations: 100}}\naxes: {{{axes}}}", pictures)
+    *_, last = sweep.cells()
+    with pytest.raises(InputError, match=error):
+        last.configuration("")
+
+
+@pytest.mark.parametrize("path", sorted(SWEEPS.glob("*.yaml")), ids=lambda path: path.stem)
+def test_the_sweeps_behind_the_results_can_be_read(path: Path) -> None:
+    sweep = read_sweep(path)
+    assert sweep.description
+    for cell in sweep.cells():
+        assert cell.options().iterations >= 200_000

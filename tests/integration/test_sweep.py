@@ -1,0 +1,192 @@
+"""A sweep on this machine: its runs are those that run_experiment.sh makes, whatever happens."""
+
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from experiment_manager.sweep.sweep_file import read_sweep
+from tests.stress.supervised_run import differences, stamp_faults
+from tests.supervisor import PATIENCE_S, finished
+from tests.sweep_harness import is_root, single_run, start_sweep, write_sweep
+
+_POLL_S = 0.02
+
+
+@pytest.fixture(scope="module")
+def sweep_file(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
+    path = tmp_path_factory.mktemp("sweep") / "small.yaml"
+    return write_sweep(path, pictures, {"model": ["M_C"], "seed": [1, 2, 3]})
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory, sweep_file: Path) -> Path:
+    """Return the directory of a finished sweep."""
+    directory = tmp_path_factory.mktemp("whole") / "sweep"
+    output = finished(start_sweep(sweep_file, "--out", directory, "--jobs", 2))
+    assert "3/3 model_M_C-seed_" in output
+    assert "3 done" in output
+    return directory
+
+
+def _wait_for(process: "subprocess.Popen[str]", condition: Callable[[], bool]) -> None:
+    end_s = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert process.poll() is None, process.communicate()[0]
+        assert time.monotonic() < end_s
+        time.sleep(_POLL_S)
+
+
+def test_each_run_is_the_run_of_its_command_line(
+    whole: Path, sweep_file: Path, tmp_path: Path
+) -> None:
+    cells = read_sweep(sweep_file).cells()
+    assert {path.name for path in whole.iterdir()} == {
+        "sweep.yaml",
+        "logs",
+        *(cell.name for cell in cells),
+    }
+    for cell in cells:
+        assert stamp_faults(whole / cell.name) == []
+    second = single_run(tmp_path / "run", cells[1].line)
+    assert differences(whole / cells[1].name, second) == []
+    assert differences(whole / cells[0].name, second) != []
+
+
+def test_a_finished_sweep_is_left_alone(whole: Path, sweep_file: Path) -> None:
+    before = {path: path.stat().st_mtime_ns for path in whole.rglob("*.mcap")}
+    for line in ((sweep_file, "--out", whole), (whole,)):
+        assert "3 done" in finished(start_sweep(*line))
+    assert {path: path.stat().st_mtime_ns for path in whole.rglob("*.mcap")} == before
+
+
+def test_the_status_is_a_table(whole: Path) -> None:
+    lines = finished(start_sweep(whole, "--status")).splitlines()
+    assert lines[0].split() == [
+        "run",
+        "state",
+        "iterations",
+        "it/s",
+        "time",
+        "left",
+        "last",
+        "test",
+    ]
+    assert lines[1].split()[:5] == ["model_M_C-seed_1", "done", "360", "of", "360"]
+    assert lines[1].endswith(" deg at 200")
+    assert lines[-1] == "3 done"
+
+
+def test_ctrl_c_stops_all_runs_and_starting_again_goes_on(
+    whole: Path, sweep_file: Path, tmp_path: Path
+) -> None:
+    directory = tmp_path / "sweep"
+    sweep = start_sweep(sweep_file, "--out", directory, "--jobs", 2)
+    places = directory.glob
+    _wait_for(sweep, lambda: len({p.parts[-4] for p in places("*/checkpoints/*/*.json")}) == 2)
+    sweep.send_signal(signal.SIGINT)
+    output = finished(sweep, code=130)
+    assert f"to go on: launch_scripts/sweep.sh {directory}\n" in output
+    assert "1 waiting" in output
+    assert not [*directory.glob("*/results.json")]
+    status = finished(start_sweep(directory, "--status"))
+    assert "2 stopped, 1 waiting" in status
+    finished(start_sweep(directory))
+    for cell in read_sweep(sweep_file).cells():
+        assert differences(directory / cell.name, whole / cell.name) == []
+
+
+def test_a_killed_sweep_takes_its_runs_with_it(
+    whole: Path, sweep_file: Path, tmp_path: Path
+) -> None:
+    directory = tmp_path / "sweep"
+    sweep = start_sweep(sweep_file, "--out", directory, "--jobs", 3)
+    _wait_for(sweep, lambda: len([*directory.glob("*/checkpoints/*/manifest.json")]) >= 1)
+    sweep.kill()
+    sweep.communicate()
+    output = finished(start_sweep(directory, "--jobs", 3))
+    assert "3 done" in output
+    for cell in read_sweep(sweep_file).cells():
+        assert differences(directory / cell.name, whole / cell.name) == []
+
+
+@contextmanager
+def _small_disk(directory: Path, n_bytes: int) -> Iterator[None]:
+    directory.mkdir(parents=True)
+    subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", f"size={n_bytes}", "tmpfs", directory], check=True
+    )
+    try:
+        yield
+    finally:
+        subprocess.run(["umount", "--lazy", directory], check=True)
+
+
+@pytest.mark.skipif(not is_root(), reason="only root can mount a small disk")
+def test_a_full_disk_in_one_run_leaves_the_others_alone(
+    whole: Path, sweep_file: Path, tmp_path: Path
+) -> None:
+    directory = tmp_path / "sweep"
+    full, *others = [cell.name for cell in read_sweep(sweep_file).cells()]
+    directory.mkdir()
+    (directory / "sweep.yaml").write_bytes((whole / "sweep.yaml").read_bytes())
+    with _small_disk(directory / full, 600_000):
+        output = finished(start_sweep(sweep_file, "--out", directory), code=3)
+        failed = [line for line in output.splitlines() if line.startswith("failed: ")]
+        assert len(failed) == 1
+        assert f"failed: {full}: {directory / full} cannot be written: " in failed[0]
+        assert f"log: {directory / 'logs' / full}.log" in failed[0]
+        assert "1 failed, 2 done" in output
+    finished(start_sweep(directory))
+    for name in (full, *others):
+        assert differences(directory / name, whole / name) == []
+
+
+@pytest.mark.parametrize(
+    ("make", "error"),
+    [
+        (lambda d: (d / "sweep.yaml").write_text("axes: {seed: [7]}"), "it holds another"),
+        (lambda d: (d / "notes.txt").write_text("mine"), "it already holds something"),
+    ],
+)
+def test_a_directory_that_holds_something_else_is_refused(
+    sweep_file: Path, tmp_path: Path, make: Callable[[Path], object], error: str
+) -> None:
+    make(tmp_path)
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    output = finished(start_sweep(sweep_file, "--out", tmp_path), code=2)
+    assert output.count("error: ") == 1
+    assert error in output
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_cell_that_cannot_be_keeps_all_from_starting(pictures: Path, tmp_path: Path) -> None:
+    path = write_sweep(tmp_path / "bad.yaml", pictures, {"vergence_rl.discount": [0.3, 2.0]})
+    output = finished(start_sweep(path, "--out", tmp_path / "sweep"), code=2)
+    assert output.count("error: ") == 1
+    assert "error: discount_2.0: " in output
+    assert not (tmp_path / "sweep").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "error"),
+    [
+        (["--jobs", "0"], "--jobs: expected 1 or more, got 0"),
+        (["--partition", "fast"], "--partition: expected it with --slurm only"),
+        (["--slurm", "--jobs", "2"], "--jobs: expected it without --slurm"),
+        (["--slurm"], "--slurm: expected sbatch on this machine, found none"),
+    ],
+)
+def test_bad_options_are_one_error(
+    sweep_file: Path, tmp_path: Path, words: list[str], error: str
+) -> None:
+    # Where Slurm is installed, its commands are not found on this path.
+    path = {"PATH": "/nowhere:/bin"} if "--slurm" in words else {}
+    output = finished(start_sweep(sweep_file, "--out", tmp_path / "s", *words, **path), code=2)
+    assert output.count("error: ") == 1
+    assert f"error: {error}" in output
+    assert not (tmp_path / "s").exists()

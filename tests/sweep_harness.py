@@ -1,0 +1,54 @@
+"""Sweeps of runs small enough for tests, as processes."""
+
+import os
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+
+import yaml
+
+from tests.graph_harness import SCRIPTS, environment
+from tests.stress.supervised_run import SupervisedRun
+
+OPTIONS = {
+    "profile": "paper",
+    "iterations": 200,
+    "tests": [0],
+    "test-stimuli": 1,
+    "eye_plant.stimuli.size_px": 64,
+    "sparse_coder.n_bases": 32,
+    "experiment_manager.protocol.test_distances_m": [1.0],
+    "experiment_manager.protocol.least_start_error_deg": 0,
+    "experiment_manager.checkpoint_period_s": 0.3,
+}
+
+
+def write_sweep(path: Path, pictures: Path, axes: dict[str, list[object]], **more: object) -> Path:
+    """Write a sweep of small runs; more: further options."""
+    options = OPTIONS | {"stimuli": str(pictures)} | more
+    path.write_text(yaml.safe_dump({"options": options, "axes": axes}, sort_keys=False))
+    return path
+
+
+def start_sweep(*line: object, **variables: str) -> "subprocess.Popen[str]":
+    """Start sweep.sh; its output is one stream. variables: more of its environment."""
+    return subprocess.Popen(
+        [SCRIPTS / "sweep.sh", *map(str, line)],
+        env=environment() | variables,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+def single_run(directory: Path, line: Sequence[str]) -> Path:
+    """Make a run by itself in one process; return its directory."""
+    with SupervisedRun(line, directory, in_process=True) as run:
+        assert run.wait() == 0, run.output()
+    return directory
+
+
+def is_root() -> bool:
+    """Return whether this process may mount and start services."""
+    return os.geteuid() == 0
