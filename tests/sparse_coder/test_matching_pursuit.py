@@ -31,7 +31,7 @@ def dictionary(n_bases: int = 400, n_pixels: int = 128) -> Dictionary:
 
 
 def pursue(patches: NDArray[np.float32], of: Dictionary, n_selections: int = 10) -> Selections:
-    return matching_pursuit(patches, of.atoms_transposed, of.gram, n_selections)
+    return matching_pursuit(patches, of.atoms, of.gram, n_selections)
 
 
 def residuals(

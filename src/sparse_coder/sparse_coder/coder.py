@@ -77,7 +77,7 @@ class SparseCoder:
             for window in (coarse_window, fine_window)
         )
         selections = tuple(
-            matching_pursuit(p, d.atoms_transposed, d.gram, self.config.n_selections)
+            matching_pursuit(p, d.atoms, d.gram, self.config.n_selections)
             for p, d in zip(patches, self._dictionaries, strict=True)
         )
         features = [mean_squared_coefficients(s, self.config.n_bases) for s in selections]

@@ -11,15 +11,14 @@ from sparse_coder.matching_pursuit import Selections
 
 
 class Dictionary:
-    """Unit atoms with their transpose and their Gram matrix, always of the same atoms.
+    """Unit atoms and their Gram matrix, always of the same atoms.
 
-    atoms: (n_bases, n_pixels); atoms_transposed: (n_pixels, n_bases); gram: (n_bases, n_bases).
+    atoms: (n_bases, n_pixels); gram: (n_bases, n_bases).
     """
 
     def __init__(self, atoms: NDArray[np.float32]) -> None:
         """Start from float32 atoms of norm 1, (n_bases, n_pixels)."""
-        n_bases, n_pixels = atoms.shape
-        self.atoms_transposed = np.empty((n_pixels, n_bases), np.float32)
+        n_bases, _ = atoms.shape
         self.gram = np.empty((n_bases, n_bases), np.float32)
         self.replace(atoms)
 
@@ -30,7 +29,6 @@ class Dictionary:
         same bits. A matrix times its own transpose costs BLAS half a product.
         """
         self.atoms = atoms
-        self.atoms_transposed[...] = atoms.T
         np.matmul(atoms, atoms.T, out=self.gram)
 
 
@@ -69,8 +67,8 @@ def learned_atoms(
     _subtract_reconstruction(atoms, selections.atoms, selections.coefficients, residuals)
     steps = np.zeros_like(atoms)
     _add_gradient(residuals, selections.atoms, selections.coefficients, steps)
-    learned = np.empty_like(atoms)
-    _step_and_normalise(atoms, steps, learning_rate / patches.shape[0], learned)
+    learned = atoms.copy()
+    _step_and_normalise(selections.atoms, steps, learning_rate / patches.shape[0], learned)
     return learned
 
 
@@ -112,27 +110,30 @@ def _add_gradient(
 # "reassoc" lets the sum use the vector unit; the order is fixed once compiled, so that the same
 # machine gives the same bits.
 @njit(
-    void(float32[:, ::1], float32[:, ::1], float64, float32[:, ::1]),
+    void(int32[:, ::1], float32[:, ::1], float64, float32[:, ::1]),
     cache=True,
     nogil=True,
     fastmath={"reassoc"},
 )
 def _step_and_normalise(
-    atoms: NDArray[np.float32],
+    selected: NDArray[np.int32],
     steps: NDArray[np.float32],
     rate: float,
     learned: NDArray[np.float32],
 ) -> None:
-    n_bases, n_pixels = atoms.shape
+    """Move each selected row of learned by its step; see learned_atoms."""
+    n_pixels = learned.shape[1]
     moved = np.empty(n_pixels, np.float64)
-    for i_atom in range(n_bases):
+    is_done = np.zeros(learned.shape[0], np.bool_)
+    for i_atom in selected.ravel():
+        if is_done[i_atom]:
+            continue
+        is_done[i_atom] = True
         energy = 0.0
         for i_pixel in range(n_pixels):
-            moved[i_pixel] = atoms[i_atom, i_pixel] + rate * steps[i_atom, i_pixel]
+            moved[i_pixel] = learned[i_atom, i_pixel] + rate * steps[i_atom, i_pixel]
             energy += moved[i_pixel] ** 2
         if energy > 0.0 and np.any(steps[i_atom]):
             moved /= np.sqrt(energy)
-        else:
-            moved[:] = atoms[i_atom]
-        for i_pixel in range(n_pixels):
-            learned[i_atom, i_pixel] = moved[i_pixel]
+            for i_pixel in range(n_pixels):
+                learned[i_atom, i_pixel] = moved[i_pixel]

@@ -26,7 +26,7 @@ class Selections:
 
 def matching_pursuit(
     patches: NDArray[np.float32],
-    atoms_transposed: NDArray[np.float32],
+    atoms: NDArray[np.float32],
     gram: NDArray[np.float32],
     n_selections: int,
 ) -> Selections:
@@ -36,14 +36,14 @@ def matching_pursuit(
     The residual itself is never formed: its correlations follow from the Gram matrix,
     phi_i . r <- phi_i . r - kappa phi_i . phi_k.
 
-    patches: (n_patches, n_pixels); atoms_transposed: (n_pixels, n_bases), unit columns;
-    gram: (n_bases, n_bases), all products of two atoms.
+    patches: (n_patches, n_pixels); atoms: (n_bases, n_pixels), unit rows; gram: (n_bases, n_bases),
+    all products of two atoms.
     """
-    correlations = np.matmul(patches, atoms_transposed)
-    atoms = np.empty((patches.shape[0], n_selections), np.int32)
+    correlations = np.matmul(patches, atoms.T)
+    selected = np.empty((patches.shape[0], n_selections), np.int32)
     coefficients = np.empty((patches.shape[0], n_selections), np.float32)
-    _pursue(correlations, gram, atoms, coefficients)
-    return Selections(atoms, coefficients)
+    _pursue(correlations, gram, selected, coefficients)
+    return Selections(selected, coefficients)
 
 
 def mean_squared_coefficients(selections: Selections, n_bases: int) -> NDArray[np.float32]:
@@ -88,10 +88,10 @@ def _pursue(
     for i_patch in range(n_patches):
         correlation = correlations[i_patch]
         magnitude = bits[i_patch]
+        largest = np.int32(0)
+        for i in range(n_bases):
+            largest = max(largest, np.int32(magnitude[i] & _MAGNITUDE_BITS))
         for i_selection in range(atoms.shape[1]):
-            largest = np.int32(0)
-            for i in range(n_bases):
-                largest = max(largest, np.int32(magnitude[i] & _MAGNITUDE_BITS))
             n_from_end = np.int32(0)
             for i in range(n_bases):
                 is_largest = np.int32(magnitude[i] & _MAGNITUDE_BITS) == largest
@@ -101,8 +101,10 @@ def _pursue(
             atoms[i_patch, i_selection] = i_atom
             coefficients[i_patch, i_selection] = coefficient
             products = gram[i_atom]
+            largest = np.int32(0)
             for i in range(n_bases):
                 correlation[i] -= coefficient * products[i]
+                largest = max(largest, np.int32(magnitude[i] & _MAGNITUDE_BITS))
 
 
 @njit(void(int32[:, ::1], float32[:, ::1], float64[::1]), cache=True, nogil=True)
