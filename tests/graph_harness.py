@@ -131,6 +131,7 @@ class OracleRun:
         """Yield all steps of all episodes from a place on; pictures last until the next step."""
         for place in range(first, len(self.protocol)):
             episode = self.protocol.episode(place)
+            self.plant.reconfigure(self.protocol.plant_settings(episode))
             for step in self._loop.run_episode(episode):
                 yield episode, step
         self.plant.close()

@@ -11,6 +11,7 @@ import pytest
 
 from experiment_manager.commands.evaluate import main
 from experiment_manager.frozen_test import FrozenTest
+from lockstep.errors import InputError
 
 
 @pytest.fixture
@@ -106,3 +107,53 @@ def test_options_that_do_not_go_together(
         main([str(run), *line])
     assert exit_info.value.code == 2
     assert "usage: evaluate.sh" in capsys.readouterr().err
+
+
+def test_a_test_with_altered_input_is_another_one(small_run: Path, run: Path) -> None:
+    same = FrozenTest(run, settings={"camera.left_blur_px": 0.0}).document()
+    assert same["tests"] == [_tests(small_run)[-1]]
+    blurred = FrozenTest(run, settings={"camera.left_blur_px": 40.0}).document()
+    assert blurred["settings"] == {"camera.left_blur_px": 40.0}
+    assert blurred["tests"] != same["tests"]
+
+
+def test_random_dot_stereograms(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([str(run), "--random-dots", "--stimuli-per-test", "2"]) == 0
+    assert "2 pictures of random-dot stereograms" in capsys.readouterr().out
+
+
+def test_stereograms_of_a_directory(run: Path, tmp_path: Path) -> None:
+    directory = tmp_path / "pairs"
+    directory.mkdir()
+    draw = np.random.default_rng(3)
+    for side in ("left", "right"):
+        picture = draw.integers(0, 256, (80, 80), dtype=np.uint8)
+        cv2.imwrite(str(directory / f"a_{side}.png"), picture)
+    document = FrozenTest(run, stereograms=directory).document()
+    assert (document["n_stimuli"], document["stimuli"]) == (1, str(directory))
+
+
+def test_dictionary_and_actor_of_another_age(small_run: Path, run: Path) -> None:
+    first, *_ = sorted((run / "checkpoints").iterdir())
+    oldest = FrozenTest(run, place=int(first.name)).document()["tests"]
+    both = FrozenTest(run, dictionary=first, actor=first).document()
+    assert both["dictionary"] == both["actor"] == str(first)
+    # All but its age is that of the first test.
+    assert both["tests"] == [oldest[0] | {"iteration": 60}]
+    mixed = FrozenTest(run, dictionary=first).document()["tests"]
+    assert mixed != [_tests(small_run)[-1]]
+    assert mixed != both["tests"]
+
+
+def test_a_setting_that_is_not_the_plants_is_refused(
+    run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([str(run), "--set", "vergence_rl.discount=0.1"]) == 2
+    assert "expected each eye_plant.PARAMETER=VALUE" in capsys.readouterr().err
+    assert main([str(run), "--set", "eye_plant.camera.width_px=64"]) == 2
+    assert "camera.width_px: expected the same for a whole run" in capsys.readouterr().err
+
+
+def test_two_kinds_of_stimuli_are_refused(run: Path, pictures: Path) -> None:
+    with pytest.raises(InputError, match="expected one of a directory, stereograms and random"):
+        FrozenTest(run, stimuli=pictures, random_dots=True).document()

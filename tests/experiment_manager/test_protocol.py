@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from experiment_manager.config import PAPER_TEST_ITERATIONS, ProtocolConfig
-from experiment_manager.protocol import Protocol, conditions
+from experiment_manager.protocol import Eyes, Protocol, conditions
 from lockstep.errors import InputError
 from lockstep.topics import TEST, TRAINING
 
@@ -27,7 +27,7 @@ def _pair(vergence_deg: float, fraction: float) -> tuple[float, float]:
 
 
 def _protocol(seed: int = 1, **settings: Any) -> Protocol:
-    return Protocol(ProtocolConfig(**(SMALL | settings)), seed, BASELINE_M, _pair)
+    return Protocol(ProtocolConfig(**(SMALL | settings)), seed, [Eyes(0, BASELINE_M, _pair)])
 
 
 def test_the_papers_conditions() -> None:
@@ -42,7 +42,7 @@ def test_the_papers_conditions() -> None:
 
 
 def test_the_papers_tests() -> None:
-    paper = Protocol(ProtocolConfig(), 1, BASELINE_M, _pair)
+    paper = Protocol(ProtocolConfig(), 1, [Eyes(0, BASELINE_M, _pair)])
     assert paper.n_trials == 1560
     assert paper.test_iterations == PAPER_TEST_ITERATIONS
     assert len(PAPER_TEST_ITERATIONS) == 13

@@ -79,3 +79,16 @@ def test_a_run_with_a_paralysed_muscle_measures_each_eye(pictures: Path, tmp_pat
     # Of the lateral recti only the right one pulls: both eyes end turned to the right.
     assert first["median_left_deviation_deg"] > 0.1 > -0.1 > first["median_right_deviation_deg"]
     assert first["median_abs_version_deg"] > 0.1
+
+
+def test_the_eyes_of_each_stage_must_meet_the_protocol() -> None:
+    weak = [0.0 if name == "right_medial_rectus" else 1.0 for name in MUSCLE_NAMES]
+    change = f"[{{at: 100, set: {{eye_plant.mechanics.strength: {weak}}}}}]"
+    with pytest.raises(
+        InputError, match="schedule, at 100: mechanics: expected muscles that reach"
+    ):
+        _check(f"experiment_manager.schedule={change}")
+    _check(
+        f"experiment_manager.schedule={change}",
+        f"{_PROTOCOL}.least_start_error_deg=-2",
+    )

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 import yaml
 from mcap.reader import make_reader
+from rosbags.highlevel import AnyReader
 
+from experiment_manager.bag.reader import Bag
 from tests.graph_harness import small_run
 from tests.stress.supervised_run import SupervisedRun
 
@@ -20,6 +22,11 @@ SETTINGS = (
     "vergence_rl.n_features=64",
     "eye_plant.camera.roi_width_px=130",
     "eye_plant.camera.roi_height_px=130",
+    # Disease and treatment: of the muscles, of what one eye sees, and of what must be drawn for it.
+    "experiment_manager.schedule=["
+    "{at: 90, set: {eye_plant.mechanics.rest_adduction_deg: [0.0, 1.5],"
+    " eye_plant.camera.left_blur_px: 2.5, eye_plant.camera.focal_length_px: 250}},"
+    "{at: 180, set: {eye_plant.camera.left_blur_px: 0.0, eye_plant.camera.left_occluded: true}}]",
 )
 # Of each node's health, by the clock on the wall.
 NOT_COMPARED = "/diagnostics"
@@ -41,6 +48,30 @@ def _whole(directory: Path, line: list[str], *, in_process: bool) -> Path:
     with SupervisedRun(line, directory, in_process=in_process) as run:
         assert run.wait() == 0, run.output()
     return directory
+
+
+def test_a_schedule_is_recorded(graph: Path) -> None:
+    with AnyReader([graph / "bag"]) as bag:
+        found = [
+            (bag.deserialize(raw, connection.msgtype), stamp_ns)
+            for connection, stamp_ns, raw in bag.messages(
+                [c for c in bag.connections if c.topic == "/parameter_changes"]
+            )
+        ]
+    told = [dict(zip(message.name, message.position, strict=True)) for message, _ in found]
+    assert told == [
+        {
+            "eye_plant.mechanics.rest_adduction_deg[0]": 0.0,
+            "eye_plant.mechanics.rest_adduction_deg[1]": 1.5,
+            "eye_plant.camera.left_blur_px": 2.5,
+            "eye_plant.camera.focal_length_px": 250.0,
+        },
+        {"eye_plant.camera.left_blur_px": 0.0, "eye_plant.camera.left_occluded": 1.0},
+    ]
+    truth = Bag(graph / "bag").vectors("ground_truth")["ground_truth"]
+    rows = truth.at(np.array([stamp_ns for _, stamp_ns in found]))
+    assert truth.column("training_iteration")[rows].tolist() == [90, 180]
+    assert truth.column("iteration")[rows].tolist() == [0, 0]
 
 
 def _messages(directory: Path) -> dict[str, dict[int, bytes]]:

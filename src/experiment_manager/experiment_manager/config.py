@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from experiment_manager.schedule import check_places, read_schedule
+from eye_plant.config import EyePlantConfig
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
@@ -125,6 +127,11 @@ class ExperimentManagerConfig:
     run_id: str = setting("", "name that requests carry; empty: the run directory's name")
     commit: str = setting("", "commit of the source, for the results")
     checkpoint_period_s: float = setting(120.0, "wall time between checkpoints", "s", above=0)
+    keeps_tested_checkpoints: bool = setting(
+        False,
+        "whether the checkpoint before each test stays, for tests with a dictionary or an actor of"
+        " another age; otherwise the last two stay",
+    )
     gap_s: float = setting(
         5.0, "wall time without a new message after which the run has a fault", "s", above=0
     )
@@ -145,10 +152,20 @@ class ExperimentManagerConfig:
         "whether all nodes are started again after a fault, so that what could be waited out is"
         " a fault too",
     )
+    schedule: str = setting(
+        "",
+        "changes of the plant in the course of the run, as YAML or JSON:"
+        " [{at: ITERATION, set: {NODE.PARAMETER: value}}]; empty: none",
+    )
     protocol: ProtocolConfig = field(default_factory=ProtocolConfig)
     # As the plant has it, for the first activations of an episode.
     mechanics: MechanicsConfig = field(default_factory=MechanicsConfig)
 
     def __post_init__(self) -> None:
-        """Refuse values out of range."""
+        """Refuse values out of range, and a schedule that the run or the plant cannot keep."""
         check_settings(self)
+        schedule = read_schedule(self.schedule)
+        check_places(
+            schedule, self.protocol.n_training_iterations, self.protocol.iterations_per_episode
+        )
+        schedule.plants(EyePlantConfig(mechanics=self.mechanics))

@@ -7,6 +7,7 @@ from typing import Any
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.subscription import Subscription
+from sensor_msgs.msg import JointState
 
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.faults import Fault, of_doubled, of_error, of_silence
@@ -19,7 +20,9 @@ from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_INTERRUPTED, FAULT_TEXT
 from lockstep.parameters import declare_config
 from lockstep.process import run_node
-from lockstep.requests import END_RUN, START_RUN
+from lockstep.qos import LOCKSTEP_QOS
+from lockstep.requests import END_RUN, RECONFIGURE, START_RUN, Arguments
+from lockstep.topics import PARAMETER_CHANGES
 
 _WATCH_PERIOD_S = 0.5
 
@@ -44,6 +47,8 @@ class ExperimentManagerNode(Node):
         self._is_over = False
         self._said_waiting = ""
         self.diagnostics = Diagnostics(self, self._state_of_run)
+        self._changes = self.create_publisher(JointState, PARAMETER_CHANGES, LOCKSTEP_QOS)
+        self._plant_settings: Arguments = {}
         self._presence = Presence(self)
         self._requests = Requests(self, self.run.run_id, self._guarded, self._fault)
         self._recorder = Recorder(self, self.run, self.config, self._guarded, self._end_episode)
@@ -97,6 +102,17 @@ class ExperimentManagerNode(Node):
             self._request()
 
     def _request(self) -> None:
+        """Ask for the next episode; before it, for the plant that the schedule has for it."""
+        settings = self.run.plant_settings()
+        if settings == self._plant_settings:
+            self._request_episode()
+            return
+        self._plant_settings = settings
+        self._requests.ask([(PLANT, RECONFIGURE, settings)], self._request_episode)
+
+    def _request_episode(self) -> None:
+        if change := self.run.begin_episode():
+            self._changes.publish(change)
         episode = self.run.episode()
         self._recorder.sample_pictures()
         self._recorder.begin(episode)

@@ -7,16 +7,20 @@ function of (configuration, seed, place in the sequence), so a run goes on where
 import bisect
 import functools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig, bounds
+from experiment_manager.schedule import NO_CHANGES, Change, Schedule, read_schedule, stages_of
+from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.geometry import fixation_distance_m as distance_of_vergence_m
-from eye_plant.mechanics.inverse import Inverse
+from eye_plant.mechanics.inverse import Inverse, Limits
+from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
 from lockstep.randomness import generator
 from lockstep.topics import TEST, TRAINING
@@ -34,7 +38,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Segment:
-    """A run of episodes of one kind.
+    """A run of episodes of one kind, with the plant in one stage of its schedule.
 
     first: place in the sequence; first_observation: of the run; i_test: -1 for training.
     """
@@ -44,6 +48,19 @@ class Segment:
     first_observation: int
     i_test: int
     training_iteration: int
+    stage: int = 0
+
+
+@dataclass(frozen=True)
+class Eyes:
+    """What the protocol must know of the eyes, as they are from training iteration `at` on.
+
+    activation_pair: (vergence_deg, fraction in [0, 1]) -> (medial, lateral) activations.
+    """
+
+    at: int
+    baseline_m: float
+    activation_pair: ActivationPair
 
 
 def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ...]:
@@ -66,14 +83,18 @@ class Protocol:
     """The sequence of episodes of one experiment."""
 
     def __init__(
-        self, config: ProtocolConfig, seed: int, baseline_m: float, activation_pair: ActivationPair
+        self,
+        config: ProtocolConfig,
+        seed: int,
+        eyes: Sequence[Eyes],
+        schedule: Schedule = NO_CHANGES,
     ) -> None:
-        """activation_pair: (vergence_deg, fraction in [0, 1]) -> (medial, lateral) activations."""
+        """eyes: one entry per stage of the schedule, the first one at 0."""
         self.config = config
+        self._schedule = schedule
         self._seed = seed
-        self._baseline_m = baseline_m
-        self._activation_pair = activation_pair
-        self.conditions = conditions(config, baseline_m)
+        self._eyes = tuple(eyes)
+        self.conditions = conditions(config, self._eyes[0].baseline_m)
         self.n_trials = config.n_stimuli_per_test * len(self.conditions)
         self.segments = self._segments()
         self._firsts = [segment.first for segment in self.segments]
@@ -94,15 +115,21 @@ class Protocol:
     def _segments(self) -> tuple[Segment, ...]:
         config = self.config
         segments: list[Segment] = []
-        first = observation = trained = 0
-        for i_test, at in enumerate(self.test_iterations):
+        first = observation = trained = stage = 0
+        # A test comes before the change at its iteration.
+        ends = [(at, i_test, -1) for i_test, at in enumerate(self.test_iterations)]
+        ends += [(eyes.at, len(ends), stage) for stage, eyes in enumerate(self._eyes) if stage]
+        for at, i_test, next_stage in sorted(ends):
             n_episodes = (at - trained) // config.iterations_per_episode
             if n_episodes:
-                segments.append(Segment(first, n_episodes, observation, -1, trained))
+                segments.append(Segment(first, n_episodes, observation, -1, trained, stage))
                 first += n_episodes
                 observation += n_episodes * (config.iterations_per_episode + 1)
                 trained = at
-            segments.append(Segment(first, self.n_trials, observation, i_test, trained))
+            if next_stage >= 0:
+                stage = next_stage
+                continue
+            segments.append(Segment(first, self.n_trials, observation, i_test, trained, stage))
             first += self.n_trials
             observation += self.n_trials * (config.iterations_per_trial + 1)
         return tuple(segments)
@@ -149,6 +176,17 @@ class Protocol:
             f"one begins there, got {self.config.n_training_iterations}"
         )
 
+    def plant_settings(self, episode: Episode) -> dict[str, Any]:
+        """Return the plant's parameters that differ then from those that it was started with."""
+        stage = self._schedule.stage(episode.phase, episode.training_iteration)
+        return self._schedule.settings(stage)
+
+    def change(self, place: int) -> Change | None:
+        """Return the change that comes into force with the episode at a place, if one does."""
+        stage = self.segment(place).stage
+        before = self.segment(place - 1).stage if place else 0
+        return self._schedule.changes[stage - 1] if stage > before else None
+
     def episode(self, place: int) -> Episode:
         """Return the episode at a place in the sequence; raises IndexError beyond the end."""
         return self._cached(place)
@@ -173,10 +211,13 @@ class Protocol:
         number = segment.training_iteration // config.iterations_per_episode + offset
         draw = generator(self._seed, "episode", number)
         stimulus = int(draw.integers(config.n_training_stimuli))
-        object_distance_m = self._distance_m(draw, bounds(config.object_distance_m))
-        fixation_distance_m = self._distance_m(draw, bounds(config.fixation_distance_m))
-        medial, lateral = self._activation_pair(
-            desired_vergence_deg(fixation_distance_m, self._baseline_m), float(draw.random())
+        eyes = self._eyes[segment.stage]
+        object_distance_m, fixation_distance_m = (
+            self._distance_m(draw, bounds(ends_m), eyes.baseline_m)
+            for ends_m in (config.object_distance_m, config.fixation_distance_m)
+        )
+        medial, lateral = eyes.activation_pair(
+            desired_vergence_deg(fixation_distance_m, eyes.baseline_m), float(draw.random())
         )
         return Episode(
             phase=TRAINING,
@@ -193,7 +234,9 @@ class Protocol:
             + offset * (config.iterations_per_episode + 1),
         )
 
-    def _distance_m(self, draw: np.random.Generator, ends_m: tuple[float, float]) -> float:
+    def _distance_m(
+        self, draw: np.random.Generator, ends_m: tuple[float, float], baseline_m: float
+    ) -> float:
         """Draw a distance uniformly (K17), or one of uniformly drawn vergence (D18).
 
         ours: uniform distances are seldom near, so that the vergence errors of more than 2 deg
@@ -203,21 +246,22 @@ class Protocol:
             return float(draw.uniform(*ends_m))
         nearest_m, farthest_m = ends_m
         vergence = draw.uniform(
-            desired_vergence_deg(farthest_m, self._baseline_m),
-            desired_vergence_deg(nearest_m, self._baseline_m),
+            desired_vergence_deg(farthest_m, baseline_m),
+            desired_vergence_deg(nearest_m, baseline_m),
         )
-        return distance_of_vergence_m(float(vergence), self._baseline_m)
+        return distance_of_vergence_m(float(vergence), baseline_m)
 
     def _trial(self, segment: Segment, trial: int) -> Episode:
         config = self.config
         i_stimulus, i_condition = divmod(trial, len(self.conditions))
         condition = self.conditions[i_condition]
+        eyes = self._eyes[segment.stage]
         vergence_deg = (
-            desired_vergence_deg(condition.object_distance_m, self._baseline_m)
+            desired_vergence_deg(condition.object_distance_m, eyes.baseline_m)
             - condition.start_error_deg
         )
         fraction = float(generator(self._seed, "trial", trial).random())
-        medial, lateral = self._activation_pair(vergence_deg, fraction)
+        medial, lateral = eyes.activation_pair(vergence_deg, fraction)
         return Episode(
             phase=TEST,
             test=segment.i_test,
@@ -235,14 +279,20 @@ class Protocol:
 
 def make_protocol(config: ExperimentManagerConfig) -> Protocol:
     """Return the sequence of episodes of a configuration."""
-    inverse = Inverse(config.mechanics)
     limits = (
         bounds(config.protocol.medial_rectus_limits),
         bounds(config.protocol.lateral_rectus_limits),
     )
-    return Protocol(
-        config.protocol,
-        config.seed,
-        config.mechanics.baseline_m,
+    schedule = read_schedule(config.schedule)
+    plant = EyePlantConfig(mechanics=config.mechanics)
+    eyes = [_eyes(at, its.mechanics, limits) for at, its in stages_of(schedule, plant)]
+    return Protocol(config.protocol, config.seed, eyes, schedule)
+
+
+def _eyes(at: int, mechanics: MechanicsConfig, limits: Limits) -> Eyes:
+    inverse = Inverse(mechanics)
+    return Eyes(
+        at,
+        mechanics.baseline_m,
         lambda vergence_deg, fraction: inverse.activation_pair(vergence_deg, fraction, limits),
     )

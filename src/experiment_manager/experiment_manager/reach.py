@@ -2,10 +2,12 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from experiment_manager.config import ExperimentManagerConfig, bounds
 from experiment_manager.protocol import conditions
+from experiment_manager.schedule import read_schedule, stages_of
 from eye_plant.config import EyePlantConfig
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.inverse import Inverse, Limits
@@ -20,10 +22,20 @@ def check_reach(parameters: Mapping[str, Mapping[str, Any]]) -> None:
     """Raise InputError unless the eyes of a run reach what its episodes begin with and aim at.
 
     parameters: of all nodes, by node. With the activations within the protocol's limits, each
-    vergence that is asked for must come about, and both lines of sight must then meet the plane.
+    vergence that is asked for must come about, and both lines of sight must then meet the plane;
+    so it must with the eyes of each stage of the run's schedule.
     """
-    config = build(ExperimentManagerConfig, parameters["experiment_manager"])
-    plane_m = build(EyePlantConfig, parameters["eye_plant"]).camera.plane_size_m
+    manager = build(ExperimentManagerConfig, parameters["experiment_manager"])
+    started_with = build(EyePlantConfig, parameters["eye_plant"])
+    for at, plant in stages_of(read_schedule(manager.schedule), started_with):
+        try:
+            _check_eyes(replace(manager, mechanics=plant.mechanics, schedule=""), plant)
+        except InputError as error:
+            raise InputError(f"schedule, at {at}: {error}" if at else str(error)) from error
+
+
+def _check_eyes(config: ExperimentManagerConfig, plant: EyePlantConfig) -> None:
+    plane_m = plant.camera.plane_size_m
     inverse = Inverse(config.mechanics)
     limits = (
         bounds(config.protocol.medial_rectus_limits),

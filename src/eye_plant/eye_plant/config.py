@@ -1,10 +1,14 @@
 """Settings of the eye plant."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig
+from lockstep.configuration import build, flatten
+from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
 
 # Beyond it, a period is shorter than the plant's time step.
@@ -36,3 +40,36 @@ class EyePlantConfig:
     camera: CameraConfig = field(default_factory=CameraConfig)
     stimuli: StimuliConfig = field(default_factory=StimuliConfig)
     free_running: FreeRunningConfig = field(default_factory=FreeRunningConfig)
+
+
+# What a run is built on: sizes and stamps of messages, the pictures, who draws them.
+_FIXED = (
+    "mechanics.parameter_set",
+    "mechanics.eye_height_m",
+    "mechanics.control_period_s",
+    "camera.renderer",
+    "camera.width_px",
+    "camera.height_px",
+    "camera.roi_width_px",
+    "camera.roi_height_px",
+)
+_CHANGEABLE_PARTS = ("mechanics.", "camera.")
+
+
+def changeable_parameters() -> tuple[str, ...]:
+    """Return the names of the parameters that may change between two episodes of a run."""
+    return tuple(
+        name
+        for name in flatten(EyePlantConfig())
+        if name.startswith(_CHANGEABLE_PARTS) and name not in _FIXED
+    )
+
+
+def changed(config: EyePlantConfig, settings: Mapping[str, Any]) -> EyePlantConfig:
+    """Return a configuration with other values, by dotted name, of parameters that may change.
+
+    Raises InputError for others, and as `build` does.
+    """
+    if fixed := sorted(set(settings) & set(flatten(config)) - set(changeable_parameters())):
+        raise InputError(f"{fixed[0]}: expected the same for a whole run, got a change")
+    return build(EyePlantConfig, flatten(config) | dict(settings))

@@ -9,14 +9,17 @@ import math
 from lockstep.errors import InputError
 
 
-def desired_vergence_deg(distance_m: float, baseline_m: float) -> float:
+def desired_vergence_deg(distance_m: float, baseline_m: float, parallax_m: float = 0.0) -> float:
     """Return the vergence angle that fixates a point straight ahead.
 
-    gamma* = 2 atan(b / 2d)  (K17 eq. 6); d = distance_m > 0, b = baseline_m > 0.
+    gamma* = 2 atan((b + p) / 2d)  (K17 eq. 6, where p = 0); d = distance_m > 0, b = baseline_m > 0.
+    p = parallax_m > -b: of a stereogram at that distance, how much farther right the left eye's
+    picture shows what both show; the lines of sight to it meet at d b / (b + p).
     """
     _require_positive("distance_m", distance_m)
     _require_positive("baseline_m", baseline_m)
-    return math.degrees(2.0 * math.atan(baseline_m / (2.0 * distance_m)))
+    _require_positive("baseline_m + parallax_m", baseline_m + parallax_m)
+    return math.degrees(2.0 * math.atan((baseline_m + parallax_m) / (2.0 * distance_m)))
 
 
 def fixation_distance_m(vergence_deg: float, baseline_m: float) -> float:

@@ -18,7 +18,7 @@ from lockstep.errors import InputError
 from lockstep.parameters import declare_config
 from lockstep.process import run_node
 from lockstep.qos import LOCKSTEP_QOS
-from lockstep.requests import END_RUN, START_RUN, RequestServer
+from lockstep.requests import END_RUN, RECONFIGURE, START_RUN, RequestServer
 from lockstep.stamps import period_ns, stamp_of
 from lockstep.vectors import VectorReader, values_of
 
@@ -63,7 +63,12 @@ class EyePlantNode(Node):
         self._requests = RequestServer(
             self,
             self.diagnostics,
-            {START_RUN: self._start_run, "episode": self._begin, END_RUN: self._end_run},
+            {
+                START_RUN: self._start_run,
+                RECONFIGURE: self._reconfigure,
+                "episode": self._begin,
+                END_RUN: self._end_run,
+            },
         )
         self._repeat_timer = self.create_timer(
             REPEAT_PERIOD_S, self._repeat, clock=Clock(clock_type=ClockType.STEADY_TIME)
@@ -73,6 +78,12 @@ class EyePlantNode(Node):
         if arguments:
             raise InputError(f"{START_RUN}: expected no arguments, got {', '.join(arguments)}")
         self._observation = None
+        self._reconfigure({})
+
+    def _reconfigure(self, arguments: dict[str, Any]) -> None:
+        """Take over other settings for the episodes to come; {} are those of the start."""
+        self._plant.reconfigure(arguments)
+        self._publisher.reconfigure(self._plant.config)
 
     def _end_run(self, arguments: dict[str, Any]) -> None:
         self._observation = None

@@ -31,6 +31,10 @@ class ObservationPublisher:
             for topic, kind in _TYPES.items()
         }
 
+    def reconfigure(self, config: EyePlantConfig) -> None:
+        """Tell of the cameras as they are from now on."""
+        self._messages = ObservationMessages(config)
+
     def publish(self, stamp_ns: int, observation: Observation) -> None:
         """Publish everything under one stamp; camera infos while somebody subscribes to them."""
         if observation.pictures is not None:

@@ -1,12 +1,13 @@
 """The whole plant: two eyes, their muscles, and what they see. The order of its step is here."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from eye_plant.camera.stereo_camera import StereoCamera
 from eye_plant.commands import target_activations
-from eye_plant.config import EyePlantConfig
+from eye_plant.config import EyePlantConfig, changed
 from eye_plant.episode import Episode
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.inverse import Inverse
@@ -28,7 +29,7 @@ class EyePlant:
 
         stimuli: instead of those that the configuration asks for.
         """
-        self._config = config
+        self._started_with = self.config = config
         self.oculomotor = Oculomotor(config.mechanics)
         self._inverse = Inverse(config.mechanics)
         self._camera = StereoCamera(
@@ -49,6 +50,24 @@ class EyePlant:
         episode = self._episode
         return episode is not None and self._iteration < episode.n_iterations
 
+    def reconfigure(self, settings: Mapping[str, Any]) -> None:
+        """Be, from the next episode on, as configured at first but for these settings.
+
+        settings: by dotted name, of eye_plant.config.changeable_parameters; {} takes back all
+        changes. Nothing is done where nothing changes. Raises InputError, having changed nothing,
+        for settings that the plant cannot have.
+        """
+        config = changed(self._started_with, settings)
+        if config == self.config:
+            return
+        if config.mechanics != self.config.mechanics:
+            oculomotor, inverse = Oculomotor(config.mechanics), Inverse(config.mechanics)
+            self.oculomotor, self._inverse = oculomotor, inverse
+        if config.camera != self.config.camera:
+            self._camera.reconfigure(config.camera)
+        self.config = config
+        self._episode = None
+
     def begin(self, episode: Episode) -> Observation:
         """Start an episode and return its observation 0.
 
@@ -57,7 +76,9 @@ class EyePlant:
         """
         self._camera.check(episode.stimulus, episode.object_distance_m)
         desired_deg = desired_vergence_deg(
-            episode.object_distance_m, self._config.mechanics.baseline_m
+            episode.object_distance_m,
+            self.config.mechanics.baseline_m,
+            self._camera.parallax_m(episode.stimulus),
         )
         self._inverse.check(desired_deg)
         self._episode, self._iteration = episode, 0

@@ -22,6 +22,8 @@ from lockstep.errors import InputError
 SERVICE = "request"
 START_RUN = "start_run"
 END_RUN = "end_run"
+# Of the plant: its arguments are settings that hold from the next episode on.
+RECONFIGURE = "reconfigure"
 
 Arguments = dict[str, Any]
 Handler = Callable[[Arguments], None]

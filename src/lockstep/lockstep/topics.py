@@ -66,6 +66,8 @@ CODER_VECTORS = ("reward",)
 LEARNER_VECTORS = ("muscle_command", "actor_critic")
 PICTURES = ("left/image_raw", "right/image_raw")
 CAMERA_INFOS = ("left/camera_info", "right/camera_info")
+# One message per change of the plant in the course of a run: its own names each time.
+PARAMETER_CHANGES = "parameter_changes"
 
 TOPIC_TYPES = {
     **dict.fromkeys(PICTURES, IMAGE),
@@ -74,6 +76,7 @@ TOPIC_TYPES = {
     "features": IMAGE,
     **dict.fromkeys(CODER_VECTORS, VECTOR),
     **dict.fromkeys(LEARNER_VECTORS, VECTOR),
+    PARAMETER_CHANGES: VECTOR,
     "/clock": "rosgraph_msgs/msg/Clock",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
 }

@@ -5,6 +5,7 @@ import pytest
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.run.episode_record import (
     FREE_TOPICS,
+    OWN_TOPICS,
     SAMPLED_TOPICS,
     SMALL_TOPICS,
     EpisodeRecord,
@@ -36,7 +37,9 @@ def _episode(phase: int = TRAINING, number: int = 3, n_iterations: int = 2) -> E
 
 
 def test_each_topic_is_recorded_in_one_way() -> None:
-    assert sorted((*SMALL_TOPICS, *FREE_TOPICS, *SAMPLED_TOPICS)) == sorted(TOPIC_TYPES)
+    assert sorted((*SMALL_TOPICS, *FREE_TOPICS, *OWN_TOPICS, *SAMPLED_TOPICS)) == sorted(
+        TOPIC_TYPES
+    )
     assert set(SMALL_TOPICS) == {*PLANT, *ANSWERS}
     assert set(SAMPLED_TOPICS) == {
         "left/image_raw",

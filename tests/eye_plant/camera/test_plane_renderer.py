@@ -124,7 +124,9 @@ def seams(config: CameraConfig, view: RandomView, i_eye: int, shape: tuple[int, 
         octave = 0.5 * np.log2(np.maximum((right**2).sum(axis=0), (up**2).sum(axis=0)))
         between = np.abs(octave - 0.5 - np.round(octave - 0.5)) < 1e-3
         found |= np.kron(between, np.ones((2, 2), bool))
-    reach_px = 2 * math.ceil(3.0 * config.blurs_px[i_eye]) + 1  # of blur, which carries them about
+    reach_px = (
+        2 * math.ceil(3.0 * max(config.blurs_px[i_eye])) + 1
+    )  # of blur, which carries them about
     found = cv2.dilate(found.astype(np.uint8), np.ones((reach_px, reach_px))).astype(bool)
     top, left = (config.height_px - shape[0]) // 2, (config.width_px - shape[1]) // 2
     return found[top : top + shape[0], left : left + shape[1]]

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from experiment_manager.frozen_test import FrozenTest
+from experiment_manager.launch.configuration import plant_settings
 from experiment_manager.measures.kept_trials import KEPT_FILE, write_trials
 from experiment_manager.measures.recorded_run import RecordedRun
 from experiment_manager.measures.results import RESULTS_FILE, read_results, write_document
@@ -19,17 +20,20 @@ from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIFFERENT
 
 # Sums may be taken in another order; everything else is the same arithmetic on the same doubles.
 _RELATIVE_TOLERANCE = 1e-9
+# What asks for a test of frozen learners, besides --checkpoint.
+_FROZEN = ("stimuli", "stereograms", "random_dots", "dictionary", "actor", "set")
+_FROZEN_OPTIONS = ", ".join(f"--{name.replace('_', '-')}" for name in ("checkpoint", *_FROZEN))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return 0, 1 when the bag tells other numbers, 2 for bad input."""
     parser = _parser()
     options = parser.parse_args(arguments)
-    is_frozen = options.stimuli is not None or options.checkpoint is not None
+    is_frozen = any(getattr(options, name) for name in _FROZEN) or options.checkpoint is not None
     if not is_frozen and (options.stimuli_per_test is not None or options.out is not None):
-        parser.error("--stimuli-per-test and --out go with --stimuli or --checkpoint")
+        parser.error(f"--stimuli-per-test and --out go with one of {_FROZEN_OPTIONS}")
     if is_frozen and options.write:
-        parser.error("--write goes without --stimuli and --checkpoint: it is about the run itself")
+        parser.error(f"--write is about the run itself: expected it without {_FROZEN_OPTIONS}")
     try:
         if is_frozen:
             return _test_frozen(options)
@@ -43,8 +47,8 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="evaluate.sh",
         description="Recompute the measures of a run from its bag and compare with results.json."
-        " With --stimuli or --checkpoint: test the frozen learners of a checkpoint instead, in this"
-        " process; that needs config.yaml and checkpoints/ of the run alone.",
+        f" With any of {_FROZEN_OPTIONS}: test the frozen learners of a checkpoint instead, in"
+        " this process; that needs config.yaml and checkpoints/ of the run alone.",
     )
     parser.add_argument("run", type=Path, metavar="RUN", help="run directory")
     parser.add_argument(
@@ -52,6 +56,31 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         metavar="DIR",
         help="test with the pictures in DIR/test, or all in DIR (default: the run's own)",
+    )
+    parser.add_argument(
+        "--stereograms",
+        type=Path,
+        metavar="DIR",
+        help="test with pairs of pictures, one for each eye: NAME_left and NAME_right",
+    )
+    parser.add_argument(
+        "--random-dots", action="store_true", help="test with random-dot stereograms"
+    )
+    parser.add_argument(
+        "--dictionary",
+        type=Path,
+        metavar="CHECKPOINT",
+        help="with the dictionary of another age, or of another run: a directory in checkpoints/",
+    )
+    parser.add_argument(
+        "--actor", type=Path, metavar="CHECKPOINT", help="with the actor and critic of another age"
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="eye_plant.PARAMETER=VALUE",
+        help="with other eyes or other input than at the learners' age; repeatable",
     )
     parser.add_argument(
         "--checkpoint",
@@ -76,7 +105,17 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _test_frozen(options: argparse.Namespace) -> int:
-    test = FrozenTest(options.run, options.checkpoint, options.stimuli, options.stimuli_per_test)
+    test = FrozenTest(
+        options.run,
+        options.checkpoint,
+        options.stimuli,
+        options.stimuli_per_test,
+        stereograms=options.stereograms,
+        random_dots=options.random_dots,
+        dictionary=options.dictionary,
+        actor=options.actor,
+        settings=plant_settings(options.set),
+    )
     document = test.document()
     print(
         f"model {document['model']}, seed {document['seed']}, checkpoint after "

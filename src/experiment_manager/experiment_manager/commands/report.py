@@ -13,6 +13,7 @@ import yaml
 from matplotlib.figure import Figure
 
 from experiment_manager.measures.recorded_run import RecordedRun
+from experiment_manager.rearing.page import write_rearing_page
 from experiment_manager.report import page as report_page
 from experiment_manager.report.condition_figures import conditions_figure
 from experiment_manager.report.dictionary_figures import dictionary_figure
@@ -51,7 +52,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     directory = options.out or (options.runs[0] if len(options.runs) == 1 else Path("report"))
     try:
-        path = write_report(options.runs, directory)
+        write = write_rearing_page if options.rearing else write_report
+        path = write(options.runs, directory)
     except (InputError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
@@ -66,6 +68,12 @@ def _parser() -> argparse.ArgumentParser:
         " differ in their seed alone are pooled, as the paper does.",
     )
     parser.add_argument("runs", type=Path, nargs="+", metavar="RUN", help="run directory")
+    parser.add_argument(
+        "--rearing",
+        action="store_true",
+        help="instead, rearing.html: the conditions of altered rearing beside one another, from"
+        " results.json and the newest checkpoint of each run (about 20 s a run)",
+    )
     parser.add_argument(
         "--out",
         type=Path,

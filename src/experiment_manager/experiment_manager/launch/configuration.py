@@ -1,7 +1,7 @@
 """From the command line of run_experiment.sh to the effective configuration of all nodes."""
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +24,7 @@ _TESTS = "experiment_manager.protocol.test_iterations"
 _TEST_STIMULI = "experiment_manager.protocol.n_stimuli_per_test"
 _WEIGHT = "sparse_coder.metabolic_cost_weight"
 _MODEL = "experiment_manager.model"
+_SCHEDULE = "experiment_manager.schedule"
 _SEEDS = ("sparse_coder.seed", "vergence_rl.seed", "experiment_manager.seed")
 
 
@@ -50,6 +51,7 @@ def configuration_of(options: argparse.Namespace, commit: str) -> Configuration:
     settings |= {
         "experiment_manager.profile": profile.name,
         "experiment_manager.commit": commit,
+        _SCHEDULE: profile.schedule.text(),
     }
     return changed(settings, given_settings(options))
 
@@ -88,6 +90,23 @@ def _settings(options: argparse.Namespace) -> Iterator[tuple[str, Given]]:
     for text in options.set:
         place, value = _read_setting(text)
         yield place, Given(value, f"--set {text}")
+
+
+def plant_settings(texts: Sequence[str]) -> dict[str, Any]:
+    """Return what eye_plant.PARAMETER=VALUE say, by the plant's dotted names.
+
+    Raises InputError for other nodes, and for a parameter said twice.
+    """
+    settings: dict[str, Any] = {}
+    for text in texts:
+        place, value = _read_setting(text)
+        node, _, name = place.partition(".")
+        if node != "eye_plant" or name in settings:
+            raise InputError(
+                f"--set: expected each eye_plant.PARAMETER=VALUE of this test once, got {text!r}"
+            )
+        settings[name] = value
+    return settings
 
 
 def changed(settings: Mapping[str, Any], given: Mapping[str, Given]) -> Configuration:
@@ -193,6 +212,8 @@ def _built(node: str, values: Mapping[str, Any]) -> Any:
 
 def _read_setting(text: str) -> tuple[str, Any]:
     target, equals, value = text.partition("=")
+    if target == _SCHEDULE:
+        return target, value  # a parameter that is YAML itself
     node, dot, _ = target.partition(".")
     if not equals or not dot or node not in CONFIG_CLASSES:
         near = nearest(node, CONFIG_CLASSES)

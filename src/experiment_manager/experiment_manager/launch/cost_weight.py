@@ -47,9 +47,11 @@ def first_iterations(parameters: Parameters) -> FirstIterations:
     loop = make_loop(free)
     try:
         with tqdm(total=n_iterations, desc="E and C", unit="it", file=sys.stderr) as bar:
-            for episode in make_protocol(manager).training_episodes():
+            protocol = make_protocol(manager)
+            for episode in protocol.training_episodes():
                 if episode.training_iteration >= n_iterations:
                     break
+                loop.plant.reconfigure(protocol.plant_settings(episode))
                 answers = [step.answer for step in loop.run_episode(episode)]
                 error += sum(float(a.reconstruction_error.sum()) for a in answers if a)
                 cost_w += sum(a.metabolic_rate_w for a in answers if a)

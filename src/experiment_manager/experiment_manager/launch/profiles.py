@@ -2,6 +2,7 @@
 
 description: one line for people
 settings: {NODE: {parameter: value}}
+base: NAME    of a profile whose settings hold where this one has none; may be left out
 schedule: [{at: TRAINING_ITERATION, set: {NODE.PARAMETER: value}}]    may be left out
 """
 
@@ -13,33 +14,26 @@ from typing import Any
 
 import yaml
 
+from experiment_manager.schedule import Schedule, parse_schedule
 from lockstep.errors import InputError
 from lockstep.nearest import nearest
 
 _SUFFIX = ".yaml"
-_NEEDED, _KEYS = {"description", "settings"}, {"description", "settings", "schedule"}
-
-
-@dataclass(frozen=True)
-class Change:
-    """What a schedule changes: from training iteration `at` on, {NODE.PARAMETER: value}."""
-
-    at: int
-    settings: Mapping[str, Any]
+_NEEDED, _KEYS = {"description", "settings"}, {"description", "settings", "base", "schedule"}
 
 
 @dataclass(frozen=True)
 class Profile:
     """A named set of settings.
 
-    settings: by node, then by parameter; what is not named keeps the paper's default. schedule: in
-    the order of its iterations.
+    settings: by node, then by parameter; what is not named keeps the paper's default.
+    schedule: what changes in the course of the run.
     """
 
     name: str
     description: str
     settings: Mapping[str, Mapping[str, Any]]
-    schedule: tuple[Change, ...]
+    schedule: Schedule
 
 
 def profile_names() -> list[str]:
@@ -68,8 +62,8 @@ def parse_profile(name: str, text: str) -> Profile:
     if not isinstance(document, dict) or not _NEEDED <= set(document) <= _KEYS:
         got = ", ".join(map(str, document)) if isinstance(document, dict) else repr(document)
         raise InputError(
-            f"profile {name}: expected the keys description, settings and perhaps schedule, "
-            f"got {got}"
+            f"profile {name}: expected the keys description, settings and perhaps base and "
+            f"schedule, got {got}"
         )
     description = document["description"]
     if not isinstance(description, str) or not description:
@@ -79,32 +73,22 @@ def parse_profile(name: str, text: str) -> Profile:
         raise InputError(
             f"profile {name}: expected settings as {{NODE: {{parameter: value}}}}, got {settings!r}"
         )
-    return Profile(name, description, settings, _schedule(name, document.get("schedule") or []))
+    base = document.get("base")
+    if base is not None:
+        settings = _over(read_profile(str(base)), settings)
+    try:
+        schedule = parse_schedule(document.get("schedule") or [])
+    except InputError as error:
+        raise InputError(f"profile {name}: {error}") from error
+    return Profile(name, description, settings, schedule)
 
 
-def _schedule(name: str, entries: Any) -> tuple[Change, ...]:
-    if not isinstance(entries, list):
-        raise InputError(f"profile {name}: expected a list as schedule, got {entries!r}")
-    changes = [_change(name, entry) for entry in entries]
-    if [change.at for change in changes] != sorted({change.at for change in changes}):
-        raise InputError(f"profile {name}: expected a schedule with growing iterations")
-    return tuple(changes)
-
-
-def _change(name: str, entry: Any) -> Change:
-    if (
-        not isinstance(entry, dict)
-        or set(entry) != {"at", "set"}
-        or type(entry["at"]) is not int
-        or entry["at"] < 0
-        or not isinstance(entry["set"], dict)
-        or not all(isinstance(key, str) and "." in key for key in entry["set"])
-    ):
-        raise InputError(
-            f"profile {name}: expected {{at: ITERATION, set: {{NODE.PARAMETER: value}}}} "
-            f"in its schedule, got {entry!r}"
-        )
-    return Change(entry["at"], entry["set"])
+def _over(base: Profile, settings: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Return a base's settings with others above them; a schedule is each profile's own."""
+    if base.schedule.changes:
+        raise InputError(f"profile {base.name}: expected a base without a schedule")
+    nodes = {**base.settings, **settings}
+    return {node: {**base.settings.get(node, {}), **settings.get(node, {})} for node in nodes}
 
 
 def _files() -> dict[str, Traversable]:

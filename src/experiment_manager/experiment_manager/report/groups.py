@@ -25,6 +25,7 @@ _NO_SETTINGS = (
     "resume",
     "supervised",
     "checkpoint_period_s",
+    "keeps_tested_checkpoints",
     "gap_s",
     "pictures_every_n_episodes",
     "pictures_every_n_trials",

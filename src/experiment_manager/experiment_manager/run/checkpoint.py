@@ -8,6 +8,7 @@ import dataclasses
 import hashlib
 import json
 import shutil
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -47,16 +48,17 @@ def hash_of(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def commit(checkpoints: Path, manifest: Manifest) -> None:
+def commit(checkpoints: Path, manifest: Manifest, lasting: Collection[int] = ()) -> None:
     """Make the checkpoint of the states already written valid, then delete those before the last.
 
-    What a kill left behind without a manifest is deleted too.
+    Those at the places in lasting stay. What a kill left behind without a manifest is deleted too.
 
     Raises OSError when the disk refuses; then the older checkpoints are untouched.
     """
     write(checkpoints, manifest)
     done = sorted(path.parent for path in checkpoints.glob(f"*/{_MANIFEST}"))
-    for old in done[:-_N_KEPT]:
+    kept = {place_directory(checkpoints, place) for place in lasting}
+    for old in [path for path in done[:-_N_KEPT] if path not in kept]:
         # Without its manifest a half-deleted directory is no checkpoint.
         (old / _MANIFEST).unlink()
     for path in checkpoints.iterdir():

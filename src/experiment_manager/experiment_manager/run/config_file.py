@@ -34,6 +34,7 @@ _FREE_TO_CHANGE = {
         "resume",
         "supervised",
         "checkpoint_period_s",
+        "keeps_tested_checkpoints",
         "gap_s",
         "commit",
     },

@@ -5,18 +5,22 @@ from eye_plant.episode import Episode
 from lockstep.topics import (
     CODER_VECTORS,
     LEARNER_VECTORS,
+    PARAMETER_CHANGES,
     PLANT_VECTORS,
     TOPIC_TYPES,
     TRAINING,
-    VECTOR,
 )
 
 # Always recorded, exactly one of each per observation ...
-SMALL_TOPICS = tuple(name for name, kind in TOPIC_TYPES.items() if kind == VECTOR)
+SMALL_TOPICS = (*PLANT_VECTORS, *CODER_VECTORS, *LEARNER_VECTORS)
 # ... recorded whenever they come ...
 FREE_TOPICS = ("/clock", "/diagnostics")
+# ... written by the recorder itself ...
+OWN_TOPICS = (PARAMETER_CHANGES,)
 # ... and recorded for a sample of the episodes, since they are large.
-SAMPLED_TOPICS = tuple(name for name in TOPIC_TYPES if name not in (*SMALL_TOPICS, *FREE_TOPICS))
+SAMPLED_TOPICS = tuple(
+    name for name in TOPIC_TYPES if name not in (*SMALL_TOPICS, *FREE_TOPICS, *OWN_TOPICS)
+)
 
 
 class EpisodeRecord:

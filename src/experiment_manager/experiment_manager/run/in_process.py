@@ -58,12 +58,22 @@ class InProcessRun:
         while not run.is_over and not self._interrupts.count:
             if run.checkpoint_is_due():
                 self._checkpoint()
+            self._prepare_plant()
             self._record(run.episode())
         if self._interrupts.count <= 1:
             self._checkpoint()
         if run.is_over:
             run.finish()
         return run.is_over
+
+    def _prepare_plant(self) -> None:
+        """Let the plant be as the schedule has it for the next episode, and record a change."""
+        plant = self._loop.plant
+        before = plant.config
+        plant.reconfigure(self._run.plant_settings())
+        if plant.config != before:
+            self._messages = StepMessages(plant.config, self._loop.coder.config.n_bases)
+        self._run.begin_episode()
 
     def _record(self, episode: Episode) -> None:
         run, write = self._run, self._run.writer.write

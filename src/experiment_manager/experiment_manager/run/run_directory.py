@@ -5,6 +5,7 @@ import math
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import yaml
@@ -25,8 +26,10 @@ from eye_plant.episode import Episode
 from lockstep.configuration import flatten
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
+from lockstep.stamps import period_ns
 from lockstep.state_file import read_state, write_state
-from lockstep.topics import TOPIC_TYPES
+from lockstep.topics import PARAMETER_CHANGES, TOPIC_TYPES
+from lockstep.vectors import VectorBytes
 
 RESULTS_FILE = "results.json"
 TRIALS_FILE, TRIALS_KIND = "trials.npz", "trials"
@@ -49,6 +52,7 @@ class Run:
         self.progress = Progress(config.protocol.n_training_iterations)
         self.place = 0
         self.stamp_ns = 0
+        self._checkpoint_place = -1
         self._loaded_from: Path | None = None
         # A directory without a checkpoint is left as it is.
         found = self._newest() if config.resume else None
@@ -80,6 +84,21 @@ class Run:
     def episode(self) -> Episode:
         """Return the episode to be made next."""
         return self.protocol.episode(self.place)
+
+    def plant_settings(self) -> dict[str, Any]:
+        """Return what the plant must have changed since its start, for the next episode."""
+        return self.protocol.plant_settings(self.episode())
+
+    def begin_episode(self) -> bytes | None:
+        """Record the change that comes into force with the next episode, and return its message."""
+        change = self.protocol.change(self.place)
+        if change is None:
+            return None
+        stamp_ns = self.episode().first_observation * period_ns(self._config.mechanics.period_s)
+        numbers = change.numbers()
+        message = VectorBytes(list(numbers)).of(stamp_ns, list(numbers.values()))
+        self.writer.write(PARAMETER_CHANGES, message, stamp_ns)
+        return message
 
     def prepare(self) -> None:
         """Draw the episode after the next one, while the plant is busy with the next one."""
@@ -120,7 +139,15 @@ class Run:
 
     def checkpoint_is_due(self) -> bool:
         """Return whether the last checkpoint is older than the period."""
-        return time.monotonic() - self._checkpoint_s > self._config.checkpoint_period_s
+        old = time.monotonic() - self._checkpoint_s > self._config.checkpoint_period_s
+        return old or (self.place in self._lasting and self.place != self._checkpoint_place)
+
+    @property
+    def _lasting(self) -> frozenset[int]:
+        """Places whose checkpoints stay: where tests begin, if the run is to keep its ages."""
+        if not self._config.keeps_tested_checkpoints:
+            return frozenset()
+        return frozenset(s.first for s in self.protocol.segments if s.i_test >= 0)
 
     def state_paths(self, learners: Sequence[str]) -> dict[str, Path]:
         """Return where each learner is to write its state for a checkpoint here and now."""
@@ -150,8 +177,10 @@ class Run:
                 state_hashes={path.name: checkpoint.hash_of(path) for path in files},
                 progress=self.progress.document(),
             ),
+            self._lasting,
         )
         self._checkpoint_s = time.monotonic()
+        self._checkpoint_place = self.place
 
     @property
     def _checkpoints(self) -> Path:
@@ -167,7 +196,7 @@ class Run:
         """Take over a checkpoint; return the files of the bag that belong to it."""
         check_unchanged(self.directory, manifest, self._parameters)
         self._loaded_from = states
-        self.place = manifest.place
+        self.place = self._checkpoint_place = manifest.place
         trials = read_state(states / TRIALS_FILE, TRIALS_KIND)
         rows = trials.pop(_ROWS)
         self.progress.restore(manifest.progress, rows, from_arrays(trials))

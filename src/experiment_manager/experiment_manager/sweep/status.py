@@ -8,7 +8,7 @@ from typing import Any
 
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.measures.results import read_results
-from experiment_manager.protocol import Protocol
+from experiment_manager.protocol import Eyes, Protocol
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
 from experiment_manager.sweep.cell_run import CellRun
@@ -61,7 +61,8 @@ def status_of(run: CellRun) -> Status:
         return Status(run.cell.name, state)
     configuration = read_configuration(run.directory / CONFIG_FILE)
     manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
-    protocol = Protocol(manager.protocol, manager.seed, manager.mechanics.baseline_m, _undrawn)
+    eyes = Eyes(0, manager.mechanics.baseline_m, _undrawn)
+    protocol = Protocol(manager.protocol, manager.seed, [eyes])
     points = _checkpoints(run.directory)
     made = [_iterations_before(protocol, place) for place, _, _ in points]
     tests = read_results(run.directory / RESULTS_FILE)["tests"] if run.is_done else []

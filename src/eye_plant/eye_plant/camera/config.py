@@ -1,5 +1,6 @@
 """The configuration of both eyes' cameras and of what stands before them."""
 
+import math
 from dataclasses import dataclass
 
 from lockstep.errors import InputError
@@ -8,6 +9,12 @@ from lockstep.settings import check_settings, setting
 MUJOCO = "mujoco"
 PLANE = "plane"
 RENDERERS = (MUJOCO, PLANE)
+
+_BLURS = tuple(
+    f"{side}_{kind}blur_px"
+    for side in ("left", "right")
+    for kind in ("", "horizontal_", "vertical_")
+)
 
 
 @dataclass(frozen=True)
@@ -46,10 +53,36 @@ class CameraConfig:
     landscape_height_m: float = setting(12.0, "height of the landscape", "m", above=0)
     landscape_seed: int = setting(0, "seed of the generated landscape")
     left_blur_px: float = setting(
-        0.0, "standard deviation of the Gaussian blur of the left picture", "px", least=0, most=100
+        0.0, "standard deviation of the Gaussian blur of the left picture", "px", least=0
     )
     right_blur_px: float = setting(
-        0.0, "standard deviation of the Gaussian blur of the right picture", "px", least=0, most=100
+        0.0, "standard deviation of the Gaussian blur of the right picture", "px", least=0
+    )
+    left_horizontal_blur_px: float = setting(
+        0.0, "the same along the rows alone, on top of it: upright stripes go", "px", least=0
+    )
+    right_horizontal_blur_px: float = setting(
+        0.0, "the same along the rows of the right picture", "px", least=0
+    )
+    left_vertical_blur_px: float = setting(
+        0.0, "the same along the columns alone, on top of it: level stripes go", "px", least=0
+    )
+    right_vertical_blur_px: float = setting(
+        0.0, "the same along the columns of the right picture", "px", least=0
+    )
+    left_rotation_deg: float = setting(
+        0.0,
+        "angle by which the left eye's camera looks farther toward the nose than the eye",
+        "deg",
+        least=-45,
+        most=45,
+    )
+    right_rotation_deg: float = setting(
+        0.0,
+        "angle by which the right eye's camera looks farther toward the nose than the eye",
+        "deg",
+        least=-45,
+        most=45,
     )
     left_magnification: float = setting(
         1.0, "magnification of the left picture about its centre", above=0
@@ -67,6 +100,13 @@ class CameraConfig:
             most, roi = getattr(self, side), getattr(self, f"roi_{side}")
             if roi > most:
                 raise InputError(f"roi_{side}: expected {side}, {most}, or less, got {roi}")
+        widest_px = max(self.width_px, self.height_px)
+        for name in _BLURS:
+            if getattr(self, name) > widest_px:
+                raise InputError(
+                    f"{name}: expected 0 to {widest_px}, the picture's longer side (a wider blur "
+                    f"leaves one even grey), got {getattr(self, name)}"
+                )
 
     @property
     def magnifications(self) -> tuple[float, float]:
@@ -74,9 +114,24 @@ class CameraConfig:
         return self.left_magnification, self.right_magnification
 
     @property
-    def blurs_px(self) -> tuple[float, float]:
-        """Standard deviation of the left and the right eye's blur."""
-        return self.left_blur_px, self.right_blur_px
+    def blurs_px(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Standard deviations of the blur along rows and columns, of the left and the right eye.
+
+        Blurs one after the other are one blur, whose variance is the sum of theirs.
+        """
+        left, right = (
+            (
+                math.hypot(blur_px, getattr(self, f"{side}_horizontal_blur_px")),
+                math.hypot(blur_px, getattr(self, f"{side}_vertical_blur_px")),
+            )
+            for side, blur_px in (("left", self.left_blur_px), ("right", self.right_blur_px))
+        )
+        return left, right
+
+    @property
+    def rotations_deg(self) -> tuple[float, float]:
+        """How much farther toward the nose the left and the right eye's camera look."""
+        return self.left_rotation_deg, self.right_rotation_deg
 
     @property
     def occlusions(self) -> tuple[bool, bool]:

@@ -40,13 +40,27 @@ class MujocoRenderer:
         drawn_px: width and height of the part to draw; the rest as StereoCamera takes it. Raises
         GraphicsError when this machine cannot draw.
         """
-        self._config = config
         self._eye_height_m = eye_height_m
-        self._drawn_px = drawn_px
+        self._offscreen = OffscreenContext(*_buffer_size_px(config, drawn_px))
+        self._textures = upload_pictures(self._offscreen.gl, stimuli)
+        self._upload_landscape(config.landscape_seed)
+        self._set_up(config, drawn_px)
+
+    def reconfigure(self, config: CameraConfig, drawn_px: tuple[int, int]) -> None:
+        """Draw as another configuration has it; the stimuli stay in the graphics memory."""
+        self._offscreen.make_current()
+        self._free_buffers()
+        if config.landscape_seed != self._config.landscape_seed:
+            self._offscreen.gl.glDeleteTextures([self._landscape_name])
+            self._upload_landscape(config.landscape_seed)
+        self._set_up(config, drawn_px)
+
+    def _set_up(self, config: CameraConfig, drawn_px: tuple[int, int]) -> None:
+        """Make the scene and the buffers to draw it in."""
+        self._config, self._drawn_px = config, drawn_px
         self._viewport = mujoco.MjrRect(0, 0, N_EYES * config.width_px, config.height_px)
         buffer_size_px = _buffer_size_px(config, drawn_px)
-        self._offscreen = OffscreenContext(*buffer_size_px)
-        model = build_scene_model(config, eye_height_m, buffer_size_px)
+        model = build_scene_model(config, self._eye_height_m, buffer_size_px)
         self._renderer = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._renderer)
         self._framebuffer = GreyFramebuffer(
@@ -55,9 +69,17 @@ class MujocoRenderer:
         self._scene = build_scene(model)
         for camera, magnification in zip(self._scene.camera, config.magnifications, strict=True):
             set_projection(camera, config, magnification)
-        self._upload(stimuli)
+        self._own_textures = np.array(self._renderer.texture)
+        self._renderer.texture[LANDSCAPE_GEOM] = self._landscape_name
+        self._shown: tuple[int, int] | None = None
         self._left_pictures: np.ndarray | None = None
         self._mask_what_is_not_drawn()
+
+    def _free_buffers(self) -> None:
+        # The renderer frees the textures in its slots: its own, not ours.
+        self._renderer.texture[:] = self._own_textures
+        self._framebuffer.delete()
+        self._renderer.free()
 
     @property
     def name(self) -> str:
@@ -90,20 +112,14 @@ class MujocoRenderer:
     def close(self) -> None:
         """Free the graphics memory."""
         self._offscreen.make_current()
+        self._free_buffers()
         self._offscreen.gl.glDeleteTextures(
             [*{name for t in self._textures for name in (t.full, t.reduced)}, self._landscape_name]
         )
-        self._framebuffer.delete()
-        self._renderer.free()
         self._offscreen.close()
 
-    def _upload(self, stimuli: Sequence[np.ndarray]) -> None:
-        gl = self._offscreen.gl
-        self._textures = upload_pictures(gl, stimuli)
-        self._shown: tuple[int, int] | None = None
-        landscape = landscape_picture(self._config.landscape_seed)
-        self._landscape_name = upload_channels(gl, [landscape])
-        self._renderer.texture[LANDSCAPE_GEOM] = self._landscape_name
+    def _upload_landscape(self, seed: int) -> None:
+        self._landscape_name = upload_channels(self._offscreen.gl, [landscape_picture(seed)])
 
     def _draw(self, i_stimulus: int, distance_m: float) -> None:
         self._show(i_stimulus, distance_m)
@@ -129,9 +145,11 @@ class MujocoRenderer:
         leaves the pixels inside as they are. The renderer touches no stencil without reflections,
         and a write mask of zero keeps it from being cleared.
         """
+        gl = self._offscreen.gl
+        gl.glDisable(gl.GL_STENCIL_TEST)
+        gl.glStencilMask(0xFF)
         if self._drawn_px == (self._config.width_px, self._config.height_px):
             return
-        gl = self._offscreen.gl
         gl.glClearStencil(0)
         gl.glClear(gl.GL_STENCIL_BUFFER_BIT)
         gl.glClearStencil(1)

@@ -35,6 +35,13 @@ class PlaneRenderer:
         self._landscape = texture_of(landscape_picture(config.landscape_seed))
         self._pictures = self._empty()
 
+    def reconfigure(self, config: CameraConfig, drawn_px: tuple[int, int]) -> None:
+        """Draw as another configuration has it; the stimuli stay."""
+        if config.landscape_seed != self._config.landscape_seed:
+            self._landscape = texture_of(landscape_picture(config.landscape_seed))
+        self._config, self._drawn_px = config, drawn_px
+        self._pictures = self._empty()
+
     @property
     def name(self) -> str:
         """What draws."""

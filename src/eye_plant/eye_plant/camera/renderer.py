@@ -9,6 +9,8 @@ from typing import Protocol
 
 import numpy as np
 
+from eye_plant.camera.config import CameraConfig
+
 N_EYES = 2
 # Depth along an eye's line of sight between which surfaces are drawn.
 NEAR_M = 0.01
@@ -39,6 +41,9 @@ class Renderer(Protocol):
     @property
     def name(self) -> str:
         """What draws: a device or a piece of software."""
+
+    def reconfigure(self, config: CameraConfig, drawn_px: tuple[int, int]) -> None:
+        """Draw as another configuration has it, and another part of the picture; stimuli stay."""
 
     def start(self, view: View) -> None:
         """Begin to draw a view that the camera has checked."""

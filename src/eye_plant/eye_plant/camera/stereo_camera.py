@@ -1,10 +1,10 @@
 """Both eyes' pictures of the scene: what is checked before and done after they are drawn."""
 
-import math
+from collections.abc import Sequence
 
-import cv2
 import numpy as np
 
+from eye_plant.camera.blur import Blur, blur_radius_px
 from eye_plant.camera.config import MUJOCO, CameraConfig
 from eye_plant.camera.mujoco_renderer import MujocoRenderer
 from eye_plant.camera.plane_renderer import PlaneRenderer
@@ -32,15 +32,40 @@ class StereoCamera:
     ) -> None:
         """Give the stimuli to the renderer.
 
-        stimuli: grey pictures; each is stretched over the whole plane, row 0 on top. eye_height_m:
-        height of the plane's and the landscape's centres. Raises InputError for a picture of
-        another kind, GraphicsError when this machine cannot draw.
+        stimuli: grey pictures, and stereograms, which have one for each eye; each is stretched over
+        the whole plane, row 0 on top. eye_height_m: height of the plane's and the landscape's
+        centres. Raises InputError for a picture of another kind, GraphicsError when this machine
+        cannot draw.
         """
-        for i_stimulus, stimulus in enumerate(stimuli.all):
-            _check_stimulus(i_stimulus, stimulus)
-        self.n_stimuli = len(stimuli.all)
+        textures = list(stimuli.all)
+        self._i_textures = [(i, i) for i in range(len(textures))]
+        self._parallax = [0.0] * len(textures)
+        for stereogram in stimuli.stereograms:
+            self._i_textures.append((len(textures), len(textures) + 1))
+            self._parallax.append(stereogram.parallax)
+            textures += [stereogram.left, stereogram.right]
+        for i_texture, texture in enumerate(textures):
+            _check_picture(i_texture, texture)
+        self.n_stimuli = len(self._i_textures)
+        self._renderer = _make_renderer(config, eye_height_m, textures)
+        self._manipulate_as(config)
+
+    def reconfigure(self, config: CameraConfig) -> None:
+        """Take other settings, of the same renderer and size of pictures; the stimuli stay."""
+        self._renderer.reconfigure(config, _drawn_size_px(config))
+        self._manipulate_as(config)
+
+    def _manipulate_as(self, config: CameraConfig) -> None:
         self._config = config
-        self._renderer = _make_renderer(config, eye_height_m, stimuli)
+        drawn_px, kept_px = _drawn_size_px(config), (config.roi_width_px, config.roi_height_px)
+        self._blurs = [
+            Blur(drawn_px, kept_px, blur_px) if any(blur_px) else None
+            for blur_px in config.blurs_px
+        ]
+
+    def parallax_m(self, i_stimulus: int) -> float:
+        """Return how much farther right on the plane the left eye sees what both see."""
+        return self._parallax[i_stimulus] * self._config.plane_size_m
 
     def render(
         self,
@@ -70,7 +95,8 @@ class StereoCamera:
         self.check(i_stimulus, distance_m)
         _check_array("eye_positions_m", eye_positions_m, (N_EYES, 3))
         _check_array("eye_rotations", eye_rotations, (N_EYES, 3, 3))
-        view = View(eye_positions_m, eye_rotations, (i_stimulus, i_stimulus), distance_m)
+        rotations = _looking_inward(eye_rotations, self._config.rotations_deg)
+        view = View(eye_positions_m, rotations, self._i_textures[i_stimulus], distance_m)
         self._renderer.start(view)
 
     def finish(self) -> np.ndarray:
@@ -96,32 +122,50 @@ class StereoCamera:
 
     def _manipulated(self, pictures: np.ndarray) -> np.ndarray:
         """Return the pictures (2, height, width) as the eyes get them: blurred, black, cropped."""
-        config = self._config
-        for i_eye in range(N_EYES):
-            if config.occlusions[i_eye]:
-                pictures[i_eye] = 0
-            elif config.blurs_px[i_eye] > 0.0:
-                pictures[i_eye] = _blurred(pictures[i_eye], config.blurs_px[i_eye])
-        top = (pictures.shape[1] - config.roi_height_px) // 2
-        left = (pictures.shape[2] - config.roi_width_px) // 2
-        if top == left == 0:
-            return pictures
-        bottom, right = top + config.roi_height_px, left + config.roi_width_px
-        return pictures[:, top:bottom, left:right].copy()
+        top = (pictures.shape[1] - self._config.roi_height_px) // 2
+        left = (pictures.shape[2] - self._config.roi_width_px) // 2
+        bottom, right = top + self._config.roi_height_px, left + self._config.roi_width_px
+        kept = pictures[:, top:bottom, left:right]
+        # What a renderer returns is the caller's own.
+        kept = kept if top == left == 0 else kept.copy()
+        for i_eye, blur in enumerate(self._blurs):
+            if self._config.occlusions[i_eye]:
+                kept[i_eye] = 0
+            elif blur is not None:
+                kept[i_eye] = blur(pictures[i_eye])
+        return kept
 
 
-def _make_renderer(config: CameraConfig, eye_height_m: float, stimuli: StimulusSet) -> Renderer:
+def _make_renderer(
+    config: CameraConfig, eye_height_m: float, textures: Sequence[np.ndarray]
+) -> Renderer:
     drawn_px = _drawn_size_px(config)
     if config.renderer == MUJOCO:
-        return MujocoRenderer(config, drawn_px, eye_height_m, stimuli.all)
-    return PlaneRenderer(config, drawn_px, eye_height_m, stimuli.all)
+        return MujocoRenderer(config, drawn_px, eye_height_m, textures)
+    return PlaneRenderer(config, drawn_px, eye_height_m, textures)
 
 
-def _check_stimulus(i_stimulus: int, stimulus: np.ndarray) -> None:
-    if stimulus.dtype != np.uint8 or stimulus.ndim != 2 or stimulus.size == 0:
+def _looking_inward(eye_rotations: np.ndarray, angles_deg: tuple[float, float]) -> np.ndarray:
+    """Return rotations (2, 3, 3) turned about each eye's own upward axis, toward the nose.
+
+    The nose is right of the left eye and left of the right eye.
+    """
+    if not any(angles_deg):
+        return eye_rotations
+    turned = np.array(eye_rotations, dtype=np.float64)
+    for i_eye, (angle_deg, to_left) in enumerate(zip(angles_deg, (-1.0, 1.0), strict=True)):
+        sine, cosine = np.sin(np.radians(angle_deg)) * to_left, np.cos(np.radians(angle_deg))
+        forward, left = eye_rotations[i_eye][:, 0], eye_rotations[i_eye][:, 1]
+        turned[i_eye, :, 0] = cosine * forward + sine * left
+        turned[i_eye, :, 1] = cosine * left - sine * forward
+    return turned
+
+
+def _check_picture(i_stimulus: int, picture: np.ndarray) -> None:
+    if picture.dtype != np.uint8 or picture.ndim != 2 or picture.size == 0:
         raise InputError(
             f"stimulus {i_stimulus}: expected a grey picture (height, width) of uint8, "
-            f"got shape {stimulus.shape} of {stimulus.dtype}"
+            f"got shape {picture.shape} of {picture.dtype}"
         )
 
 
@@ -132,18 +176,10 @@ def _check_array(name: str, values: np.ndarray, shape: tuple[int, ...]) -> None:
 
 def _drawn_size_px(config: CameraConfig) -> tuple[int, int]:
     """Return width and height to draw: the region of interest and what blur mixes into it."""
-    margin_px = max(_blur_radius_px(blur_px) for blur_px in config.blurs_px)
+    margins_px = [
+        2 * max(map(blur_radius_px, blurs_px)) for blurs_px in zip(*config.blurs_px, strict=True)
+    ]
     return (
-        min(config.width_px, config.roi_width_px + 2 * margin_px),
-        min(config.height_px, config.roi_height_px + 2 * margin_px),
+        min(config.width_px, config.roi_width_px + margins_px[0]),
+        min(config.height_px, config.roi_height_px + margins_px[1]),
     )
-
-
-def _blur_radius_px(blur_px: float) -> int:
-    return math.ceil(3.0 * blur_px)
-
-
-def _blurred(picture: np.ndarray, blur_px: float) -> np.ndarray:
-    """Return picture (height, width) convolved with a Gaussian cut off at three deviations."""
-    size_px = 2 * _blur_radius_px(blur_px) + 1
-    return cv2.GaussianBlur(picture, (size_px, size_px), blur_px)

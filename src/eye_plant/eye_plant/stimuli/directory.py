@@ -68,15 +68,7 @@ def read_picture(path: Path, size_px: int, smallest_px: int) -> np.ndarray:
     Reduced by area averaging, enlarged bilinearly. Raises InputError naming a file that cannot be
     decoded to its end or whose shorter side is below smallest_px.
     """
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: expected a readable picture, got {error.strerror}") from error
-    grey = None
-    if content and not _is_cut_off(content):
-        grey = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_GRAYSCALE)
-    if grey is None:
-        raise InputError(f"{path}: expected a picture, got a broken file of {len(content)} bytes")
+    grey = _decoded(path)
     height_px, width_px = grey.shape
     side_px = min(height_px, width_px)
     if side_px < smallest_px:
@@ -88,6 +80,25 @@ def read_picture(path: Path, size_px: int, smallest_px: int) -> np.ndarray:
     square = grey[top : top + side_px, left : left + side_px]
     how = cv2.INTER_AREA if side_px > size_px else cv2.INTER_LINEAR
     return cv2.resize(square, (size_px, size_px), interpolation=how)
+
+
+def size_of_picture(path: Path) -> tuple[int, int]:
+    """Return height and width of a picture file; InputError as for read_picture."""
+    height_px, width_px = _decoded(path).shape
+    return height_px, width_px
+
+
+def _decoded(path: Path) -> np.ndarray:
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: expected a readable picture, got {error.strerror}") from error
+    grey = None
+    if content and not _is_cut_off(content):
+        grey = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_GRAYSCALE)
+    if grey is None:
+        raise InputError(f"{path}: expected a picture, got a broken file of {len(content)} bytes")
+    return grey
 
 
 def _pictures_in(directory: Path, least: int) -> list[Path]:

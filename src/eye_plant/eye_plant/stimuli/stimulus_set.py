@@ -15,6 +15,7 @@ from eye_plant.stimuli.directory import (
     choose_test_files,
     read_picture,
 )
+from eye_plant.stimuli.stereograms import Stereogram
 from lockstep.settings import check_settings, setting
 
 SMALLEST_PX = 64
@@ -44,14 +45,15 @@ class StimuliConfig:
 
 @dataclass(frozen=True)
 class StimulusSet:
-    """Grey pictures (size, size) uint8, row 0 on top; read only."""
+    """Grey pictures (size, size) uint8, row 0 on top; and pairs of them. All are read only."""
 
     training: tuple[np.ndarray, ...]
     test: tuple[np.ndarray, ...]
+    stereograms: tuple[Stereogram, ...] = ()
 
     @property
     def all(self) -> tuple[np.ndarray, ...]:
-        """In the order in which stimuli are counted: training first, then test."""
+        """In the order in which stimuli are counted: training, then test; then stereograms."""
         return self.training + self.test
 
 

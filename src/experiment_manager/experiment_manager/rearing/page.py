@@ -1,0 +1,143 @@
+"""The page of conditions: what became of eyes that were reared differently."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from experiment_manager.measures.tables import number
+from experiment_manager.rearing.figures import (
+    Condition,
+    curves_figure,
+    histograms_figure,
+    landscapes_figure,
+    samples_figure,
+)
+from experiment_manager.rearing.published import PUBLISHED
+from experiment_manager.rearing.reared_run import RearedRun, read_reared_run
+from experiment_manager.report import page as report_page
+from experiment_manager.report.performance_figures import FIGURES, STYLE, save
+from lockstep.durable_files import replace_file
+
+REARING_FILE = "rearing.html"
+
+_Figure = tuple[str, str, str, Callable[[Sequence[Condition]], Figure]]
+_FIGURES: tuple[_Figure, ...] = (
+    (
+        "curves",
+        "Learning",
+        "Median |vergence error| after 20 iterations of a test trial, mean over seeds; the dotted"
+        " line is one pixel. The tests are made with the condition's own eyes and input.",
+        curves_figure,
+    ),
+    (
+        "landscapes",
+        "Landscape of the reward",
+        "Reconstruction error of both scales over the vergence error, at the end of the run: ten"
+        " test stimuli at 0.5, 2 and 6 m, mean over seeds. Where it is flat there is nothing to"
+        " learn vergence from.",
+        landscapes_figure,
+    ),
+    (
+        "samples",
+        "Basis functions",
+        "Twelve of each scale's dictionary, from the best to the worst fit of a Gabor function;"
+        " left eye above right eye.",
+        samples_figure,
+    ),
+    (
+        "histograms",
+        "Tuning of the basis functions",
+        "Shares of each scale's basis functions, seeds pooled: grey the coarse scale, blue the fine"
+        " one. Orientation and disparity are of those that fit a Gabor function; disparity of those"
+        " that see with both eyes and are not near horizontal.",
+        histograms_figure,
+    ),
+)
+
+
+def write_rearing_page(directories: Sequence[Path], out: Path) -> Path:
+    """Write rearing.html and its figures into out; return the page's path.
+
+    Runs of one profile and model are one condition, in the order given. Raises InputError for a
+    directory that holds no finished run.
+    """
+    runs = [read_reared_run(d) for d in tqdm(directories, desc="measuring", unit="run")]
+    conditions = _conditions(runs)
+    parts = [
+        report_page.heading("Conditions"),
+        condition_table(conditions),
+        report_page.paragraph(
+            "Error: median and interquartile range of |vergence error| after 20 iterations of the "
+            "last test, in deg, and the share of trials within one pixel. Depth: what the best "
+            "vergence saves of the mean reconstruction error. Gabor: basis functions that a Gabor "
+            "function fits with a residual of 0.2 or less, coarse and fine. Binocular: those with "
+            "|(R - L) / (R + L)| below 0.5. Left: the left eye's share of the code. c and delta C: "
+            "energy saved (K17 eq. 8) and energy above the least, medians. Published: Klimmasch et "
+            "al. (2021), after 500,000 iterations, mean and standard deviation."
+        ),
+    ]
+    with mpl.rc_context(STYLE):
+        for name, title, caption, draw in _FIGURES:
+            figure = draw(conditions)
+            save(figure, out / FIGURES / f"rearing_{name}.png")
+            parts += [report_page.heading(title), report_page.picture(figure, caption)]
+    replace_file(out / REARING_FILE, report_page.page("Altered rearing", parts).encode())
+    return out / REARING_FILE
+
+
+def _conditions(runs: Sequence[RearedRun]) -> list[Condition]:
+    by_label: dict[str, list[RearedRun]] = {}
+    for run in runs:
+        label = run.condition if run.model == "M" else f"{run.condition}, {run.model}"
+        by_label.setdefault(label, []).append(run)
+    return list(by_label.items())
+
+
+def condition_table(conditions: Sequence[Condition]) -> str:
+    """Return the table of conditions, means over seeds, beside the published numbers."""
+    header = (
+        "condition",
+        "seeds",
+        "iterations",
+        "error",
+        "IQR",
+        "within 1 px",
+        "depth",
+        "Gabor",
+        "binocular",
+        "left",
+        "c",
+        "delta C / W",
+        "published",
+    )
+    return report_page.table(header, [_row(*condition) for condition in conditions])
+
+
+def _row(label: str, runs: Sequence[RearedRun]) -> tuple[str, ...]:
+    def of_test(name: str, n_digits: int = 2) -> str:
+        values = [run.last_test[name] for run in runs]
+        return "-" if None in values else number(float(np.mean(values)), n_digits)
+
+    def of_scales(value: Callable[[RearedRun, int], float]) -> str:
+        means = (np.mean([value(run, i) for run in runs]) for i in range(2))
+        return ", ".join(f"{100.0 * mean:.0f} %" for mean in means)
+
+    return (
+        label,
+        str(len(runs)),
+        ", ".join(sorted({f"{run.results['iterations']:,}" for run in runs})),
+        of_test("median_abs_vergence_error_deg"),
+        of_test("iqr_abs_vergence_error_deg"),
+        of_test("share_within_1_px"),
+        number(float(np.mean([run.landscape.depth for run in runs])), 2),
+        of_scales(lambda run, i: run.tunings[i].gabor_share),
+        of_scales(lambda run, i: float((np.abs(run.tunings[i].binocularity) < 0.5).mean())),
+        number(float(np.mean([run.landscape.left_share for run in runs])), 2),
+        of_test("median_cost_reduction"),
+        of_test("median_delta_cost_w"),
+        PUBLISHED.get(runs[0].condition, ""),
+    )

@@ -1,0 +1,171 @@
+"""What one eye gets that the other does not: rotated cameras, stereograms, changes amid a run."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from eye_plant.camera.blur import Blur
+from eye_plant.camera.config import RENDERERS, CameraConfig
+from eye_plant.camera.stereo_camera import StereoCamera
+from eye_plant.geometry import desired_vergence_deg
+from eye_plant.stimuli.stereograms import Stereogram
+from eye_plant.stimuli.stimulus_set import StimulusSet
+from lockstep.errors import InputError
+
+POSITIONS_M = np.array([[0.0, 0.028, 1.7], [0.0, -0.028, 1.7]])
+AHEAD = np.stack([np.eye(3), np.eye(3)])
+NOISE, STEREO = 0, 1
+PARALLAX = 0.004  # of the plane's 3 m
+
+
+def spot(column_share: float) -> np.ndarray:
+    """A white Gaussian spot at mid height, its place along the row as a share of the width."""
+    size_px = 1500
+    x = np.arange(size_px) + 0.5
+    across = np.exp(-0.5 * ((x - column_share * size_px) / 12.0) ** 2)
+    down = np.exp(-0.5 * ((x - 0.5 * size_px) / 12.0) ** 2)
+    return np.rint(255.0 * np.outer(down, across)).astype(np.uint8)
+
+
+def column_px(picture: np.ndarray) -> float:
+    """The spot's column, from the picture's centre."""
+    x = np.arange(picture.shape[1]) - (picture.shape[1] - 1) / 2.0
+    weights = np.where(picture > 40, picture, 0).astype(float).sum(axis=0)
+    return float((weights * x).sum() / weights.sum())
+
+
+@pytest.fixture(scope="module")
+def stimuli() -> StimulusSet:
+    coarse = np.random.default_rng(0).integers(0, 256, (160, 160), dtype=np.uint8)
+    noise = cv2.resize(coarse, (960, 960), interpolation=cv2.INTER_CUBIC)
+    stereo = Stereogram(spot(0.5 + PARALLAX / 2), spot(0.5 - PARALLAX / 2), PARALLAX)
+    return StimulusSet((noise,), (), (stereo,))
+
+
+@pytest.fixture(scope="module", params=RENDERERS)
+def plain(request):
+    return CameraConfig(renderer=request.param)
+
+
+@pytest.fixture(scope="module")
+def camera(plain, stimuli):
+    camera = StereoCamera(plain, stimuli, 1.7)
+    yield camera
+    camera.close()
+
+
+def seen(camera, i_stimulus=NOISE, rotations=AHEAD, distance_m=2.0):
+    return camera.render(POSITIONS_M, rotations, i_stimulus, distance_m)
+
+
+def turned_inward(left_deg, right_deg):
+    """Rotations of eyes that look straight ahead but for these angles toward the nose."""
+    matrices = []
+    for angle_rad in np.radians([-left_deg, right_deg]):
+        sine, cosine = np.sin(angle_rad), np.cos(angle_rad)
+        matrices.append([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    return np.array(matrices)
+
+
+def test_a_rotated_camera_sees_what_a_rotated_eye_would(camera, plain):
+    altered = replace(plain, left_rotation_deg=3.0, right_rotation_deg=10.0)
+    camera.reconfigure(altered)
+    found = seen(camera)
+    camera.reconfigure(plain)
+    expected = seen(camera, rotations=turned_inward(3.0, 10.0)).astype(int)
+    assert np.abs(found.astype(int) - expected).max() <= 1
+    assert (seen(camera) != found).any()
+
+
+def test_a_camera_turns_with_its_eye(camera, plain):
+    """Rotated inward in an eye that looks as far outward, it looks straight ahead."""
+    straight = seen(camera).astype(int)
+    camera.reconfigure(replace(plain, right_rotation_deg=10.0))
+    found = seen(camera, rotations=turned_inward(0.0, -10.0)).astype(int)
+    camera.reconfigure(plain)
+    assert np.abs(found - straight).max() <= 1
+
+
+def test_a_stereogram_shows_each_eye_its_own_picture_where_rays_say(camera):
+    # The left eye's spot is PARALLAX / 2 of 3 m right of the middle, the eye 28 mm left of it.
+    left, right = (column_px(picture) for picture in seen(camera, STEREO))
+    shift_m = PARALLAX * 3.0 / 2.0
+    assert left == pytest.approx(257.34 * (0.028 + shift_m) / 2.0, abs=0.1)
+    assert right == pytest.approx(-257.34 * (0.028 + shift_m) / 2.0, abs=0.1)
+
+
+def test_eyes_that_converge_as_desired_see_a_stereogram_in_their_centres(camera):
+    assert camera.parallax_m(STEREO) == pytest.approx(0.012)
+    assert camera.parallax_m(NOISE) == 0.0
+    inward_deg = desired_vergence_deg(2.0, 0.056, camera.parallax_m(STEREO)) / 2.0
+    pictures = seen(camera, STEREO, turned_inward(inward_deg, inward_deg))
+    assert [column_px(picture) for picture in pictures] == pytest.approx([0.0, 0.0], abs=0.1)
+
+
+def test_a_stereogram_does_not_change_what_follows(camera):
+    before = seen(camera)
+    seen(camera, STEREO)
+    assert (seen(camera) == before).all()
+
+
+ALTERATIONS = [
+    {"left_blur_px": 240.0},
+    {"left_horizontal_blur_px": 33.0, "right_vertical_blur_px": 33.0},
+    {"right_blur_px": 1.5},
+    {"right_magnification": 1.15},
+    {"left_occluded": True},
+    {"right_rotation_deg": 10.0, "plane_size_m": 2.0, "focal_length_px": 300.0},
+]
+
+
+@pytest.mark.parametrize("roi_px", [320, 128])
+@pytest.mark.parametrize("changes", ALTERATIONS)
+def test_reconfigured_is_as_made_anew(plain, stimuli, changes, roi_px):
+    small = replace(plain, roi_width_px=roi_px, roi_height_px=min(roi_px, 240))
+    altered = replace(small, **changes)
+    before, anew = StereoCamera(small, stimuli, 1.7), StereoCamera(altered, stimuli, 1.7)
+    plain_pictures = seen(before), seen(before, STEREO)
+    before.reconfigure(altered)
+    anew_pictures = seen(anew), seen(anew, STEREO)
+    anew.close()
+    for i_stimulus in (NOISE, STEREO):
+        assert (seen(before, i_stimulus) == anew_pictures[i_stimulus]).all()
+    before.reconfigure(small)
+    for i_stimulus in (NOISE, STEREO):
+        assert (seen(before, i_stimulus) == plain_pictures[i_stimulus]).all()
+    before.close()
+
+
+def test_blur_along_one_axis_is_that_eyes_alone(camera, plain):
+    sharp = seen(camera)
+    camera.reconfigure(replace(plain, right_vertical_blur_px=33.0, right_blur_px=2.0))
+    found = seen(camera)
+    camera.reconfigure(plain)
+    assert (found[0] == sharp[0]).all()
+    expected = Blur((320, 240), (320, 240), (2.0, np.hypot(2.0, 33.0)))(sharp[1])
+    assert (found[1] == expected).all()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"left_blur_px": 320.5}, "left_blur_px: expected 0 to 320, the picture's longer side"),
+        ({"right_vertical_blur_px": 1000.0}, "right_vertical_blur_px: expected 0 to 320"),
+        ({"left_horizontal_blur_px": -1.0}, "left_horizontal_blur_px: expected 0 px or more"),
+        ({"right_rotation_deg": 60.0}, "right_rotation_deg: expected -45 to 45 deg"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(changes, message):
+    with pytest.raises(InputError, match=message):
+        CameraConfig(**changes)
+
+
+def test_blurs_up_to_the_pictures_size_are_drawn():
+    assert CameraConfig(left_blur_px=320.0).blurs_px == ((320.0, 320.0), (0.0, 0.0))
+
+
+def test_pictures_of_different_size_are_no_stereogram():
+    with pytest.raises(InputError, match="of one size for both eyes, got 64 x 48 for the left and"):
+        Stereogram(np.zeros((48, 64), np.uint8), np.zeros((64, 64), np.uint8))
