@@ -170,23 +170,3 @@ def test_a_cell_that_cannot_be_keeps_all_from_starting(pictures: Path, tmp_path:
     assert output.count("error: ") == 1
     assert "error: discount_2.0: " in output
     assert not (tmp_path / "sweep").exists()
-
-
-@pytest.mark.parametrize(
-    ("words", "error"),
-    [
-        (["--jobs", "0"], "--jobs: expected 1 or more, got 0"),
-        (["--partition", "fast"], "--partition: expected it with --slurm only"),
-        (["--slurm", "--jobs", "2"], "--jobs: expected it without --slurm"),
-        (["--slurm"], "--slurm: expected sbatch on this machine, found none"),
-    ],
-)
-def test_bad_options_are_one_error(
-    sweep_file: Path, tmp_path: Path, words: list[str], error: str
-) -> None:
-    # Where Slurm is installed, its commands are not found on this path.
-    path = {"PATH": "/nowhere:/bin"} if "--slurm" in words else {}
-    output = finished(start_sweep(sweep_file, "--out", tmp_path / "s", *words, **path), code=2)
-    assert output.count("error: ") == 1
-    assert f"error: {error}" in output
-    assert not (tmp_path / "s").exists()

@@ -5,6 +5,7 @@ asks for one itself, from a checkpoint.
 """
 
 import os
+import re
 import shlex
 import shutil
 import signal
@@ -21,6 +22,7 @@ from lockstep.exit_codes import EXIT_INTERRUPTED
 _JOB_FILE = "slurm_job"
 # Slurm looks at time limits once in a minute; an episode and a checkpoint take seconds.
 _WARNING_S = 120
+_PREFIX = re.compile(r"^sbatch: (error|fatal): ")
 _SCRIPT = Path("launch_scripts/sweep.sh")
 
 
@@ -141,6 +143,6 @@ def _sbatch(options: Sequence[str]) -> str:
         raise InputError("--slurm: expected sbatch on this machine, found none")
     done = subprocess.run(["sbatch", *options], capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        words = " ".join(done.stderr.split()) or f"exit code {done.returncode}"
-        raise InputError(f"--slurm: {words}")
+        lines = [_PREFIX.sub("", line) for line in done.stderr.splitlines()]
+        raise InputError(f"--slurm: {'; '.join(lines) or f'exit code {done.returncode}'}")
     return done.stdout

@@ -1,0 +1,79 @@
+"""A sweep as a job array of a real Slurm: its results are those of the local pool."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from experiment_manager.sweep.sweep_file import read_sweep
+from tests.slurm_cluster import PARTITION, Cluster, cluster, why_not
+from tests.stress.supervised_run import differences
+from tests.supervisor import finished
+from tests.sweep_harness import start_sweep, write_sweep
+
+
+@pytest.fixture(scope="module")
+def slurm() -> Iterator[Cluster]:
+    if reason := why_not():
+        pytest.skip(reason)
+    with cluster(n_cores=2) as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def sweep_file(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
+    path = tmp_path_factory.mktemp("sweep") / "small.yaml"
+    return write_sweep(path, pictures, {"seed": [1, 2, 3]}, iterations=400)
+
+
+def _n_checkpoints(run: Path) -> int:
+    return len([*run.glob("checkpoints/*/manifest.json")])
+
+
+def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(
+    slurm: Cluster, sweep_file: Path, tmp_path: Path
+) -> None:
+    directory = tmp_path / "array"
+    words = ["--slurm", "--partition", PARTITION, "--time", "60", "--tasks", "2"]
+    output = finished(start_sweep(sweep_file, "--out", directory, *words, **slurm.variables))
+    job = (directory / "slurm_job").read_text().strip()
+    assert f"job {job}: 3 tasks; " in output
+    again = finished(start_sweep(directory, "--slurm", **slurm.variables), code=2)
+    assert f"{job} is; scancel {job} takes it away" in again
+    killed, warned, _ = [directory / cell.name for cell in read_sweep(sweep_file).cells()]
+    # Kills the process, then puts the task back into the queue, as for a node that is needed.
+    slurm.wait_until(lambda: _n_checkpoints(killed) > 0, "the first task's checkpoint")
+    slurm.call("scontrol", "requeue", f"{job}_0")
+    # As Slurm does two minutes before the end of a task's time.
+    slurm.wait_until(lambda: _n_checkpoints(warned) > 0, "the second task's checkpoint")
+    slurm.call("scancel", "--batch", "--signal=USR1", f"{job}_1")
+
+    def is_over() -> bool:
+        for task, state in slurm.queue().items():
+            if state == "PENDING" and task in (f"{job}_0", f"{job}_1"):
+                # Not only in two minutes, when Slurm's credential has expired.
+                slurm.call("scontrol", "update", f"JobId={task}", "StartTime=now")
+        return not slurm.queue()
+
+    slurm.wait_until(is_over, "the end of the job")
+    status = finished(start_sweep(directory, "--status"))
+    assert "3 done" in status, f"{status}\n{slurm.logs()}"
+    log = (directory / "logs" / f"{warned.name}.log").read_text()
+    assert "stopping after this episode, with a checkpoint" in log
+    pool = tmp_path / "pool"
+    finished(start_sweep(sweep_file, "--out", pool, "--jobs", 2))
+    for cell in read_sweep(sweep_file).cells():
+        assert differences(directory / cell.name, pool / cell.name) == []
+    assert "3 done" in finished(start_sweep(directory, "--slurm", **slurm.variables))
+
+
+def test_a_partition_that_is_not_there_is_one_error(
+    slurm: Cluster, sweep_file: Path, tmp_path: Path
+) -> None:
+    words = ["--slurm", "--partition", "nowhere"]
+    output = finished(
+        start_sweep(sweep_file, "--out", tmp_path / "s", *words, **slurm.variables), code=2
+    )
+    assert output.count("error: ") == 1
+    assert "error: --slurm: invalid partition specified: nowhere" in output
+    assert not (tmp_path / "s").exists()

@@ -1,0 +1,181 @@
+"""A Slurm cluster of this machine alone, with its own keys, ports and files, for a test."""
+
+import os
+import shutil
+import socket
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from pathlib import Path
+
+from experiment_manager.launch.processes import die_with
+from tests.supervisor import PATIENCE_S
+
+PACKAGES = ("munge", "slurmctld", "slurmd", "slurm-client")
+PARTITION = "main"
+_COMMANDS = ("munged", "slurmctld", "slurmd", "sbatch")
+# Set, a root user's test installs what it lacks.
+INSTALL_VARIABLE = "ABV_SLURM_TESTS"
+_POLL_S = 0.1
+_CONFIGURATION = """\
+ClusterName=test
+SlurmctldHost={host}(127.0.0.1)
+SlurmUser=root
+SlurmdUser=root
+AuthType=auth/munge
+CredType=cred/munge
+AuthInfo=socket={directory}/munge.socket
+SlurmctldPort={ports[0]}
+SlurmdPort={ports[1]}
+StateSaveLocation={directory}/state
+SlurmdSpoolDir={directory}/spool
+SlurmctldPidFile={directory}/slurmctld.pid
+SlurmdPidFile={directory}/slurmd.pid
+SlurmctldLogFile={directory}/slurmctld.log
+SlurmdLogFile={directory}/slurmd.log
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+JobAcctGatherType=jobacct_gather/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_CPU
+SchedulerParameters=sched_interval=1,bf_interval=1
+MailProg=/bin/true
+ReturnToService=2
+NodeName={host} NodeAddr=127.0.0.1 CPUs={n_cores} State=UNKNOWN
+PartitionName={partition} Nodes={host} Default=YES MaxTime=INFINITE State=UP
+"""
+
+
+def why_not() -> str:
+    """Return why there can be no cluster here, "" when there can; install it if that is asked for.
+
+    Raises CalledProcessError when it was asked for and cannot be installed.
+    """
+    if os.geteuid() != 0:
+        return "only root can start Slurm"
+    if all(map(shutil.which, _COMMANDS)):
+        return ""
+    if os.environ.get(INSTALL_VARIABLE) != "1" or shutil.which("apt-get") is None:
+        return f"needs the Debian packages {' '.join(PACKAGES)}; {INSTALL_VARIABLE}=1 installs them"
+    quietly = os.environ | {"DEBIAN_FRONTEND": "noninteractive"}
+    for words in (["update"], ["install", "-y", "--no-install-recommends", *PACKAGES]):
+        subprocess.run(["apt-get", "-qq", *words], env=quietly, check=True)
+    return ""
+
+
+class Cluster:
+    """A munged, a slurmctld and a slurmd."""
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        # Commands find it there.
+        self.variables = {"SLURM_CONF": str(directory / "slurm.conf")}
+
+    def call(self, *command: str) -> str:
+        """Return what a command of Slurm's prints."""
+        done = subprocess.run(
+            command, env=os.environ | self.variables, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, f"{command}: {done.stderr}"
+        return done.stdout
+
+    def wait_until(self, condition: Callable[[], bool], what: str) -> None:
+        """Wait for a condition."""
+        end_s = time.monotonic() + PATIENCE_S
+        while not condition():
+            assert time.monotonic() < end_s, f"waited in vain for {what}:\n{self.logs()}"
+            time.sleep(_POLL_S)
+
+    def queue(self) -> dict[str, str]:
+        """Return the states of the tasks in the queue, by job and task, such as 2_0: RUNNING."""
+        lines = self.call("squeue", "--noheader", "--array", "--format=%i %T").splitlines()
+        return dict(line.split() for line in lines)
+
+    def logs(self) -> str:
+        """Return what the services have said."""
+        return "\n".join(path.read_text() for path in self.directory.glob("*.log"))
+
+
+@contextmanager
+def cluster(n_cores: int) -> Iterator[Cluster]:
+    """Start a cluster of so many cores, and stop it."""
+    with ExitStack() as stack:
+        # Not below pytest's directory: munge wants its socket where everybody may look.
+        temporary = tempfile.TemporaryDirectory(prefix="slurm_", ignore_cleanup_errors=True)
+        directory = Path(stack.enter_context(temporary))
+        directory.chmod(0o755)
+        started = Cluster(directory)
+        _configure(directory, n_cores)
+        sockets = [f"--{name}={directory}/munge.{end}" for name, end in _OF_MUNGE]
+        stack.enter_context(_service(["munged", "--foreground", *sockets], directory))
+        started.wait_until((directory / "munge.socket").exists, "munge")
+        config = ["-D", "-f", started.variables["SLURM_CONF"]]
+        stack.enter_context(_service(["slurmctld", "-i", *config], directory))
+        stack.enter_context(_service(["slurmd", *config], directory))
+        started.wait_until(lambda: _is_idle(started), "an idle node")
+        yield started
+
+
+_OF_MUNGE = (
+    ("socket", "socket"),
+    ("key-file", "key"),
+    ("pid-file", "pid"),
+    ("log-file", "log"),
+    ("seed-file", "seed"),
+)
+
+
+def _configure(directory: Path, n_cores: int) -> None:
+    with socket.socket() as one, socket.socket() as other:
+        for free in (one, other):
+            free.bind(("127.0.0.1", 0))
+        ports = [free.getsockname()[1] for free in (one, other)]
+    key = directory / "munge.key"
+    key.touch(mode=0o600)
+    key.write_bytes(os.urandom(1024))
+    for name in ("state", "spool"):
+        (directory / name).mkdir()
+    (directory / "cgroup.conf").write_text("CgroupAutomount=no\nConstrainCores=no\n")
+    (directory / "slurm.conf").write_text(
+        _CONFIGURATION.format(
+            host=socket.gethostname().partition(".")[0],
+            directory=directory,
+            ports=ports,
+            n_cores=n_cores,
+            partition=PARTITION,
+        )
+    )
+
+
+def _is_idle(started: Cluster) -> bool:
+    done = subprocess.run(
+        ["sinfo", "--noheader", "--format=%T"],
+        env=os.environ | started.variables,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return done.stdout.strip() == "idle"
+
+
+@contextmanager
+def _service(command: Sequence[str], directory: Path) -> Iterator[None]:
+    with (directory / f"{command[0]}_output.log").open("wb") as log:
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=log,
+            preexec_fn=partial(die_with, os.getpid()),  # noqa: PLW1509 (it calls the kernel only)
+        )
+    try:
+        yield
+    finally:
+        process.terminate()
+        try:
+            process.wait(PATIENCE_S)
+        finally:
+            process.kill()
