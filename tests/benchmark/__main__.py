@@ -12,12 +12,13 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from experiment_manager.launch.command_line import arguments
 from experiment_manager.launch.configuration import configuration_of
+from tests.benchmark.against import results_in_turns
 from tests.benchmark.encoding import encoding_times_ms
 from tests.benchmark.graph import supervised_run
 from tests.benchmark.loop import STAGES, LoopWindow, TimedLoop
@@ -34,12 +35,22 @@ from tests.benchmark.samples import (
 # Longer than any benchmark, so that all of it is training; a test comes only at the end.
 _ENDLESS = 1_000_000
 _ROI = ["--set", "eye_plant.camera.roi_width_px=128", "--set", "eye_plant.camera.roi_height_px=128"]
+_PLANE = ["--set", "eye_plant.camera.renderer=plane"]
+_GRAPHS: dict[str, list[str]] = {
+    "graph": [],
+    "graph_roi": _ROI,
+    "graph_plane": _PLANE,
+    "graph_roi_plane": _ROI + _PLANE,
+}
 _WARM_UP_ITERATIONS = 300
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How long to measure: rounds of turns, and long runs, if any, for the flatness."""
+    """How long to measure: rounds of turns, and long runs, if any, for the flatness.
+
+    n_turns: with another commit's benchmark, if one is asked for.
+    """
 
     n_rounds: int
     turn_s: float
@@ -47,6 +58,7 @@ class Plan:
     n_flatness_iterations: int
     n_encodings: int
     n_round_trips: int
+    n_turns: int
 
 
 FULL = Plan(
@@ -56,6 +68,7 @@ FULL = Plan(
     n_flatness_iterations=20_000,
     n_encodings=400,
     n_round_trips=2000,
+    n_turns=3,
 )
 QUICK = Plan(
     n_rounds=2,
@@ -64,22 +77,37 @@ QUICK = Plan(
     n_flatness_iterations=0,
     n_encodings=100,
     n_round_trips=500,
+    n_turns=1,
 )
+
+
+@dataclass(frozen=True)
+class GraphTurn:
+    """One graph: its samples, seconds to its first iteration, peak memory of each process."""
+
+    samples: list[Sample]
+    start_s: float
+    peak_memory_mb: dict[str, float]
 
 
 @dataclass(frozen=True)
 class Round:
     """One turn of each party.
 
-    starts_s: of the two graphs, to the first iteration; peak_memory_mb: of the first one, by
-    process.
+    graphs: by name, see _GRAPHS; loop: full pictures, MuJoCo; plane_loop: region of interest, ray
+    caster, one core.
     """
 
-    graph: list[Sample]
-    roi: list[Sample]
+    graphs: dict[str, GraphTurn]
     loop: LoopWindow
-    starts_s: tuple[float, float]
-    peak_memory_mb: dict[str, float]
+    plane_loop: LoopWindow
+
+
+class Loops(NamedTuple):
+    """The two loops in this process."""
+
+    mujoco: TimedLoop
+    plane: TimedLoop
 
 
 def _arguments(more: Sequence[str]) -> list[str]:
@@ -95,27 +123,35 @@ def measure(plan: Plan, directory: Path) -> dict[str, Any]:
     directory: for the runs, empty. Raises RuntimeError when a graph does not get going.
     """
     results = _measure_long_runs(plan, directory)
-    loop = TimedLoop(configuration_of(arguments(_arguments([])), "benchmark"))
+    loops = Loops(_loop([]), _loop(_ROI + _PLANE))
     try:
-        loop.window(plan.turn_s / 2.0)
-        rounds = [_round(plan, loop, directory / f"round_{i}") for i in range(plan.n_rounds)]
-        peaks_mb = [r.peak_memory_mb for r in rounds]
+        for loop in loops:
+            loop.window(plan.turn_s / 2.0)
+        rounds = [_round(plan, loops, directory / f"round_{i}") for i in range(plan.n_rounds)]
+        peaks_mb = [r.graphs["graph"].peak_memory_mb for r in rounds]
         if plan.n_long_runs:
             peaks_mb.append(results["peak_memory_mb"])
         highest_mb = _highest(peaks_mb)
+        highest_plane_mb = _highest([r.graphs["graph_plane"].peak_memory_mb for r in rounds])
         results |= _summary(rounds) | {
             "peak_memory_mb": highest_mb,
             "peak_memory_total_mb": sum(highest_mb.values()),
+            "peak_memory_plane_mb": highest_plane_mb,
+            "peak_memory_plane_total_mb": sum(highest_plane_mb.values()),
         }
         _say("encoding, messages, recording")
-        encoding_ms = encoding_times_ms(loop.coder, loop.pictures, plan.n_encodings)
+        encoding_ms = encoding_times_ms(loops.mujoco.coder, loops.mujoco.pictures, plan.n_encodings)
     finally:
-        loop.close()
+        for loop in loops:
+            loop.close()
     hops_ms = hop_times_ms(plan.n_round_trips)
     stages_ms = {name: _median([r.loop.stages_ms[name] for r in rounds]) for name in STAGES} | {
         "message_hop": hops_ms["vector"],
         "pictures_hop": hops_ms["pictures"],
         "recording": recording_ms(directory / "round_0" / "graph" / "bag", directory / "copy"),
+    }
+    plane_stages_ms = {
+        name: _median([r.plane_loop.stages_ms[name] for r in rounds]) for name in STAGES
     }
     ours_ms, numpy_ms = encoding_ms["ours"], encoding_ms["numpy"]
     assert ours_ms is not None
@@ -126,6 +162,7 @@ def measure(plan: Plan, directory: Path) -> dict[str, Any]:
         "encode_sklearn_omp_ms": encoding_ms["sklearn"],
         "encode_to_numpy": ours_ms / numpy_ms,
         "stages_ms": stages_ms,
+        "roi_plane_stages_ms": plane_stages_ms,
         "critical_path_ms": critical_path_ms(
             stages_ms, hops_ms, 1e3 / results["graph_iterations_per_s"]
         ),
@@ -164,32 +201,56 @@ def _highest(peaks_mb: Sequence[dict[str, float]]) -> dict[str, float]:
     return {name: max(peak_mb[name] for peak_mb in peaks_mb) for name in peaks_mb[0]}
 
 
-def _round(plan: Plan, loop: TimedLoop, directory: Path) -> Round:
-    """Return one round: the graph, the graph with a region of interest, the loop."""
-    _say(f"{directory.name}: graph, graph with region of interest, one process")
+def _loop(more: Sequence[str]) -> TimedLoop:
+    return TimedLoop(configuration_of(arguments(_arguments(more)), "benchmark"))
+
+
+def _round(plan: Plan, loops: Loops, directory: Path) -> Round:
+    """Return one round: the graphs, then the loops in this process."""
+    _say(f"{directory.name}: {', '.join(_GRAPHS)}, one process with either renderer")
     directory.mkdir()
-    turns, starts_s, peaks_mb = [], [], []
-    for name, more in (("graph", []), ("roi", _ROI)):
-        with supervised_run(_arguments(more), directory / name) as graph:
-            starts_s.append(graph.await_start(_WARM_UP_ITERATIONS))
-            turns.append(graph.window(plan.turn_s))
-            peaks_mb.append(dict(graph.peak_memory_mb))
-    starts = (starts_s[0], starts_s[1])
-    return Round(turns[0], turns[1], loop.window(plan.turn_s), starts, peaks_mb[0])
+    graphs = {name: _turn(plan, more, directory / name) for name, more in _GRAPHS.items()}
+    cores = os.sched_getaffinity(0)
+    loop = loops.mujoco.window(plan.turn_s)
+    os.sched_setaffinity(0, {min(cores)})
+    try:
+        plane_loop = loops.plane.window(plan.turn_s)
+    finally:
+        os.sched_setaffinity(0, cores)
+    return Round(graphs, loop, plane_loop)
+
+
+def _turn(plan: Plan, more: Sequence[str], directory: Path) -> GraphTurn:
+    with supervised_run(_arguments(more), directory) as graph:
+        start_s = graph.await_start(_WARM_UP_ITERATIONS)
+        return GraphTurn(graph.window(plan.turn_s), start_s, dict(graph.peak_memory_mb))
 
 
 def _summary(rounds: Sequence[Round]) -> dict[str, Any]:
-    graph_hz = [rate_hz(r.graph) for r in rounds]
-    works = [cpu_ms_per_iteration(r.graph) for r in rounds]
-    return {
-        "start_to_first_iteration_s": _median([s for r in rounds for s in r.starts_s]),
-        "graph_iterations_per_s": _median(graph_hz),
-        "graph_roi_iterations_per_s": _median([rate_hz(r.roi) for r in rounds]),
+    graph_hz = [rate_hz(r.graphs["graph"].samples) for r in rounds]
+    works = [cpu_ms_per_iteration(r.graphs["graph"].samples) for r in rounds]
+    rates = {
+        f"{name}_iterations_per_s": _median([rate_hz(r.graphs[name].samples) for r in rounds])
+        for name in _GRAPHS
+    }
+    starts_s = {
+        renderer: _median([r.graphs[name].start_s for r in rounds for name in names])
+        for renderer, names in (
+            ("", ("graph", "graph_roi")),
+            ("_plane", ("graph_plane", "graph_roi_plane")),
+        )
+    }
+    return rates | {
+        "start_to_first_iteration_s": starts_s[""],
+        "start_to_first_iteration_plane_s": starts_s["_plane"],
         "in_process_iterations_per_s": _median([r.loop.rate_hz for r in rounds]),
+        "in_process_roi_plane_iterations_per_s": _median([r.plane_loop.rate_hz for r in rounds]),
         "graph_to_in_process": _median(
             [hz / r.loop.rate_hz for hz, r in zip(graph_hz, rounds, strict=True)]
         ),
-        "cores_busy_elsewhere": _median([cores_elsewhere(r.graph) for r in rounds]),
+        "cores_busy_elsewhere": _median(
+            [cores_elsewhere(r.graphs["graph"].samples) for r in rounds]
+        ),
         "cpu_ms_per_iteration": {
             name: _median([work[name] for work in works]) for name in works[0]
         },
@@ -209,12 +270,20 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="benchmark.sh", description="Measure the speed of the graph and of its stages."
     )
-    parser.add_argument("--quick", action="store_true", help="less than two minutes, less exact")
+    parser.add_argument("--quick", action="store_true", help="some minutes, less exact")
+    parser.add_argument(
+        "--against",
+        metavar="REV",
+        help="then the quick benchmarks of this commit and of that one, in turns, and their ratios",
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all numbers there")
     options = parser.parse_args(argv)
     with tempfile.TemporaryDirectory(prefix="benchmark-") as directory:
         try:
-            results = measure(QUICK if options.quick else FULL, Path(directory))
+            plan = QUICK if options.quick else FULL
+            results = measure(plan, Path(directory))
+            if options.against is not None:
+                results |= results_in_turns(options.against, plan.n_turns, Path(directory))
         except RuntimeError as error:
             print(f"error: {error}", file=sys.stderr)
             return 1

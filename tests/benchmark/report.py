@@ -27,16 +27,27 @@ class Bound:
 
 
 BOUNDS = {
-    "graph_iterations_per_s": Bound(200.0, 1),
+    "graph_iterations_per_s": Bound(245.0, 1),
     "graph_roi_iterations_per_s": Bound(260.0, 1),
+    "graph_plane_iterations_per_s": Bound(310.0, 1),
+    "graph_roi_plane_iterations_per_s": Bound(370.0, 1),
+    "in_process_roi_plane_iterations_per_s": Bound(450.0, 1),
     "graph_to_in_process": Bound(0.8, 1),
-    "encode_pair_ms": Bound(0.8, -1),
+    "encode_pair_ms": Bound(0.6, -1),
     "encode_to_numpy": Bound(0.5, -1),
     "flatness": Bound(0.95, 1),
     "peak_memory_total_mb": Bound(4096.0, -1),
+    "peak_memory_plane_total_mb": Bound(1536.0, -1),
     "start_to_first_iteration_s": Bound(15.0, -1),
+    "start_to_first_iteration_plane_s": Bound(6.0, -1),
     # With more, the rates say as much of the machine as of the graph.
     "cores_busy_elsewhere": Bound(0.1, -1),
+}
+# Of stages in one process, one core, with the ray caster and a region of interest.
+STAGE_BOUNDS_MS = {
+    "physics": Bound(0.25, -1),
+    "episode_start": Bound(1.0, -1),
+    "dictionary_step": Bound(0.5, -1),
 }
 
 
@@ -63,17 +74,28 @@ def report(results: Mapping[str, Any]) -> str:
         for name, value in results["critical_path_ms"].items()
     ]
     stages = [(name, number(value)) for name, value in results["stages_ms"].items()]
+    plane_stages = [
+        (name, number(value), *_against_bound(STAGE_BOUNDS_MS.get(name), value))
+        for name, value in results["roi_plane_stages_ms"].items()
+    ]
     memory = results["peak_memory_mb"]
     work = results["cpu_ms_per_iteration"]
     processes = [
         (name, number(work.get(name)), f"{memory.get(name, 0.0):.0f}") for name in sorted(memory)
     ]
+    ratios = [
+        (name, number(value), number(results["against"][name]))
+        for name, value in results.get("against_ratios", {}).items()
+    ]
+    against = (text_table(("ratio to the other commit", "ours / theirs", "theirs"), ratios),)
     return "\n\n".join(
         (
             text_table(("what", "value", "bound", ""), rows),
             text_table(("critical path of the graph", "ms", "share"), path),
             text_table(("stage, in process", "ms"), stages),
+            text_table(("stage, region of interest, plane", "ms", "bound", ""), plane_stages),
             text_table(("process", "CPU ms/iteration", "peak MB"), processes),
+            *(against if ratios else ()),
         )
     )
 
@@ -81,7 +103,10 @@ def report(results: Mapping[str, Any]) -> str:
 _SCALARS = (
     "graph_iterations_per_s",
     "graph_roi_iterations_per_s",
+    "graph_plane_iterations_per_s",
+    "graph_roi_plane_iterations_per_s",
     "in_process_iterations_per_s",
+    "in_process_roi_plane_iterations_per_s",
     "graph_to_in_process",
     "encode_pair_ms",
     "encode_numpy_ms",
@@ -90,7 +115,9 @@ _SCALARS = (
     "flatness",
     "flatness_of_work",
     "peak_memory_total_mb",
+    "peak_memory_plane_total_mb",
     "start_to_first_iteration_s",
+    "start_to_first_iteration_plane_s",
     "cores_busy_elsewhere",
 )
 
@@ -100,7 +127,10 @@ def _text(value: float | None) -> str:
 
 
 def _judged(name: str, value: float | None) -> tuple[str, str]:
-    bound = BOUNDS.get(name)
+    return _against_bound(BOUNDS.get(name), value)
+
+
+def _against_bound(bound: Bound | None, value: float | None) -> tuple[str, str]:
     if bound is None or value is None:
         return "", ""
     return str(bound), "ok" if bound.holds(value) else "MISSED"

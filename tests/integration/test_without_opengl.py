@@ -1,0 +1,88 @@
+"""Runs with the renderer that needs no OpenGL, on a machine that has none."""
+
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from tests.graph_harness import PATIENCE_S, small_run
+from tests.stress.supervised_run import SupervisedRun, stamp_faults
+from tests.supervisor import environment
+
+# Every Python of the run refuses OpenGL: its Python packages, and the libraries by any name.
+REFUSAL = """
+import ctypes, importlib.abc, sys
+
+class NoOpenGL(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in ("OpenGL", "glfw"):
+            raise AssertionError(f"{name} is imported")
+        return None
+
+class NoLibrary(ctypes.CDLL):
+    def __init__(self, name, *arguments, **named):
+        if any(part in str(name) for part in ("libGL", "libEGL", "libOSMesa", "libglfw")):
+            raise OSError(f"{name} is not installed")
+        super().__init__(name, *arguments, **named)
+
+sys.meta_path.insert(0, NoOpenGL())
+ctypes.CDLL = NoLibrary
+"""
+
+
+@pytest.fixture
+def refusing(tmp_path: Path) -> tuple[str, ...]:
+    """Return the variables of an environment without OpenGL, whatever was found at set-up."""
+    folder = tmp_path / "refusal"
+    folder.mkdir()
+    (folder / "sitecustomize.py").write_text(REFUSAL)
+    return (f"PYTHONPATH={folder}", "MUJOCO_GL=egl")
+
+
+def line(pictures: Path, renderer: str) -> list[str]:
+    return small_run(
+        pictures,
+        60,
+        f"eye_plant.camera.renderer={renderer}",
+        "sparse_coder.n_bases=32",
+        "vergence_rl.n_features=64",
+    )
+
+
+@pytest.mark.parametrize("in_process", [False, True])
+def test_the_plane_is_drawn(
+    refusing: Sequence[str], pictures: Path, tmp_path: Path, *, in_process: bool
+) -> None:
+    directory = tmp_path / "run"
+    with SupervisedRun(
+        line(pictures, "plane"), directory, in_process=in_process, prefix=("env", *refusing)
+    ) as run:
+        assert run.wait() == 0, run.output()
+    assert "renderer: plane" in (directory / "config.yaml").read_text()
+    assert stamp_faults(directory) == []
+    tested = subprocess.run(
+        [
+            *(sys.executable, "-m", "experiment_manager.commands.evaluate", str(directory)),
+            *("--stimuli", str(pictures), "--out", str(tmp_path / "tested.json")),
+        ],
+        env=environment() | dict(variable.split("=", 1) for variable in refusing),
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE_S,
+        check=False,
+    )
+    assert tested.returncode == 0, tested.stderr
+
+
+def test_mujoco_says_what_is_missing(
+    refusing: Sequence[str], pictures: Path, tmp_path: Path
+) -> None:
+    with SupervisedRun(
+        line(pictures, "mujoco"), tmp_path / "run", in_process=True, prefix=("env", *refusing)
+    ) as run:
+        assert run.wait() == 2, run.output()
+        assert run.output().count("error: ") == 1, run.output()
+        assert "apt-get install libegl1 libgl1-mesa-dri" in run.output()
+        assert "camera.renderer plane" in run.output()
