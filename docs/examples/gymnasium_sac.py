@@ -21,7 +21,10 @@ RUNNING = 200  # episodes
 
 def make_environment() -> gymnasium.Env:
     """Return the environment as SAC takes it: one vector of float32."""
-    environment = gymnasium.make("experiment_manager.environments:ActiveVergenceFeatures-v0")
+    # At first SAC acts at random over the whole range of actions: it is to be a few pixels wide.
+    environment = gymnasium.make(
+        "experiment_manager.environments:ActiveVergenceFeatures-v0", action_scale=1 / 64
+    )
     environment = gymnasium.wrappers.FlattenObservation(environment)
     environment = gymnasium.wrappers.DtypeObservation(environment, np.float32)
     return Monitor(environment)

@@ -12,7 +12,7 @@ setup(
     maintainer_email="maintainers@active-binocular-vision.example",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),
-    package_data={package: ["profiles/*.yaml", "profiles/*/*.yaml"]},
+    package_data={package: ["profiles/*.yaml", "profiles/*/*.yaml", "live/layout.json"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
@@ -23,6 +23,7 @@ setup(
     entry_points={
         "console_scripts": [
             "node = experiment_manager.node:main",
+            "live_view = experiment_manager.live.node:main",
             "run_experiment = experiment_manager.commands.run_experiment:main",
             "sweep = experiment_manager.commands.sweep:main",
             "evaluate = experiment_manager.commands.evaluate:main",

@@ -104,6 +104,16 @@ def test_features_and_reward_are_the_coders(bench: Bench) -> None:
     assert bench.node.learner.atoms().tobytes() == coder.atoms().tobytes()
 
 
+def test_who_subscribes_is_shown_the_basis_functions(graph: Graph) -> None:
+    node = graph.add(SparseCoderNode, n_bases=16)
+    bench = Bench(graph, node, INPUTS, {"basis_functions": Image})
+    assert bench.request("start_run") == (True, "")
+    _show(bench, _observation(1))
+    message = bench.wait_distinct("basis_functions", 1)[0]
+    assert (message.height, message.width, message.encoding) == (32, 128, "32FC1")
+    assert bytes(message.data) == SparseCoder(SparseCoderConfig(n_bases=16)).atoms().tobytes()
+
+
 def test_the_same_observation_is_answered_again_and_learned_from_once(bench: Bench) -> None:
     for _ in range(3):
         _show(bench, _observation(1))

@@ -80,3 +80,6 @@ TOPIC_TYPES = {
     "/clock": "rosgraph_msgs/msg/Clock",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
 }
+
+# For people to look at, an IMAGE: no part of the protocol, and not recorded.
+BASIS_FUNCTIONS = "basis_functions"

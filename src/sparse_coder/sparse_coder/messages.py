@@ -5,6 +5,7 @@ from sensor_msgs.msg import Image
 
 from lockstep.errors import InputError
 from lockstep.images import Picture
+from sparse_coder.patches import N_PIXELS
 
 
 def picture_of(message: Image | Picture, topic: str) -> np.ndarray:
@@ -27,3 +28,11 @@ def features_message(n_bases: int) -> Image:
     A picture of 32-bit floats, one row per scale: it opens in any viewer.
     """
     return Image(height=2, width=n_bases, encoding="32FC1", step=4 * n_bases)
+
+
+def basis_functions_message(n_bases: int) -> Image:
+    """Return the message of atoms (2, n_bases, n_pixels) float32, without stamp and data.
+
+    A picture of 32-bit floats, one row per atom, coarse above fine.
+    """
+    return Image(height=2 * n_bases, width=N_PIXELS, encoding="32FC1", step=4 * N_PIXELS)

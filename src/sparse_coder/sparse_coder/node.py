@@ -1,6 +1,7 @@
 """The node sparse_coder: features and reward for each observation of the plant."""
 
 import sys
+import time
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,12 +10,15 @@ from sensor_msgs.msg import Image, JointState
 from lockstep.images import ImagePublisher
 from lockstep.learner_node import LearnerNode
 from lockstep.process import run_node
-from lockstep.topics import HORIZONTAL_RECTI, PICTURES, REWARD_NAMES, TRAINING
+from lockstep.topics import BASIS_FUNCTIONS, HORIZONTAL_RECTI, PICTURES, REWARD_NAMES, TRAINING
 from lockstep.vectors import VectorPublisher, values_of, whole_values_of
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
-from sparse_coder.messages import features_message, picture_of
+from sparse_coder.messages import basis_functions_message, features_message, picture_of
 from sparse_coder.reward import reward
+
+# Half a megabyte each time, for people to look at.
+_BASIS_FUNCTIONS_PERIOD_S = 1.0
 
 INPUTS = dict.fromkeys(PICTURES, Image) | {"episode": JointState, "muscle_activations": JointState}
 
@@ -30,6 +34,10 @@ class SparseCoderNode(LearnerNode):
         super().__init__("sparse_coder", SparseCoderConfig, INPUTS, **kwargs)
         self._features = ImagePublisher(self, "features", features_message(self.config.n_bases))
         self._reward = VectorPublisher(self, "reward", REWARD_NAMES)
+        self._basis_functions = ImagePublisher(
+            self, BASIS_FUNCTIONS, basis_functions_message(self.config.n_bases)
+        )
+        self._sent_basis_functions_s = 0.0
 
     def make_learner(self) -> SparseCoder:
         """Return a coder with the dictionaries of its seed."""
@@ -50,8 +58,17 @@ class SparseCoderNode(LearnerNode):
             stamp_ns, (*errors, metabolic_rate_w, reward_t, self.learner.learning_steps)
         )
         self._features.publish(stamp_ns, encoding.features)
+        self._show_basis_functions(stamp_ns)
         if phase == TRAINING:
             self.learner.learn(encoding)
+
+    def _show_basis_functions(self, stamp_ns: int) -> None:
+        """Publish those that have made this answer, now and then, while someone subscribes."""
+        now_s = time.monotonic()
+        is_due = now_s - self._sent_basis_functions_s >= _BASIS_FUNCTIONS_PERIOD_S
+        if is_due and self._basis_functions.publisher.get_subscription_count():
+            self._sent_basis_functions_s = now_s
+            self._basis_functions.publish(stamp_ns, self.learner.atoms())
 
     def repeat(self) -> None:
         """Publish the last features and reward again."""

@@ -131,6 +131,17 @@ def test_an_action_is_a_change_in_units_of_the_scale_within_the_limits(
     assert bare.step(np.array([-1.0, -1.0]))[0]["activations"].tolist() == [0.0, 0.0]
 
 
+def test_an_actions_scale_may_be_chosen(settings: dict[str, Any]) -> None:
+    made = gymnasium.make(IDS[1], settings=settings, action_scale=0.01)
+    made.reset(seed=1)
+    low = made.step(np.array([-1.0, -1.0]))[0]["activations"]
+    moved = made.step(np.array([1.0, 0.5]))[0]["activations"]
+    np.testing.assert_allclose(
+        moved, np.minimum(low + np.array([0.01, 0.005]), [0.2, 0.1]), atol=1e-15
+    )
+    made.close()
+
+
 def test_the_reward_is_that_of_where_the_action_led(bare: VergenceEnvironment) -> None:
     bare.reset(seed=1)
     _, reward, _, _, info = bare.step(np.array([0.1, 0.0]))
@@ -227,6 +238,7 @@ def test_bad_reset_options_are_one_error(
         ({"model": "M_D"}, "model: expected M or M_C, got 'M_D'"),
         ({"settings": {"eye_plant.no_such": 1}}, "no_such"),
         ({"settings": {"nobody.seed": 1}}, "expected NODE.PARAMETER=VALUE"),
+        ({"action_scale": 0.0}, "action_scale: expected more than 0, at most 1, got 0.0"),
         ({"render_mode": "human"}, "render_mode: expected None or rgb_array"),
         ({"coder_state": "nowhere.npz"}, "nowhere.npz"),
     ],

@@ -136,6 +136,16 @@ class Bag:
 
         stamps_ns: only these; None: all. Pictures: cdr.image_array.
         """
+        for stamp, message in self.messages(topic, stamps_ns):
+            yield stamp, image_array(message)
+
+    def messages(
+        self, topic: str, stamps_ns: Iterable[int] | None = None
+    ) -> Iterator[tuple[int, bytes]]:
+        """Yield (stamp, serialized message) of a topic, in the order of the bag.
+
+        stamps_ns: only these; None: all.
+        """
         name = self.topic(topic)
         wanted = None if stamps_ns is None else np.array(sorted(stamps_ns), np.uint64)
         for file in self.files:
@@ -147,7 +157,7 @@ class Bag:
                     continue
                 data = file.read_chunk(chunk)
                 for stamp, offset in entries.tolist():
-                    yield stamp, image_array(message_at(data, offset))
+                    yield stamp, message_at(data, offset)
 
     def _chunks(self, names: Iterable[str]) -> Iterator[tuple[McapFile, IndexedChunk, np.ndarray]]:
         wanted = set(names)

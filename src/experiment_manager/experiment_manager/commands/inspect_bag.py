@@ -1,6 +1,7 @@
-"""Shows what a bag holds, repairs a cut-off one, extracts its pictures."""
+"""Shows what a bag holds, plays it, repairs a cut-off one, extracts its pictures."""
 
 import argparse
+import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,13 +12,15 @@ import numpy as np
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT, RUN_METADATA
 from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.repair import repair_bag
+from experiment_manager.launch.live_view import Address
+from experiment_manager.live.play import play
 from experiment_manager.measures.metrics import summary
 from experiment_manager.measures.recorded_run import trial_rows
 from experiment_manager.measures.tables import tests_table, text_table
 from experiment_manager.measures.trials import split_tests
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from lockstep.errors import InputError
-from lockstep.exit_codes import EXIT_BAD_INPUT
+from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
 
 _VECTOR = "sensor_msgs/msg/JointState"
 _IMAGE = "sensor_msgs/msg/Image"
@@ -31,6 +34,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if options.repair:
             _print_repairs(path)
+        if options.play:
+            play(path, options.at.host, options.at.port, _rate(options.rate))
+            return 0
         bag = Bag(path)
         if options.extract is not None:
             _extract(bag, options.extract)
@@ -38,6 +44,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (InputError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED
     return 0
 
 
@@ -56,7 +64,26 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--extract", type=Path, metavar="DIR", help="write all pictures below DIR, as PNG"
     )
+    parser.add_argument(
+        "--play", action="store_true", help="show its sampled episodes in Lichtblick or Foxglove"
+    )
+    parser.add_argument(
+        "--rate", type=float, default=1.0, metavar="X", help="of --play, simulated time over time"
+    )
+    parser.add_argument(
+        "--at",
+        type=Address.of,
+        default=Address(),
+        metavar="HOST:PORT",
+        help=f"where --play listens (default: {Address()}, this machine only)",
+    )
     return parser
+
+
+def _rate(rate: float) -> float:
+    if not 0.0 < rate < math.inf:
+        raise InputError(f"--rate: expected more than 0, got {rate:g}")
+    return rate
 
 
 def describe(bag: Bag, *, with_configuration: bool = False) -> str:

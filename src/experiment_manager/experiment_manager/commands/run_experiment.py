@@ -14,8 +14,10 @@ from experiment_manager.launch.configuration import configuration_of, given_sett
 from experiment_manager.launch.continuation import Branch, branch, check_resumable, extend
 from experiment_manager.launch.cost_weight import first_iterations, with_weight
 from experiment_manager.launch.in_process import run_in_process
+from experiment_manager.launch.live_view import Address
 from experiment_manager.launch.neighbours import refuse_neighbours
 from experiment_manager.launch.supervisor import Supervisor, known_domain
+from experiment_manager.live.server import why_unavailable
 from experiment_manager.measures.results import read_results
 from experiment_manager.measures.tables import tests_table
 from experiment_manager.report.performance_figures import learning_curve
@@ -72,6 +74,25 @@ def _say_how_to_start(nodes: Collection[str], domain: int | None, config: Path) 
             f"  ROS_DOMAIN_ID={domain} ROS_AUTOMATIC_DISCOVERY_RANGE={reach} "
             f"launch_scripts/{node}.sh --ros-args --params-file {config.name}"
         )
+
+
+def _check_in_process(options: argparse.Namespace) -> None:
+    for name in ("elsewhere", "live"):
+        if options.in_process and getattr(options, name):
+            raise InputError(f"--in-process: expected it without --{name}, got both")
+
+
+def _live(options: argparse.Namespace) -> Address | None:
+    """Return where a live view is to listen, having said so, or None when there is to be none."""
+    if options.live is None:
+        return None
+    if why := why_unavailable():
+        print(f"error: {why}; the run goes on without", file=sys.stderr)
+        return None
+    address: Address = options.live
+    page = Address(address.host, address.port + 1)
+    print(f"live view: ws://{address}; http://{page} opens it in Lichtblick or Foxglove")
+    return address
 
 
 def _prepare(options: argparse.Namespace) -> Path:
@@ -164,8 +185,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one experiment; return the exit code."""
     try:
         options = arguments(argv)
-        if options.in_process and options.elsewhere:
-            raise InputError("--in-process: expected it without --elsewhere, got both")
+        _check_in_process(options)
         domain = known_domain(options.elsewhere)
         if domain is not None and not options.in_process:
             refuse_neighbours(domain, options.elsewhere)
@@ -175,7 +195,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             code = run_in_process(directory)
         else:
             _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
-            code = Supervisor(directory, options.elsewhere).run()
+            code = Supervisor(directory, options.elsewhere, _live(options)).run()
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT

@@ -28,9 +28,9 @@ _LARGEST_SEED = 2**31
 class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
     """One episode of K17 after another: ten steps, then truncated; nothing terminates.
 
-    Action (n_muscles,) in [-1, 1]: change of activation, in units of `action_scale`. That is the
-    least power of two that spans a muscle's limits, so that any activation is one step away, and
-    that scaling rounds nothing. Activations are kept within the limits, as the agent's are.
+    Action (n_muscles,) in [-1, 1]: change of activation, in units of `action_scale`. By default
+    that is the least power of two that spans a muscle's limits, so that any activation is one step
+    away, and that scaling rounds nothing. Activations are kept within the limits, as the agent's.
     Reward: -E - lambda C of the observation that the action led to (K17 eq. 5).
     info: "ground_truth", by the names of that topic, from which no agent should learn, since no eye
     can see it; reconstruction_error_coarse, _fine.
@@ -46,26 +46,32 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
 
     def __init__(
         self,
+        *,
         model: str = "M",
         settings: Mapping[str, Any] | None = None,
         coder_state: str | Path | None = None,
         coder_learns: bool = True,
+        action_scale: float | None = None,
         render_mode: str | None = None,
     ) -> None:
         """Set up plant and coder.
 
         model: M, or M_C with a price on energy; settings: {"NODE.PARAMETER": value}, as --set of
-        run_experiment.sh; coder_state: sparse_coder.npz of a checkpoint, to begin with.
+        run_experiment.sh; coder_state: sparse_coder.npz of a checkpoint, to begin with;
+        action_scale: change of either activation that an action of 1 makes.
         Raises InputError for whatever run_experiment.sh would refuse.
         """
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise InputError(f"render_mode: expected None or rgb_array, got {render_mode!r}")
+        if action_scale is not None and not 0.0 < action_scale <= 1.0:
+            raise InputError(f"action_scale: expected more than 0, at most 1, got {action_scale}")
         self.render_mode = render_mode
         self._experiment: Experiment = make_experiment(model, settings or {}, coder_state)
         self._coder_learns = coder_learns
         self._plant = self._experiment.plant
         self._lowest, self._highest = self._experiment.activation_limits
-        self.action_scale = 2.0 ** np.ceil(np.log2(self._highest - self._lowest))
+        whole = 2.0 ** np.ceil(np.log2(self._highest - self._lowest))
+        self.action_scale = whole if action_scale is None else np.full_like(whole, action_scale)
         self.action_space = Box(-1.0, 1.0, (len(COMMAND_NAMES),), np.float64)
         activations = Box(self._lowest, self._highest, dtype=np.float64)
         self.observation_space = Dict({**self._senses(), "activations": activations})

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from experiment_manager.config import MODELS
+from experiment_manager.launch.live_view import Address
 from experiment_manager.launch.profiles import profile_names
 
 # Lambda of M_C, 1/W, by the eyes' parameter set: energy is 20 % of the reward over the first 5,000
@@ -78,6 +79,15 @@ def parser() -> argparse.ArgumentParser:
         metavar="NODE,...",
         help="nodes that you start yourself, on another machine: of "
         f"{', '.join(MOVABLE_NODES)}; see docs/reliability.md",
+    )
+    line.add_argument(
+        "--live",
+        nargs="?",
+        const=Address(),
+        type=Address.of,
+        metavar="HOST:PORT",
+        help="watch the run in Lichtblick or Foxglove; listens on this machine only unless HOST"
+        f" says otherwise (default: {Address()})",
     )
     line.add_argument(
         "--lambda",

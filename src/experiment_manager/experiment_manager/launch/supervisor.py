@@ -11,6 +11,7 @@ from experiment_manager.launch.attempt import goes_on, place_of
 from experiment_manager.launch.domains import NODE_SCRIPTS_DOMAIN, given_domain, own_domain
 from experiment_manager.launch.heartbeats import Heartbeats
 from experiment_manager.launch.interrupts import Interrupts
+from experiment_manager.launch.live_view import Address, LiveView
 from experiment_manager.launch.neighbours import addresses
 from experiment_manager.launch.processes import MANAGER, PACKAGES, NodeProcesses
 from experiment_manager.launch.shared_memory import remove_ports, remove_stale_segments
@@ -39,14 +40,17 @@ _NUMBER = re.compile(r"[0-9.]+")
 class Supervisor:
     """Brings one run to its end: one attempt after another, each from the newest checkpoint."""
 
-    def __init__(self, directory: Path, elsewhere: Collection[str] = ()) -> None:
+    def __init__(
+        self, directory: Path, elsewhere: Collection[str] = (), live: Address | None = None
+    ) -> None:
         """directory: holds config.yaml, and whatever the run has done so far.
 
         elsewhere: nodes that somebody else starts, in the domain of `known_domain`. What they lack
-        of signs of life the manager notices.
+        of signs of life the manager notices. live: where a live view listens, None for none.
         """
         self._directory = directory
         self._elsewhere = frozenset(elsewhere)
+        self._live = live
         self._packages = [package for package in PACKAGES if package not in elsewhere]
         self._known_domain = known_domain(elsewhere)
         self._processes: NodeProcesses | None = None
@@ -119,10 +123,12 @@ class Supervisor:
         with (
             NodeProcesses(config, domain, logs, more, self._packages) as processes,
             Heartbeats(domain, self._packages) as heartbeats,
+            LiveView(self._live, domain, self._directory) as live_view,
         ):
             self._processes = processes
             while not (codes := processes.exit_codes()):
                 silent = heartbeats.wait()
+                live_view.look()
                 if silent:
                     return EXIT_FAULT, f"{silent} gives no sign of life"
                 if not self._elsewhere <= heartbeats.heard and not addresses() <= at_start:

@@ -1,0 +1,127 @@
+"""The node live_view: listens to the graph as a recorder does, and serves it to viewers.
+
+Nobody waits for it. It takes what has come twenty times a second, subscribes to what a client
+watches, and publishes nothing.
+"""
+
+import struct
+import sys
+from collections import deque
+from functools import partial
+from typing import Any
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
+from sensor_msgs.msg import Image, JointState
+
+from experiment_manager.live.config import LiveViewConfig
+from experiment_manager.live.page import Page
+from experiment_manager.live.view import VECTORS, View, open_server
+from lockstep.cdr import image_array
+from lockstep.errors import InputError
+from lockstep.parameters import declare_config
+from lockstep.process import run_node
+from lockstep.topics import BASIS_FUNCTIONS, PICTURES
+
+_HEADER_STAMP = struct.Struct("<iI")
+_HEADER_OFFSET = 4  # behind the CDR encapsulation
+# Of the ground truth each message counts; of the rest the newest is shown.
+_DEPTHS = {"ground_truth": 64}
+# Between two looks left and right come a moment apart: the newest that both have is shown.
+_N_KEPT = 4
+
+
+class LiveViewNode(Node):
+    """Takes messages as they come, and shows the newest of each topic at each look."""
+
+    gives_way = True
+
+    def __init__(self, **kwargs: Any) -> None:
+        """Listen on the configured ports; raises InputError when that cannot be."""
+        super().__init__("live_view", **kwargs)
+        config = declare_config(self, LiveViewConfig)
+        self._server = open_server("active binocular vision", config.host, config.port)
+        address = f"ws://{config.host}:{self._server.port}"
+        try:
+            self._page = Page(config.host, config.page_port, address)
+        except InputError:
+            self._server.close()
+            raise
+        self._view = View(self._server, config.n_selections)
+        self._heard: dict[str, deque[bytes]] = {}
+        self._subscribed: dict[str, Subscription] = {}
+        self.create_timer(
+            1.0 / config.rate_hz, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+        page = f"http://{config.host}:{self._page.port}/"
+        self.get_logger().info(f"live view at {address}; {page} opens it and has its layout")
+
+    def awaited_subscriptions(self) -> list[Subscription]:
+        """Return none: no message is worth waking up for, the next look is soon."""
+        return []
+
+    def _look(self) -> None:
+        try:
+            self._show_newest()
+        except InputError as error:
+            self.get_logger().warning(str(error), throttle_duration_sec=10.0)
+        self._subscribe(self._view.wanted_topics())
+
+    def _show_newest(self) -> None:
+        heard, self._heard = self._heard, {}
+        for message in heard.get("ground_truth", ()):
+            self._view.count(message)
+        if BASIS_FUNCTIONS in heard:
+            self._view.take_basis_functions(image_array(heard.pop(BASIS_FUNCTIONS)[-1]))
+        newest = {topic: messages[-1] for topic, messages in heard.items()}
+        left, right = ({_stamp_ns(m): m for m in heard.get(t, ())} for t in PICTURES)
+        if common := set(left) & set(right):
+            newest |= dict(zip(PICTURES, (left[max(common)], right[max(common)]), strict=True))
+        elif left and right:
+            del newest[PICTURES[0]], newest[PICTURES[1]]
+        self._view.show(newest)
+
+    def _subscribe(self, wanted: set[str]) -> None:
+        for topic in wanted - set(self._subscribed):
+            kind = JointState if topic in VECTORS else Image
+            depth = _DEPTHS.get(topic, _N_KEPT)
+            self._subscribed[topic] = self.create_subscription(
+                kind, topic, partial(self._hear, topic, depth), _best_effort(depth), raw=True
+            )
+        for topic in set(self._subscribed) - wanted:
+            self.destroy_subscription(self._subscribed.pop(topic))
+
+    def _hear(self, topic: str, depth: int, message: bytes) -> None:
+        self._heard.setdefault(topic, deque(maxlen=depth)).append(message)
+
+    def destroy_node(self) -> None:
+        """Stop serving with the node."""
+        self._page.close()
+        self._server.close()
+        super().destroy_node()
+
+
+def _best_effort(depth: int) -> QoSProfile:
+    """Return a quality of service for which no publisher keeps or sends anything again."""
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.VOLATILE,
+    )
+
+
+def _stamp_ns(message: bytes) -> int:
+    seconds, rest_ns = _HEADER_STAMP.unpack_from(message, _HEADER_OFFSET)
+    return int(seconds) * 1_000_000_000 + int(rest_ns)
+
+
+def main() -> None:
+    """Run the node until it is told to stop."""
+    sys.exit(run_node(LiveViewNode))
+
+
+if __name__ == "__main__":
+    main()

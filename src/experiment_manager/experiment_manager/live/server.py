@@ -1,0 +1,114 @@
+"""The WebSocket server of the Foxglove protocol: topics as they are, and what is made of them.
+
+foxglove-sdk, which it is made with, is optional; it is imported where it is needed.
+"""
+
+import importlib.util
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from experiment_manager.bag.message_definitions import message_definition
+from lockstep.errors import InputError
+
+_LOCK_FILE = "requirements-live.lock"
+# Of messages for one client: what a slow one cannot take is dropped, the oldest first.
+_BACKLOG = 64
+_ENCODINGS = {2: "mono8", 3: "rgb8"}
+
+
+def why_unavailable() -> str:
+    """Return what is missing and the command that installs it, "" when nothing is."""
+    if importlib.util.find_spec("foxglove") is not None:
+        return ""
+    lock = Path(__file__).parents[4] / _LOCK_FILE
+    what = f"--require-hashes -r {lock}" if lock.is_file() else "foxglove-sdk"
+    return (
+        "the live view needs foxglove-sdk, which is not installed: "
+        f".venv/bin/python -m pip install {what}"
+    )
+
+
+class ViewServer:
+    """Serves channels to any number of clients; nobody waits for them."""
+
+    def __init__(
+        self,
+        name: str,
+        host: str,
+        port: int,
+        *,
+        topics: Mapping[str, str],
+        pictures: Sequence[str],
+        tables: Mapping[str, Sequence[str]],
+    ) -> None:
+        """Listen on host and port (0: any free one).
+
+        topics: ROS message type by topic; pictures: topics of pictures that are made here;
+        tables: names of the numbers by topic, of numbers that are made here.
+        Raises InputError when foxglove-sdk is not installed or nobody can listen there.
+        """
+        if why := why_unavailable():
+            raise InputError(why)
+        import foxglove  # noqa: PLC0415 (optional)
+        from foxglove.channels import RawImageChannel  # noqa: PLC0415
+
+        # Kept: a context that nothing refers to takes its channels with it.
+        self._context = context = foxglove.Context()
+        self._channels: dict[str, Any] = {}
+        for topic, kind in topics.items():
+            text = message_definition(kind).text
+            schema = foxglove.Schema(name=kind, encoding="ros2msg", data=text.encode())
+            self._channels[topic] = foxglove.Channel(
+                f"/{topic}", message_encoding="cdr", schema=schema, context=context
+            )
+        for topic in pictures:
+            self._channels[topic] = RawImageChannel(f"/{topic}", context=context)
+        for topic, names in tables.items():
+            of_numbers = {
+                "type": "object",
+                "properties": {name: {"type": "number"} for name in names},
+            }
+            self._channels[topic] = foxglove.Channel(
+                f"/{topic}", schema=of_numbers, context=context
+            )
+        try:
+            self._server = foxglove.start_server(
+                name=name, host=host, port=port, context=context, message_backlog_size=_BACKLOG
+            )
+        except RuntimeError as error:
+            raise InputError(f"live view: cannot listen on {host}:{port}: {error}") from error
+        self.port: int = self._server.port
+
+    def is_watched(self, topic: str) -> bool:
+        """Whether a client subscribes to the topic now."""
+        return bool(self._channels[topic].has_sinks())
+
+    def send(self, topic: str, message: bytes) -> None:
+        """Send a serialized ROS message."""
+        self._channels[topic].log(message)
+
+    def send_picture(self, topic: str, picture: np.ndarray) -> None:
+        """Send a picture (height, width) or (height, width, 3) uint8."""
+        from foxglove.messages import RawImage  # noqa: PLC0415 (optional)
+
+        height, width = picture.shape[:2]
+        message = RawImage(
+            frame_id=topic,
+            width=width,
+            height=height,
+            encoding=_ENCODINGS[picture.ndim],
+            step=picture[0].nbytes,
+            data=picture.tobytes(),
+        )
+        self._channels[topic].log(message)
+
+    def send_numbers(self, topic: str, numbers: Mapping[str, float]) -> None:
+        """Send numbers by their names."""
+        self._channels[topic].log(dict(numbers))
+
+    def close(self) -> None:
+        """Stop listening."""
+        self._server.stop()

@@ -1,0 +1,141 @@
+"""The live view beside a real run: viewers see it, and the run's numbers are none the wiser."""
+
+import json
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import psutil
+import pytest
+
+from experiment_manager.live.view import ANAGLYPH, LEARNING, RECONSTRUCTIONS, SHOWN_TOPICS
+from lockstep.cdr import image_array
+from lockstep.topics import PICTURES
+from tests.foxglove_client import FoxgloveClient
+from tests.graph_harness import assert_same_numbers, small_run
+from tests.supervisor import environment, finished, start_supervisor
+
+N_ITERATIONS = 300
+ALL_TOPICS = tuple(f"/{topic}" for topic in (*SHOWN_TOPICS, ANAGLYPH, *RECONSTRUCTIONS, LEARNING))
+
+
+def _free_port() -> int:
+    """Return a port that was free a moment ago, and the next one, too."""
+    while True:
+        with socket.socket() as one, socket.socket() as next_one:
+            one.bind(("127.0.0.1", 0))
+            port = int(one.getsockname()[1])
+            try:
+                next_one.bind(("127.0.0.1", port + 1))
+            except OSError:
+                continue
+            return port
+
+
+def _line(pictures: Path, out: Path) -> list[str]:
+    # Bags keep pictures of some episodes only; viewers see all.
+    return [*small_run(pictures, N_ITERATIONS), "--out", str(out)]
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
+    """Return the directory of a run that nobody watched."""
+    out = tmp_path_factory.mktemp("plain") / "run"
+    finished(start_supervisor(_line(pictures, out)))
+    return out
+
+
+@contextmanager
+def _watched(line: Sequence[str], port: int) -> Iterator["subprocess.Popen[str]"]:
+    process = start_supervisor([*line, "--live", f":{port}"])
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+
+
+def _live_view_of(supervisor_id: int) -> psutil.Process:
+    (found,) = (
+        child
+        for child in psutil.Process(supervisor_id).children()
+        if "experiment_manager.live.node" in child.cmdline()
+    )
+    return found
+
+
+def test_viewers_see_the_run_and_a_stalled_one_costs_it_nothing(
+    plain: Path, pictures: Path, tmp_path: Path
+) -> None:
+    port, out = _free_port(), tmp_path / "run"
+    with (
+        _watched(_line(pictures, out), port) as run,
+        FoxgloveClient(port) as stalled,
+        FoxgloveClient(port) as viewer,
+    ):
+        stalled.subscribe(ALL_TOPICS)  # and never reads
+        viewer.subscribe(ALL_TOPICS)
+        viewer.receive_of_each(ALL_TOPICS, n_messages=3)
+        assert f"live view: ws://127.0.0.1:{port}" in finished(run)
+    assert_same_numbers(plain, out)
+    first, second = (image_array(m) for m in viewer.received["/left/image_raw"][:2])
+    assert first.shape == second.shape == (240, 320)
+    errors = [json.loads(m)["running_median_error_deg"] for m in viewer.received[f"/{LEARNING}"]]
+    assert all(0.0 <= error_deg < 20.0 for error_deg in errors)
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_a_run_whose_live_view_dies_or_stops_goes_on(
+    plain: Path, pictures: Path, tmp_path: Path, number: signal.Signals
+) -> None:
+    port, out = _free_port(), tmp_path / "run"
+    with _watched(_line(pictures, out), port) as run, FoxgloveClient(port) as viewer:
+        topics = [f"/{topic}" for topic in PICTURES]
+        viewer.subscribe(topics)
+        viewer.receive_of_each(topics)
+        _live_view_of(run.pid).send_signal(number)
+        output = finished(run)
+    assert ("the live view has ended" in output) == (number == signal.SIGKILL)
+    assert "fault" not in output
+    assert_same_numbers(plain, out)
+
+
+def test_a_port_in_use_is_one_error_and_the_run_goes_on(pictures: Path, tmp_path: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = int(taken.getsockname()[1])
+        with _watched([*small_run(pictures, 20), "--out", str(tmp_path / "run")], port) as run:
+            output = finished(run)
+    assert output.count("the live view has ended: error: live view: cannot listen on") == 1
+
+
+def _inspect(*arguments: str | Path) -> "subprocess.Popen[str]":
+    return subprocess.Popen(
+        [sys.executable, "-m", "experiment_manager.commands.inspect_bag", *map(str, arguments)],
+        env=environment(),
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+def test_a_recorded_bag_is_played_to_the_same_view(plain: Path) -> None:
+    port = _free_port()
+    process = _inspect(plain, "--play", "--rate", "1000", "--at", f":{port}")
+    with FoxgloveClient(port) as viewer:
+        viewer.subscribe(ALL_TOPICS)
+        viewer.receive_to_the_end()
+    output = finished(process)
+    assert f"ws://127.0.0.1:{port}" in output
+    assert set(viewer.received) == set(ALL_TOPICS)
+
+
+def test_rates_that_are_none_are_refused(plain: Path) -> None:
+    process = _inspect(plain, "--play", "--rate", "0")
+    assert finished(process, code=2) == "error: --rate: expected more than 0, got 0\n"
