@@ -149,6 +149,7 @@ _ROSDEP_KEYS = {
     "cv2": "python3-opencv",
     "matplotlib": "python3-matplotlib",
     "numpy": "python3-numpy",
+    "PIL": "python3-pil",
     "psutil": "python3-psutil",
     "tqdm": "python3-tqdm",
     "yaml": "python3-yaml",

@@ -12,6 +12,7 @@ import numpy as np
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT, RUN_METADATA
 from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.repair import repair_bag
+from experiment_manager.film.film import FRAMES_PER_S, film
 from experiment_manager.launch.live_view import Address
 from experiment_manager.live.play import play
 from experiment_manager.measures.metrics import summary
@@ -36,6 +37,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _print_repairs(path)
         if options.play:
             play(path, options.at.host, options.at.port, _rate(options.rate))
+            return 0
+        if options.film is not None:
+            duration_s = film(path, options.film) / FRAMES_PER_S
+            print(f"wrote {options.film}, {duration_s:.0f} s")
             return 0
         bag = Bag(path)
         if options.extract is not None:
@@ -63,6 +68,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--extract", type=Path, metavar="DIR", help="write all pictures below DIR, as PNG"
+    )
+    parser.add_argument(
+        "--film",
+        type=Path,
+        metavar="FILE",
+        help="write what the eyes saw before, during and after learning, as .mp4 or .gif",
     )
     parser.add_argument(
         "--play", action="store_true", help="show its sampled episodes in Lichtblick or Foxglove"

@@ -2,7 +2,7 @@
 
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +12,10 @@ from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
 from experiment_manager.bag.reader import Bag
 from experiment_manager.live.page import Page
 from experiment_manager.live.view import SHOWN_TOPICS, TRUTH_NAMES, View, open_server
+from experiment_manager.measures.pictured_episodes import pictured_episodes
 from experiment_manager.run import checkpoint
 from lockstep.errors import InputError
 from lockstep.state_file import read_state
-from lockstep.topics import PICTURES
 
 _NS_PER_S = 1e9
 _LOOK_S = 0.1
@@ -29,21 +29,15 @@ class Player:
     def __init__(self, bag: Bag, view: View) -> None:
         """Raises InputError for a bag without pictures of both eyes."""
         self._bag, self._view = bag, view
-        truth = bag.vectors("ground_truth")["ground_truth"]
+        self._episodes = pictured_episodes(bag)
+        truth = self._episodes.truth
         self._stamps_ns = truth.stamps_ns
         self._truth = np.stack([truth.column(name) for name in TRUTH_NAMES], axis=1)
-        is_first = truth.column("iteration") == 0
-        self._episode = np.cumsum(is_first)
-        seen = [set(bag.stamps_ns(topic).tolist()) for topic in PICTURES if bag.has(topic)]
-        both = np.array(sorted(set.intersection(*seen)) if len(seen) == len(PICTURES) else [])
-        self._with_pictures = np.unique(self._episode[np.isin(self._stamps_ns, both)])
-        if not len(self._with_pictures):
-            raise InputError(f"bag {bag.path}: expected pictures of both eyes, it has none")
 
     def play(self, rate: float, wait: Wait = time.sleep) -> None:
         """Show all; rate: simulated seconds in a second; wait: what to do for so many seconds."""
         counted = 0
-        for rows in self._rows():
+        for rows in self._episodes.rows:
             messages = self._messages(self._stamps_ns[rows])
             period_s = float(np.diff(self._stamps_ns[rows]).min(initial=_NS_PER_S)) / _NS_PER_S
             for row in rows.tolist():
@@ -52,10 +46,6 @@ class Player:
                 counted = row + 1
                 self._view.show(messages.get(int(self._stamps_ns[row]), {}))
                 wait(period_s / rate)
-
-    def _rows(self) -> Iterator[np.ndarray]:
-        for number in self._with_pictures:
-            yield np.flatnonzero(self._episode == number)
 
     def _messages(self, stamps_ns: np.ndarray) -> dict[int, dict[str, bytes]]:
         """Return the messages of an episode, by stamp and topic."""

@@ -1,0 +1,1 @@
+"""A film of what the eyes saw: before, during and after learning."""
