@@ -37,6 +37,8 @@ def curves_figure(conditions: Sequence[Condition]) -> Figure:
     axes.axhline(PX_DEG, color="0.5", lw=0.7, ls=":")
     axes.set(xlabel="training iterations / 1000", ylabel=r"median $|\Delta\gamma|$ / deg")
     axes.set_yscale("log")
+    axes.set_yticks([0.05, 0.1, 0.2, 0.5, 1.0, 2.0], ["0.05", "0.1", "0.2", "0.5", "1", "2"])
+    axes.minorticks_off()
     figure.legend(loc="outside right upper", fontsize=7)
     return figure
 
