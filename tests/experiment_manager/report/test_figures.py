@@ -1,33 +1,36 @@
 """Figures show the numbers of the bag: what is drawn is read back from the axes."""
 
+import copy
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from experiment_manager.measures.recorded_run import RecordedRun
+from experiment_manager.measures.metrics import PX_DEG, summary
 from experiment_manager.report.condition_figures import conditions_figure
 from experiment_manager.report.dictionary_figures import dictionary_figure, preference
 from experiment_manager.report.groups import groups_of
 from experiment_manager.report.motor_space_figure import MotorSpace, motor_space, motor_space_figure
 from experiment_manager.report.performance_figures import (
-    PX_DEG,
     box_figure,
     learning_curve,
     performance_figure,
 )
 from experiment_manager.report.picture_figures import anaglyph, anaglyph_figure, encoding_figure
+from experiment_manager.report.price_figure import over_prices, price_figure
+from experiment_manager.report.reported_run import ReportedRun
 from eye_plant.mechanics.inverse import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
 
 
 @pytest.fixture(scope="module")
-def runs(run_directories: dict[str, Path]) -> list[RecordedRun]:
-    return [RecordedRun(directory) for directory in run_directories.values()]
+def runs(run_directories: dict[str, Path]) -> list[ReportedRun]:
+    return [ReportedRun(directory) for directory in run_directories.values()]
 
 
-def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[RecordedRun]) -> None:
+def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[ReportedRun]) -> None:
     m, m_c = runs
     groups = groups_of([m_c, m, m])
     assert [group.model for group in groups] == ["M", "M_C"]
@@ -36,14 +39,14 @@ def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[Reco
     assert "0.08" in groups[1].label
     assert groups[0].colour != groups[1].colour
     assert groups[0].iterations == [0, 130, 270, 400]
-    assert len(groups[0].tests_at(130)) == 2
+    assert len(groups[0].trials_at(130).trial) == 2 * 39
 
 
 def test_runs_with_other_settings_are_not_pooled(
-    runs: list[RecordedRun], monkeypatch: pytest.MonkeyPatch
+    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run = runs[0]
-    other = RecordedRun(run.directory)
+    other = ReportedRun(run.directory)
     for own, free in (("mechanics.parameter_set: k17", "seed: 2"), ("seed: 3", "commit: abc")):
         text = run.configuration.replace("commit: 0123abc", free).replace("seed: 1", "seed: 5")
         monkeypatch.setattr(other, "configuration", text)
@@ -59,21 +62,21 @@ def test_runs_with_other_settings_are_not_pooled(
     assert first.colour != second.colour
 
 
-def test_fig_2_shows_the_medians_of_the_tests(runs: list[RecordedRun]) -> None:
+def test_fig_2_shows_the_medians_of_the_tests(runs: list[ReportedRun]) -> None:
     groups = groups_of(runs)
     figure = performance_figure(groups)
     upper, lower, right = figure.axes
     for axes in (upper, lower):
         for line, run in zip(axes.lines, runs, strict=False):
             expected = [
-                np.median(np.abs(test.trials.vergence_error_deg[:, 20])) for test in run.tests
+                np.median(np.abs(test.vergence_error_deg[:, 20])) for test in run.trials.values()
             ]
             assert np.array_equal(line.get_xdata(), [0, 130, 270, 400])
             assert np.allclose(line.get_ydata(), expected)
     for line, run in zip(right.lines, runs, strict=False):
-        tests = [t.trials for t in run.tests]
         expected = [
-            np.median(t.metabolic_rate_w[:, 20] - t.optimal_metabolic_rate_w) for t in tests
+            np.median(t.metabolic_rate_w[:, 20] - t.optimal_metabolic_rate_w)
+            for t in run.trials.values()
         ]
         assert np.allclose(line.get_ydata(), expected)
     assert lower.get_yscale() == "log"
@@ -81,7 +84,7 @@ def test_fig_2_shows_the_medians_of_the_tests(runs: list[RecordedRun]) -> None:
     assert "W" in right.get_ylabel()
 
 
-def test_fig_3_has_a_box_per_model_and_iteration(runs: list[RecordedRun]) -> None:
+def test_fig_3_has_a_box_per_model_and_iteration(runs: list[ReportedRun]) -> None:
     figure = box_figure(groups_of(runs))
     upper, lower = figure.axes
     medians = sorted(
@@ -90,7 +93,7 @@ def test_fig_3_has_a_box_per_model_and_iteration(runs: list[RecordedRun]) -> Non
         if line.get_color() == "black"
     )
     expected = sorted(
-        float(np.median(np.abs(run.tests[-1].trials.vergence_error_deg[:, k])))
+        float(np.median(np.abs(run.trials[400].vergence_error_deg[:, k])))
         for run in runs
         for k in (1, 2, 3, 20)
     )
@@ -118,7 +121,7 @@ def test_the_motor_space_is_that_of_the_plant() -> None:
     assert space.metabolic_rate_w[2, 1] == pytest.approx(law_w, rel=0.02)
 
 
-def test_fig_4_draws_each_trial_to_its_end(runs: list[RecordedRun]) -> None:
+def test_fig_4_draws_each_trial_to_its_end(runs: list[ReportedRun]) -> None:
     grid = np.linspace(0, 0.1, 11)
     medial, lateral = np.meshgrid(2 * grid, grid, indexing="ij")
     vergence_deg = 2 * (0.498 + 37.7 * medial - 40.9 * lateral)
@@ -129,24 +132,24 @@ def test_fig_4_draws_each_trial_to_its_end(runs: list[RecordedRun]) -> None:
     for axes, distance_m, starts_deg in ((near, 0.5, (-3, -1, 1, 3)), (far, 6.0, (-3, -1))):
         paths = [line for line in axes.lines if len(np.asarray(line.get_xdata())) == 21]
         assert len(paths) == 2 * len(starts_deg)
-        trials = runs[0].tests[-1].trials
+        trials = runs[0].trials[400]
         for path, start_deg in zip(paths, starts_deg, strict=False):
             (i_trial,) = np.flatnonzero(
                 (trials.object_distance_m == distance_m)
                 & (np.abs(trials.vergence_error_deg[:, 0] - start_deg) < 1e-6)
             )
             found = np.stack([path.get_ydata(), path.get_xdata()], axis=1)
-            assert np.array_equal(found, runs[0].tests[-1].trials.activations[i_trial])
+            assert np.array_equal(found, runs[0].trials[400].activations[i_trial])
     assert near.get_title() == "object at 0.5 m"
 
 
-def test_conditions_show_the_median_of_their_trials(runs: list[RecordedRun]) -> None:
+def test_conditions_show_the_median_of_their_trials(runs: list[ReportedRun]) -> None:
     figure = conditions_figure(groups_of(runs))
     axes = figure.axes[0]
     mask = np.ma.getmaskarray(np.ma.asarray(axes.images[0].get_array()))
     assert mask.shape == (7, 10)
     assert (~mask).sum() == 39
-    trials = runs[0].tests[-1].trials
+    trials = runs[0].trials[400]
     start_deg = np.round(trials.vergence_error_deg[:, 0])
     here = (trials.object_distance_m == 2.0) & (start_deg == -1.0)
     expected = np.median(np.abs(trials.vergence_error_deg[here, -1]))
@@ -157,12 +160,13 @@ def test_conditions_show_the_median_of_their_trials(runs: list[RecordedRun]) -> 
     assert f"{expected:.2f}" in {text.get_text() for text in axes.texts}
 
 
-def test_encoding_is_binned_by_vergence_error(runs: list[RecordedRun]) -> None:
+def test_encoding_is_binned_by_vergence_error(runs: list[ReportedRun]) -> None:
     figure = encoding_figure(groups_of(runs[:1]))
     (axes,) = figure.axes
     before, after = (np.asarray(line.get_ydata()) for line in axes.lines)
     at_deg = np.asarray(axes.lines[1].get_xdata())
-    test = runs[0].tests[-1]
+    assert runs[0].recorded is not None
+    test = runs[0].recorded.tests[-1]
     here = np.abs(test.trials.vergence_error_deg[:, :20]) < 0.125
     expected = np.median(test.reconstruction_error[:, :20][here])
     assert after[at_deg == 0.0] == pytest.approx(expected)
@@ -175,10 +179,11 @@ def test_an_anaglyph_is_red_for_the_left_eye_and_cyan_for_the_right() -> None:
     assert anaglyph(left, right)[1, 2].tolist() == [200, 10, 10]
 
 
-def test_anaglyphs_show_a_trial_before_and_after_learning(runs: list[RecordedRun]) -> None:
-    figure = anaglyph_figure(runs[0])
+def test_anaglyphs_show_a_trial_before_and_after_learning(runs: list[ReportedRun]) -> None:
+    run = runs[0].recorded
+    assert run is not None
+    figure = anaglyph_figure(run)
     assert figure is not None
-    run = runs[0]
     # Trials 0, 10, 20, 30 have pictures; the last two start without error. Of the others the
     # lower median is the one that ends nearer.
     final_deg = np.abs(run.tests[-1].trials.vergence_error_deg[:, -1])
@@ -192,7 +197,7 @@ def test_anaglyphs_show_a_trial_before_and_after_learning(runs: list[RecordedRun
         shown = np.asarray(axes.images[0].get_array())
         assert np.array_equal(shown, anaglyph(left, right))
         error_deg = test.trials.vergence_error_deg[trial, iteration]
-        assert f"{error_deg:+.2f} deg ({error_deg / PX_DEG:+.1f} px)" in axes.get_title()
+        assert f"error {error_deg:+.2f} deg ({error_deg / PX_DEG:+.1f} px)" in axes.get_title()
 
 
 def _gabor(shift: float) -> np.ndarray:
@@ -240,7 +245,87 @@ def test_each_atom_becomes_one_tile() -> None:
 
 
 def test_pictures_that_were_not_recorded_are_no_figure(
-    runs: list[RecordedRun], monkeypatch: pytest.MonkeyPatch
+    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(runs[1].bag, "has", lambda topic: False)
-    assert anaglyph_figure(runs[1]) is None
+    run = runs[1].recorded
+    assert run is not None
+    monkeypatch.setattr(run.bag, "has", lambda topic: False)
+    assert anaglyph_figure(run) is None
+
+
+# --- several seeds, and prices
+
+
+def _priced(run: ReportedRun, weight: float, error_factor: float) -> ReportedRun:
+    """The same run as if it had another lambda and other errors, but for the start."""
+    other = copy.copy(run)
+    other._about = {**run._about, "metabolic_cost_weight": weight}
+    factors = np.where(np.arange(21) > 0, error_factor, 1.0)
+    other.trials = {
+        at: replace(test, vergence_error_deg=test.vergence_error_deg * factors)
+        for at, test in run.trials.items()
+    }
+    return other
+
+
+def test_fig_2_has_each_seed_thin_behind_the_pooled_median(runs: list[ReportedRun]) -> None:
+    worse = _priced(runs[0], 0.0, 3.0)
+    worse.summaries = [summary(test) for test in worse.trials.values()]
+    groups = groups_of([runs[0], worse])
+    assert len(groups) == 1
+    lower = performance_figure(groups).axes[1]
+    pooled, *seeds = lower.lines[:3]
+    finals_deg = [run.trials[400].vergence_error_deg[:, 20] for run in (runs[0], worse)]
+    both = np.abs(np.concatenate(finals_deg))
+    assert np.asarray(pooled.get_ydata())[-1] == pytest.approx(np.median(both))
+    ends = [float(np.asarray(line.get_ydata())[-1]) for line in seeds]
+    single = float(np.median(np.abs(runs[0].trials[400].vergence_error_deg[:, 20])))
+    assert ends == pytest.approx([single, 3 * single])
+    assert all(line.get_linewidth() < pooled.get_linewidth() for line in seeds)
+
+
+@pytest.mark.parametrize("factor", [0.001, 1.0, 1.02])
+def test_fig_2_always_has_two_labelled_ticks_below(runs: list[ReportedRun], factor: float) -> None:
+    # Errors that hardly differ, far from any power of ten.
+    flat = _priced(runs[0], 0.0, factor)
+    flat.trials = {
+        at: replace(test, vergence_error_deg=np.full((39, 21), 0.3 * factor))
+        for at, test in flat.trials.items()
+    }
+    lower = performance_figure(groups_of([flat])).axes[1]
+    low, high = lower.get_ylim()
+    labels = [t.get_text() for t in lower.get_yticklabels() if low <= t.get_position()[1] <= high]
+    assert len([label for label in labels if label]) >= 2
+
+
+def test_ends_of_both_models_in_one_point_can_be_told_apart(runs: list[ReportedRun]) -> None:
+    grid = np.linspace(0, 0.1, 3)
+    space = MotorSpace(2 * grid, grid, np.eye(3), np.eye(3), 0.056)
+    near = motor_space_figure(space, groups_of(runs)).axes[0]
+    ends = [line for line in near.lines if len(np.asarray(line.get_xdata())) == 1]
+    looks = {(line.get_marker(), line.get_markersize(), line.get_color()) for line in ends}
+    assert len(looks) == 2
+    (below, *_), (above, *_) = (
+        [line for line in ends if line.get_marker() == marker] for marker in ("o", "D")
+    )
+    assert below.get_markersize() > 1.5 * above.get_markersize()
+    assert below.get_zorder() < above.get_zorder(), "the smaller one lies on the larger one"
+
+
+def test_prices_are_compared_where_nothing_else_differs(runs: list[ReportedRun]) -> None:
+    family = [_priced(runs[1], weight, factor) for weight, factor in ((0.2, 2), (0.01, 1))]
+    assert over_prices(groups_of([runs[1], *family[:1]])) == [], "two prices are no curve"
+    groups = over_prices(groups_of([*family, runs[1]]))
+    assert [group.common.weight for group in groups] == [0.01, 0.08, 0.2]
+    assert over_prices(groups_of([*runs, *family]))[0].model == "M", "without a price: lambda 0"
+    figure = price_figure(groups)
+    error, _, _, rate, trade = figure.axes[:5]
+    medians_deg = [
+        np.median(np.abs(group.last_trials.vergence_error_deg[:, 20])) for group in groups
+    ]
+    assert np.allclose(error.lines[0].get_ydata(), medians_deg)
+    assert np.allclose(error.lines[0].get_xdata(), [0.01, 0.08, 0.2])
+    rates_w = [np.median(group.last_trials.metabolic_rate_w[:, 20]) for group in groups]
+    assert np.allclose(rate.lines[0].get_ydata(), rates_w)
+    assert np.allclose(trade.lines[0].get_xdata(), rates_w)
+    assert np.allclose(trade.lines[0].get_ydata(), medians_deg)

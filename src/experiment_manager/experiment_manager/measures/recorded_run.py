@@ -1,16 +1,15 @@
 """What a run's bag tells about it, boiled down to what tables and figures need."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
 from experiment_manager.bag.reader import Bag, VectorTable
+from experiment_manager.measures.described_run import DescribedRun
 from experiment_manager.measures.kept_trials import KeptTrials, with_test
 from experiment_manager.measures.metrics import (
     SHARE_ITERATIONS,
@@ -19,7 +18,6 @@ from experiment_manager.measures.metrics import (
 )
 from experiment_manager.measures.results import results_document
 from experiment_manager.measures.trials import TestTrials, mean_of_both_eyes, split_tests
-from lockstep.errors import InputError
 from lockstep.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, TRAINING
 
 # The error of a single episode says how hard it was; a median over some says what was learned.
@@ -61,59 +59,14 @@ class _Measures:
     first_observation: int
 
 
-class RecordedRun:
+class RecordedRun(DescribedRun):
     """A run directory, read from its bag; everything in one pass, on first use."""
 
     def __init__(self, directory: Path) -> None:
         """Open the bag of a run directory; InputError when there is none or it is another's."""
-        self.directory = Path(directory)
-        self.name = self.directory.resolve().name
-        self.bag = Bag(self.directory / "bag")
-        self.configuration = self.bag.attachment(CONFIGURATION_ATTACHMENT).decode()
-        self._about = _about(self.configuration, self.bag.path)
-
-    @property
-    def model(self) -> str:
-        """M or M_C."""
-        return str(self._about["model"])
-
-    @property
-    def profile(self) -> str:
-        """Named settings that the run began with, "" for none."""
-        return str(self._about.get("profile", ""))
-
-    @property
-    def seed(self) -> int:
-        """Seed of the run."""
-        return int(self._about["seed"])
-
-    @property
-    def n_iterations(self) -> int:
-        """Training iterations that the whole run has."""
-        return int(self._about["n_training_iterations"])
-
-    @property
-    def metabolic_cost_weight(self) -> float:
-        """Lambda, 1/W."""
-        return float(self._about["metabolic_cost_weight"])
-
-    @property
-    def commit(self) -> str:
-        """Commit of the source."""
-        return str(self._about["commit"])
-
-    @property
-    def versions(self) -> tuple[str, ...]:
-        """Libraries that the run was made with."""
-        return tuple(str(version) for version in self._about.get("versions", ()))
-
-    def parameters(self, node: str) -> dict[str, Any]:
-        """Return all parameters of a node from the run's configuration, by dotted name."""
-        document = yaml.safe_load(self.configuration)
-        for section in (f"/**/{node}", node):
-            if section in document:
-                return dict(document[section]["ros__parameters"])
-        raise InputError(f"{self.bag.path}: the configuration has no node {node}")
+        self.bag = Bag(Path(directory) / "bag")
+        text = self.bag.attachment(CONFIGURATION_ATTACHMENT).decode()
+        super().__init__(directory, text, f"bag {self.bag.path}")
 
     @property
     def tests(self) -> tuple[RecordedTest, ...]:
@@ -205,19 +158,6 @@ class RecordedRun:
 def _sum_in_order(values: np.ndarray) -> float:
     """Return the sum of (n,) values with the bits that a running experiment gets."""
     return float(np.cumsum(values)[-1]) if len(values) else 0.0
-
-
-def _about(configuration: str, path: Path) -> Mapping[str, Any]:
-    """Return the section of config.yaml that says what the run is."""
-    try:
-        about = yaml.safe_load(configuration)["run"]["ros__parameters"]
-    except (yaml.YAMLError, KeyError, TypeError) as error:
-        raise InputError(f"bag {path}: expected a run's configuration in it: {error}") from error
-    needed = {"model", "seed", "n_training_iterations", "metabolic_cost_weight", "commit"}
-    missing = sorted(needed - set(about))
-    if missing:
-        raise InputError(f"bag {path}: its configuration does not tell {', '.join(missing)}")
-    return dict(about)
 
 
 def _total_error(reward: VectorTable) -> np.ndarray:

@@ -66,7 +66,7 @@ def tests_table(tests: Sequence[dict[str, Any]]) -> str:
     header = (
         "iteration",
         "trials",
-        "median|error|/deg",
+        "|vergence error|/deg",
         "IQR/deg",
         "within 1 px",
         "beyond 1 deg",

@@ -21,7 +21,7 @@ _N_COLUMNS = 2
 def conditions_figure(groups: Sequence[Group]) -> Figure:
     """Return the median |vergence error| after a trial by object distance and start error.
 
-    One panel per group, of its last test; empty where the test has no trials.
+    groups: with trials. One panel each, of the last test; empty where the test has no trials.
     """
     n_columns = min(_N_COLUMNS, len(groups))
     n_rows = -(-len(groups) // n_columns)
@@ -31,17 +31,17 @@ def conditions_figure(groups: Sequence[Group]) -> Figure:
         image = _draw(axes, group)
     for axes in panels[len(groups) :]:
         axes.set_axis_off()
-    colours = figure.colorbar(image, ax=panels, label=r"median $|\Delta\gamma|$ / deg", shrink=0.8)
+    colours = figure.colorbar(image, ax=panels, label="median |vergence error| / deg", shrink=0.8)
     colours.set_ticks([0.02, 0.1, PX_DEG, 1.0, 3.0], labels=["0.02", "0.1", "1 px", "1", "3"])
     colours.minorticks_off()
     return figure
 
 
 def _draw(axes: Axes, group: Group) -> AxesImage:
-    tests = group.tests_at(group.iterations[-1])
-    distance_m = np.concatenate([t.trials.object_distance_m for t in tests])
-    start_deg = np.concatenate([np.round(t.trials.vergence_error_deg[:, 0]) for t in tests])
-    end_deg = np.concatenate([np.abs(t.trials.vergence_error_deg[:, -1]) for t in tests])
+    trials = group.last_trials
+    distance_m = trials.object_distance_m
+    start_deg = np.round(trials.vergence_error_deg[:, 0])
+    end_deg = np.abs(trials.vergence_error_deg[:, -1])
     distances_m, starts_deg = np.unique(distance_m), np.unique(start_deg)
     medians_deg = np.full((len(distances_m), len(starts_deg)), np.nan)
     for i, j in np.ndindex(medians_deg.shape):

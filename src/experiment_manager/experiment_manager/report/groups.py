@@ -6,11 +6,17 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from matplotlib import colormaps
+from matplotlib.colors import to_hex
 
-from experiment_manager.measures.recorded_run import RecordedRun, RecordedTest
+from experiment_manager.measures.metrics import summary
+from experiment_manager.measures.recorded_run import RecordedTest
+from experiment_manager.measures.trials import TestTrials, pooled
+from experiment_manager.report.reported_run import ReportedRun
 
 # K17's colours: M blue, M_C green. Lightness tells further groups of a model apart.
-_COLOURS = {"M": ("#1f5fa8", "#6aa5e0", "#0c2f57"), "M_C": ("#2b8a3e", "#7cc68a", "#14451f")}
+_COLOUR_MAPS = {"M": "Blues", "M_C": "Greens"}
+_DARKEST, _LIGHTEST = 0.85, 0.4
 # The section of a configuration that says what the run is, and parameters that change no number
 # that a figure shows: who made the run, where, how often it was saved, and when it was tested.
 _ABOUT = "run"
@@ -40,35 +46,7 @@ _MOST_SETTINGS_NAMED = 2
 
 
 @dataclass(frozen=True)
-class Group:
-    """Runs that differ in nothing but the seed; their trials are pooled, as K17 does.
-
-    tests: per test the recorded tests of all runs, only where all runs have that test.
-    """
-
-    label: str
-    colour: str
-    model: str
-    runs: tuple[RecordedRun, ...]
-
-    @property
-    def iterations(self) -> list[int]:
-        """Training iterations before each test that all runs made, in order."""
-        made = [{test.trials.training_iteration for test in run.tests} for run in self.runs]
-        return sorted(set.intersection(*made))
-
-    def tests_at(self, iteration: int) -> list[RecordedTest]:
-        """Return each run's test after so many training iterations."""
-        return [
-            test
-            for run in self.runs
-            for test in run.tests
-            if test.trials.training_iteration == iteration
-        ]
-
-
-@dataclass(frozen=True)
-class _Key:
+class Common:
     """What the runs of a group have in common; settings: all else, (name, value as text)."""
 
     model: str
@@ -77,21 +55,88 @@ class _Key:
     settings: frozenset[tuple[str, str]]
 
 
-def groups_of(runs: Sequence[RecordedRun]) -> list[Group]:
-    """Return the runs by what they have in common, M before M_C, in the order given."""
+@dataclass(frozen=True)
+class Group:
+    """Runs that differ in nothing but the seed; their trials are pooled, as K17 does."""
+
+    label: str
+    colour: str
+    common: Common
+    runs: tuple[ReportedRun, ...]
+
+    @property
+    def model(self) -> str:
+        """M or M_C."""
+        return self.common.model
+
+    @property
+    def iterations(self) -> list[int]:
+        """Training iterations before each test that all runs made, in order."""
+        made = [{int(told["iteration"]) for told in run.summaries} for run in self.runs]
+        if self.has_trials:
+            made += [set(run.trials) for run in self.runs]
+        return sorted(set.intersection(*made))
+
+    @property
+    def has_trials(self) -> bool:
+        """Whether the trials of all runs are known, and not their measures alone."""
+        return all(run.trials for run in self.runs)
+
+    def trials_at(self, iteration: int) -> TestTrials:
+        """Return the trials of all runs after so many training iterations."""
+        return pooled([run.trials[iteration] for run in self.runs])
+
+    @property
+    def last_trials(self) -> TestTrials:
+        """The trials of all runs in their last common test."""
+        return self.trials_at(self.iterations[-1])
+
+    def summaries_at(self, iteration: int) -> list[dict[str, Any]]:
+        """Return each run's measures after so many training iterations."""
+        return [
+            next(told for told in run.summaries if told["iteration"] == iteration)
+            for run in self.runs
+        ]
+
+    @property
+    def last_summary(self) -> dict[str, Any] | None:
+        """The measures of the last common test, trials pooled; None where trials are not known."""
+        if self.has_trials:
+            return summary(self.last_trials)
+        return self.summaries_at(self.iterations[-1])[0] if len(self.runs) == 1 else None
+
+    def recorded_at(self, iteration: int) -> list[RecordedTest]:
+        """Return the tests after so many training iterations of the runs whose bags are there."""
+        return [
+            test
+            for run in self.runs
+            if run.recorded is not None
+            for test in run.recorded.tests
+            if test.trials.training_iteration == iteration
+        ]
+
+
+def groups_of(runs: Sequence[ReportedRun]) -> list[Group]:
+    """Return the runs by what they have in common, M before M_C, then by lambda."""
     keys = [_key(run) for run in runs]
-    different = sorted(dict.fromkeys(keys), key=lambda key: (key.model != "M", key.model))
+    different = sorted(
+        dict.fromkeys(keys), key=lambda key: (key.model != "M", key.model, key.weight)
+    )
     found = []
     for key in different:
         members = tuple(run for run, its in zip(runs, keys, strict=True) if its == key)
         same_model = [other for other in different if other.model == key.model]
-        shades = _COLOURS.get(key.model, ("#555555",))
-        colour = shades[same_model.index(key) % len(shades)]
-        found.append(Group(_label(key, same_model, len(members)), colour, key.model, members))
+        colour = _colour(key.model, same_model.index(key), len(same_model))
+        found.append(Group(_label(key, same_model, len(members)), colour, key, members))
     return found
 
 
-def _key(run: RecordedRun) -> _Key:
+def _colour(model: str, i: int, n: int) -> str:
+    shade = _DARKEST if n == 1 else _DARKEST + (_LIGHTEST - _DARKEST) * i / (n - 1)
+    return to_hex(colormaps[_COLOUR_MAPS.get(model, "Greys")](shade))
+
+
+def _key(run: ReportedRun) -> Common:
     document: dict[str, Any] = yaml.safe_load(run.configuration)
     settings = frozenset(
         (f"{section.removeprefix('/**/')}.{name}", str(value))
@@ -100,10 +145,10 @@ def _key(run: RecordedRun) -> _Key:
         for name, value in content["ros__parameters"].items()
         if name not in _NO_SETTINGS and (section, name.partition(".")[0]) not in _NO_PARTS
     )
-    return _Key(run.model, run.metabolic_cost_weight, run.n_iterations, settings)
+    return Common(run.model, run.metabolic_cost_weight, run.n_iterations, settings)
 
 
-def _label(key: _Key, same_model: Sequence[_Key], n_runs: int) -> str:
+def _label(key: Common, same_model: Sequence[Common], n_runs: int) -> str:
     """Return a group's name: what tells it from the others of its model, and the number of runs."""
     names = {"M": r"$\mathcal{M}$", "M_C": r"$\mathcal{M}_C$"}
     parts = [names.get(key.model, key.model)]

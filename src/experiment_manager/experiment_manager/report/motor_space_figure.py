@@ -3,14 +3,15 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
-from experiment_manager.measures.metrics import PX_DEG
-from experiment_manager.measures.recorded_run import RecordedTest
+from experiment_manager.measures.metrics import PX_DEG, SILENT_ACTIVATION
+from experiment_manager.measures.trials import TestTrials
 from experiment_manager.report.groups import Group
 from experiment_manager.report.performance_figures import new_figure
 from eye_plant.mechanics.model import MechanicsConfig
@@ -18,7 +19,11 @@ from eye_plant.mechanics.oculomotor import Oculomotor
 
 # Start errors whose paths are drawn, where a test has them (of K17's -3 to 3 deg).
 _START_ERRORS_DEG = (-3.0, -1.0, 1.0, 3.0)
-_END_COLOUR = "#d62728"
+# Ends of a model's paths, drawn in this order: each shows where they fall together, too.
+_ENDS: dict[str, dict[str, Any]] = {
+    "M": {"marker": "o", "ms": 8, "mfc": "white"},
+    "M_C": {"marker": "D", "ms": 4},
+}
 _MEDIAL_LIMIT, _LATERAL_LIMIT = 0.2, 0.1
 
 
@@ -57,18 +62,18 @@ def motor_space_figure(space: MotorSpace, groups: Sequence[Group]) -> Figure:
 
     Two panels, one for trials at the nearest and one at the farthest distance of the test; the
     solid line is correct gaze there, the dashed ones are 1 px off. Drawn are the trials of the
-    first test stimulus of each group's first run, for start errors of -3, -1, 1 and 3 deg where
-    there are; a path's red dot is its end, the median cost there is written in the corner.
+    first test stimulus, for start errors of -3, -1, 1 and 3 deg where there are; the median cost at
+    their ends is written in the corner. groups: with trials.
     """
     figure = new_figure(7.2, 4.6)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
-    last = [group.tests_at(group.iterations[-1])[0] for group in groups]
-    distances_m = last[0].trials.object_distance_m
+    last = [[run.trials[group.iterations[-1]] for run in group.runs] for group in groups]
+    distances_m = last[0][0].object_distance_m
     for axes, distance_m in zip(panels, (distances_m.min(), distances_m.max()), strict=True):
         image = _draw_maps(axes, space, float(distance_m))
         costs_w = [
-            _draw_paths(axes, test, float(distance_m), group.colour)
-            for group, test in zip(groups, last, strict=True)
+            _draw_paths(axes, tests, float(distance_m), group, i)
+            for i, (group, tests) in enumerate(zip(groups, last, strict=True))
         ]
         _write_costs(axes, costs_w, [group.colour for group in groups])
         axes.set_title(f"object at {distance_m:g} m", fontsize=9)
@@ -76,10 +81,20 @@ def motor_space_figure(space: MotorSpace, groups: Sequence[Group]) -> Figure:
     panels[0].set_ylabel("medial rectus activation")
     panels[0].set(xlim=(0, _LATERAL_LIMIT), ylim=(0, _MEDIAL_LIMIT))
     figure.colorbar(image, ax=panels, label="metabolic rate $C$ / W", shrink=0.85)
-    handles = [panels[0].plot([], [], color=group.colour, label=group.label)[0] for group in groups]
-    handles += panels[0].plot([], [], "o", color=_END_COLOUR, ms=4, label="after the trial")
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(2, len(handles)))
+    handles = [
+        panels[0].plot([], [], color=group.colour, label=group.label, **_end(group))[0]
+        for group in groups
+    ]
+    (silent,) = panels[0].plot([], [], ls=":", lw=0.9, color="#b35c00")
+    silent.set_label(f"activation {SILENT_ACTIVATION:g}: below, a muscle costs no less")
+    figure.legend(
+        handles=[*handles, silent], loc="outside lower center", ncols=min(2, 1 + len(handles))
+    )
     return figure
+
+
+def _end(group: Group) -> dict[str, Any]:
+    return _ENDS.get(group.model, _ENDS["M_C"])
 
 
 def _draw_maps(axes: Axes, space: MotorSpace, distance_m: float) -> QuadMesh:
@@ -89,6 +104,9 @@ def _draw_maps(axes: Axes, space: MotorSpace, distance_m: float) -> QuadMesh:
     axes.contour(
         space.lateral, space.medial, space.metabolic_rate_w, 8, colors="white", linewidths=0.6
     )
+    # The cost does not fall below this activation, so there its contours turn.
+    axes.axhline(SILENT_ACTIVATION, ls=":", lw=0.9, color="#b35c00")
+    axes.axvline(SILENT_ACTIVATION, ls=":", lw=0.9, color="#b35c00")
     desired_deg = math.degrees(2.0 * math.atan(space.baseline_m / (2.0 * distance_m)))
     axes.contour(
         space.lateral,
@@ -102,14 +120,27 @@ def _draw_maps(axes: Axes, space: MotorSpace, distance_m: float) -> QuadMesh:
     return image
 
 
-def _draw_paths(axes: Axes, test: RecordedTest, distance_m: float, colour: str) -> float:
+def _draw_paths(
+    axes: Axes, tests: Sequence[TestTrials], distance_m: float, group: Group, i_group: int
+) -> float:
     """Draw the paths of the trials shown; return the median metabolic rate at their ends, W."""
-    shown = _shown_trials(test, distance_m)
-    for i_trial in shown:
-        medial, lateral = test.trials.activations[i_trial].T
-        axes.plot(lateral, medial, color=colour, lw=1.1, marker=".", ms=2.5, clip_on=False)
-        axes.plot(lateral[-1], medial[-1], "o", color=_END_COLOUR, ms=4, zorder=5, clip_on=False)
-    return float(np.median(test.trials.metabolic_rate_w[shown, -1]))
+    ends_w: list[float] = []
+    lw = 1.1 if len(tests) == 1 else 0.7
+    for trials in tests:
+        for i_trial in _shown_trials(trials, distance_m):
+            medial, lateral = trials.activations[i_trial].T
+            axes.plot(lateral, medial, color=group.colour, lw=lw, marker=".", ms=2.5, clip_on=False)
+            axes.plot(
+                lateral[-1],
+                medial[-1],
+                color=group.colour,
+                mec=group.colour,
+                zorder=5 + i_group,
+                clip_on=False,
+                **_end(group),
+            )
+            ends_w.append(float(trials.metabolic_rate_w[i_trial, -1]))
+    return float(np.median(ends_w)) if ends_w else math.nan
 
 
 def _write_costs(axes: Axes, costs_w: Sequence[float], colours: Sequence[str]) -> None:
@@ -124,12 +155,11 @@ def _write_costs(axes: Axes, costs_w: Sequence[float], colours: Sequence[str]) -
             ha="right",
             fontsize=8,
             bbox={"facecolor": "white", "edgecolor": colour, "lw": 1.0, "pad": 1.5},
-            zorder=6,
+            zorder=20,
         )
 
 
-def _shown_trials(test: RecordedTest, distance_m: float) -> list[int]:
-    trials = test.trials
+def _shown_trials(trials: TestTrials, distance_m: float) -> list[int]:
     here = (trials.object_distance_m == distance_m) & (trials.stimulus == trials.stimulus.min())
     start_deg = trials.vergence_error_deg[:, 0]
     found = []

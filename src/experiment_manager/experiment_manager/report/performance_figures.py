@@ -1,6 +1,7 @@
-"""K17's figures 2 and 3 and a run's learning curve, drawn from bags."""
+"""K17's figures 2 and 3 and a run's learning curve."""
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +13,15 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from experiment_manager.measures.metrics import PX_DEG, REPORTED_ITERATIONS
-from experiment_manager.measures.recorded_run import RecordedRun, RecordedTest
 from experiment_manager.report.groups import Group, groups_of
+from experiment_manager.report.reported_run import ReportedRun
 
 FIGURES = "figures"
+# One name for it, in figures as in tables.
+ERROR_LABEL = "|vergence error| / deg"
+_STEPS = (1.0, 2.0, 5.0)
+# Of many groups lying upon each other, the bands are fainter.
+_MANY_GROUPS = 4
 _DPI = 150
 
 # For mpl.rc_context around whoever draws.
@@ -44,21 +50,23 @@ def learning_curve(directory: Path) -> Path:
 
     Tests as in K17 Fig. 2, and behind them the errors at the ends of training episodes.
     """
-    run = RecordedRun(directory)
+    run = ReportedRun(directory)
     with mpl.rc_context(STYLE):
         figure = learning_curve_figure(run)
         return save(figure, Path(directory) / FIGURES / "learning_curve.png")
 
 
-def learning_curve_figure(run: RecordedRun) -> Figure:
-    """Return the figure of one run: tests, and training behind them."""
+def learning_curve_figure(run: ReportedRun) -> Figure:
+    """Return the figure of one run: tests, and training behind them if its bag is there."""
     figure = new_figure(6.4, 4.2)
     axes = figure.add_subplot()
-    curve = run.training_curve
-    (line,) = axes.plot(
-        curve.iteration, curve.quartiles_deg[1], color="0.6", lw=1, label="training, episode ends"
-    )
-    handles = [*_performance(axes, groups_of([run])), line]
+    handles: list[Any] = []
+    if run.recorded is not None:
+        curve = run.recorded.training_curve
+        (line,) = axes.plot(curve.iteration, curve.quartiles_deg[1], color="0.6", lw=1)
+        line.set_label("training, episode ends")
+        handles.append(line)
+    handles = [*_performance(axes, groups_of([run])), *handles]
     axes.set_title(f"{run.name}: model {run.model}, seed {run.seed}", loc="left", fontsize=9)
     figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure
@@ -74,13 +82,25 @@ def performance_figure(groups: Sequence[Group]) -> Figure:
     handles = _performance(upper, groups)
     upper.set_xlabel("")
     for group in groups:
-        _draw_errors(lower, group)
+        _draw_errors(lower, group, len(groups))
     _mark_pixel(lower)
-    lower.set(yscale="log", ylabel=r"$|\Delta\gamma|$ / deg", xlabel="training iterations")
-    lower.yaxis.set_major_formatter(mpl.ticker.FormatStrFormatter("%g"))
-    lower.yaxis.set_minor_formatter(mpl.ticker.NullFormatter())
+    lower.set(yscale="log", ylabel=ERROR_LABEL, xlabel="training iterations")
+    _label_decades(lower)
     figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure
+
+
+def _label_decades(axes: Axes) -> None:
+    """Let a logarithmic axis begin and end at 1, 2 or 5 times a power of ten: labelled ticks."""
+    low, high = axes.get_ylim()
+    reach = range(math.floor(math.log10(low)) - 1, math.ceil(math.log10(high)) + 2)
+    steps = [step * 10.0**decade for decade in reach for step in _STEPS]
+    below = max(step for step in steps if step <= low)
+    above = min(step for step in steps if step >= high)
+    axes.set_ylim(below, above)
+    axes.yaxis.set_major_locator(mpl.ticker.FixedLocator([s for s in steps if below <= s <= above]))
+    axes.yaxis.set_major_formatter(mpl.ticker.FormatStrFormatter("%g"))
+    axes.yaxis.set_minor_formatter(mpl.ticker.NullFormatter())
 
 
 def _performance(axes: Axes, groups: Sequence[Group]) -> list[Any]:
@@ -89,36 +109,64 @@ def _performance(axes: Axes, groups: Sequence[Group]) -> list[Any]:
     right.spines["right"].set_visible(True)
     handles: list[Any] = []
     for group in groups:
-        handles.append(_draw_errors(axes, group))
-        delta_w = [float(np.median(_deltas_w(group.tests_at(at)))) for at in group.iterations]
-        right.plot(group.iterations, delta_w, "--", marker=".", color=group.colour, lw=1.2)
+        handles.append(_draw_errors(axes, group, len(groups)))
+        _draw_deltas(right, group)
     _mark_pixel(axes)
-    axes.set(xlabel="training iterations", ylabel=r"$|\Delta\gamma|$ / deg", ylim=(0, None))
+    axes.set(xlabel="training iterations", ylabel=ERROR_LABEL, ylim=(0, None))
     axes.xaxis.set_major_formatter(mpl.ticker.EngFormatter(sep=""))
     right.set_ylabel(r"$\Delta C$ / W")
     # With 0 in sight the height of a line tells its size.
     right.axhline(0.0, alpha=0.0)
     right.margins(y=0.08)
-    handles += [
-        Line2D([], [], color="0.3", label=r"median $|\Delta\gamma|$ (left)"),
-        Patch(color="0.3", alpha=0.2, lw=0, label="its quartiles"),
-        Line2D([], [], color="0.3", ls="--", label=r"median $\Delta C$ (right)"),
-    ]
+    handles.append(Line2D([], [], color="0.3", label="median |vergence error| (left)"))
+    if any(group.has_trials for group in groups):
+        handles.append(Patch(color="0.3", alpha=0.2, lw=0, label="its quartiles"))
+    handles.append(Line2D([], [], color="0.3", ls="--", label=r"median $\Delta C$ (right)"))
+    if any(len(group.runs) > 1 for group in groups):
+        handles.append(Line2D([], [], color="0.3", lw=0.6, alpha=0.6, label="each seed"))
     return handles
 
 
-def _draw_errors(axes: Axes, group: Group) -> Line2D:
+def _draw_errors(axes: Axes, group: Group, n_groups: int) -> Line2D:
+    """Draw the pooled median with quartiles, and each seed's median thin behind it.
+
+    Without trials the line is the median over seeds, without quartiles.
+    """
     at = group.iterations
-    quartiles_deg = np.array([_quartiles(_errors_deg(group.tests_at(n))) for n in at]).reshape(
-        -1, 3
-    )
-    (line,) = axes.plot(
-        at, quartiles_deg[:, 1], color=group.colour, marker="o", ms=3, label=group.label
-    )
-    axes.fill_between(
-        at, quartiles_deg[:, 0], quartiles_deg[:, 2], color=group.colour, alpha=0.2, lw=0
-    )
+    seeds_deg = _of_seeds(group, "median_abs_vergence_error_deg")
+    median_deg = np.median(seeds_deg, axis=0)
+    if group.has_trials:
+        errors_deg = [np.abs(group.trials_at(n).vergence_error_deg[:, -1]) for n in at]
+        lower_deg, median_deg, upper_deg = np.quantile(errors_deg, (0.25, 0.5, 0.75), axis=1)
+        alpha = 0.2 if n_groups <= _MANY_GROUPS else 0.08
+        axes.fill_between(at, lower_deg, upper_deg, color=group.colour, alpha=alpha, lw=0)
+    (line,) = axes.plot(at, median_deg, color=group.colour, marker="o", ms=3, label=group.label)
+    _draw_seeds(axes, at, seeds_deg, group.colour, "-")
     return line
+
+
+def _draw_deltas(axes: Axes, group: Group) -> None:
+    at = group.iterations
+    seeds_w = _of_seeds(group, "median_delta_cost_w")
+    median_w = np.median(seeds_w, axis=0)
+    if group.has_trials:
+        tests = [group.trials_at(n) for n in at]
+        median_w = np.array([np.median(test.delta_cost_w(test.n_iterations)) for test in tests])
+    axes.plot(at, median_w, "--", marker=".", color=group.colour, lw=1.2)
+    _draw_seeds(axes, at, seeds_w, group.colour, "--")
+
+
+def _of_seeds(group: Group, measure: str) -> np.ndarray:
+    """Return a measure of each run and test: (n_runs, n_tests)."""
+    by_test = [[told[measure] for told in group.summaries_at(n)] for n in group.iterations]
+    return np.array(by_test, dtype=np.float64).reshape(len(by_test), len(group.runs)).T
+
+
+def _draw_seeds(
+    axes: Axes, at: Sequence[int], values: np.ndarray, colour: str, linestyle: str
+) -> None:
+    for of_seed in values if len(values) > 1 else ():
+        axes.plot(at, of_seed, color=colour, lw=0.6, alpha=0.6, ls=linestyle, zorder=1)
 
 
 def _mark_pixel(axes: Axes, *, outside: bool = False) -> None:
@@ -136,47 +184,29 @@ def _mark_pixel(axes: Axes, *, outside: bool = False) -> None:
     )
 
 
-def _quartiles(values: np.ndarray) -> np.ndarray:
-    quartiles: np.ndarray = np.quantile(values, (0.25, 0.5, 0.75))
-    return quartiles
-
-
-def _errors_deg(tests: Iterable[RecordedTest], iteration: int = -1) -> np.ndarray:
-    errors = [np.abs(test.trials.vergence_error_deg[:, iteration]) for test in tests]
-    return np.concatenate(errors)
-
-
-def _deltas_w(tests: Iterable[RecordedTest]) -> np.ndarray:
-    return np.concatenate([t.trials.delta_cost_w(t.trials.n_iterations) for t in tests])
-
-
-def _cost_reductions(tests: Iterable[RecordedTest], iteration: int) -> np.ndarray:
-    values = np.concatenate([test.trials.cost_reduction(iteration) for test in tests])
-    return values[~np.isnan(values)]
-
-
 def box_figure(groups: Sequence[Group]) -> Figure:
     """Return K17 Fig. 3: box plots after iterations 1, 2, 3 and 20 of the last test.
 
-    Boxes are quartiles, whiskers reach the last value within 1.5 interquartile ranges; values
-    beyond are not drawn.
+    groups: with trials. Boxes are quartiles, whiskers reach the last value within 1.5 interquartile
+    ranges; values beyond are not drawn.
     """
     figure = new_figure(5.2, 5.6)
     upper, lower = figure.subplots(2, 1, sharex=True)
-    last = [group.tests_at(group.iterations[-1]) for group in groups]
-    n_iterations = min(test.trials.n_iterations for tests in last for test in tests)
+    last = [group.last_trials for group in groups]
+    n_iterations = min(trials.n_iterations for trials in last)
     shown = [k for k in REPORTED_ITERATIONS if k <= n_iterations]
     upper.axhspan(0, PX_DEG, color="0.85", lw=0)
     _mark_pixel(upper, outside=True)
     for level in (0, 100):
         lower.axhline(level, color="0.6", lw=0.7, ls=":")
     width = 0.7 / len(groups)
-    for i, (group, tests) in enumerate(zip(groups, last, strict=True)):
+    for i, (group, trials) in enumerate(zip(groups, last, strict=True)):
         positions = np.arange(len(shown)) + (i - (len(groups) - 1) / 2) * width
-        _boxes(upper, [_errors_deg(tests, k) for k in shown], positions, width, group.colour)
-        percent = [100 * _cost_reductions(tests, k) for k in shown]
-        _boxes(lower, percent, positions, width, group.colour)
-    upper.set(ylabel=r"$|\Delta\gamma|$ / deg", ylim=(0, None))
+        errors_deg = [np.abs(trials.vergence_error_deg[:, k]) for k in shown]
+        _boxes(upper, errors_deg, positions, width, group.colour)
+        reductions = [100 * trials.cost_reduction(k) for k in shown]
+        _boxes(lower, [c[~np.isnan(c)] for c in reductions], positions, width, group.colour)
+    upper.set(ylabel=ERROR_LABEL, ylim=(0, None))
     lower.set(ylabel="$c$ / %", xlabel="iteration of the trial")
     lower.set_xticks(range(len(shown)), [str(k) for k in shown])
     handles = [Patch(color=group.colour, alpha=0.6, label=group.label) for group in groups]

@@ -25,19 +25,19 @@ _WINDOW_PX = 128
 def encoding_figure(groups: Sequence[Group]) -> Figure:
     """Return reconstruction error against vergence error, in the first and in the last test.
 
-    Median and quartiles of E = E_c + E_f in bins of 0.25 deg, over all iterations of all trials;
-    bins of less than 20 are left out.
+    groups: of runs whose bags are there. Median and quartiles of E = E_c + E_f in bins of 0.25 deg,
+    over all iterations of all trials; bins of less than 20 are left out.
     """
     figure = new_figure(3.3 * len(groups) + 0.6, 3.4)
     panels = figure.subplots(1, len(groups), sharex=True, sharey=True, squeeze=False)[0]
     for axes, group in zip(panels, groups, strict=True):
         first, last = group.iterations[0], group.iterations[-1]
         for iteration, colour in {first: "0.5", last: group.colour}.items():
-            tests = group.tests_at(iteration)
+            tests = group.recorded_at(iteration)
             _draw_binned(axes, tests, colour, f"after {iteration:,} iterations")
         axes.axvspan(-PX_DEG, PX_DEG, color="0.9", lw=0, zorder=0)
         axes.set_title(group.label, fontsize=9)
-        axes.set_xlabel(r"vergence error $\Delta\gamma$ / deg")
+        axes.set_xlabel("vergence error / deg")
         axes.legend(loc="center", bbox_to_anchor=(0.5, 0.7), fontsize=8)
     # Before and after learning E differs by an order of magnitude; its dip must show in both.
     panels[0].set(ylabel="reconstruction error $E$", xlim=(-_RANGE_DEG, _RANGE_DEG), yscale="log")
@@ -143,7 +143,7 @@ def _draw_trial(axes_row: Sequence[Axes], run: RecordedRun, recorded: RecordedTr
         error_deg = trials.vergence_error_deg[recorded.i_trial, iteration]
         axes.set_title(
             f"trained for {trials.training_iteration:,} iterations, after {iteration} commands:\n"
-            f"$\\Delta\\gamma$ = {error_deg:+.2f} deg ({error_deg / PX_DEG:+.1f} px)",
+            f"vergence error {error_deg:+.2f} deg ({error_deg / PX_DEG:+.1f} px)",
             fontsize=8,
         )
         axes.set_axis_off()

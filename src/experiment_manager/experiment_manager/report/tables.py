@@ -1,16 +1,17 @@
 """The tables of a report: K17's numbers beside those of the runs."""
 
+import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from experiment_manager.measures.metrics import REPORTED_ITERATIONS, summary
+from experiment_manager.measures.metrics import REPORTED_ITERATIONS, SHARE_ITERATIONS
 from experiment_manager.measures.recorded_run import RecordedRun
 from experiment_manager.measures.resting_places import resting_places
 from experiment_manager.measures.tables import number, percent
-from experiment_manager.measures.trials import TestTrials, pooled
 from experiment_manager.report import page as report_page
 from experiment_manager.report.groups import Group
+from experiment_manager.report.reported_run import ReportedRun
 
 
 @dataclass(frozen=True)
@@ -33,42 +34,53 @@ _PAPER = {
 # The rows of a test set, and how each is read from its summary.
 _SHOWN: dict[str, Callable[[dict[str, Any]], str]] = {
     "trials": lambda told: f"{told['n_trials']:,}",
-    "median |error| / deg": lambda told: number(told["median_abs_vergence_error_deg"]),
-    "IQR of |error| / deg": lambda told: number(told["iqr_abs_vergence_error_deg"]),
+    "median |vergence error| / deg": lambda told: number(told["median_abs_vergence_error_deg"]),
+    "IQR of |vergence error| / deg": lambda told: number(told["iqr_abs_vergence_error_deg"]),
     "median Delta C / W": lambda told: number(told["median_delta_cost_w"]),
     "median c": lambda told: percent(told["median_cost_reduction"]),
-    "within 1 px": lambda told: percent(told["share_within_1_px"]),
-    "beyond 1 deg": lambda told: percent(told["share_beyond_1_deg"]),
-    "right muscle silent": lambda told: percent(told["share_right_muscle_silent"]),
+    "within 1 px": lambda told: percent(told.get("share_within_1_px")),
+    "beyond 1 deg": lambda told: percent(told.get("share_beyond_1_deg")),
+    "right muscle silent": lambda told: percent(told.get("share_right_muscle_silent")),
 }
 
 
 def runs_table(groups: Sequence[Group]) -> str:
-    """Return one line per run: what it is, lambda and its share of the reward."""
+    """Return one line per run: what it is, lambda and its share of the reward.
+
+    The share is over the first and the last 5,000 iterations, of a shorter run over all.
+    """
     header = (
         "run",
         "model",
+        "profile",
         "seed",
         "iterations",
         "lambda / per W",
-        "share, first 5,000",
-        "share, last 5,000",
+        "lambda's share at the start",
+        "at the end",
         "commit",
     )
     rows = [
         (
             run.name,
             run.model,
+            run.profile or "-",
             str(run.seed),
             f"{run.n_iterations:,}",
             f"{run.metabolic_cost_weight:.4g}",
-            *(percent(share) for share in run.cost_shares),
+            *(_share_of_reward(share, run.n_iterations) for share in run.cost_shares),
             run.commit[:12] or "unknown",
         )
         for group in groups
         for run in group.runs
     ]
     return report_page.table(header, rows)
+
+
+def _share_of_reward(share: float | None, n_iterations: int) -> str:
+    """Return the share; of a run that is shorter than what it is told over, over what it is."""
+    whole = n_iterations >= SHARE_ITERATIONS or share is None
+    return percent(share) if whole else f"{percent(share)} (all {n_iterations:,})"
 
 
 def comparison_table(groups: Sequence[Group]) -> str:
@@ -92,7 +104,7 @@ def comparison_table(groups: Sequence[Group]) -> str:
 
 
 def _paper_column(paper: _Paper) -> list[str]:
-    stated = ["7,800", paper.median_deg, paper.iqr_deg, "-", paper.cost_reduction]
+    stated = ["-", paper.median_deg, paper.iqr_deg, "-", paper.cost_reduction]
     return [
         paper.n_iterations,
         "5",
@@ -104,37 +116,76 @@ def _paper_column(paper: _Paper) -> list[str]:
 
 
 def _column(group: Group) -> list[str]:
-    ours = summary(_last_trials(group))
+    ours = group.last_summary or {}
+    authors = ours.get("authors_test_set")
     return [
         f"{group.iterations[-1]:,}",
         str(len(group.runs)),
         f"{group.runs[0].metabolic_cost_weight:.4g}",
-        *(text(told) for told in (ours, ours["authors_test_set"]) for text in _SHOWN.values()),
+        *(text(told) if told else "-" for told in (ours, authors) for text in _SHOWN.values()),
     ]
 
 
-def _last_trials(group: Group) -> TestTrials:
-    return pooled([test.trials for test in group.tests_at(group.iterations[-1])])
+def seeds_table(groups: Sequence[Group]) -> str | None:
+    """Return the median over seeds, and the least and the greatest seed; None for single runs."""
+    several = [group for group in groups if len(group.runs) > 1]
+    if not several:
+        return None
+    header = ["measure", *(f"{group.model}, {len(group.runs)} seeds" for group in several)]
+    rows = [["lambda / per W", *(f"{group.common.weight:.4g}" for group in several)]]
+    for key, which in (("", "our test set"), ("authors_test_set", "authors' test set")):
+        for name, (measure, text) in _OVER_SEEDS.items():
+            cells = [_over_seeds(group, key, measure, text) for group in several]
+            rows.append([f"{which}: {name}", *cells])
+    return report_page.table(header, rows)
+
+
+# The measures that are told over seeds: their names in results.json, and how they are written.
+_OVER_SEEDS: dict[str, tuple[str, Callable[[float | None], str]]] = {
+    "median |vergence error| / deg": ("median_abs_vergence_error_deg", number),
+    "IQR of |vergence error| / deg": ("iqr_abs_vergence_error_deg", number),
+    "median Delta C / W": ("median_delta_cost_w", number),
+    "median c": ("median_cost_reduction", percent),
+    "within 1 px": ("share_within_1_px", percent),
+    "beyond 1 deg": ("share_beyond_1_deg", percent),
+    "right muscle silent": ("share_right_muscle_silent", percent),
+}
+
+
+def _over_seeds(group: Group, key: str, measure: str, text: Callable[[float | None], str]) -> str:
+    told = group.summaries_at(group.iterations[-1])
+    found = [(one.get(key, {}) if key else one).get(measure) for one in told]
+    values = [value for value in found if value is not None]
+    if len(values) < len(found):
+        return "-"
+    return f"{text(statistics.median(values))} ({text(min(values))} to {text(max(values))})"
 
 
 def bias_table(groups: Sequence[Group]) -> str:
     """Return the median signed error of each group's last test by object distance."""
-    biases_deg = [summary(_last_trials(group))["bias_by_distance_deg"] for group in groups]
+    told = [group.last_summary or {} for group in groups]
+    biases_deg = [one.get("bias_by_distance_deg", {}) for one in told]
     distances = sorted({d for bias_deg in biases_deg for d in bias_deg}, key=float)
     rows = [
-        (group.model, *(number(bias_deg.get(d)) for d in distances))
+        (
+            group.model,
+            f"{group.common.weight:.4g}",
+            *(number(bias_deg.get(d)) for d in distances),
+        )
         for group, bias_deg in zip(groups, biases_deg, strict=True)
     ]
-    return report_page.table(("bias / deg at", *(f"{d} m" for d in distances)), rows)
+    header = ("model", "lambda / per W", *(f"at {d} m, deg" for d in distances))
+    return report_page.table(header, rows)
 
 
 def iterations_table(groups: Sequence[Group]) -> str:
     """Return each group's measures after 1, 2, 3 and 20 iterations of the last test."""
     header = (
         "model",
+        "lambda / per W",
         "trained for",
         "after",
-        "median |error| / deg",
+        "median |vergence error| / deg",
         "IQR / deg",
         "within 1 px",
         "beyond 1 deg",
@@ -142,56 +193,59 @@ def iterations_table(groups: Sequence[Group]) -> str:
     )
     rows = []
     for group in groups:
-        trials = _last_trials(group)
-        whole = summary(trials)
-        for k in (k for k in REPORTED_ITERATIONS if k <= trials.n_iterations):
-            told = whole.get(f"after_{k}", whole)
+        whole = group.last_summary or {}
+        last = REPORTED_ITERATIONS[-1]
+        for k in REPORTED_ITERATIONS if whole else ():
+            told = whole if k == last else whole.get(f"after_{k}")
+            if told is None:
+                continue
             rows.append(
                 (
                     group.model,
-                    f"{trials.training_iteration:,}",
+                    f"{group.common.weight:.4g}",
+                    f"{group.iterations[-1]:,}",
                     str(k),
                     number(told["median_abs_vergence_error_deg"]),
                     number(told["iqr_abs_vergence_error_deg"]),
-                    percent(told["share_within_1_px"]),
-                    percent(told["share_beyond_1_deg"]),
+                    percent(told.get("share_within_1_px")),
+                    percent(told.get("share_beyond_1_deg")),
                     percent(told["median_cost_reduction"]),
                 )
             )
     return report_page.table(header, rows)
 
 
-def tests_of_run_table(run: RecordedRun) -> str:
+def tests_of_run_table(run: ReportedRun) -> str:
     """Return a run's tests, as in its results.json."""
     header = (
         "iteration",
         "trials",
-        "median |error| / deg",
+        "median |vergence error| / deg",
         "IQR / deg",
         "within 1 px",
         "beyond 1 deg",
         "median Delta C / W",
         "median c",
         "right muscle silent",
-        "authors' test set: median |error| / deg",
+        "authors' test set: median |vergence error| / deg",
         "authors' test set: IQR / deg",
     )
     rows = []
-    for told in (summary(test.trials) for test in run.tests):
-        authors = told["authors_test_set"]
+    for told in run.summaries:
+        authors = told.get("authors_test_set", {})
         rows.append(
             (
                 f"{told['iteration']:,}",
                 str(told["n_trials"]),
                 number(told["median_abs_vergence_error_deg"]),
                 number(told["iqr_abs_vergence_error_deg"]),
-                percent(told["share_within_1_px"]),
-                percent(told["share_beyond_1_deg"]),
+                percent(told.get("share_within_1_px")),
+                percent(told.get("share_beyond_1_deg")),
                 number(told["median_delta_cost_w"]),
                 percent(told["median_cost_reduction"]),
-                percent(told["share_right_muscle_silent"]),
-                number(authors["median_abs_vergence_error_deg"]),
-                number(authors["iqr_abs_vergence_error_deg"]),
+                percent(told.get("share_right_muscle_silent")),
+                number(authors.get("median_abs_vergence_error_deg")),
+                number(authors.get("iqr_abs_vergence_error_deg")),
             )
         )
     return report_page.table(header, rows)

@@ -1,0 +1,79 @@
+"""What a run is, as its configuration tells."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from lockstep.errors import InputError
+
+
+class DescribedRun:
+    """A run directory, and the configuration that the run was made with."""
+
+    def __init__(self, directory: Path, configuration: str, source: str) -> None:
+        """configuration: text of config.yaml; source: of that text, for errors.
+
+        Raises InputError when the text does not tell what the run is.
+        """
+        self.directory = Path(directory)
+        self.name = self.directory.resolve().name
+        self.configuration = configuration
+        self._about = _about(configuration, source)
+
+    @property
+    def model(self) -> str:
+        """M or M_C."""
+        return str(self._about["model"])
+
+    @property
+    def profile(self) -> str:
+        """Named settings that the run began with, "" for none."""
+        return str(self._about.get("profile", ""))
+
+    @property
+    def seed(self) -> int:
+        """Seed of the run."""
+        return int(self._about["seed"])
+
+    @property
+    def n_iterations(self) -> int:
+        """Training iterations that the whole run has."""
+        return int(self._about["n_training_iterations"])
+
+    @property
+    def metabolic_cost_weight(self) -> float:
+        """Lambda, 1/W."""
+        return float(self._about["metabolic_cost_weight"])
+
+    @property
+    def commit(self) -> str:
+        """Commit of the source."""
+        return str(self._about["commit"])
+
+    @property
+    def versions(self) -> tuple[str, ...]:
+        """Libraries that the run was made with."""
+        return tuple(str(version) for version in self._about.get("versions", ()))
+
+    def parameters(self, node: str) -> dict[str, Any]:
+        """Return all parameters of a node from the run's configuration, by dotted name."""
+        document = yaml.safe_load(self.configuration)
+        for section in (f"/**/{node}", node):
+            if section in document:
+                return dict(document[section]["ros__parameters"])
+        raise InputError(f"{self.directory}: the configuration has no node {node}")
+
+
+def _about(configuration: str, source: str) -> Mapping[str, Any]:
+    """Return the section of config.yaml that says what the run is."""
+    try:
+        about = yaml.safe_load(configuration)["run"]["ros__parameters"]
+    except (yaml.YAMLError, KeyError, TypeError) as error:
+        raise InputError(f"{source}: expected a run's configuration: {error}") from error
+    needed = {"model", "seed", "n_training_iterations", "metabolic_cost_weight", "commit"}
+    missing = sorted(needed - set(about))
+    if missing:
+        raise InputError(f"{source}: its configuration does not tell {', '.join(missing)}")
+    return dict(about)
