@@ -141,4 +141,4 @@ def test_the_sweeps_behind_the_results_can_be_read(path: Path) -> None:
     sweep = read_sweep(path)
     assert sweep.description
     for cell in sweep.cells():
-        assert cell.options().iterations >= 200_000
+        assert cell.options().iterations >= 100_000
