@@ -16,9 +16,10 @@ from experiment_manager.rearing.figures import (
     samples_figure,
 )
 from experiment_manager.rearing.gabor import gabor_patch
-from experiment_manager.rearing.page import condition_table
+from experiment_manager.rearing.page import condition_table, finished_runs
 from experiment_manager.rearing.reared_run import RearedRun
 from experiment_manager.rearing.reward_landscape import RewardLandscape
+from lockstep.errors import InputError
 from sparse_coder.patches import PX_PER_PIXEL
 
 ERRORS_DEG = np.array([-1.0, 0.0, 1.0])
@@ -107,6 +108,18 @@ def test_the_command_makes_the_page_of_a_run(small_run, tmp_path, capsys):
     assert path.read_text().count("<img ") == 4
     assert "<td>paper</td>" in path.read_text()
     assert len(list((tmp_path / "figures").glob("rearing_*.png"))) == 4
+
+
+def test_a_sweep_stands_for_its_finished_runs(tmp_path):
+    (tmp_path / "sweep.yaml").touch()
+    with pytest.raises(InputError, match="expected a sweep with a finished run"):
+        finished_runs(tmp_path)
+    for name in ("b", "a", "logs", "unfinished"):
+        (tmp_path / name).mkdir()
+    for name in ("b", "a"):
+        (tmp_path / name / "results.json").touch()
+    assert finished_runs(tmp_path) == [tmp_path / "a", tmp_path / "b"]
+    assert finished_runs(tmp_path / "a") == [tmp_path / "a"]
 
 
 def test_a_run_without_a_checkpoint_is_refused(small_run, tmp_path, capsys):

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from experiment_manager.measures.results import RESULTS_FILE
 from experiment_manager.measures.tables import number
 from experiment_manager.rearing.figures import (
     Condition,
@@ -20,7 +21,9 @@ from experiment_manager.rearing.published import PUBLISHED
 from experiment_manager.rearing.reared_run import RearedRun, read_reared_run
 from experiment_manager.report import page as report_page
 from experiment_manager.report.performance_figures import FIGURES, STYLE, save
+from experiment_manager.sweep.sweep_file import SWEEP_FILE
 from lockstep.durable_files import replace_file
+from lockstep.errors import InputError
 
 REARING_FILE = "rearing.html"
 
@@ -62,10 +65,12 @@ _FIGURES: tuple[_Figure, ...] = (
 def write_rearing_page(directories: Sequence[Path], out: Path) -> Path:
     """Write rearing.html and its figures into out; return the page's path.
 
-    Runs of one profile and model are one condition, in the order given. Raises InputError for a
-    directory that holds no finished run.
+    directories: of runs, and of sweeps, which stand for their finished runs. Runs of one profile
+    and model are one condition, in the order given. Raises InputError for a directory that holds no
+    finished run.
     """
-    runs = [read_reared_run(d) for d in tqdm(directories, desc="measuring", unit="run")]
+    found = [run for directory in directories for run in finished_runs(directory)]
+    runs = [read_reared_run(run) for run in tqdm(found, desc="measuring", unit="run")]
     conditions = _conditions(runs)
     parts = [
         report_page.heading("Conditions"),
@@ -87,6 +92,19 @@ def write_rearing_page(directories: Sequence[Path], out: Path) -> Path:
             parts += [report_page.heading(title), report_page.picture(figure, caption)]
     replace_file(out / REARING_FILE, report_page.page("Altered rearing", parts).encode())
     return out / REARING_FILE
+
+
+def finished_runs(directory: Path) -> list[Path]:
+    """Return the directory of a run, or those of a sweep's finished runs in the order of names.
+
+    Raises InputError for a sweep without any.
+    """
+    if not (directory / SWEEP_FILE).is_file():
+        return [directory]
+    found = sorted(path.parent for path in directory.glob(f"*/{RESULTS_FILE}"))
+    if not found:
+        raise InputError(f"{directory}: expected a sweep with a finished run, found none")
+    return found
 
 
 def _conditions(runs: Sequence[RearedRun]) -> list[Condition]:
