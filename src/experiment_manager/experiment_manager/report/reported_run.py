@@ -11,10 +11,8 @@ from experiment_manager.measures.recorded_run import RecordedRun
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.measures.trials import TestTrials
 from experiment_manager.run.config_file import CONFIG_FILE
+from experiment_manager.sweep.sweep_file import SWEEP_FILE
 from lockstep.errors import InputError
-
-# A directory with this file holds one run directory for each cell of the sweep.
-SWEEP_FILE = "sweep.yaml"
 
 
 class ReportedRun(DescribedRun):
