@@ -96,6 +96,7 @@ class StereoCamera:
         _check_array("eye_positions_m", eye_positions_m, (N_EYES, 3))
         _check_array("eye_rotations", eye_rotations, (N_EYES, 3, 3))
         rotations = _looking_inward(eye_rotations, self._config.rotations_deg)
+        _check_pose(eye_positions_m, eye_rotations, distance_m)
         view = View(eye_positions_m, rotations, self._i_textures[i_stimulus], distance_m)
         self._renderer.start(view)
 
@@ -172,6 +173,17 @@ def _check_picture(i_stimulus: int, picture: np.ndarray) -> None:
 def _check_array(name: str, values: np.ndarray, shape: tuple[int, ...]) -> None:
     if np.shape(values) != shape or not np.isfinite(values).all():
         raise InputError(f"{name}: expected finite numbers of shape {shape}, got {values!r}")
+
+
+def _check_pose(positions_m: np.ndarray, rotations: np.ndarray, distance_m: float) -> None:
+    if positions_m[:, 0].max() >= distance_m:
+        raise InputError(
+            f"eye_positions_m: expected eyes before the plane, x below {distance_m}, "
+            f"got x {positions_m[:, 0].tolist()}"
+        )
+    products = np.matmul(rotations, rotations.transpose(0, 2, 1))
+    if np.abs(products - np.eye(3)).max() > 1e-6 or np.linalg.det(rotations).min() < 0.0:
+        raise InputError(f"eye_rotations: expected rotation matrices, got {rotations.tolist()}")
 
 
 def _drawn_size_px(config: CameraConfig) -> tuple[int, int]:
