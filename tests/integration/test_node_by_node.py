@@ -10,7 +10,10 @@ import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import Image, JointState
 
-from experiment_manager.run.config_file import CONFIG_CLASSES
+from experiment_manager.commands.evaluate import main as evaluate
+from experiment_manager.commands.report import main as report
+from experiment_manager.measures.recorded_run import RecordedRun
+from experiment_manager.run.config_file import CONFIG_CLASSES, read_configuration
 from lockstep.qos import LOCKSTEP_QOS
 from lockstep.topics import ACTOR_CRITIC_NAMES, LEARNER_VECTORS
 from lockstep.vectors import VectorPublisher, vector_message
@@ -117,12 +120,74 @@ def test_a_foreign_node_needs_only_its_topics(graph: Graph, start: Start, tmp_pa
     after_first = tables["episode"].column("iteration") > 0
     assert set(activations.column("left_medial_rectus")[after_first]) == {0.06}
     assert set(activations.column("right_medial_rectus")[after_first]) == {0.04}
+    assert [path.name for path in (run / "bag").glob("*.mcap")] == ["bag_0.mcap"]
+    assert evaluate([str(run)]) == 0
+    assert report([str(run), "--out", str(tmp_path / "report")]) == 0
     # Without a checkpoint there is nothing to go on from; what was recorded stays.
     (run / "config.yaml").write_bytes((tmp_path / "config.yaml").read_bytes())
     assert "error: " in finished(start_supervisor(["--resume", str(run)]), code=2)
     assert vectors(run)["ground_truth"].stamps_ns.tolist() == (
         tables["ground_truth"].stamps_ns.tolist()
     )
+
+
+def test_all_parameters_of_all_nodes_are_written_down(
+    start: Start, tmp_path: Path, config_file: Path
+) -> None:
+    run = tmp_path / "run"
+    expected = read_configuration(config_file)
+    for package in ("eye_plant", "sparse_coder", "vergence_rl"):
+        start(package)
+    start("experiment_manager", *_in_run(run)).finished()
+    found = read_configuration(run / "config.yaml")
+    expected["experiment_manager"]["run_directory"] = str(run)
+    assert found == expected
+    assert RecordedRun(run).configuration == (run / "config.yaml").read_text()
+    assert evaluate([str(run)]) == 0
+
+
+@pytest.mark.parametrize(
+    ("package", "parameter", "message"),
+    [
+        (
+            "vergence_rl",
+            "medial_limits:=[0.0, 0.15]",
+            "expected vergence_rl.medial_limits, which is [0.0, 0.15], got [0.0, 0.2]",
+        ),
+        (
+            "eye_plant",
+            "mechanics.baseline_m:=0.06",
+            "expected eye_plant.mechanics.baseline_m, which is 0.06, got 0.056",
+        ),
+    ],
+)
+def test_nodes_that_contradict_each_other_do_not_start(
+    start: Start, tmp_path: Path, package: str, parameter: str, message: str
+) -> None:
+    for name in ("eye_plant", "sparse_coder", "vergence_rl"):
+        start(name, *(("-p", parameter) if name == package else ()))
+    output = start("experiment_manager", *_in_run(tmp_path / "run")).finished(code=2)
+    assert message in output.splitlines()[-1]
+    assert not (tmp_path / "run" / "config.yaml").exists()
+    assert not list((tmp_path / "run").rglob("*.mcap"))
+
+
+def test_nodes_that_are_not_as_the_run_began_do_not_go_on(
+    start: Start, tmp_path: Path, config_file: Path
+) -> None:
+    run = tmp_path / "run"
+    run.mkdir()
+    (run / "config.yaml").write_bytes(config_file.read_bytes())
+    for name in ("eye_plant", "sparse_coder", "vergence_rl"):
+        start(name, *(("-p", "discount:=0.4") if name == "vergence_rl" else ()))
+    output = start("experiment_manager", *_in_run(run)).finished(code=2)
+    assert "vergence_rl.discount was 0.3, is 0.4" in output.splitlines()[-1]
+
+
+@pytest.mark.parametrize("package", CONFIG_CLASSES)
+def test_an_unknown_argument_stops_a_node_with_one_line(start: Start, package: str) -> None:
+    output = start(package, "--", "--foo", "bar").finished(code=2)
+    assert output.splitlines()[-1].startswith("error: unknown argument --foo bar: expected")
 
 
 def test_an_unknown_parameter_stops_each_node_with_one_line(start: Start, tmp_path: Path) -> None:

@@ -11,13 +11,14 @@ from sensor_msgs.msg import JointState
 
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.faults import Fault, of_doubled, of_error, of_silence
+from experiment_manager.node_parameters import NodeParameters, Parameters
 from experiment_manager.node_presence import Presence
 from experiment_manager.node_recorder import Recorder
 from experiment_manager.node_requests import LEARNERS, PLANT, Requests
 from experiment_manager.run.run_directory import Run
 from lockstep.diagnostics import Diagnostics
 from lockstep.errors import InputError
-from lockstep.exit_codes import EXIT_INTERRUPTED, FAULT_TEXT
+from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, FAULT_TEXT
 from lockstep.parameters import declare_config
 from lockstep.process import run_node
 from lockstep.qos import LOCKSTEP_QOS
@@ -50,6 +51,7 @@ class ExperimentManagerNode(Node):
         self._changes = self.create_publisher(JointState, PARAMETER_CHANGES, LOCKSTEP_QOS)
         self._plant_settings: Arguments = {}
         self._presence = Presence(self)
+        self._parameters = NodeParameters(self, self._guarded)
         self._requests = Requests(self, self.run.run_id, self._guarded, self._fault)
         self._recorder = Recorder(self, self.run, self.config, self._guarded, self._end_episode)
         if self.config.supervised:
@@ -76,6 +78,16 @@ class ExperimentManagerNode(Node):
         awaited = self._requests.awaited()
         if awaited:
             self._say_waiting(f"waiting for the request service of {', '.join(awaited)}")
+            return
+        self._next = self._parameters.give_up_late_ones
+        self._parameters.ask(self._describe)
+
+    def _describe(self, parameters: Parameters) -> None:
+        """Write down with what the nodes run; where they contradict each other, nothing starts."""
+        try:
+            self.run.describe(parameters)
+        except InputError as error:
+            self._fault(Fault(str(error), EXIT_BAD_INPUT))
             return
         self._start_run()
 
@@ -145,7 +157,7 @@ class ExperimentManagerNode(Node):
     def _checkpoint(self, then: Callable[[], None]) -> None:
         learners = self._requests.learners
         if len(learners) < len(LEARNERS):
-            self.run.writer.commit()
+            self.run.commit_bag()
             then()
             return
         paths = self.run.state_paths(learners)

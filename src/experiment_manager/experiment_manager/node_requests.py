@@ -7,12 +7,15 @@ from functools import partial
 from rclpy.node import Node
 
 from experiment_manager.faults import LEARNER_OF, Fault, of_refusal
-from lockstep.requests import Arguments, RequestClient
+from lockstep.errors import InputError
+from lockstep.requests import Arguments, RequestClient, service_name
 
 PLANT = "eye_plant"
 LEARNERS = tuple(LEARNER_OF.values())
 # A node of a user's own has no request service: a few seconds tell it from one still starting.
 _SERVICE_WAIT_S = 5.0
+# Without episodes there is no run, so a plant is waited for longer, but not for ever.
+PLANT_WAIT_S = 30.0
 
 # Node, kind of request, arguments.
 Ask = tuple[str, str, Arguments]
@@ -51,11 +54,22 @@ class Requests:
         self._since_s = time.monotonic()
 
     def awaited(self) -> list[str]:
-        """Return the nodes whose request service may still come; give up those that have none."""
+        """Return the nodes whose request service may still come; give up those that have none.
+
+        Raises InputError when the plant, which is there, has none.
+        """
         absent = [name for name, client in self._peers.items() if not client.is_there()]
         waited_s = time.monotonic() - self._since_s
-        if PLANT in absent or (absent and waited_s < _SERVICE_WAIT_S):
+        if absent and waited_s < _SERVICE_WAIT_S:
             return absent
+        if PLANT in absent:
+            if waited_s < PLANT_WAIT_S:
+                return absent
+            raise InputError(
+                f"expected a plant with the service {service_name(PLANT)}, by which it is asked for"
+                f" episodes, found none in {PLANT_WAIT_S:g} s; docs/interfaces.md says what a plant"
+                " of your own must answer"
+            )
         for name in absent:
             self._node.get_logger().warning(
                 f"{name} answers no requests: the run goes on, without checkpoints"

@@ -13,12 +13,12 @@ def target_activations(
     names: Sequence[str],
     values: np.ndarray,
     muscle_names: Sequence[str],
-    tonic_activations: np.ndarray,
+    held_activations: np.ndarray,
 ) -> np.ndarray:
     """Return the target activations (n_muscles,) of a command.
 
     names: `left_medial_rectus` names one muscle, `medial_rectus` that muscle of both eyes; values:
-    (n,) activations in [0, 1]; tonic_activations: (n_muscles,), kept by muscles without a name in
+    (n,) activations in [0, 1]; held_activations: (n_muscles,), kept by muscles without a name in
     the command. Raises InputError for no name, an unknown name, a muscle named twice, another
     number of values than names, and a value out of range.
     """
@@ -31,7 +31,7 @@ def target_activations(
         raise InputError(
             f"muscle_command: expected activations in [0, 1], got {np.asarray(values).tolist()}"
         )
-    targets = tonic_activations.copy()
+    targets = held_activations.copy()
     i_muscles, i_values = _wiring(tuple(names), tuple(muscle_names))
     targets[i_muscles] = values[i_values]
     return targets

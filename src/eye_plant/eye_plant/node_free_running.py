@@ -5,6 +5,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
+from eye_plant.commands import target_activations
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.node_publisher import ObservationPublisher
@@ -76,7 +77,10 @@ class FreeRunning:
     def _command(self, message: JointState) -> None:
         try:
             values = values_of(message, message.name, "muscle_command")
-            self._targets = self._plant.targets(message.name, values)
+            # Of two commands within a period, the second holds what the first has told.
+            self._targets = target_activations(
+                message.name, values, self._plant.oculomotor.muscle_names, self._targets
+            )
         except InputError as error:
             self._diagnostics.refuse(str(error))
 

@@ -38,6 +38,7 @@ class EyePlant:
             config.mechanics.eye_height_m,
         )
         self.n_stimuli = self._camera.n_stimuli
+        self._held_activations = self.oculomotor.tonic_activations
         self._episode: Episode | None = None
         self._iteration = 0
         self._desired_deg = 0.0
@@ -83,9 +84,10 @@ class EyePlant:
         self._inverse.check(desired_deg)
         self._episode, self._iteration = episode, 0
         self._desired_deg = desired_deg
-        self.oculomotor.settle(
-            self.oculomotor.activations_from(episode.medial_rectus, episode.lateral_rectus)
+        self._held_activations = self.oculomotor.activations_from(
+            episode.medial_rectus, episode.lateral_rectus
         )
+        self.oculomotor.settle(self._held_activations)
         self._start_drawing(episode)
         self._optimal_rate_w = self._inverse.optimal(desired_deg).metabolic_rate_w
         state = self.oculomotor.state()
@@ -93,9 +95,13 @@ class EyePlant:
         return self._observe(episode, state)
 
     def targets(self, names: Sequence[str], values: np.ndarray) -> np.ndarray:
-        """Return the target activations (12,) of a command; see `target_activations`."""
+        """Return the target activations (12,) of a command; see `target_activations`.
+
+        Muscles that it does not name hold what they were last told, at first in an episode its
+        initial activations and, but for the horizontal recti, their tonic level.
+        """
         return target_activations(
-            names, values, self.oculomotor.muscle_names, self.oculomotor.tonic_activations
+            names, values, self.oculomotor.muscle_names, self._held_activations
         )
 
     def execute(self, activations: np.ndarray) -> Observation:
@@ -106,6 +112,7 @@ class EyePlant:
         """
         episode = self._episode_under_way()
         self.oculomotor.step(activations)
+        self._held_activations = activations
         self._iteration += 1
         self._start_drawing(episode)
         return self._observe(episode, self.oculomotor.state())
@@ -114,6 +121,7 @@ class EyePlant:
         """Simulate for a while towards the target activations, without settling; like `execute`."""
         episode = self._episode_under_way()
         self.oculomotor.advance(activations, duration_s)
+        self._held_activations = activations
         self._iteration += 1
         self._start_drawing(episode)
         return self._observe(episode, self.oculomotor.state())

@@ -13,7 +13,7 @@ from lockstep.settings import Declaration, Setting, declarations
 Config = TypeVar("Config")
 
 # What rclpy itself declares on every node.
-_OF_RCLPY = ("use_sim_time", "start_type_description_service", "qos_overrides.")
+OF_RCLPY = ("use_sim_time", "start_type_description_service", "qos_overrides.")
 _LARGEST_INTEGER = 2**63 - 1
 
 
@@ -26,7 +26,7 @@ def declare_config(node: Node, config_class: type[Config]) -> Config:
     given = {
         name: parameter.value
         for name, parameter in node._parameter_overrides.items()
-        if not name.startswith(_OF_RCLPY)
+        if not name.startswith(OF_RCLPY)
     }
     config = configuration.build(config_class, given)
     values = configuration.flatten(config)

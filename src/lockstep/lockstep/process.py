@@ -11,6 +11,7 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 
 from lockstep.cores import share_two_cores
 from lockstep.errors import DivergenceError, InputError
@@ -31,7 +32,16 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
     line on standard error.
     """
     try:
+        unknown = remove_ros_args(arguments)[0 if arguments is not None else 1 :]
+        if unknown:
+            raise InputError(
+                f"unknown argument {' '.join(unknown)}: expected --ros-args, and after it such as "
+                "-p NAME:=VALUE or --params-file FILE"
+            )
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
     except _ROS_ERRORS as error:
         print(f"error: expected ROS arguments: {_in_one_line(error)}", file=sys.stderr)
         return EXIT_BAD_INPUT

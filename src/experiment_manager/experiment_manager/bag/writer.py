@@ -114,6 +114,15 @@ class BagWriter:
             self._flush_when_due()
         return True
 
+    def describe(self, configuration: str) -> None:
+        """Attach this text as config.yaml to the files that begin from now on."""
+        self._configuration = configuration
+
+    @property
+    def n_bytes(self) -> int:
+        """How many bytes the open file has, 0 without one."""
+        return self._open.n_bytes if self._open is not None else 0
+
     def release(self, before_ns: int) -> None:
         """Write what has a smaller stamp: nothing older than that will come."""
         with self._guarded():
@@ -250,6 +259,11 @@ class _OpenFile:
         self._names = {name: topic.name for name, topic in topics.items()}
         self._counts = dict.fromkeys(topics, 0)
         self._span_ns: tuple[int, int] | None = None
+
+    @property
+    def n_bytes(self) -> int:
+        """How many bytes have been written so far."""
+        return self._stream.tell()
 
     def _register(self, topics: Mapping[str, Topic]) -> dict[str, int]:
         schemas: dict[str, int] = {}

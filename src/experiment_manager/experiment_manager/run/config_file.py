@@ -1,7 +1,7 @@
 """config.yaml of a run: the parameters of all nodes, and what the run is."""
 
 import datetime
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from importlib import metadata
 from pathlib import Path
 from typing import Any
@@ -110,7 +110,7 @@ def parameters_in(text: str) -> Configuration:
     Raises InputError for what is no parameter file.
     """
     try:
-        sections = yaml.safe_load(text)
+        sections = yaml.safe_load(text) or {}
         return {
             name.removeprefix("/**/"): dict(section["ros__parameters"])
             for name, section in sections.items()
@@ -130,18 +130,39 @@ def check_unchanged(directory: Path, manifest: Manifest, found: Configuration) -
             f"{directory}: expected a checkpoint that tells its parameters, got one of an earlier "
             f"version; --branch {directory} begins a new run from it"
         )
-    differing = [
-        f"{node}.{name} was {value!r}, is {found.get(node, {}).get(name)!r}"
-        for node, values in manifest.parameters.items()
-        for name, value in values.items()
-        if name not in _FREE_TO_CHANGE.get(node, ()) and found.get(node, {}).get(name) != value
-    ]
+    differing = _differing(manifest.parameters, found, _FREE_TO_CHANGE)
     if differing:
         raise InputError(
             f"{directory}: expected the parameters that the run has been made with: "
             f"{'; '.join(differing)}. Set them back, or begin a new run from its checkpoint with "
             "--branch"
         )
+
+
+def check_as_written(path: Path, written: Configuration, found: Configuration) -> None:
+    """Raise InputError, naming them, where nodes run with other parameters than a config.yaml has.
+
+    Nodes that are not in both are not compared; a directory may have another path elsewhere.
+    """
+    free = {node: set(names) for node, names in _FREE_TO_CHANGE.items()}
+    free["eye_plant"] |= {"stimuli.directory"}
+    both = {node: values for node, values in written.items() if node in found}
+    if differing := _differing(both, found, free):
+        raise InputError(
+            f"{path}: expected nodes with its parameters: {'; '.join(differing)}. Start them with "
+            f"--ros-args --params-file {path}"
+        )
+
+
+def _differing(
+    expected: Configuration, found: Configuration, free: Mapping[str, Collection[str]]
+) -> list[str]:
+    return [
+        f"{node}.{name} was {value!r}, is {found.get(node, {}).get(name)!r}"
+        for node, values in expected.items()
+        for name, value in values.items()
+        if name not in free.get(node, ()) and found.get(node, {}).get(name) != value
+    ]
 
 
 def _check_header(said: Mapping[str, Any], expected: Mapping[str, Any]) -> None:

@@ -8,20 +8,29 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
+from experiment_manager.agreements import check_agreements
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.measures.kept_trials import arrays_of, from_arrays, write_trials
 from experiment_manager.measures.results import write_results
 from experiment_manager.measures.tables import test_line
 from experiment_manager.protocol import make_protocol
+from experiment_manager.reach import check_reach
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
-from experiment_manager.run.config_file import CONFIG_FILE, check_unchanged, parameters_in
+from experiment_manager.run.config_file import (
+    CONFIG_FILE,
+    Configuration,
+    check_as_written,
+    check_unchanged,
+    configuration_text,
+    parameters_in,
+)
 from experiment_manager.run.episode_record import is_sampled
 from experiment_manager.run.progress import Progress
 from experiment_manager.run.progress_bar import ProgressBar
+from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from lockstep.configuration import flatten
 from lockstep.durable_files import replace_file
@@ -36,6 +45,8 @@ TRIALS_FILE, TRIALS_KIND = "trials.npz", "trials"
 # The observations of the test under way; all else in that file is kept of the tests before.
 _ROWS = "rows"
 _MANAGER = "experiment_manager"
+# What is lost with a file that a broken disk damages.
+_MOST_BYTES_OF_A_FILE = 1 << 28
 # On a busy machine DDS needs a good part of a second to match a new reader.
 _EPISODES_AHEAD = 10
 
@@ -138,9 +149,10 @@ class Run:
     # Checkpoints
 
     def checkpoint_is_due(self) -> bool:
-        """Return whether the last checkpoint is older than the period."""
+        """Return whether the last checkpoint is old, the bag's file large, or this one to last."""
         old = time.monotonic() - self._checkpoint_s > self._config.checkpoint_period_s
-        return old or (self.place in self._lasting and self.place != self._checkpoint_place)
+        large = self.writer.n_bytes > _MOST_BYTES_OF_A_FILE
+        return old or large or (self.place in self._lasting and self.place != self._checkpoint_place)
 
     @property
     def _lasting(self) -> frozenset[int]:
@@ -208,12 +220,35 @@ class Run:
         return () if self._bag_is_elsewhere else manifest.bag_files
 
     def _configuration_text(self) -> str:
-        """Return the run's configuration, and write it beside the bag if nobody has yet."""
+        """Return config.yaml, "" if nobody has written it yet."""
         path = self.directory / CONFIG_FILE
-        if not path.exists():
-            own = {_MANAGER: {"ros__parameters": flatten(self._config)}}
-            replace_file(path, yaml.safe_dump(own, sort_keys=False).encode())
-        return path.read_text()
+        return path.read_text() if path.exists() else ""
+
+    def describe(self, parameters: Configuration) -> None:
+        """Take note of the parameters that the nodes say they run with, before the first episode.
+
+        A run directory without config.yaml gets one of them. Raises InputError where they are not
+        those of its config.yaml, where nodes contradict each other, and where the eyes cannot do
+        what the protocol asks.
+        """
+        found = {n: values for n, values in parameters.items() if values} | {
+            _MANAGER: flatten(self._config)
+        }
+        check_agreements(found)
+        if (path := self.directory / CONFIG_FILE).exists():
+            check_as_written(path, self._parameters, found)
+            return
+        if found.get("eye_plant", {}).keys() == flatten(EyePlantConfig()).keys():
+            check_reach(found)
+        text = configuration_text(found)
+        replace_file(path, text.encode())
+        self._parameters = found
+        self.writer.describe(text)
+
+    def commit_bag(self) -> None:
+        """Close the bag's file without a checkpoint, as where learners have no states to save."""
+        self.writer.commit()
+        self._checkpoint_s = time.monotonic()
 
     # The end
 

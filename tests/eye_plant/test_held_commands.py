@@ -1,0 +1,50 @@
+"""Muscles that a command does not name hold what they were last told."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from eye_plant.config import EyePlantConfig
+from eye_plant.episode import Episode
+from eye_plant.plant import EyePlant
+from eye_plant.stimuli.stimulus_set import StimulusSet
+from lockstep.topics import HORIZONTAL_RECTI, TRAINING
+
+EPISODE = Episode(
+    phase=TRAINING,
+    test=-1,
+    trial=-1,
+    episode=0,
+    training_iteration=0,
+    stimulus=0,
+    object_distance_m=2.0,
+    medial_rectus=0.05,
+    lateral_rectus=0.02,
+    n_iterations=5,
+    first_observation=0,
+)
+
+
+def test_each_command_adds_to_those_before_it() -> None:
+    picture = np.zeros((64, 64), dtype=np.uint8)
+    plant = EyePlant(EyePlantConfig(), StimulusSet((picture,), (picture,)))
+    recti = [plant.oculomotor.muscle_names.index(name) for name in HORIZONTAL_RECTI]
+
+    def told(*names: str, values: list[float]) -> list[float]:
+        observation = plant.execute(plant.targets(names, np.array(values)))
+        found: list[float] = observation.state.activations[recti].tolist()
+        return found
+
+    try:
+        plant.begin(EPISODE)
+        # left medial, left lateral, right medial, right lateral
+        expected = [0.1, 0.02, 0.05, 0.02]
+        assert told("left_medial_rectus", values=[0.1]) == pytest.approx(expected)
+        expected = [0.1, 0.02, 0.05, 0.03]
+        assert told("right_lateral_rectus", values=[0.03]) == pytest.approx(expected)
+        plant.begin(dataclasses.replace(EPISODE, first_observation=10))
+        expected = [0.05, 0.02, 0.05, 0.04]
+        assert told("right_lateral_rectus", values=[0.04]) == pytest.approx(expected)
+    finally:
+        plant.close()
