@@ -92,7 +92,10 @@ class ScriptedPlant(Scripted):
         number = episode.first_observation + i
         training = episode.training_iteration + (i if episode.phase == 0 else 0)
         numbers = (episode.phase, episode.test, episode.trial, episode.episode, i, training, number)
-        measures = (episode.stimulus, episode.object_distance_m, 1.0, 2.0, 1.0, 1.5, 2.0, 1.0)
+        deviations = (0.0, -0.5, -0.5)
+        costs = (1.5, 2.0, 1.0)
+        shown = (episode.stimulus, episode.object_distance_m)
+        measures = (*shown, 1.0, 2.0, 1.0, *deviations, *costs)
         values = {
             "episode": numbers,
             "ground_truth": (*numbers, *measures),
