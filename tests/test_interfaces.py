@@ -1,0 +1,87 @@
+"""docs/interfaces.md against the code: topics, types, names, requests."""
+
+import re
+from pathlib import Path
+from typing import get_type_hints
+
+import pytest
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, ReliabilityPolicy
+
+from experiment_manager.node_requests import _SERVICE_WAIT_S, PLANT_WAIT_S
+from eye_plant.episode import Episode
+from eye_plant.mechanics.muscles import MUSCLE_NAMES
+from lockstep import topics
+from lockstep.qos import LOCKSTEP_QOS, QUEUE_DEPTH
+from lockstep.requests import END_RUN, START_RUN, RequestClient
+from tests.node_harness import ros_graph
+from vergence_rl.node import VergenceRlNode
+
+PAGE = (Path(__file__).parents[1] / "docs" / "interfaces.md").read_text()
+VECTORS = {
+    "episode": topics.EPISODE_NAMES,
+    "ground_truth": topics.GROUND_TRUTH_NAMES[len(topics.EPISODE_NAMES) :],
+    "eye_states": topics.EYE_STATE_NAMES,
+    "reward": topics.REWARD_NAMES,
+    "muscle_command": topics.COMMAND_NAMES,
+    "actor_critic": topics.ACTOR_CRITIC_NAMES,
+}
+
+
+def _table(section: str, i_table: int = 0) -> list[list[str]]:
+    """Return the cells of a section's table, without its head."""
+    text = PAGE.split(f"\n## {section}\n")[1].split("\n## ")[0]
+    found = [block for block in re.split(r"\n\s*\n", text) if block.lstrip().startswith("|")]
+    lines = found[i_table].strip().splitlines()[2:]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+
+
+def _quoted(cell: str) -> list[str]:
+    return re.findall(r"`([^`]+)`", cell)
+
+
+def test_every_topic_with_its_type() -> None:
+    found = {topic: row[1] for row in _table("Topics") for topic in _quoted(row[0])}
+    assert found == topics.TOPIC_TYPES
+
+
+def test_the_quality_of_service() -> None:
+    assert f"reliable, volatile, keep last {QUEUE_DEPTH};" in PAGE
+    assert LOCKSTEP_QOS.reliability == ReliabilityPolicy.RELIABLE
+    assert LOCKSTEP_QOS.durability == DurabilityPolicy.VOLATILE
+    assert LOCKSTEP_QOS.history == HistoryPolicy.KEEP_LAST
+
+
+@pytest.mark.parametrize("topic", VECTORS)
+def test_every_name_of_each_vector_in_its_order(topic: str) -> None:
+    names: dict[str, list[str]] = {}
+    last = ""
+    for row in _table("Vectors"):
+        last = (_quoted(row[0]) or [last])[0]
+        if row[1].startswith("`"):
+            names.setdefault(last, []).extend(_quoted(row[1]))
+        assert row[4], row
+    assert names[topic] == list(VECTORS[topic])
+
+
+def test_the_muscles() -> None:
+    assert f"`{MUSCLE_NAMES[0]}` ... `{MUSCLE_NAMES[-1]}`" in PAGE
+
+
+def test_every_kind_of_request() -> None:
+    kinds = [kind for row in _table("Requests") for kind in _quoted(row[0])]
+    with ros_graph() as graph:
+        of_learners = graph.add(VergenceRlNode)._requests._handlers
+    assert set(kinds) == {"episode", *of_learners}
+    assert {START_RUN, END_RUN} < set(kinds)
+
+
+def test_every_argument_of_an_episode_with_its_type() -> None:
+    found = {name: row[1] for row in _table("Requests", 1) for name in _quoted(row[0])}
+    words = {int: "integer", float: "double"}
+    assert found == {name: words[kind] for name, kind in get_type_hints(Episode).items()}
+
+
+def test_the_times() -> None:
+    assert f"every {RequestClient.REPEAT_AFTER_S:g} s until it is answered" in PAGE
+    assert f"gives up after {PLANT_WAIT_S:g} s" in PAGE
+    assert f"is waited for {_SERVICE_WAIT_S:g} s" in PAGE
