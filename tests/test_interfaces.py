@@ -12,7 +12,7 @@ from eye_plant.episode import Episode
 from eye_plant.mechanics.muscles import MUSCLE_NAMES
 from lockstep import topics
 from lockstep.qos import LOCKSTEP_QOS, QUEUE_DEPTH
-from lockstep.requests import END_RUN, START_RUN, RequestClient
+from lockstep.requests import END_RUN, RECONFIGURE, START_RUN, RequestClient
 from tests.node_harness import ros_graph
 from vergence_rl.node import VergenceRlNode
 
@@ -71,7 +71,7 @@ def test_every_kind_of_request() -> None:
     kinds = [kind for row in _table("Requests") for kind in _quoted(row[0])]
     with ros_graph() as graph:
         of_learners = graph.add(VergenceRlNode)._requests._handlers
-    assert set(kinds) == {"episode", *of_learners}
+    assert set(kinds) == {"episode", RECONFIGURE, *of_learners}
     assert {START_RUN, END_RUN} < set(kinds)
 
 

@@ -151,8 +151,9 @@ class Run:
     def checkpoint_is_due(self) -> bool:
         """Return whether the last checkpoint is old, the bag's file large, or this one to last."""
         old = time.monotonic() - self._checkpoint_s > self._config.checkpoint_period_s
-        large = self.writer.n_bytes > _MOST_BYTES_OF_A_FILE
-        return old or large or (self.place in self._lasting and self.place != self._checkpoint_place)
+        is_large = self.writer.n_bytes > _MOST_BYTES_OF_A_FILE
+        is_lasting = self.place in self._lasting and self.place != self._checkpoint_place
+        return old or is_large or is_lasting
 
     @property
     def _lasting(self) -> frozenset[int]:
