@@ -39,7 +39,7 @@ export_variables() {
   export HOME=${HOME:-~} # ROS writes its logs there and fails without
   export RMW_IMPLEMENTATION=rmw_fastrtps_cpp # the only one in the lock file
   export ROS_AUTOMATIC_DISCOVERY_RANGE=${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}
-  export FASTRTPS_DEFAULT_PROFILES_FILE=${FASTRTPS_DEFAULT_PROFILES_FILE:-$root/launch_scripts/fastdds.xml}
+  export FASTRTPS_DEFAULT_PROFILES_FILE=${FASTRTPS_DEFAULT_PROFILES_FILE:-$root/src/lockstep/config/fastdds.xml}
   # Each process works on matrices too small to share out; threads would only fight for the cores.
   export OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1} OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}
   export PYTHONUNBUFFERED=1 # what is said first is shown first, also through a pipe

@@ -11,14 +11,17 @@ setup(
     maintainer="Active binocular vision maintainers",
     maintainer_email="maintainers@active-binocular-vision.example",
     license="Apache-2.0",
+    url="https://active-binocular-vision.example",
     packages=find_packages(include=[package, f"{package}.*"]),
     package_data={package: ["profiles/*.yaml", "profiles/*/*.yaml", "live/layout.json"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
-        (f"share/{package}", ["package.xml"]),
+        (f"share/{package}", ["package.xml", "LICENSE", "README.md"]),
         (f"share/{package}/config", glob("config/*.yaml")),
+        (f"share/{package}/launch", glob("launch/*.launch.py")),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
     entry_points={
         "console_scripts": [

@@ -1,3 +1,5 @@
+from glob import glob
+
 from setuptools import find_packages, setup
 
 package = "lockstep"
@@ -9,11 +11,14 @@ setup(
     maintainer="Active binocular vision maintainers",
     maintainer_email="maintainers@active-binocular-vision.example",
     license="Apache-2.0",
+    url="https://active-binocular-vision.example",
     packages=find_packages(include=[package, f"{package}.*"]),
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
-        (f"share/{package}", ["package.xml"]),
+        (f"share/{package}", ["package.xml", "LICENSE", "README.md"]),
+        (f"share/{package}/config", glob("config/*.xml")),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
 )

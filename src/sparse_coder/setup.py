@@ -11,13 +11,15 @@ setup(
     maintainer="Active binocular vision maintainers",
     maintainer_email="maintainers@active-binocular-vision.example",
     license="Apache-2.0",
+    url="https://active-binocular-vision.example",
     packages=find_packages(include=[package, f"{package}.*"]),
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
-        (f"share/{package}", ["package.xml"]),
+        (f"share/{package}", ["package.xml", "LICENSE", "README.md"]),
         (f"share/{package}/config", glob("config/*.yaml")),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
     entry_points={
         "console_scripts": [

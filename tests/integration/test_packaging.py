@@ -66,6 +66,47 @@ def test_parameters_are_installed(workspace: Path, package: str) -> None:
 
 
 @pytest.mark.parametrize("package", PACKAGES)
+def test_licence_and_readme_are_installed(workspace: Path, package: str) -> None:
+    share = workspace / "install" / package / "share" / package
+    assert (share / "LICENSE").read_bytes() == (ROOT / "LICENSE").read_bytes()
+    assert (share / "README.md").read_text().startswith(f"# {package}\n")
+
+
+def test_launch_files_and_what_they_name_are_installed(workspace: Path) -> None:
+    for package, file in (
+        ("experiment_manager", "launch/graph.launch.py"),
+        ("eye_plant", "launch/eye_plant.launch.py"),
+        ("lockstep", "config/fastdds.xml"),
+    ):
+        installed = workspace / "install" / package / "share" / package / file
+        assert installed.read_bytes() == (ROOT / "src" / package / file).read_bytes()
+
+
+def test_colcon_test_finds_the_tests_of_each_package(tmp_path: Path) -> None:
+    # As a clone in a workspace: the tests are beside src. Only collected here, not run.
+    (tmp_path / "tests").symlink_to(ROOT / "tests")
+    for package in PACKAGES:
+        shutil.copytree(ROOT / "src" / package, tmp_path / "src" / package)
+        built = tmp_path / "install" / package / "share" / package
+        built.mkdir(parents=True)
+        (built / "package.sh").touch()
+    colcon = Path(sys.executable).with_name("colcon")
+    collect = ["--event-handlers", "console_direct+", "--pytest-args", "-q", "--collect-only"]
+    tested = subprocess.run(
+        [colcon, "--log-base", "log", "test", "--base-paths", "src", *collect],
+        cwd=tmp_path,
+        env={**os.environ, "COLCON_HOME": str(tmp_path), "COLCON_DEFAULTS_FILE": os.devnull},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    found = set(re.findall(r"(test_\w+\.py)::", tested.stdout))
+    folders = [ROOT / "tests" / package for package in PACKAGES]
+    expected = {file.name for folder in folders for file in folder.rglob("test_*.py")}
+    assert found == expected, tested.stdout + tested.stderr
+
+
+@pytest.mark.parametrize("package", PACKAGES)
 def test_every_file_of_the_package_is_installed(workspace: Path, package: str) -> None:
     source = workspace / "src" / package / package
     installed = _site_packages(workspace, package) / package
@@ -148,6 +189,9 @@ def test_installed_profiles_are_those_of_the_source(workspace: Path) -> None:
 _ROSDEP_KEYS = {
     "cv2": "python3-opencv",
     "matplotlib": "python3-matplotlib",
+    "mcap": "python3-mcap-pip",
+    "mujoco": "python3-mujoco-pip",
+    "numba": "python3-numba",
     "numpy": "python3-numpy",
     "PIL": "python3-pil",
     "psutil": "python3-psutil",

@@ -15,7 +15,7 @@ from experiment_manager.launch.domains import NODE_SCRIPTS_DOMAIN
 from experiment_manager.launch.processes import die_with
 
 _LIMIT_S = 30.0
-_PROFILE = Path(__file__).parents[2] / "launch_scripts" / "fastdds.xml"
+_PROFILE = Path(__file__).parents[2] / "src/lockstep/config/fastdds.xml"
 # As launch_scripts/environment.sh has it for graphs across machines.
 _VARIABLES = (
     "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET",

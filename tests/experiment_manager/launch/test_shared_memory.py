@@ -61,7 +61,9 @@ def test_without_shared_memory_there_is_nothing_to_do(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(
-    not os.environ.get("FASTRTPS_DEFAULT_PROFILES_FILE", "").endswith("launch_scripts/fastdds.xml"),
+    not os.environ.get("FASTRTPS_DEFAULT_PROFILES_FILE", "").endswith(
+        "lockstep/config/fastdds.xml"
+    ),
     reason="not started by launch_scripts/test.sh",
 )
 def test_nodes_have_room_for_the_pictures_of_an_episode() -> None:

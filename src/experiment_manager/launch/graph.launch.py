@@ -1,0 +1,75 @@
+"""The whole graph: plant, sparse coder, actor-critic, and the manager, at whose end all end.
+
+ros2 launch experiment_manager graph.launch.py run_directory:=runs/first
+ros2 launch experiment_manager graph.launch.py run_directory:=runs/first params_file:=config.yaml
+
+params_file may be the config.yaml of any run: it has the parameters of all nodes. Faults are not
+repaired, and nodes not started again: that is run_experiment's.
+"""
+
+from pathlib import Path
+
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchContext, LaunchDescription
+from launch.actions import (
+    DeclareLaunchArgument,
+    OpaqueFunction,
+    RegisterEventHandler,
+    SetEnvironmentVariable,
+    Shutdown,
+)
+from launch.event_handlers import OnProcessExit
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+from lockstep.launch_environment import launch_environment
+
+MANAGER = "experiment_manager"
+PACKAGES = ("eye_plant", "sparse_coder", "vergence_rl", MANAGER)
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Return the four nodes, in one namespace."""
+    variables = launch_environment(Path(get_package_share_directory("lockstep")))
+    return LaunchDescription(
+        [
+            DeclareLaunchArgument("namespace", default_value="", description="of all nodes"),
+            DeclareLaunchArgument(
+                "run_directory", default_value="", description="to be written; default runs/<time>"
+            ),
+            DeclareLaunchArgument(
+                "params_file", default_value="", description="for all nodes, above their own files"
+            ),
+            *(SetEnvironmentVariable(name, value) for name, value in variables.items()),
+            OpaqueFunction(function=_graph),
+        ]
+    )
+
+
+def _graph(context: LaunchContext) -> list[Node | RegisterEventHandler]:
+    given = {
+        name: LaunchConfiguration(name).perform(context)
+        for name in ("namespace", "run_directory", "params_file")
+    }
+    nodes = {package: _node(package, given) for package in PACKAGES}
+    end = OnProcessExit(
+        target_action=nodes[MANAGER], on_exit=[Shutdown(reason="the run has ended")]
+    )
+    return [*nodes.values(), RegisterEventHandler(end)]
+
+
+def _node(package: str, given: dict[str, str]) -> Node:
+    own = Path(get_package_share_directory(package)) / "config" / f"{package}.yaml"
+    parameters: list[str | dict[str, str]] = [str(own)]
+    if given["params_file"]:
+        parameters.append(given["params_file"])
+    if package == MANAGER and given["run_directory"]:
+        parameters.append({"run_directory": given["run_directory"]})
+    return Node(
+        package=package,
+        executable="node",
+        name=package,
+        namespace=given["namespace"],
+        output="screen",
+        parameters=parameters,
+    )

@@ -1,0 +1,171 @@
+"""The launch files: with stand-ins for `launch`, which has no wheels, or with it where it is."""
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+import yaml
+
+from lockstep.launch_environment import launch_environment
+
+ROOT = Path(__file__).parents[2]
+PLANT = ROOT / "src/eye_plant/launch/eye_plant.launch.py"
+GRAPH = ROOT / "src/experiment_manager/launch/graph.launch.py"
+
+
+class Call:
+    """Whatever a launch file makes, with its arguments."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        self.arguments, self.options = arguments, options
+
+    def perform(self, context: dict[str, str]) -> str:
+        """Return the value of a LaunchConfiguration."""
+        return context[self.arguments[0]]
+
+
+_STAND_INS = {
+    "launch": ("LaunchDescription", "LaunchContext"),
+    "launch.actions": (
+        "DeclareLaunchArgument",
+        "OpaqueFunction",
+        "RegisterEventHandler",
+        "SetEnvironmentVariable",
+        "Shutdown",
+    ),
+    "launch.event_handlers": ("OnProcessExit",),
+    "launch.substitutions": ("LaunchConfiguration",),
+    "launch_ros": (),
+    "launch_ros.actions": ("Node",),
+    "launch_ros.parameter_descriptions": ("ParameterValue",),
+    "ament_index_python": (),
+    "ament_index_python.packages": (),
+}
+
+
+@pytest.fixture(autouse=True)
+def stand_ins(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Put stand-ins where `launch` would be."""
+    for name, kinds in _STAND_INS.items():
+        module = ModuleType(name)
+        for kind in kinds:
+            setattr(module, kind, type(kind, (Call,), {}))
+        monkeypatch.setitem(sys.modules, name, module)
+    packages = sys.modules["ament_index_python.packages"]
+    packages.get_package_share_directory = (  # type: ignore[attr-defined]
+        lambda package: str(ROOT / "src" / package)
+    )
+
+
+def _loaded(file: Path) -> tuple[ModuleType, list[Any]]:
+    spec = importlib.util.spec_from_file_location(file.name.replace(".", "_"), file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    (entities,) = module.generate_launch_description().arguments
+    return module, entities
+
+
+def _of_kind(entities: list[Any], kind: str) -> list[Call]:
+    return [entity for entity in entities if type(entity).__name__ == kind]
+
+
+def _known_parameters(package: str) -> set[str]:
+    document = yaml.safe_load((ROOT / f"src/{package}/config/{package}.yaml").read_text())
+    (section,) = document.values()
+    return _flat(section["ros__parameters"])
+
+
+def _flat(values: dict[str, Any], prefix: str = "") -> set[str]:
+    names = set()
+    for name, value in values.items():
+        nested = isinstance(value, dict)
+        names |= _flat(value, f"{prefix}{name}.") if nested else {f"{prefix}{name}"}
+    return names
+
+
+def _check_node(node: Call, package: str) -> None:
+    assert (node.options["package"], node.options["executable"]) == (package, "node")
+    assert node.options["name"] == package
+    entry_points = (ROOT / f"src/{package}/setup.py").read_text()
+    assert f'"node = {package}.node:main"' in entry_points
+    given = [p for p in node.options["parameters"] if isinstance(p, dict)]
+    assert {name for parameters in given for name in parameters} <= _known_parameters(package)
+
+
+def _check_environment(entities: list[Any]) -> None:
+    variables = dict(v.arguments for v in _of_kind(entities, "SetEnvironmentVariable"))
+    assert variables == launch_environment(ROOT / "src/lockstep")
+    assert Path(variables["FASTRTPS_DEFAULT_PROFILES_FILE"]).is_file()
+
+
+def test_the_plant_alone_runs_free() -> None:
+    _, entities = _loaded(PLANT)
+    _check_environment(entities)
+    (node,) = _of_kind(entities, "Node")
+    _check_node(node, "eye_plant")
+    own, given = node.options["parameters"]
+    assert own.arguments == ("params_file",)
+    assert given["free_running.rate_hz"].options == {"value_type": float}
+    defaults = {
+        a.arguments[0]: a.options["default_value"]
+        for a in _of_kind(entities, "DeclareLaunchArgument")
+    }
+    assert Path(defaults["params_file"]).is_file()
+    assert float(defaults["rate_hz"]) > 0.0
+
+
+def test_the_graph_has_four_nodes_and_ends_with_the_manager() -> None:
+    module, entities = _loaded(GRAPH)
+    _check_environment(entities)
+    (graph,) = _of_kind(entities, "OpaqueFunction")
+    context = {"namespace": "lab", "run_directory": "runs/x", "params_file": "config.yaml"}
+    made = graph.options["function"](context)
+    nodes = _of_kind(made, "Node")
+    for node, package in zip(nodes, module.PACKAGES, strict=True):
+        _check_node(node, package)
+        assert node.options["namespace"] == "lab"
+        own, more = node.options["parameters"][:2]
+        assert Path(own).is_file()
+        assert more == "config.yaml"
+    assert nodes[-1].options["parameters"][2] == {"run_directory": "runs/x"}
+    (handler,) = _of_kind(made, "RegisterEventHandler")
+    (end,) = handler.arguments
+    assert end.options["target_action"] is nodes[-1]
+    assert type(end.options["on_exit"][0]).__name__ == "Shutdown"
+
+
+def test_arguments_that_are_not_given_leave_no_trace() -> None:
+    _, entities = _loaded(GRAPH)
+    (graph,) = _of_kind(entities, "OpaqueFunction")
+    nothing = {"namespace": "", "run_directory": "", "params_file": ""}
+    for node in _of_kind(graph.options["function"](nothing), "Node"):
+        (own,) = node.options["parameters"]
+        assert own.endswith(".yaml")
+
+
+def test_launched_nodes_have_the_environment_of_the_scripts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    names = set(launch_environment(ROOT / "src/lockstep"))
+    for name in names:
+        monkeypatch.delenv(name, raising=False)
+    script = "source launch_scripts/environment.sh; export_variables; env"
+    done = subprocess.run(
+        ["bash", "-c", script], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    exported = dict(line.partition("=")[::2] for line in done.stdout.splitlines())
+    launched = launch_environment(ROOT / "src/lockstep")
+    # Which graphics there are, the scripts find out when they set up.
+    for name in names - {"MUJOCO_GL"}:
+        assert exported[name] == launched[name], name
+
+
+def test_what_a_user_has_set_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", "4")
+    assert launch_environment(ROOT)["OMP_NUM_THREADS"] == "4"
