@@ -84,7 +84,8 @@ def test_launch_files_and_what_they_name_are_installed(workspace: Path) -> None:
 
 def test_colcon_test_finds_the_tests_of_each_package(tmp_path: Path) -> None:
     # As a clone in a workspace: the tests are beside src. Only collected here, not run.
-    (tmp_path / "tests").symlink_to(ROOT / "tests")
+    for beside in ("tests", "docs", "launch_scripts"):
+        (tmp_path / beside).symlink_to(ROOT / beside)
     for package in PACKAGES:
         shutil.copytree(ROOT / "src" / package, tmp_path / "src" / package)
         built = tmp_path / "install" / package / "share" / package
