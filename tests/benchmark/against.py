@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,6 +13,7 @@ from typing import Any
 import numpy as np
 
 ROOT = Path(__file__).parents[2]
+_SCRIPT = Path("launch_scripts/benchmark.sh")
 
 
 @contextlib.contextmanager
@@ -33,7 +35,7 @@ def quick_results(root: Path, json_file: Path) -> dict[str, Any]:
     # Before the packages that the environment names, which are this checkout's.
     path = os.pathsep.join(str(folder) for folder in (root, *sorted((root / "src").iterdir())))
     ended = subprocess.run(
-        [sys.executable, "-m", "tests.benchmark", "--quick", "--json", str(json_file)],
+        [sys.executable, "-m", benchmark_module(root), "--quick", "--json", str(json_file)],
         cwd=root,
         env=os.environ | {"PYTHONPATH": path},
         stdout=subprocess.DEVNULL,
@@ -42,6 +44,14 @@ def quick_results(root: Path, json_file: Path) -> dict[str, Any]:
     if ended.returncode != 0:
         raise RuntimeError(f"the benchmark in {root} ended with exit code {ended.returncode}")
     return dict(json.loads(json_file.read_text()))
+
+
+def benchmark_module(root: Path) -> str:
+    """Return the module that the benchmark.sh of the code in root starts."""
+    found = re.search(r"^run_module (\S+)", (root / _SCRIPT).read_text(), re.MULTILINE)
+    if found is None:
+        raise RuntimeError(f"{root / _SCRIPT}: expected a line run_module MODULE, got none")
+    return found[1]
 
 
 def results_in_turns(revision: str, n_turns: int, directory: Path) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.benchmark.against import medians, numbers_of, ratios, worktree
+from tests.benchmark.against import ROOT, benchmark_module, medians, numbers_of, ratios, worktree
 
 
 def test_numbers_are_named_by_their_place() -> None:
@@ -26,3 +26,14 @@ def test_an_unknown_revision_is_named(tmp_path: Path) -> None:
     ):
         pass
     assert not (tmp_path / "worktree").exists()
+
+
+def test_the_benchmark_is_the_module_that_its_script_starts(tmp_path: Path) -> None:
+    assert benchmark_module(ROOT) == "tests.benchmark"
+    (tmp_path / "launch_scripts").mkdir()
+    script = tmp_path / "launch_scripts" / "benchmark.sh"
+    script.write_text('set -e\nrun_module elsewhere.benchmark "$@"\n')
+    assert benchmark_module(tmp_path) == "elsewhere.benchmark"
+    script.write_text("exit\n")
+    with pytest.raises(RuntimeError, match=r"benchmark\.sh: expected a line run_module MODULE"):
+        benchmark_module(tmp_path)
