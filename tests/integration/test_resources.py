@@ -20,6 +20,7 @@ from tests.graph_harness import (
     vectors,
     write_configuration,
 )
+from tests.stress.clock_jumps import jumping_clock
 from tests.stress.supervised_run import SupervisedRun, is_intact, stamp_faults
 from tests.supervisor import finished, start_supervisor
 
@@ -173,32 +174,9 @@ def test_no_graphics(line: list[str], tmp_path: Path) -> None:
     assert "apt-get install libegl1 libgl1-mesa-dri" in output
 
 
-# The clock of every Python of the run jumps by the seconds in a file, as soon as there are any.
-# Whoever has looked at it then leaves a note.
-CLOCK = """
-import os, pathlib, time
-
-_now, _now_ns = time.time, time.time_ns
-_folder = pathlib.Path(os.environ["CLOCK_FOLDER"])
-
-def _jump():
-    try:
-        seconds = float((_folder / "jump").read_text() or 0.0)
-    except FileNotFoundError:
-        return 0.0
-    (_folder / f"seen_by_{os.getpid()}").touch()
-    return seconds
-
-time.time = lambda: _now() + _jump()
-time.time_ns = lambda: _now_ns() + int(_jump() * 1e9)
-"""
-
-
 def test_a_clock_that_jumps(line: list[str], commands: list[list[float]], tmp_path: Path) -> None:
-    (tmp_path / "sitecustomize.py").write_text(CLOCK)
-    variables = (f"PYTHONPATH={tmp_path}", f"CLOCK_FOLDER={tmp_path}")
     directory = tmp_path / "run"
-    with SupervisedRun(line, directory, prefix=("env", *variables)) as run:
+    with SupervisedRun(line, directory, prefix=jumping_clock(tmp_path)) as run:
         for seconds in (86400.0, -86400.0):
             place = max(run.place(), 0)
             assert run.wait_until(_beyond(run, place), "a checkpoint")

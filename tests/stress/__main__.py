@@ -3,12 +3,13 @@
 import argparse
 import dataclasses
 import json
+import shutil
 import signal
 import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -18,11 +19,15 @@ import numpy as np
 from experiment_manager.launch.command_line import arguments
 from experiment_manager.launch.configuration import configuration_of
 from experiment_manager.launch.processes import PACKAGES
-from experiment_manager.run.config_file import CONFIG_FILE, configuration_text
+from experiment_manager.run.config_file import configuration_text
 from lockstep.errors import InputError
+from lockstep.exit_codes import EXIT_BAD_INPUT
 from lockstep.qos import QUEUE_DEPTH
-from tests.stress.hostile_graph import FuzzedGraph, memory_mb
+from tests.stress.clock_jumps import jump
+from tests.stress.cuts import cut
+from tests.stress.hostile_graph import FuzzedGraph, FuzzReport, memory_mb
 from tests.stress.hostile_input import LARGEST_BYTES
+from tests.stress.smallest import smallest
 from tests.stress.supervised_run import (
     SupervisedRun,
     are_gone,
@@ -30,7 +35,7 @@ from tests.stress.supervised_run import (
     n_messages,
     stamp_faults,
 )
-from tests.stress.two_hosts import NodeOnHost, TwoHosts
+from tests.stress.totals import Totals
 
 _SETTINGS = (
     "eye_plant.stimuli.size_px=64",
@@ -47,12 +52,20 @@ _INPUTS_PER_OBSERVATION = 20
 # Longest time from one disturbance to the next: starting, catching up and working all get some.
 _LONGEST_PAUSE_S = 12.0
 _MOST_AT_PLACE = 2
-# Shortest and longest cut of the network.
-_CUT_S = (0.1, 45.0)
 _SAMPLE_PERIOD_S = 2.0
 # A message or a trial that were kept, of 356,000 and 7,800, would show.
 _SOAK_GROWTH_LIMIT_MB = 8.0
 _SUPERVISOR = "supervisor"
+_MOST_TOLD = 5
+# Of each part, the figure that counts what is done, and how much of it one slice does.
+_COUNTS = {
+    "kills": "disturbances",
+    "hostile input": "inputs",
+    "cuts": "cuts",
+    "clock jumps": "jumps",
+    "soak": "iterations",
+}
+_SLICES = {"kills": 10, "hostile input": 10_000, "cuts": 3, "clock jumps": 10, "soak": 200_000}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -71,9 +84,13 @@ def _line(n_iterations: int, *settings: str) -> list[str]:
     return words
 
 
+def _disturbed_line() -> list[str]:
+    return _line(_N_DISTURBED_ITERATIONS, *_SMALL_LEARNERS, *_OFTEN)
+
+
 def disturb(directory: Path, n_kills: int, draw: np.random.Generator) -> Outcome:
     """Kill or stop nodes, and sometimes the supervisor, until n_kills; compare the numbers."""
-    line = _line(_N_DISTURBED_ITERATIONS, *_SMALL_LEARNERS, *_OFTEN)
+    line = _disturbed_line()
     reference = directory / "undisturbed"
     with SupervisedRun(line, reference) as run:
         if run.wait() != 0:
@@ -111,7 +128,7 @@ def _disturbed_run(
     while True:
         with SupervisedRun(line, directory, resume=resume) as run:
             while True:
-                _pause(run, float(draw.uniform(0.0, _LONGEST_PAUSE_S)))
+                run.pause(float(draw.uniform(0.0, _LONGEST_PAUSE_S)))
                 if run.process.poll() is not None:
                     return run.process.returncode, run.output()
                 if done.total() >= n_kills:
@@ -122,11 +139,6 @@ def _disturbed_run(
                     break
             # Its nodes die with it, whatever they were doing; then a person resumes the run.
             resume = True
-
-
-def _pause(run: SupervisedRun, duration_s: float) -> None:
-    end_s = time.monotonic() + duration_s
-    run.wait_until(lambda: time.monotonic() >= end_s, "the pause")
 
 
 def _disturb_once(run: SupervisedRun, draw: np.random.Generator, at_place: Counter[int]) -> str:
@@ -178,13 +190,34 @@ def fuzz(directory: Path, n_inputs: int, seed: int) -> Outcome:
         figures["refused"] += report.n_refused
         figures["numbers_compared"] += report.n_compared
         figures["growth_mb"] = round(max(figures["growth_mb"], *report.growth_mb.values()), 1)
-        problems += report.differences
+        if report.differences:
+            problems += _smallest_case(config_file, seed + n_passes - 1, report, directory)
         if figures["growth_mb"] > bound_mb:
             problems.append(f"memory grew by {figures['growth_mb']} MB, expected {bound_mb:.0f}")
         print(
             f"pass {n_passes}: {figures['inputs']} of {n_inputs} inputs, {problems or 'all held'}"
         )
     return Outcome("hostile input", figures, problems)
+
+
+def _smallest_case(config_file: Path, seed: int, report: FuzzReport, directory: Path) -> list[str]:
+    """Return what differed, and the fewest inputs of the pass that still make a difference."""
+    n_tries = 0
+    told: list[str] = []
+
+    def bites(kept: Sequence[int]) -> bool:
+        nonlocal n_tries, told
+        logs = directory / f"seed_{seed}_try_{n_tries}"
+        logs.mkdir()
+        n_tries += 1
+        tried = FuzzedGraph(config_file, seed).run(
+            _EPISODES_PER_PASS, _INPUTS_PER_OBSERVATION, logs, kept=frozenset(kept)
+        )
+        told = tried.told if tried.differences else told
+        return bool(tried.differences)
+
+    smallest(range(report.n_inputs), bites)
+    return [*report.differences[:_MOST_TOLD], f"the fewest inputs of seed {seed}:", *told]
 
 
 def soak(directory: Path, n_iterations: int, seed: int) -> Outcome:
@@ -199,7 +232,7 @@ def soak(directory: Path, n_iterations: int, seed: int) -> Outcome:
                     samples[package].append(memory_mb(process_id))
                 except (FileNotFoundError, ProcessLookupError):
                     continue
-            _pause(run, _SAMPLE_PERIOD_S)
+            run.pause(_SAMPLE_PERIOD_S)
         code, output = run.process.returncode, run.output()
     if code != 0:
         return Outcome("soak", {}, [f"the run ended with exit code {code}:\n{output}"])
@@ -222,69 +255,6 @@ def soak(directory: Path, n_iterations: int, seed: int) -> Outcome:
     return Outcome("soak", figures, problems)
 
 
-def cut(directory: Path, n_cuts: int, draw: np.random.Generator) -> Outcome:
-    """Cut the network between the plant's host and the others' until n_cuts; compare the numbers.
-
-    Raises InputError when this machine cannot make two hosts.
-    """
-    line = _line(_N_DISTURBED_ITERATIONS, *_SMALL_LEARNERS, *_OFTEN)
-    reference = directory / "one_host"
-    with SupervisedRun(line, reference) as run:
-        if run.wait() != 0:
-            return Outcome("cuts", {}, [f"the undisturbed run failed: {run.output()}"])
-    pauses_s = draw.uniform(0.0, _LONGEST_PAUSE_S, n_cuts)
-    # Most are short, and some longer than Fast DDS remembers a silent host.
-    lengths_s = np.geomspace(*_CUT_S, n_cuts)
-    draw.shuffle(lengths_s)
-    cuts_s = list(zip(pauses_s.tolist(), lengths_s.tolist(), strict=True))
-    problems: list[str] = []
-    n_runs = n_bytes = 0
-    while cuts_s and not problems:
-        across = directory / f"two_hosts_{n_runs}"
-        n_runs += 1
-        try:
-            with TwoHosts() as hosts:
-                code, output = _cut_run(hosts, line, across, cuts_s)
-                n_bytes += hosts.n_bytes()
-        except OSError as error:
-            raise InputError(
-                f"two hosts need root, and ip, unshare and nsenter: {error}"
-            ) from error
-        if code != 0:
-            problems.append(f"{across.name} ended with exit code {code}:\n{output}")
-        else:
-            problems += differences(across, reference) + stamp_faults(across)
-        print(f"run {n_runs}: {n_cuts - len(cuts_s)} of {n_cuts} cuts, {problems or 'all held'}")
-    figures = {
-        "cuts": n_cuts - len(cuts_s),
-        "longest_s": round(float(lengths_s.max()), 1),
-        "runs": n_runs,
-        "megabytes_across": round(n_bytes / 1e6),
-        "messages_compared": n_runs * n_messages(reference),
-    }
-    return Outcome("cuts", figures, problems)
-
-
-def _cut_run(
-    hosts: TwoHosts, line: Sequence[str], directory: Path, cuts_s: list[tuple[float, float]]
-) -> tuple[int, str]:
-    """Make one run under cuts, (time before, length), and take these away; return code, output."""
-    with SupervisedRun(line, directory, elsewhere=("eye_plant",), prefix=hosts.a.prefix) as run:
-        run.wait_until((directory / CONFIG_FILE).exists, "the configuration")
-        with NodeOnHost(hosts.b, "eye_plant", directory / CONFIG_FILE):
-            run.wait_until(lambda: run.place() >= 0, "the first checkpoint")
-            while cuts_s:
-                pause_s, length_s = cuts_s[-1]
-                _pause(run, pause_s)
-                if run.process.poll() is not None:
-                    break
-                cuts_s.pop()
-                hosts.cut()
-                _pause(run, length_s)
-                hosts.heal()
-            return run.wait(), run.output()
-
-
 def _growth_mb(samples: Sequence[float]) -> float:
     """Return how much more memory the last quarter of the samples has than the second one."""
     quarter = len(samples) // 4
@@ -301,36 +271,88 @@ def _outcome(name: str, part: Callable[[], Outcome]) -> Outcome:
         return Outcome(name, {}, [f"{type(error).__name__}: {error}"])
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the parts asked for; return 0 when all held."""
+def _parser() -> argparse.ArgumentParser:
     line = argparse.ArgumentParser(prog="torture.sh", description="The long tests of reliability.")
     line.add_argument("--kills", type=int, default=40, metavar="N", help="0: none (default 40)")
     line.add_argument("--inputs", type=int, default=30_000, metavar="N", help="default 30000")
     line.add_argument("--soak", type=int, default=200_000, metavar="N", help="default 200000")
     line.add_argument("--cuts", type=int, default=0, metavar="N", help="needs root (default 0)")
+    line.add_argument("--jumps", type=int, default=0, metavar="N", help="of the clock (default 0)")
     line.add_argument("--seed", type=int, default=1, metavar="S", help="of all that is random")
-    line.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
+    line.add_argument(
+        "--totals",
+        type=Path,
+        metavar="FILE",
+        help="keep the figures there slice by slice, and go on from there: numbers are totals",
+    )
     line.add_argument("--out", type=Path, metavar="DIR", help="keep the runs there")
-    options = line.parse_args(argv)
+    return line
+
+
+Part = Callable[[Path, int, np.random.Generator, int], Outcome]
+
+
+_PARTS: dict[str, Part] = {
+    "kills": lambda directory, n, draw, seed: disturb(directory, n, draw),
+    "hostile input": lambda directory, n, draw, seed: fuzz(directory, n, seed),
+    "cuts": lambda directory, n, draw, seed: Outcome(
+        "cuts", *cut(_disturbed_line(), directory, n, draw)
+    ),
+    "clock jumps": lambda directory, n, draw, seed: Outcome(
+        "clock jumps", *jump(_disturbed_line(), directory, n, draw)
+    ),
+    "soak": lambda directory, n, draw, seed: soak(directory, n, seed),
+}
+
+
+def _slice(name: str, n: int, totals: Totals, options: argparse.Namespace) -> None:
+    """Make the next slice of a part, with a seed of its own, and add it to the totals."""
+    n_slices = totals.of(name).n_slices
+    seeds = np.random.SeedSequence((options.seed, [*_PARTS].index(name), n_slices))
+    seed = int(seeds.generate_state(1)[0])
     with tempfile.TemporaryDirectory(prefix="torture_") as temporary:
-        directory = Path(options.out or temporary).resolve()
-        directory.mkdir(parents=True, exist_ok=True)
-        draw = np.random.default_rng(options.seed)
-        parts: list[tuple[str, int, Callable[[int], Outcome]]] = [
-            ("kills", options.kills, lambda n: disturb(directory, n, draw)),
-            ("hostile input", options.inputs, lambda n: fuzz(directory, n, options.seed)),
-            ("cuts", options.cuts, lambda n: cut(directory, n, draw)),
-            ("soak", options.soak, lambda n: soak(directory, n, options.seed)),
-        ]
-        outcomes = [_outcome(name, partial(part, n)) for name, n, part in parts if n]
-    for outcome in outcomes:
-        print(f"{outcome.name}: {json.dumps(outcome.figures)}")
-        for problem in outcome.problems:
-            print(f"{outcome.name}: FAILED: {problem}", file=sys.stderr)
-    if options.json is not None:
-        document = [dataclasses.asdict(outcome) for outcome in outcomes]
-        options.json.write_text(json.dumps(document, indent=2) + "\n")
-    return int(any(outcome.problems for outcome in outcomes))
+        directory = (
+            Path(options.out or temporary).resolve() / f"{name.replace(' ', '_')}_{n_slices}"
+        )
+        shutil.rmtree(directory, ignore_errors=True)  # of a slice that was broken off
+        directory.mkdir(parents=True)
+        part = partial(_PARTS[name], directory, n, np.random.default_rng(seeds), seed)
+        outcome = _outcome(name, part)
+    n_done = outcome.figures.get(_COUNTS[name], n)
+    totals.add(name, n_done, outcome.figures, outcome.problems)
+    print(f"{name}: {totals.of(name).n_done} done, {outcome.problems or 'all held'}", flush=True)
+
+
+def _left(wanted: Mapping[str, int], totals: Totals) -> dict[str, int]:
+    """Return how much is left to do of each part; nothing of one that has failed."""
+    left = {name: n - totals.of(name).n_done for name, n in wanted.items() if n}
+    return {name: n for name, n in left.items() if n > 0 and not totals.of(name).problems}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the parts asked for, slice by slice; return 0 when all held."""
+    options = _parser().parse_args(argv)
+    wanted = dict(
+        zip(
+            _PARTS,
+            (options.kills, options.inputs, options.cuts, options.jumps, options.soak),
+            strict=True,
+        )
+    )
+    try:
+        totals = Totals(options.totals, options.seed)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    # By turns, so that each part has been tried early.
+    while left := _left(wanted, totals):
+        for name, n in left.items():
+            _slice(name, min(n, _SLICES[name]), totals, options)
+    for name, part in totals.parts.items():
+        print(f"{name}: {json.dumps(part.figures)}")
+        for problem in part.problems:
+            print(f"{name}: FAILED: {problem}", file=sys.stderr)
+    return int(any(part.problems for part in totals.parts.values()))
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,7 @@ from tests.stress.hostile_input import IMAGE_TOPICS, VECTOR_NAMES, Hostility
 NODES = tuple(package for package in PACKAGES if package != MANAGER)
 _RUN = "fuzzed"
 _PATIENCE_S = 300.0
+_LONGEST_TOLD = 500
 _BYTES_PER_MB = 1 << 20
 
 Rows = dict[int, tuple[float, ...]]
@@ -44,7 +46,8 @@ class FuzzReport:
 
     n_inputs: hostile ones sent; n_refused: counted by the nodes in /diagnostics; n_compared:
     numbers compared with those of an undisturbed run; differences: what differed; growth_mb: of
-    the memory of each node, from the first to the last episode.
+    the memory of each node, from the first to the last episode; told: the inputs, if only some were
+    sent.
     """
 
     n_inputs: int
@@ -52,18 +55,24 @@ class FuzzReport:
     n_compared: int
     differences: list[str]
     growth_mb: dict[str, float]
+    told: list[str]
 
 
 class _Driver(Node):
     """Requests the episodes, and throws hostile input at the nodes while they work."""
 
-    def __init__(self, context: Context, hostility: Hostility) -> None:
+    def __init__(
+        self, context: Context, hostility: Hostility, kept: Collection[int] | None
+    ) -> None:
         super().__init__("driver", context=context)
         self.hostility = hostility
         self.asks = {name: RequestClient(self, name) for name in NODES}
         self.rows: dict[str, Rows] = {"ground_truth": {}, "actor_critic": {}}
         self.refused: dict[str, int] = {}
+        self._kept = kept
+        self._n_drawn = 0
         self.n_inputs = 0
+        self.told: list[str] = []
         for topic in self.rows:
             self.create_subscription(JointState, topic, self._take(topic), LOCKSTEP_QOS)
         self.create_subscription(DiagnosticArray, "/diagnostics", self._hear, 10)
@@ -101,18 +110,31 @@ class _Driver(Node):
         )
 
     def attack(self, now_ns: int) -> None:
-        """Send one hostile input."""
-        self.n_inputs += 1
+        """Draw a hostile input, and send it unless it is among those left out."""
         if not self.hostility.is_request():
             topic, message = self.hostility.message(now_ns)
-            self._ends[topic].publish(message)
+            if self._is_kept(now_ns, topic, message):
+                self._ends[topic].publish(message)
             return
         node = self.hostility.node(NODES)
         parameters = self.hostility.request(_RUN)
+        if not self._is_kept(now_ns, node, parameters):
+            return
         atomic = SetParametersAtomically.Request(parameters=parameters)
         self._requests[node].call_async(atomic)
         of_the_node = [Parameter("seed", value=7).to_parameter_msg(), *parameters]
         self._parameters[node].call_async(SetParameters.Request(parameters=of_the_node))
+
+    def _is_kept(self, now_ns: int, to: str, what: Any) -> bool:
+        number, self._n_drawn = self._n_drawn, self._n_drawn + 1
+        if self._kept is None:
+            self.n_inputs += 1
+            return True
+        if number not in self._kept:
+            return False
+        self.n_inputs += 1
+        self.told.append(f"input {number} at {now_ns} ns to {to}: {str(what)[:_LONGEST_TOLD]}")
+        return True
 
 
 class FuzzedGraph:
@@ -126,10 +148,19 @@ class FuzzedGraph:
         self._configuration = configuration
         self._protocol = make_protocol(manager)
         self._period_ns = period_ns(manager.mechanics.period_s)
-        self._hostility = Hostility(seed, self._period_ns)
+        self._seed = seed
 
-    def run(self, n_episodes: int, n_inputs_per_observation: int, logs: Path) -> FuzzReport:
-        """Drive the nodes through the first episodes under attack; compare with the loop."""
+    def run(
+        self,
+        n_episodes: int,
+        n_inputs_per_observation: int,
+        logs: Path,
+        kept: Collection[int] | None = None,
+    ) -> FuzzReport:
+        """Drive the nodes through the first episodes under attack; compare with the loop.
+
+        kept: numbers of the inputs to send, of those that are drawn, None sends all.
+        """
         with (
             own_domain() as domain,
             NodeProcesses(self._config_file, domain, logs, {}, NODES) as processes,
@@ -137,7 +168,7 @@ class FuzzedGraph:
             context = Context()
             context.init(domain_id=domain)
             executor = SingleThreadedExecutor(context=context)
-            driver = _Driver(context, self._hostility)
+            driver = _Driver(context, Hostility(self._seed, self._period_ns), kept)
             executor.add_node(driver)
             try:
                 attack = _Attack(driver, executor, processes, self._period_ns)
@@ -153,6 +184,7 @@ class FuzzedGraph:
             n_compared,
             differing,
             attack.growth_mb,
+            driver.told,
         )
 
     def _protocol_episodes(self, n_episodes: int) -> list[Episode]:

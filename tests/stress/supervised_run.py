@@ -80,6 +80,11 @@ class SupervisedRun:
             time.sleep(_POLL_S)
         return True
 
+    def pause(self, duration_s: float) -> bool:
+        """Wait for so long; return False when the run ended first."""
+        end_s = time.monotonic() + duration_s
+        return self.wait_until(lambda: time.monotonic() >= end_s, "the pause")
+
     def wait(self) -> int:
         """Wait for the end of the run; return its exit code."""
         self.wait_until(lambda: False, "the end of the run")
