@@ -87,6 +87,17 @@ def _messages(directory: Path) -> dict[str, dict[int, bytes]]:
     return found
 
 
+def _order(directory: Path) -> list[tuple[str, int]]:
+    """Return topic and stamp of one message after the other, as the files have them."""
+    found = []
+    for i_file in range(len([*(directory / "bag").glob("*.mcap")])):
+        with (directory / "bag" / f"bag_{i_file}.mcap").open("rb") as stream:
+            for _, channel, message in make_reader(stream).iter_messages(log_time_order=False):
+                if channel.topic not in ("/clock", NOT_COMPARED):
+                    found.append((channel.topic, message.log_time))
+    return found
+
+
 def _configuration(directory: Path) -> dict[str, dict[str, object]]:
     document = yaml.safe_load((directory / "config.yaml").read_text())
     del document["run"]["ros__parameters"]["date"]
@@ -113,6 +124,7 @@ def _assert_same(one: Path, other: Path) -> None:
     }
     for topic, messages in first.items():
         assert messages == second[topic], topic
+    assert _order(one) == _order(other)
     assert _learned(one) == _learned(other)
     assert (one / "results.json").read_text() == (other / "results.json").read_text()
     assert {path.name for path in (one / "figures").iterdir()} == {

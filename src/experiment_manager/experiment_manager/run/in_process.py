@@ -89,6 +89,7 @@ class InProcessRun:
             for topic, message in self._messages.small(run.stamp_ns, step):
                 write(topic, message, run.stamp_ns)
             self._measure(episode, step)
+        run.writer.release(run.stamp_ns + 1)
         run.end_episode()
 
     def _measure(self, episode: Episode, step: Step) -> None:
