@@ -7,6 +7,7 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
+from lockstep.topics import LATERAL_LIMITS, MEDIAL_LIMITS
 
 MODELS = ("M", "M_C")
 
@@ -69,14 +70,14 @@ class ProtocolConfig:
         -3, "least vergence error with which a test trial starts", "deg", most=0
     )
     medial_rectus_limits: tuple[float, ...] = setting(
-        (0.0, 0.2),
+        MEDIAL_LIMITS,
         "limits of the medial rectus' activation as an episode begins",
         least=0,
         most=1,
         is_interval=True,
     )
     lateral_rectus_limits: tuple[float, ...] = setting(
-        (0.0, 0.1),
+        LATERAL_LIMITS,
         "limits of the lateral rectus' activation as an episode begins",
         least=0,
         most=1,

@@ -67,7 +67,7 @@ def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ..
     """Return the conditions of a test: distances x whole-degree start errors.
 
     Start errors go from least_start_error_deg to the largest whole degree that leaves the initial
-    vergence 0 or more (K17: "the smallest possible initial angle of the eyes to zero").
+    vergence 0 or more (D11; K17: "the smallest possible initial angle of the eyes to zero").
     """
     return tuple(
         Condition(distance_m, float(error_deg))

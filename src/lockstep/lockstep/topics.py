@@ -44,6 +44,8 @@ REWARD_NAMES = (
     "learning_steps",
 )
 COMMAND_NAMES = ("medial_rectus", "lateral_rectus")
+# K17's restriction of both activations, throughout: its code restricts the initial draw only (D5).
+MEDIAL_LIMITS, LATERAL_LIMITS = (0.0, 0.2), (0.0, 0.1)
 ACTOR_CRITIC_NAMES = (
     "value",
     "td_error",

@@ -61,7 +61,7 @@ def reconstruction_error(patches: NDArray[np.float32], selections: Selections) -
 
     Each selection of a unit atom takes kappa^2 from the residual's energy (Mallat & Zhang 1993),
     so the residuals need not be formed. Patches without any energy leave nothing to explain:
-    their error is 0. (K17 eq. 2, as a fraction: ours, since the paper's lambda needs it.)
+    their error is 0. (K17 eq. 2, as a fraction (D3), since the paper's lambda needs it.)
     """
     energy = _energy(patches)
     if energy == 0.0:

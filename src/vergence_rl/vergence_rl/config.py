@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from lockstep.settings import check_settings, setting
+from lockstep.topics import LATERAL_LIMITS, MEDIAL_LIMITS
 
 N_MUSCLES = 2  # medial rectus, lateral rectus; the same command for both eyes (K17 II)
 N_BIASES = 1
@@ -28,24 +29,28 @@ class VergenceRlConfig:
         1.0, "power to which features are raised before they are normalised (D15)", above=0
     )
     medial_limits: tuple[float, ...] = setting(
-        (0.0, 0.2), "limits of the medial rectus' activation", least=0, most=1, is_interval=True
+        MEDIAL_LIMITS, "limits of the medial rectus' activation", least=0, most=1, is_interval=True
     )
     lateral_limits: tuple[float, ...] = setting(
-        (0.0, 0.1), "limits of the lateral rectus' activation", least=0, most=1, is_interval=True
+        LATERAL_LIMITS,
+        "limits of the lateral rectus' activation",
+        least=0,
+        most=1,
+        is_interval=True,
     )
     state_standard_deviation: float = setting(
         0.02, "standard deviation to which each entry of the state is normalised", above=0
     )
     bias_input: float = setting(0.02, "the state's last, constant entry", least=0)
     initial_squared_deviation: float = setting(
-        0.0, "where the normaliser's sum of squared deviations from the mean starts", least=0
+        0.0, "where the normaliser's sum of squared deviations from the mean starts (D9)", least=0
     )
     discount: float = setting(0.3, "gamma, discount of the value one step ahead", least=0, below=1)
     critic_learning_rate: float = setting(0.75, "alpha, learning rate of the critic", least=0)
     critic_step_limit: float = setting(
         1.0,
         "limit of alpha |s|^2, the share of a TD error that one step takes away: without, as in"
-        " K17, the critic diverges at a picture whose features lie far out",
+        " K17, the critic diverges at a picture whose features lie far out (D13)",
         above=0,
     )
     critic_initial_width: float = setting(

@@ -18,7 +18,7 @@ from experiment_manager.launch.live_view import Address
 from experiment_manager.launch.neighbours import refuse_neighbours
 from experiment_manager.launch.supervisor import Supervisor, known_domain
 from experiment_manager.live.server import why_unavailable
-from experiment_manager.measures.results import read_results
+from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.measures.tables import tests_table
 from experiment_manager.report.performance_figures import learning_curve
 from experiment_manager.run.config_file import (
@@ -27,7 +27,6 @@ from experiment_manager.run.config_file import (
     configuration_text,
 )
 from experiment_manager.run.lasting_output import make_standard_streams_last
-from experiment_manager.run.run_directory import RESULTS_FILE
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import load_stimuli
 from lockstep.configuration import build

@@ -10,6 +10,7 @@ import numpy as np
 from experiment_manager.measures.trials import TestTrials, split_tests
 from eye_plant.camera.config import CameraConfig
 from eye_plant.geometry import degrees_per_px
+from eye_plant.mechanics.k17 import K17
 from lockstep.errors import InputError
 
 # K17 Fig. 3 shows these; the last one is what all tables report.
@@ -21,7 +22,7 @@ PX_DEG = degrees_per_px(CameraConfig().focal_length_px)
 # A trial that ends farther off has not arrived.
 ARRIVED_DEG = 1.0
 # Below this a muscle counts as silent: its cost no longer falls (the floor of its cost).
-SILENT_ACTIVATION = 0.005
+SILENT_ACTIVATION = K17.energetics.minimum_activation
 # The authors' code has these start errors, and leaves 0 out of its measures.
 AUTHORS_START_ERRORS_DEG = (-3.0, -2.0, -1.0, 1.0, 2.0)
 # At rest K17's eyes look at 3.2 m: nearer than that the lateral recti should be silent, farther off

@@ -14,8 +14,10 @@ from experiment_manager.measures.metrics import PX_DEG, SILENT_ACTIVATION
 from experiment_manager.measures.trials import TestTrials
 from experiment_manager.report.groups import Group
 from experiment_manager.report.performance_figures import new_figure
+from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
+from lockstep.topics import LATERAL_LIMITS, MEDIAL_LIMITS
 
 # Start errors whose paths are drawn, where a test has them (of K17's -3 to 3 deg).
 _START_ERRORS_DEG = (-3.0, -1.0, 1.0, 3.0)
@@ -24,7 +26,7 @@ _ENDS: dict[str, dict[str, Any]] = {
     "M": {"marker": "o", "ms": 8, "mfc": "white"},
     "M_C": {"marker": "D", "ms": 4},
 }
-_MEDIAL_LIMIT, _LATERAL_LIMIT = 0.2, 0.1
+_MEDIAL_LIMIT, _LATERAL_LIMIT = MEDIAL_LIMITS[1], LATERAL_LIMITS[1]
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,7 @@ def _draw_maps(axes: Axes, space: MotorSpace, distance_m: float) -> QuadMesh:
     # The cost does not fall below this activation, so there its contours turn.
     axes.axhline(SILENT_ACTIVATION, ls=":", lw=0.9, color="#b35c00")
     axes.axvline(SILENT_ACTIVATION, ls=":", lw=0.9, color="#b35c00")
-    desired_deg = math.degrees(2.0 * math.atan(space.baseline_m / (2.0 * distance_m)))
+    desired_deg = desired_vergence_deg(distance_m, space.baseline_m)
     axes.contour(
         space.lateral,
         space.medial,

@@ -13,13 +13,12 @@ from experiment_manager.measures.metrics import PX_DEG
 from experiment_manager.measures.recorded_run import RecordedRun, RecordedTest
 from experiment_manager.report.groups import Group
 from experiment_manager.report.performance_figures import new_figure
+from sparse_coder.patches import COARSE_WINDOW_PX
 
 _BIN_DEG = 0.25
 _RANGE_DEG = 3.25
 _LEAST_PER_BIN = 20
 _LEAST_START_ERROR_DEG = 0.5
-# The coarse scale's window, centred in the picture (K17 II).
-_WINDOW_PX = 128
 
 
 def encoding_figure(groups: Sequence[Group]) -> Figure:
@@ -138,7 +137,7 @@ def _draw_trial(axes_row: Sequence[Axes], run: RecordedRun, recorded: RecordedTr
         )
         axes.imshow(anaglyph(left, right))
         height, width = left.shape
-        corner = ((width - _WINDOW_PX) / 2 - 0.5, (height - _WINDOW_PX) / 2 - 0.5)
+        corner = ((width - COARSE_WINDOW_PX) / 2 - 0.5, (height - COARSE_WINDOW_PX) / 2 - 0.5)
         axes.add_patch(_frame(corner))
         error_deg = trials.vergence_error_deg[recorded.i_trial, iteration]
         axes.set_title(
@@ -150,4 +149,5 @@ def _draw_trial(axes_row: Sequence[Axes], run: RecordedRun, recorded: RecordedTr
 
 
 def _frame(corner: tuple[float, float]) -> Rectangle:
-    return Rectangle(corner, _WINDOW_PX, _WINDOW_PX, fill=False, edgecolor="white", lw=0.8)
+    side = COARSE_WINDOW_PX
+    return Rectangle(corner, side, side, fill=False, edgecolor="white", lw=0.8)

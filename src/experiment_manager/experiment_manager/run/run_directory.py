@@ -13,7 +13,7 @@ from experiment_manager.agreements import check_agreements
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.measures.kept_trials import arrays_of, from_arrays, write_trials
-from experiment_manager.measures.results import write_results
+from experiment_manager.measures.results import RESULTS_FILE, write_results
 from experiment_manager.measures.tables import test_line
 from experiment_manager.protocol import make_protocol
 from experiment_manager.reach import check_reach
@@ -40,7 +40,6 @@ from lockstep.state_file import read_state, write_state
 from lockstep.topics import PARAMETER_CHANGES, TOPIC_TYPES
 from lockstep.vectors import VectorBytes
 
-RESULTS_FILE = "results.json"
 TRIALS_FILE, TRIALS_KIND = "trials.npz", "trials"
 # The observations of the test under way; all else in that file is kept of the tests before.
 _ROWS = "rows"

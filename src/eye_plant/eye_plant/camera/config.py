@@ -22,7 +22,7 @@ class CameraConfig:
     """Two equal pinhole cameras, the plane and the landscape (K17, section on the environment).
 
     Of the two fields of view that K17 gives only F = 257.34 px fits both: 50 deg is the vertical
-    one, 2 atan(120 / F). One pixel is 0.2226 deg.
+    one, 2 atan(120 / F) (D2). One pixel is 0.2226 deg.
     """
 
     renderer: str = setting(

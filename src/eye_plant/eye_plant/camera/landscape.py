@@ -1,4 +1,4 @@
-"""The landscape behind the plane: what eyes see that look past it."""
+"""The landscape behind the plane, generated (D10): what eyes see that look past it."""
 
 import cv2
 import numpy as np

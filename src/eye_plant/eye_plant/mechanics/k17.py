@@ -101,7 +101,7 @@ K17 = ParameterSet(
         damping_n_m_s=0.02,
     ),
     # K17's cost, W per eye: 2.229 A_MR^0.6 + 2.030 A_LR^0.6 with A = max(a, 0.005), which is
-    # OpenEyeSim's: activation and maintenance heat alone, 80 % fast fibres, S = 1.
+    # OpenEyeSim's: activation and maintenance heat alone, 80 % fast fibres, S = 1 (D6).
     energetics=Energetics(
         scaling=1.0, fast_fraction=0.8, minimum_activation=0.005, length_dependent=False
     ),

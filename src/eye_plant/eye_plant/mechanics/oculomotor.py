@@ -109,7 +109,7 @@ class Oculomotor:
         """Spend one control period on the way to the target activations (12,); ends settled.
 
         The period is simulated; what would still creep after it is taken at once, so that the
-        eyes rest at the static equilibrium that they were on their way to.
+        eyes rest at the static equilibrium that they were on their way to (D1).
         """
         activations = check_activations(activations)
         self.data.ctrl[:] = activations

@@ -16,8 +16,9 @@ from eye_plant.stimuli.stimulus_set import StimulusSet
 from eye_plant.validation.passive_energy import passive_energy_j
 from eye_plant.validation.row import Row
 from eye_plant.validation.saccades import PULSES, Saccade, holding_pair, make_saccade
+from lockstep.topics import LATERAL_LIMITS, MEDIAL_LIMITS
 
-LIMITS = ((0.0, 0.2), (0.0, 0.1))
+LIMITS = (MEDIAL_LIMITS, LATERAL_LIMITS)
 STEP_BOUND_MS = {"k17": 1.0, "anatomical": 3.0}
 DISTANCES_M = (0.5, 1.0, 2.0, 4.0, 6.0)
 ERRORS_DEG = (-3.0, -1.0, 0.0, 1.0, 3.0)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from lockstep.errors import InputError
 
@@ -19,6 +20,7 @@ Array = NDArray[np.float64]
 
 MAPS_VARIABLE = "ABV_OPENEYESIM_MAPS"
 N_GRID = 11
+_GRID = np.linspace(0.0, 1.0, N_GRID)
 
 # Object distance in m, and the one activation (medial, lateral) that verges on it.
 SINGLE_MUSCLE_POINTS: tuple[tuple[float, float, float], ...] = (
@@ -44,7 +46,9 @@ class Maps:
 
     def spline_adduction_deg(self, medial: Array, lateral: Array) -> Array:
         """Cubic spline of the adduction, on every pair of medial (n,) and lateral (m,): (n, m)."""
-        return spline_weights(medial) @ self.adduction_deg @ spline_weights(lateral).T
+        by_lateral = CubicSpline(_GRID, self.adduction_deg, axis=1)(lateral)
+        adduction_deg: Array = CubicSpline(_GRID, by_lateral, axis=0)(medial)
+        return adduction_deg
 
 
 def load_maps() -> Maps | None:
@@ -53,32 +57,9 @@ def load_maps() -> Maps | None:
     if not path:
         return None
     if not Path(path).is_file():
-        raise InputError(f"{MAPS_VARIABLE} must name a file, got {path!r}")
+        raise InputError(f"{MAPS_VARIABLE}: expected the name of a file, got {path!r}")
     with open(path, newline="") as file:
         rows = np.array([[float(entry) for entry in row] for row in list(csv.reader(file))[1:]])
     if rows.shape != (N_GRID**2, 4):
         raise InputError(f"{path}: expected 121 rows of 4 numbers, got shape {rows.shape}")
     return Maps(rows[:, 2].reshape(N_GRID, N_GRID), rows[:, 3].reshape(N_GRID, N_GRID))
-
-
-def spline_weights(activations: Array) -> Array:
-    """Weights (n, 11) of the grid's values in a not-a-knot cubic spline at activations (n,).
-
-    With h the spacing and s the second derivatives at the knots, s_(i-1) + 4 s_i + s_(i+1) =
-    6 (y_(i-1) - 2 y_i + y_(i+1)) / h^2, and the third derivative does not jump at the second and
-    the last but one knot.
-    """
-    spacing = 1.0 / (N_GRID - 1)
-    left, right = np.zeros((N_GRID, N_GRID)), np.zeros((N_GRID, N_GRID))
-    for i in range(1, N_GRID - 1):
-        left[i, i - 1 : i + 2] = (1.0, 4.0, 1.0)
-        right[i, i - 1 : i + 2] = np.array((6.0, -12.0, 6.0)) / spacing**2
-    left[0, :3] = left[-1, -3:] = (1.0, -2.0, 1.0)
-    curvature = np.linalg.solve(left, right)
-    cell = np.clip(np.asarray(activations) / spacing, 0.0, N_GRID - 1.0)
-    index = np.minimum(cell.astype(int), N_GRID - 2)
-    b = (cell - index)[:, np.newaxis]
-    a = 1.0 - b
-    values = np.eye(N_GRID)
-    bend = (a**3 - a) * curvature[index] + (b**3 - b) * curvature[index + 1]
-    return a * values[index] + b * values[index + 1] + bend * spacing**2 / 6.0

@@ -16,8 +16,9 @@ from eye_plant.validation.openeyesim import SINGLE_MUSCLE_POINTS, Maps, power_la
 from eye_plant.validation.row import Row
 from eye_plant.validation.saccades import holding_pair
 from eye_plant.validation.secondary_gaze import worst_torsion_deg
+from lockstep.topics import LATERAL_LIMITS, MEDIAL_LIMITS
 
-LIMITS = ((0.0, 0.2), (0.0, 0.1))
+LIMITS = (MEDIAL_LIMITS, LATERAL_LIMITS)
 FIELD_DEG = 45.0
 
 # Signs of adduction, elevation, intorsion that each muscle gives an eye looking straight ahead;
@@ -84,8 +85,9 @@ def _unsettled_deg() -> float:
 
 def _single_muscle_error(inverse: Inverse) -> float:
     worst = 0.0
+    baseline_m = MechanicsConfig().baseline_m
     for distance_m, medial, lateral in SINGLE_MUSCLE_POINTS:
-        best = inverse.optimal(desired_vergence_deg(distance_m, 0.056))
+        best = inverse.optimal(desired_vergence_deg(distance_m, baseline_m))
         worst = max(worst, abs(best.medial - medial), abs(best.lateral - lateral))
     return worst
 
