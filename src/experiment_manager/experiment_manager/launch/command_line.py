@@ -9,7 +9,7 @@ from experiment_manager.launch.live_view import Address
 from experiment_manager.launch.profiles import profile_names
 
 # Lambda of M_C, 1/W, by the eyes' parameter set: energy is 20 % of the reward over the first 5,000
-# iterations on the generated stimuli, by which rule K17 chose its 0.035 (D7). Measured with seed 1 by
+# iterations on the generated stimuli, by which rule K17 chose its 0.035 (D7). Measured, seed 1, by
 #   run_experiment.sh --profile paper --model M_C --lambda-share 0.2
 # and, for the second, with --set eye_plant.mechanics.parameter_set=anatomical.
 # k17: mean E 0.3711, mean C 1.4300 W, lambda 0.0649; anatomical, of real muscle masses: mean E
