@@ -192,6 +192,7 @@ _ROSDEP_KEYS = {
     "matplotlib": "python3-matplotlib",
     "mcap": "python3-mcap-pip",
     "mujoco": "python3-mujoco-pip",
+    "llvmlite": "python3-numba",  # which brings it
     "numba": "python3-numba",
     "numpy": "python3-numpy",
     "PIL": "python3-pil",
