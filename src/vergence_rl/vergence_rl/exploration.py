@@ -20,7 +20,7 @@ def step_scale(sd: float, exponent: float) -> float:
     """Return (sigma_K17 / sigma)^exponent, by which the actor's step is multiplied (D16; K17: 0).
 
     The gradient of a Gaussian policy's log-likelihood is (a - A) / sigma^2 (Williams 1992): a
-    surplus of any size tells as much. With exponent 1 a step has the same size whatever sigma;
-    ours: a little less than 1, so that learning rests at the end.
+    surplus of any size tells as much. With exponent 1 a step has the same size whatever sigma, with
+    0 learning fades as the noise narrows.
     """
     return (PAPER_EXPLORATION_VARIANCE**0.5 / sd) ** exponent if sd > 0.0 else 1.0
