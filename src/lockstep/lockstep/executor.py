@@ -10,11 +10,14 @@ from functools import partial
 from typing import Any
 
 from rclpy.client import Client
+from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.logging import get_logger
+from rclpy.node import Node
 from rclpy.service import Service
 from rclpy.subscription import Subscription
+from rclpy.task import Future
 from rclpy.timer import Timer
 
 _FOREVER_NS = -1
@@ -24,14 +27,70 @@ _LOGGER = get_logger("lockstep")
 _MAX_IN_A_ROW = 16
 
 
+# What is used here of rclpy and may be another in another version, by its owner.
+_PRIVATE_NAMES: dict[Any, tuple[str, ...]] = {
+    _rclpy: ("WaitSet", "Subscription", "Client", "Service", "Timer"),
+    SingleThreadedExecutor: ("_take_service", "wake"),
+    Client: ("get_pending_request",),
+    Future: ("_set_executor",),
+    Node: ("guards", "subscriptions", "clients", "services", "timers"),
+}
+_HANDLE_NAMES = {
+    "WaitSet": (
+        "add_client",
+        "add_guard_condition",
+        "add_service",
+        "add_subscription",
+        "add_timer",
+        "clear_entities",
+        "get_ready_entities",
+        "wait",
+    ),
+    "Subscription": ("take_message",),
+    "Client": ("take_response",),
+    "Service": ("service_take_request",),
+    "Timer": ("call_timer", "is_timer_ready"),
+}
+_EXECUTOR_ATTRIBUTES = ("_context", "_guard", "_is_shutdown", "_sigint_gc", "_tasks", "_tasks_lock")
+
+
+def make_executor(context: Context | None = None) -> SingleThreadedExecutor:
+    """Return a LockstepExecutor, or rclpy's own with a warning where rclpy has changed inside."""
+    executor = SingleThreadedExecutor(context=context)
+    missing = _missing_names(executor)
+    if missing:
+        _LOGGER.warning(
+            f"expected rclpy to have {', '.join(missing)}, as in its version 7.1: going on with"
+            " its own executor, which is slower"
+        )
+        return executor
+    executor.shutdown()
+    return LockstepExecutor(context=context)
+
+
+def _missing_names(executor: SingleThreadedExecutor) -> list[str]:
+    """Return the names of rclpy that are used here and that this rclpy does not have."""
+    owners = [
+        *_PRIVATE_NAMES.items(),
+        *((getattr(_rclpy, kind, None), names) for kind, names in _HANDLE_NAMES.items()),
+        (executor, _EXECUTOR_ATTRIBUTES),
+    ]
+    return [
+        f"{getattr(owner, '__name__', type(owner).__name__)}.{name}"
+        for owner, names in owners
+        for name in names
+        if not hasattr(owner, name)
+    ]
+
+
 class LockstepExecutor(SingleThreadedExecutor):
     """Serves messages, requests, answers and timers itself; all else goes the base class's way.
 
     A node may say which messages are worth waking up for: `awaited_subscriptions`, asked before
     each wait, returns them; the others are taken when something wakes it. Without it, all are.
 
-    Callbacks must be plain functions, and nodes must not be shared with another executor. Uses the
-    parts of rclpy that its own `wait_for_message` is made of; the lock file pins their version.
+    Callbacks must be plain functions, and nodes must not be shared with another executor. Uses
+    parts of rclpy that are not public; `make_executor` looks for them first.
     """
 
     _stale = True
@@ -128,7 +187,7 @@ class LockstepExecutor(SingleThreadedExecutor):
         try:
             future = client.get_pending_request(header.request_id.sequence_number)
         except KeyError:
-            return  # nobody waits for it any more
+            return  # the one who asked no longer waits
         # With an executor, the future's callbacks become tasks; without, their exceptions warnings.
         future._set_executor(self)
         future.set_result(response)

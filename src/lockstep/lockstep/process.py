@@ -15,7 +15,7 @@ from rclpy.utilities import remove_ros_args
 
 from lockstep.cores import share_two_cores
 from lockstep.errors import DivergenceError, InputError
-from lockstep.executor import LockstepExecutor
+from lockstep.executor import make_executor
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, FAULT_TEXT
 
 _ROS_ERRORS = (_rclpy.RCLError, _rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError)
@@ -64,7 +64,7 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
 
     signal.signal(signal.SIGINT, on_signal)
     signal.signal(signal.SIGTERM, on_signal)
-    executor = LockstepExecutor()
+    executor = make_executor()
     executor.add_node(node)
     try:
         executor.spin()
