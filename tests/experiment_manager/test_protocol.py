@@ -1,5 +1,6 @@
 """The sequence of episodes: the paper's numbers, and a function of (seed, place) alone."""
 
+import math
 import re
 from typing import Any
 
@@ -52,6 +53,22 @@ def test_the_papers_tests() -> None:
 def test_tests_beyond_the_end_are_left_out_and_one_at_the_end_is_made() -> None:
     assert _protocol().test_iterations == (0, 50, 120)
     assert _protocol(n_training_iterations=0).test_iterations == (0,)
+
+
+def test_the_plane_and_the_first_gaze_have_distances_of_their_own() -> None:
+    # gamma = 2 atan(0.028 / 3) = 1.0694 deg, whatever the plane's distance.
+    protocol = _protocol(object_distance_m=(1.0, 1.0), fixation_distance_m=(3.0, 3.0))
+    trained = [e for e in map(protocol.episode, range(len(protocol))) if e.phase == TRAINING]
+    assert {episode.object_distance_m for episode in trained} == {1.0}
+    assert [episode.medial_rectus for episode in trained] == pytest.approx(
+        [0.010694] * 12, rel=1e-4
+    )
+    # Drawn from one range they are drawn apart: knowing one tells nothing of the other.
+    both = _protocol(n_training_iterations=10_000, test_iterations=(10_000,))
+    training = list(both.training_episodes())
+    gamma_deg = [math.degrees(2 * math.atan(0.028 / e.object_distance_m)) for e in training]
+    first_gaze_deg = [100.0 * e.medial_rectus for e in training]
+    assert abs(np.corrcoef(gamma_deg, first_gaze_deg)[0, 1]) < 0.1
 
 
 def test_the_order_of_phases() -> None:

@@ -51,16 +51,26 @@ def test_the_training_curve_is_of_episode_ends(run: RecordedRun) -> None:
     assert np.allclose(curve.quartiles_deg, np.quantile(errors_deg, (0.25, 0.5, 0.75), axis=1))
 
 
-def test_the_share_of_the_cost_is_that_of_training(run: RecordedRun) -> None:
+def test_the_share_of_the_cost_is_that_of_the_first_and_the_last_training_iterations(
+    run: RecordedRun, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("experiment_manager.measures.recorded_run.SHARE_ITERATIONS", 100)
     tables = run.bag.vectors("reward", "ground_truth")
     truth, reward = tables["ground_truth"], tables["reward"]
-    phases = dict(zip(truth.stamps_ns.tolist(), truth.column("phase"), strict=True))
-    error = cost_w = 0.0
+    names = ("phase", "training_iteration")
+    about = dict(
+        zip(truth.stamps_ns.tolist(), zip(*map(truth.column, names), strict=True), strict=True)
+    )
+    sums = {"first": [0.0, 0.0], "last": [0.0, 0.0]}
     for stamp, row in zip(reward.stamps_ns.tolist(), reward.position, strict=True):
-        if phases[stamp] == 0:
-            error, cost_w = error + row[0] + row[1], cost_w + row[2]
-    expected = 0.08 * cost_w / (error + 0.08 * cost_w)
-    assert run.cost_shares == (pytest.approx(expected), pytest.approx(expected))
+        phase, iteration = about[stamp]
+        end = "first" if iteration < 100 else "last" if iteration >= 300 else ""
+        if phase == 0 and end:
+            sums[end][0] += row[0] + row[1]
+            sums[end][1] += row[2]
+    first, last = (0.08 * cost_w / (error + 0.08 * cost_w) for error, cost_w in sums.values())
+    assert abs(first - last) > 0.001  # so that taking one for the other would be seen
+    assert RecordedRun(run.directory).cost_shares == (pytest.approx(first), pytest.approx(last))
 
 
 def test_results_from_the_bag_agree_with_themselves(
