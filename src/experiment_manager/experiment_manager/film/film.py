@@ -14,7 +14,7 @@ from lockstep.errors import InputError
 
 FRAMES_PER_S = 5
 # A GIF is for a page: half as wide, and few colours.
-_GIF_COLOURS = 64
+_GIF_COLOURS = 96
 
 Frames = Iterable[Frame]
 

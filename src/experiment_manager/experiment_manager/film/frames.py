@@ -71,12 +71,12 @@ class _Curves:
         self._medial, self._lateral = (
             muscles.plot([], [], marker=".", label=name)[0] for name in ("medial", "lateral rectus")
         )
-        muscles.set(xlabel="iteration", ylabel="activation", ylim=(-0.005, 1.05 * highest + 0.005))
+        muscles.set(xlabel="iteration", ylabel="activation", ylim=(-0.005, 1.3 * highest + 0.005))
         muscles.legend(loc="upper right", fontsize=8, ncols=2)
         error.axhspan(-PX_DEG, PX_DEG, color="0.9", lw=0)
         (self._error,) = error.plot([], [], marker=".", color="C3")
         limit_deg = 1.1 * widest_deg + PX_DEG
-        error.set(xlabel="iteration", ylabel="vergence error / deg", ylim=(-limit_deg, limit_deg))
+        error.set(xlabel="iteration", ylabel="error / deg", ylim=(-limit_deg, limit_deg))
         for axes in (muscles, error):
             axes.set_xlim(-0.3, MOST_ITERATIONS - 0.7)
             axes.tick_params(labelsize=8)
