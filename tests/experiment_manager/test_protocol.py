@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiment_manager.config import PAPER_TEST_ITERATIONS, ProtocolConfig
-from experiment_manager.protocol import Eyes, Protocol, conditions
+from experiment_manager.config import PAPER_TEST_ITERATIONS, ExperimentManagerConfig, ProtocolConfig
+from experiment_manager.protocol import Eyes, Protocol, conditions, make_protocol
 from lockstep.errors import InputError
 from lockstep.topics import TEST, TRAINING
 
@@ -242,3 +242,14 @@ def test_places_beyond_the_ends(place: int) -> None:
 def test_numbers_that_make_no_experiment(settings: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
         ProtocolConfig(**(SMALL | settings))
+
+
+def test_the_trials_that_are_left() -> None:
+    config = ProtocolConfig(
+        n_training_iterations=20, test_iterations=(0,), n_stimuli_per_test=1, n_test_stimuli=1
+    )
+    protocol = make_protocol(ExperimentManagerConfig(protocol=config))
+    # 39 trials, two training episodes, 39 trials.
+    assert [protocol.trials_from(place) for place in (0, 1, 39, 41, 42, 80)] == [
+        *(78, 77, 39, 39, 38, 0)
+    ]

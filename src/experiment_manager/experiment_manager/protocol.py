@@ -158,6 +158,13 @@ class Protocol:
         n_episodes = place - segment.first
         return segment.training_iteration + n_episodes * self.config.iterations_per_episode
 
+    def trials_from(self, place: int) -> int:
+        """Return how many test trials there are from a place on."""
+        ends = (
+            s.first + s.n_episodes - max(s.first, place) for s in self.segments if s.i_test >= 0
+        )
+        return sum(max(0, n_trials) for n_trials in ends)
+
     def place_after(self, training_iterations: int) -> int:
         """Return the first place with so many training iterations before it, a test's if one is.
 

@@ -16,6 +16,7 @@ from experiment_manager.launch.cost_weight import first_iterations, with_weight
 from experiment_manager.launch.in_process import run_in_process
 from experiment_manager.launch.live_view import Address
 from experiment_manager.launch.neighbours import refuse_neighbours
+from experiment_manager.launch.plan import plan
 from experiment_manager.launch.supervisor import Supervisor, known_domain
 from experiment_manager.live.server import why_unavailable
 from experiment_manager.measures.results import RESULTS_FILE, read_results
@@ -25,6 +26,7 @@ from experiment_manager.run.config_file import (
     CONFIG_FILE,
     Configuration,
     configuration_text,
+    read_configuration,
 )
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from eye_plant.config import EyePlantConfig
@@ -190,6 +192,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             refuse_neighbours(domain, options.elsewhere)
         directory = _prepare(options)
         print(f"run directory: {directory}")
+        print("\n".join(plan(read_configuration(directory / CONFIG_FILE))))
         if options.in_process:
             code = run_in_process(directory)
         else:
