@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from experiment_manager.agreements import with_partners
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.launch.configuration import Given, changed, given_settings
 from experiment_manager.protocol import Protocol, make_protocol
@@ -29,8 +30,8 @@ from lockstep.state_file import read_state, write_state
 from sparse_coder.coder import SparseCoder
 from vergence_rl.agent import Agent
 
-_ITERATIONS = "protocol.n_training_iterations"
-_TESTS = "protocol.test_iterations"
+_ITERATIONS = "experiment_manager.protocol.n_training_iterations"
+_TESTS = "experiment_manager.protocol.test_iterations"
 # What a run decides for itself, whoever it begins from.
 _OF_ONE_RUN = ("run_directory", "run_id", "resume", "supervised")
 _LEARNERS = {"sparse_coder": SparseCoder, "vergence_rl": Agent}
@@ -80,11 +81,12 @@ def extend(directory: Path, n_more: int) -> None:
         raise InputError(f"--extend: expected 1 or more, got {n_more}")
     path = directory / CONFIG_FILE
     before = read_configuration(path)
-    end = before["experiment_manager"][_ITERATIONS]
-    tests = sorted({*before["experiment_manager"][_TESTS], end})
+    end = before["experiment_manager"]["protocol.n_training_iterations"]
+    tests = sorted({*before["experiment_manager"]["protocol.test_iterations"], end})
     after = {node: dict(values) for node, values in before.items()}
-    after["experiment_manager"] |= {_ITERATIONS: end + n_more, _TESTS: tests}
-    after["vergence_rl"]["n_training_iterations"] = end + n_more
+    for place, value in with_partners({_ITERATIONS: end + n_more, _TESTS: tests}).items():
+        node, _, name = place.partition(".")
+        after[node][name] = value
     manager = build(ExperimentManagerConfig, after["experiment_manager"])
     protocol = make_protocol(manager)
     manifests = []
