@@ -2,20 +2,25 @@
 
 import json
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from rclpy.node import Node
+from sensor_msgs.msg import Image, JointState
 
+from experiment_manager import node_requests
 from experiment_manager.bag.reader import Bag
 from experiment_manager.node import ExperimentManagerNode
 from experiment_manager.run.episode_record import SMALL_TOPICS
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_UNWRITABLE
+from lockstep.qos import LOCKSTEP_QOS
 from lockstep.stamps import period_ns
-from lockstep.topics import REWARD_NAMES
+from lockstep.topics import PLANT_VECTORS, REWARD_NAMES
 from lockstep.vectors import VectorPublisher
 from tests.experiment_manager.scripted_graph import (
     PERIOD_NS,
@@ -240,6 +245,24 @@ def test_a_place_that_cannot_be_written_is_refused(graph: Graph, tmp_path: Path)
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="run directory: expected one to write into"):
         _start(graph, tmp_path / "file" / "run")
+
+
+def test_a_plant_that_takes_no_requests_is_not_waited_for_for_ever(
+    graph: Graph,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(node_requests, "_SERVICE_WAIT_S", 0.0)
+    monkeypatch.setattr(node_requests, "PLANT_WAIT_S", 0.0)
+    graph.add(ScriptedCoder)
+    graph.add(ScriptedLearner)
+    plant = graph.add(partial(Node, "my_plant"))
+    for topic in PLANT_VECTORS:
+        plant.create_publisher(JointState, topic, LOCKSTEP_QOS)
+    plant.create_publisher(Image, "left/image_raw", LOCKSTEP_QOS)
+    assert _finished(graph, _start(graph, tmp_path / "run")) == EXIT_FAULT
+    assert "expected a plant with the service eye_plant/request" in capfd.readouterr().err
 
 
 def test_another_configuration_is_not_resumed(
