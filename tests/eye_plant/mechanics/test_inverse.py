@@ -103,7 +103,7 @@ def test_k17_optimal_cost_is_near_the_power_laws(k17):
 def test_an_unreachable_vergence_is_refused(k17):
     with pytest.raises(ValueError, match="gives a vergence of 40 deg"):
         k17.activation_pair(40.0, 0.5, LIMITS)
-    with pytest.raises(ValueError, match="fraction must be within"):
+    with pytest.raises(ValueError, match="fraction: expected 0 to 1"):
         k17.activation_pair(3.0, 1.5, LIMITS)
 
 

@@ -182,8 +182,8 @@ def test_states_share_no_memory():
     ("activations", "message"),
     [
         (np.zeros(11), "expected 12 activations, got shape"),
-        (np.full(12, 1.1), "within"),
-        (np.full(12, np.nan), "within"),
+        (np.full(12, 1.1), "expected 0 to 1"),
+        (np.full(12, np.nan), "expected 0 to 1"),
     ],
 )
 def test_bad_activations_are_refused(activations, message):

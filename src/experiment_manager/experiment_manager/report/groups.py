@@ -13,26 +13,19 @@ from experiment_manager.measures.metrics import summary
 from experiment_manager.measures.recorded_run import RecordedTest
 from experiment_manager.measures.trials import TestTrials, pooled
 from experiment_manager.report.reported_run import ReportedRun
+from experiment_manager.run.config_file import FREE_TO_CHANGE, RUN_SECTION
 
 # K17's colours: M blue, M_C green. Lightness tells further groups of a model apart.
 _COLOUR_MAPS = {"M": "Blues", "M_C": "Greens"}
 _DARKEST, _LIGHTEST = 0.85, 0.4
 # The section of a configuration that says what the run is, and parameters that change no number
 # that a figure shows: who made the run, where, how often it was saved, and when it was tested.
-_ABOUT = "run"
 _STIMULI = "eye_plant.stimuli.directory"
 _NO_SETTINGS = (
     "seed",
     "metabolic_cost_weight",
     "model",
-    "commit",
-    "run_directory",
-    "run_id",
-    "resume",
-    "supervised",
-    "checkpoint_period_s",
-    "keeps_tested_checkpoints",
-    "gap_s",
+    *FREE_TO_CHANGE["experiment_manager"],
     "pictures_every_n_episodes",
     "pictures_every_n_trials",
     "n_training_iterations",
@@ -141,7 +134,7 @@ def _key(run: ReportedRun) -> Common:
     settings = frozenset(
         (f"{section.removeprefix('/**/')}.{name}", str(value))
         for section, content in document.items()
-        if section != _ABOUT
+        if section != RUN_SECTION
         for name, value in content["ros__parameters"].items()
         if name not in _NO_SETTINGS and (section, name.partition(".")[0]) not in _NO_PARTS
     )

@@ -27,7 +27,7 @@ CONFIG_CLASSES: dict[str, type] = {
 # The pseudo-node of config.yaml that says what the run is; no ROS node has this name.
 RUN_SECTION = "run"
 # What may differ between a run and its resumption without touching a number of it.
-_FREE_TO_CHANGE = {
+FREE_TO_CHANGE = {
     "experiment_manager": {
         "run_directory",
         "run_id",
@@ -130,7 +130,7 @@ def check_unchanged(directory: Path, manifest: Manifest, found: Configuration) -
             f"{directory}: expected a checkpoint that tells its parameters, got one of an earlier "
             f"version; --branch {directory} begins a new run from it"
         )
-    differing = _differing(manifest.parameters, found, _FREE_TO_CHANGE)
+    differing = _differing(manifest.parameters, found, FREE_TO_CHANGE)
     if differing:
         raise InputError(
             f"{directory}: expected the parameters that the run has been made with: "
@@ -144,7 +144,7 @@ def check_as_written(path: Path, written: Configuration, found: Configuration) -
 
     Nodes that are not in both are not compared; a directory may have another path elsewhere.
     """
-    free = {node: set(names) for node, names in _FREE_TO_CHANGE.items()}
+    free = {node: set(names) for node, names in FREE_TO_CHANGE.items()}
     free["eye_plant"] |= {"stimuli.directory"}
     both = {node: values for node, values in written.items() if node in found}
     if differing := _differing(both, found, free):

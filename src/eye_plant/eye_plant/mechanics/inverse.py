@@ -79,7 +79,7 @@ class Inverse:
         Raises InputError when no pair inside the limits gives the vergence.
         """
         if not 0.0 <= fraction <= 1.0:
-            raise InputError(f"fraction must be within [0, 1], got {fraction}")
+            raise InputError(f"fraction: expected 0 to 1, got {fraction}")
         low = self._end(vergence_deg, limits, 0)
         high = self._end(vergence_deg, limits, 1)
         medial, lateral = (a + fraction * (b - a) for a, b in zip(low, high, strict=True))

@@ -177,5 +177,5 @@ def check_activations(activations: Array) -> Array:
     if activations.shape != (N_MUSCLES,):
         raise InputError(f"expected {N_MUSCLES} activations, got shape {activations.shape}")
     if not bool(np.all((activations >= 0.0) & (activations <= 1.0))):
-        raise InputError(f"activations must be within [0, 1], got {activations.tolist()}")
+        raise InputError(f"activations: expected 0 to 1, got {activations.tolist()}")
     return activations
