@@ -132,7 +132,7 @@ def test_an_action_is_a_change_in_units_of_the_scale_within_the_limits(
 
 
 def test_an_actions_scale_may_be_chosen(settings: dict[str, Any]) -> None:
-    made = gymnasium.make(IDS[1], settings=settings, action_scale=0.01)
+    made = gymnasium.make(IDS[1], model="M_C", settings=settings, action_scale=0.01)
     made.reset(seed=1)
     low = made.step(np.array([-1.0, -1.0]))[0]["activations"]
     moved = made.step(np.array([1.0, 0.5]))[0]["activations"]
