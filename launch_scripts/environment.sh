@@ -30,6 +30,12 @@ without_other_ros() { # a colon-separated list of folders, less those of another
   printf '%s' "$kept"
 }
 
+# Names what numba compiles. A cached function that calls one of another file does not notice when that one changes, and
+# crashes: so other sources have a cache of their own.
+compiled_sources() {
+  find "$root/src" -name '*.py' -exec grep -l numba {} + 2>/dev/null | LC_ALL=C sort | xargs -r cat | sha256sum | cut -c 1-16
+}
+
 export_variables() {
   # rclpy comes from .venv. One from a sourced ROS installation would be found before it.
   unset PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
@@ -43,7 +49,7 @@ export_variables() {
   # Each process works on matrices too small to share out; threads would only fight for the cores.
   export OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1} OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}
   export PYTHONUNBUFFERED=1 # what is said first is shown first, also through a pipe
-  export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$venv/numba_cache}
+  export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$venv/numba_cache/$(compiled_sources)}
 }
 
 set_up() {

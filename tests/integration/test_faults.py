@@ -115,10 +115,10 @@ def test_a_killed_supervisor_takes_its_nodes_with_it_and_the_run_goes_on(
     assert stamp_faults(directory) == []
 
 
-def test_the_same_fault_three_times_ends_with_one_error(line: list[str], tmp_path: Path) -> None:
+def test_the_same_fault_three_times_ends_with_one_error(pictures: Path, tmp_path: Path) -> None:
     directory = tmp_path / "run"
-    never = ["--set", "experiment_manager.checkpoint_period_s=1e9"]
-    with SupervisedRun([*line, *never], directory) as run:
+    never = "experiment_manager.checkpoint_period_s=1e9"
+    with SupervisedRun(small_run(pictures, N_TRAINING, *SETTINGS, never), directory) as run:
         killed: set[int] = set()
         for _ in range(3):
             assert run.wait_until(

@@ -190,7 +190,9 @@ def test_defaults_of_the_environment_yield_to_the_user(ready: Checkout) -> None:
 
 def test_there_is_room_for_pictures_unless_the_user_has_a_profile(ready: Checkout) -> None:
     profiles = "FASTRTPS_DEFAULT_PROFILES_FILE"
-    assert Path(_variables(ready.start("eye_plant").stdout)[profiles]).is_file()
+    ours = Path("src/lockstep/config/fastdds.xml")
+    assert _variables(ready.start("eye_plant").stdout)[profiles] == str(ready.root / ours)
+    assert (ROOT / ours).is_file()
     started = ready.start("eye_plant", **{profiles: "/my/own.xml"})
     assert _variables(started.stdout)[profiles] == "/my/own.xml"
 
@@ -294,3 +296,24 @@ def test_every_check_counts_and_pytest_has_the_last_word(
 @pytest.mark.parametrize("path", [".ci/run", *(f"launch_scripts/{s}.sh" for s in SCRIPTS)])
 def test_script_can_be_started(path: str) -> None:
     assert os.access(ROOT / path, os.X_OK)
+
+
+def test_changed_sources_have_a_numba_cache_of_their_own(tmp_path: Path) -> None:
+    checkout = Checkout(tmp_path)
+    source = checkout.root / "src" / "coder.py"
+    source.parent.mkdir()
+    named = []
+    for text in ("import numba", "import numba  # changed", "import numba"):
+        source.write_text(text)
+        script = "source launch_scripts/environment.sh; export_variables; echo $NUMBA_CACHE_DIR"
+        done = subprocess.run(
+            ["bash", "-euc", script],
+            cwd=checkout.root,
+            env=checkout.environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        named.append(done.stdout.strip())
+    assert named[0] == named[2] != named[1]
+    assert all(name.startswith(f"{checkout.root}/.venv/numba_cache/") for name in named)
