@@ -19,6 +19,7 @@ TABLE = {
     "reward": "sensor_msgs/msg/JointState",
     "muscle_command": "sensor_msgs/msg/JointState",
     "actor_critic": "sensor_msgs/msg/JointState",
+    "parameter_changes": "sensor_msgs/msg/JointState",
     "/clock": "rosgraph_msgs/msg/Clock",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
 }
@@ -70,7 +71,8 @@ def test_left_before_right_and_medial_before_lateral() -> None:
 
 
 def test_each_vector_of_the_table_has_one_publisher() -> None:
-    vectors = (*topics.PLANT_VECTORS, *topics.CODER_VECTORS, *topics.LEARNER_VECTORS)
+    learning = (*topics.PLANT_VECTORS, *topics.CODER_VECTORS, *topics.LEARNER_VECTORS)
+    vectors = (*learning, "parameter_changes")
     assert sorted(vectors) == sorted(k for k, v in TABLE.items() if v.endswith("JointState"))
 
 

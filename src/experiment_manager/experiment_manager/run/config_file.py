@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from experiment_manager.agreements import check_agreements
+from experiment_manager.agreements import check_agreements, with_partners
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.run.checkpoint import Manifest
 from eye_plant.config import EyePlantConfig
@@ -86,12 +86,15 @@ def read_configuration(path: Path) -> Configuration:
     """Return the parameters by node of a config.yaml; raise InputError when it is none.
 
     So it is where parameters that must agree do not, or the section that says what the run is says
-    something else than they do.
+    something else than they do. What the file lacks, being of an earlier version, follows from the
+    parameter that it must agree with, or is the default.
     """
     try:
         document = yaml.safe_load(path.read_text())
+        given = {node: document[f"/**/{node}"]["ros__parameters"] for node in CONFIG_CLASSES}
+        complete = _with_partners(given)
         configuration = {
-            node: flatten(build(config_class, document[f"/**/{node}"]["ros__parameters"]))
+            node: flatten(build(config_class, complete[node]))
             for node, config_class in CONFIG_CLASSES.items()
         }
         check_agreements(configuration)
@@ -102,6 +105,17 @@ def read_configuration(path: Path) -> Configuration:
     except (OSError, yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: expected the configuration of a run: {error}") from error
     return configuration
+
+
+def _with_partners(given: Mapping[str, Mapping[str, Any]]) -> Configuration:
+    flat = {
+        f"{node}.{name}": value for node, values in given.items() for name, value in values.items()
+    }
+    complete: Configuration = {node: {} for node in given}
+    for place, value in with_partners(flat).items():
+        node, _, name = place.partition(".")
+        complete[node][name] = value
+    return complete
 
 
 def parameters_in(text: str) -> Configuration:
