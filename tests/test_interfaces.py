@@ -27,7 +27,7 @@ VECTORS = {
 }
 
 
-def _table(section: str, i_table: int = 0) -> list[list[str]]:
+def table(section: str, i_table: int = 0) -> list[list[str]]:
     """Return the cells of a section's table, without its head."""
     text = PAGE.split(f"\n## {section}\n")[1].split("\n## ")[0]
     found = [block for block in re.split(r"\n\s*\n", text) if block.lstrip().startswith("|")]
@@ -35,12 +35,12 @@ def _table(section: str, i_table: int = 0) -> list[list[str]]:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
 
 
-def _quoted(cell: str) -> list[str]:
+def quoted(cell: str) -> list[str]:
     return re.findall(r"`([^`]+)`", cell)
 
 
 def test_every_topic_with_its_type() -> None:
-    found = {topic: row[1] for row in _table("Topics") for topic in _quoted(row[0])}
+    found = {topic: row[1] for row in table("Topics") for topic in quoted(row[0])}
     assert found == topics.TOPIC_TYPES
 
 
@@ -55,10 +55,10 @@ def test_the_quality_of_service() -> None:
 def test_every_name_of_each_vector_in_its_order(topic: str) -> None:
     names: dict[str, list[str]] = {}
     last = ""
-    for row in _table("Vectors"):
-        last = (_quoted(row[0]) or [last])[0]
+    for row in table("Vectors"):
+        last = (quoted(row[0]) or [last])[0]
         if row[1].startswith("`"):
-            names.setdefault(last, []).extend(_quoted(row[1]))
+            names.setdefault(last, []).extend(quoted(row[1]))
         assert row[4], row
     assert names[topic] == list(VECTORS[topic])
 
@@ -68,7 +68,7 @@ def test_the_muscles() -> None:
 
 
 def test_every_kind_of_request() -> None:
-    kinds = [kind for row in _table("Requests") for kind in _quoted(row[0])]
+    kinds = [kind for row in table("Requests") for kind in quoted(row[0])]
     with ros_graph() as graph:
         of_learners = graph.add(VergenceRlNode)._requests._handlers
     assert set(kinds) == {"episode", RECONFIGURE, *of_learners}
@@ -76,7 +76,7 @@ def test_every_kind_of_request() -> None:
 
 
 def test_every_argument_of_an_episode_with_its_type() -> None:
-    found = {name: row[1] for row in _table("Requests", 1) for name in _quoted(row[0])}
+    found = {name: row[1] for row in table("Requests", 1) for name in quoted(row[0])}
     words = {int: "integer", float: "double"}
     assert found == {name: words[kind] for name, kind in get_type_hints(Episode).items()}
 

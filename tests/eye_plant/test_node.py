@@ -24,6 +24,7 @@ from lockstep.topics import (
     EPISODE_NAMES,
     EYE_STATE_NAMES,
     GROUND_TRUTH_NAMES,
+    MEAN_METABOLIC_RATES,
     PICTURES,
     PLANT_VECTORS,
     TRAINING,
@@ -33,7 +34,7 @@ from tests.node_harness import Bench, Graph, ros_graph
 
 PERIOD_NS = period_ns(MechanicsConfig().period_s)
 HEARD = {
-    **dict.fromkeys(PLANT_VECTORS, JointState),
+    **dict.fromkeys((*PLANT_VECTORS, MEAN_METABOLIC_RATES), JointState),
     **dict.fromkeys(PICTURES, Image),
 }
 EPISODE = Episode(
@@ -130,7 +131,9 @@ def test_what_is_published_is_what_the_plant_computes(bench: Bench, pictures: Pa
     plant = EyePlant(EyePlantConfig(stimuli=stimuli))
     observation = plant.begin(EPISODE)
     for i in range(4):
-        heard = {topic: bench.outsider.distinct(topic)[i] for topic in PLANT_VECTORS}
+        heard = {
+            topic: bench.outsider.distinct(topic)[i] for topic in HEARD if topic not in PICTURES
+        }
         state = observation.state
         truth = heard["ground_truth"]
         assert tuple(truth.name) == GROUND_TRUTH_NAMES
@@ -143,13 +146,14 @@ def test_what_is_published_is_what_the_plant_computes(bench: Bench, pictures: Pa
             (heard["muscle_activations"].position, state.activations),
             (heard["muscle_activations"].effort, state.metabolic_rate_w),
             (heard["muscle_states"].position, state.lengths_m),
-            (heard["muscle_activations"].velocity, state.mean_metabolic_rate_w),
+            (heard[MEAN_METABOLIC_RATES].position, state.mean_metabolic_rate_w),
             (heard["muscle_states"].velocity, state.velocities_m_s),
             (heard["muscle_states"].effort, state.forces_n),
             (heard["eye_states"].position, state.eye_angles_rad.ravel()),
             (heard["eye_states"].velocity, state.eye_velocities_rad_s.ravel()),
         ):
             assert list(got) == expected.tolist()
+        assert not heard["muscle_activations"].velocity
         if i < 3:
             assert observation.pictures is not None
             for topic, picture in zip(PICTURES, observation.pictures, strict=True):

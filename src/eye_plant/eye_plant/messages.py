@@ -31,6 +31,7 @@ class ObservationMessages:
         self._episode = VectorBytes(EPISODE_NAMES)
         self._activations = VectorBytes(MUSCLE_NAMES)
         self._muscles = VectorBytes(MUSCLE_NAMES)
+        self._mean_rates = VectorBytes(MUSCLE_NAMES)
         self._eyes = VectorBytes(EYE_STATE_NAMES)
         self._truth = VectorBytes(GROUND_TRUTH_NAMES)
         self._pictures = [ImageBytes(picture_message(config.camera, i_eye)) for i_eye in range(2)]
@@ -51,9 +52,7 @@ class ObservationMessages:
         yield "episode", self._episode.of(stamp_ns, observation.episode_values())
         yield (
             "muscle_activations",
-            self._activations.of(
-                stamp_ns, state.activations, state.mean_metabolic_rate_w, state.metabolic_rate_w
-            ),
+            self._activations.of(stamp_ns, state.activations, effort=state.metabolic_rate_w),
         )
         yield "ground_truth", self._truth.of(stamp_ns, observation.ground_truth_values())
         yield (
@@ -67,6 +66,10 @@ class ObservationMessages:
                 stamp_ns, state.eye_angles_rad.ravel(), state.eye_velocities_rad_s.ravel()
             ),
         )
+
+    def mean_metabolic_rates(self, stamp_ns: int, observation: Observation) -> bytes:
+        """Return what the muscles took over the control period, transients and work included."""
+        return self._mean_rates.of(stamp_ns, observation.state.mean_metabolic_rate_w)
 
     def pictures(self, stamp_ns: int, pictures: np.ndarray) -> Iterator[tuple[str, bytes]]:
         """Yield the pictures (2, height_px, width_px)."""

@@ -10,13 +10,14 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.messages import ObservationMessages
 from eye_plant.observation import Observation
 from lockstep.qos import LOCKSTEP_QOS
-from lockstep.topics import CAMERA_INFOS, PICTURES, PLANT_VECTORS
+from lockstep.topics import CAMERA_INFOS, MEAN_METABOLIC_RATES, PICTURES, PLANT_VECTORS
 
 _TYPES = {
     **dict.fromkeys(PLANT_VECTORS, JointState),
     "/clock": Clock,
     **dict.fromkeys(PICTURES, Image),
     **dict.fromkeys(CAMERA_INFOS, CameraInfo),
+    MEAN_METABOLIC_RATES: JointState,
 }
 
 
@@ -36,12 +37,21 @@ class ObservationPublisher:
         self._messages = ObservationMessages(config)
 
     def publish(self, stamp_ns: int, observation: Observation) -> None:
-        """Publish everything under one stamp; camera infos while somebody subscribes to them."""
+        """Publish everything under one stamp.
+
+        Camera infos and mean metabolic rates only while somebody subscribes to them.
+        """
         if observation.pictures is not None:
             self._send(self._messages.pictures(stamp_ns, observation.pictures))
-            if any(self._publishers[topic].get_subscription_count() for topic in CAMERA_INFOS):
+            if self._is_read(*CAMERA_INFOS):
                 self._send(self._messages.camera_infos(stamp_ns))
         self._send(self._messages.vectors(stamp_ns, observation))
+        if self._is_read(MEAN_METABOLIC_RATES):
+            rates = self._messages.mean_metabolic_rates(stamp_ns, observation)
+            self._publishers[MEAN_METABOLIC_RATES].publish(rates)
+
+    def _is_read(self, *topics: str) -> bool:
+        return any(self._publishers[topic].get_subscription_count() for topic in topics)
 
     def _send(self, messages: Iterable[tuple[str, bytes]]) -> None:
         for topic, message in messages:

@@ -83,5 +83,6 @@ TOPIC_TYPES = {
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
 }
 
-# For people to look at, an IMAGE: no part of the protocol, and not recorded.
+# For people to look at, an IMAGE and a VECTOR: no part of the protocol, and not recorded.
 BASIS_FUNCTIONS = "basis_functions"
+MEAN_METABOLIC_RATES = "mean_metabolic_rates"
