@@ -1,5 +1,6 @@
 """A Slurm cluster of this machine alone, with its own keys, ports and files, for a test."""
 
+import contextlib
 import os
 import shutil
 import socket
@@ -11,6 +12,8 @@ from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 
+import psutil
+
 from experiment_manager.launch.processes import die_with
 from tests.supervisor import PATIENCE_S
 
@@ -20,6 +23,8 @@ _COMMANDS = ("munged", "slurmctld", "slurmd", "sbatch")
 # Set, a root user's test installs what it lacks.
 INSTALL_VARIABLE = "ABV_SLURM_TESTS"
 _POLL_S = 0.1
+# cred_expire: a task that is queued again waits for so long, two minutes by default. The time-outs
+# of 100 s are for a busy machine.
 _CONFIGURATION = """\
 ClusterName=test
 SlurmctldHost={host}(127.0.0.1)
@@ -27,7 +32,10 @@ SlurmUser=root
 SlurmdUser=root
 AuthType=auth/munge
 CredType=cred/munge
-AuthInfo=socket={directory}/munge.socket
+AuthInfo=socket={directory}/munge.socket,cred_expire=20
+MessageTimeout=100
+BatchStartTimeout=100
+KillWait=3
 SlurmctldPort={ports[0]}
 SlurmdPort={ports[1]}
 StateSaveLocation={directory}/state
@@ -89,10 +97,16 @@ class Cluster:
             assert time.monotonic() < end_s, f"waited in vain for {what}:\n{self.logs()}"
             time.sleep(_POLL_S)
 
-    def queue(self) -> dict[str, str]:
-        """Return the states of the tasks in the queue, by job and task, such as 2_0: RUNNING."""
-        lines = self.call("squeue", "--noheader", "--array", "--format=%i %T").splitlines()
-        return dict(line.split() for line in lines)
+    def queue(self) -> str:
+        """Return the tasks in the queue, one a line, "" when none is left."""
+        return self.call("squeue", "--noheader", "--array", "--format=%i %T")
+
+    def kill_tasks(self) -> None:
+        """Kill what a test that failed has left; tasks would outlive the services."""
+        for process in psutil.process_iter():
+            with contextlib.suppress(psutil.Error):
+                if process.environ().items() >= self.variables.items():
+                    process.kill()
 
     def logs(self) -> str:
         """Return what the services have said."""
@@ -108,6 +122,7 @@ def cluster(n_cores: int) -> Iterator[Cluster]:
         directory = Path(stack.enter_context(temporary))
         directory.chmod(0o755)
         started = Cluster(directory)
+        stack.callback(started.kill_tasks)
         _configure(directory, n_cores)
         sockets = [f"--{name}={directory}/munge.{end}" for name, end in _OF_MUNGE]
         stack.enter_context(_service(["munged", "--foreground", *sockets], directory))

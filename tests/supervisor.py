@@ -10,7 +10,7 @@ from typing import IO
 from experiment_manager.launch.processes import die_with
 
 # Generous: the machine may have ten times the work that it can do.
-PATIENCE_S = 300.0
+PATIENCE_S = 600.0
 
 
 def environment() -> dict[str, str]:

@@ -1,10 +1,12 @@
 """Sweeps of runs small enough for tests, as processes."""
 
 import os
+import signal
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
+import psutil
 import yaml
 
 from tests.graph_harness import SCRIPTS, environment
@@ -47,6 +49,37 @@ def single_run(directory: Path, line: Sequence[str]) -> Path:
     with SupervisedRun(line, directory, in_process=True) as run:
         assert run.wait() == 0, run.output()
     return directory
+
+
+def process_of(run: Path) -> psutil.Process:
+    """Return the process that makes a run of a sweep, on this machine."""
+    for process in psutil.process_iter(["cmdline"]):
+        words = process.info["cmdline"] or []
+        if "experiment_manager.sweep.cell_process" in words and str(run) in words:
+            return process
+    raise AssertionError(f"expected a process that makes {run}, found none")
+
+
+def are_held_at_first_checkpoint(runs: Sequence[Path]) -> bool:
+    """Stop the process of each run that has a checkpoint; return whether that is all of them.
+
+    What is done to the runs then cannot come after their end; goes_on_interrupted lets them go on.
+    """
+    begun = [run for run in runs if any(run.glob("checkpoints/*/manifest.json"))]
+    for run in begun:
+        process_of(run).suspend()
+    return len(begun) == len(runs)
+
+
+def goes_on_interrupted(run: Path) -> bool:
+    """Let a held run go on once SIGINT has been sent to it; return whether that has come."""
+    process = process_of(run)
+    status = Path(f"/proc/{process.pid}/status").read_text()
+    pending = next(line for line in status.splitlines() if line.startswith("ShdPnd:"))
+    if not int(pending.split()[1], 16) & 1 << signal.SIGINT - 1:
+        return False
+    process.resume()
+    return True
 
 
 def is_root() -> bool:

@@ -9,7 +9,12 @@ from experiment_manager.sweep.sweep_file import read_sweep
 from tests.slurm_cluster import PARTITION, Cluster, cluster, why_not
 from tests.stress.supervised_run import differences
 from tests.supervisor import finished
-from tests.sweep_harness import start_sweep, write_sweep
+from tests.sweep_harness import (
+    are_held_at_first_checkpoint,
+    goes_on_interrupted,
+    start_sweep,
+    write_sweep,
+)
 
 
 @pytest.fixture(scope="module")
@@ -26,10 +31,6 @@ def sweep_file(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path
     return write_sweep(path, pictures, {"seed": [1, 2, 3]}, iterations=400)
 
 
-def _n_checkpoints(run: Path) -> int:
-    return len([*run.glob("checkpoints/*/manifest.json")])
-
-
 def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(
     slurm: Cluster, sweep_file: Path, tmp_path: Path
 ) -> None:
@@ -38,24 +39,19 @@ def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(
     output = finished(start_sweep(sweep_file, "--out", directory, *words, **slurm.variables))
     job = (directory / "slurm_job").read_text().strip()
     assert f"job {job}: 3 tasks; " in output
+    killed, warned, _ = [directory / cell.name for cell in read_sweep(sweep_file).cells()]
+    slurm.wait_until(
+        lambda: are_held_at_first_checkpoint([killed, warned]),
+        "the checkpoints of the first two tasks",
+    )
     again = finished(start_sweep(directory, "--slurm", **slurm.variables), code=2)
     assert f"{job} is; scancel {job} takes it away" in again
-    killed, warned, _ = [directory / cell.name for cell in read_sweep(sweep_file).cells()]
     # Kills the process, then puts the task back into the queue, as for a node that is needed.
-    slurm.wait_until(lambda: _n_checkpoints(killed) > 0, "the first task's checkpoint")
     slurm.call("scontrol", "requeue", f"{job}_0")
     # As Slurm does two minutes before the end of a task's time.
-    slurm.wait_until(lambda: _n_checkpoints(warned) > 0, "the second task's checkpoint")
     slurm.call("scancel", "--batch", "--signal=USR1", f"{job}_1")
-
-    def is_over() -> bool:
-        for task, state in slurm.queue().items():
-            if state == "PENDING" and task in (f"{job}_0", f"{job}_1"):
-                # Not only in two minutes, when Slurm's credential has expired.
-                slurm.call("scontrol", "update", f"JobId={task}", "StartTime=now")
-        return not slurm.queue()
-
-    slurm.wait_until(is_over, "the end of the job")
+    slurm.wait_until(lambda: goes_on_interrupted(warned), "the interrupt of the second task")
+    slurm.wait_until(lambda: not slurm.queue(), "the end of the job")
     status = finished(start_sweep(directory, "--status"))
     assert "3 done" in status, f"{status}\n{slurm.logs()}"
     log = (directory / "logs" / f"{warned.name}.log").read_text()

@@ -5,6 +5,7 @@ import subprocess
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,14 @@ import pytest
 from experiment_manager.sweep.sweep_file import read_sweep
 from tests.stress.supervised_run import differences, stamp_faults
 from tests.supervisor import PATIENCE_S, finished
-from tests.sweep_harness import is_root, single_run, start_sweep, write_sweep
+from tests.sweep_harness import (
+    are_held_at_first_checkpoint,
+    goes_on_interrupted,
+    is_root,
+    single_run,
+    start_sweep,
+    write_sweep,
+)
 
 _POLL_S = 0.02
 
@@ -86,9 +94,11 @@ def test_ctrl_c_stops_all_runs_and_starting_again_goes_on(
 ) -> None:
     directory = tmp_path / "sweep"
     sweep = start_sweep(sweep_file, "--out", directory, "--jobs", 2)
-    places = directory.glob
-    _wait_for(sweep, lambda: len({p.parts[-4] for p in places("*/checkpoints/*/*.json")}) == 2)
+    runs = [directory / cell.name for cell in read_sweep(sweep_file).cells()[:2]]
+    _wait_for(sweep, lambda: are_held_at_first_checkpoint(runs))
     sweep.send_signal(signal.SIGINT)
+    for run in runs:
+        _wait_for(sweep, partial(goes_on_interrupted, run))
     output = finished(sweep, code=130)
     assert f"to go on: launch_scripts/sweep.sh {directory}\n" in output
     assert "1 waiting" in output
