@@ -16,7 +16,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import HistoryPolicy, QoSProfile
 
-from experiment_manager.launch.domains import own_domain
+from experiment_manager.supervision.domains import own_domain
 from lockstep.diagnostics import Diagnostics
 from lockstep.requests import service_name
 from lockstep.stamps import to_ns

@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from experiment_manager.launch.command_line import arguments
-from experiment_manager.launch.configuration import configuration_of
+from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.configuration import configuration_of
 from tests.benchmark.against import results_in_turns
 from tests.benchmark.encoding import encoding_times_ms
 from tests.benchmark.graph import supervised_run

@@ -17,7 +17,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from experiment_manager.launch.domains import own_domain
+from experiment_manager.supervision.domains import own_domain
 from lockstep.diagnostics import TOPIC
 from lockstep.qos import LOCKSTEP_QOS
 from tests.benchmark.samples import Sample

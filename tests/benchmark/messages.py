@@ -15,7 +15,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import Image, JointState
 
 from experiment_manager.bag.writer import BagWriter
-from experiment_manager.launch.domains import own_domain
+from experiment_manager.supervision.domains import own_domain
 from eye_plant.camera.config import CameraConfig
 from eye_plant.messages import picture_message
 from lockstep.errors import InputError

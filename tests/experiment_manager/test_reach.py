@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from experiment_manager.commands.run_experiment import main as run_experiment
-from experiment_manager.launch.command_line import arguments
-from experiment_manager.launch.configuration import configuration_of
+from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.configuration import configuration_of
 from eye_plant.mechanics.muscles import MUSCLE_NAMES
 from lockstep.errors import InputError
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from experiment_manager.launch.processes import PACKAGES
+from experiment_manager.supervision.processes import PACKAGES
 from tests.graph_harness import small_run
 from tests.stress.supervised_run import (
     SupervisedRun,

@@ -9,8 +9,8 @@ from lockstep.topics import REWARD_NAMES
 from lockstep.vectors import VectorPublisher
 from tests.graph_harness import small_run, write_configuration
 from tests.node_harness import ros_graph
-from tests.stress.hostile_graph import NODES, FuzzedGraph
-from tests.stress.hostile_input import LARGEST_BYTES, Hostility
+from tests.stress.fuzzed_graph import NODES, FuzzedGraph
+from tests.stress.fuzzer import LARGEST_BYTES, Hostility
 from tests.supervisor import finished, start_supervisor
 
 SMALL_LEARNERS = ("sparse_coder.n_bases=32", "vergence_rl.n_features=64")

@@ -166,7 +166,7 @@ def test_installed_node_names_an_unknown_parameter(workspace: Path, package: str
 
 
 _READ_PROFILES = """
-from experiment_manager.launch.profiles import profile_names, read_profile
+from experiment_manager.preparation.profiles import profile_names, read_profile
 for name in profile_names():
     print(read_profile(name).name)
 """

@@ -16,18 +16,18 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.launch.command_line import arguments
-from experiment_manager.launch.configuration import configuration_of
-from experiment_manager.launch.processes import PACKAGES
+from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import configuration_text
+from experiment_manager.supervision.processes import PACKAGES
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
 from lockstep.qos import QUEUE_DEPTH
 from tests.stress.clock_jumps import jump
 from tests.stress.cuts import cut
-from tests.stress.hostile_graph import FuzzedGraph, FuzzReport, memory_mb
-from tests.stress.hostile_input import LARGEST_BYTES
-from tests.stress.smallest import smallest
+from tests.stress.fuzzed_graph import FuzzedGraph, FuzzReport, memory_mb
+from tests.stress.fuzzer import LARGEST_BYTES
+from tests.stress.smallest_failing_input import smallest
 from tests.stress.supervised_run import (
     SupervisedRun,
     are_gone,

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from experiment_manager.bag.reader import Bag
-from experiment_manager.launch.processes import PACKAGES
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.run import checkpoint
 from experiment_manager.run.episode_record import SMALL_TOPICS
+from experiment_manager.supervision.processes import PACKAGES
 from tests.supervisor import start_supervisor
 
 # A machine with ten times the work it can do still gets there.

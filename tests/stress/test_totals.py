@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from lockstep.errors import InputError
-from tests.stress.smallest import smallest
+from tests.stress.smallest_failing_input import smallest
 from tests.stress.totals import Totals
 
 

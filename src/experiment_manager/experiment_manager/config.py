@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from experiment_manager.schedule import check_places, read_schedule
+from experiment_manager.plant_changes import check_places, read_schedule
 from eye_plant.config import EyePlantConfig
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError

@@ -14,10 +14,10 @@ from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.loop import InProcessLoop, make_loop
 from experiment_manager.measures.metrics import test_summary
 from experiment_manager.measures.trials import mean_of_both_eyes
+from experiment_manager.plant_changes import read_schedule
 from experiment_manager.protocol import Protocol, make_protocol
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
-from experiment_manager.schedule import read_schedule
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.episode import Episode
 from eye_plant.stimuli.stereograms import random_dot_stereograms, read_stereograms

@@ -10,7 +10,7 @@ from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 
 from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.faults import Fault, of_doubled, of_error, of_silence
+from experiment_manager.fault_detection import Fault, of_doubled, of_error, of_silence
 from experiment_manager.node_parameters import NodeParameters, Parameters
 from experiment_manager.node_presence import Presence
 from experiment_manager.node_recorder import Recorder

@@ -10,7 +10,7 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 
 from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.faults import LEARNER_OF, check_learning_steps
+from experiment_manager.fault_detection import LEARNER_OF, check_learning_steps
 from experiment_manager.run.episode_record import (
     FREE_TOPICS,
     SAMPLED_TOPICS,

@@ -6,7 +6,7 @@ from functools import partial
 
 from rclpy.node import Node
 
-from experiment_manager.faults import LEARNER_OF, Fault, of_refusal
+from experiment_manager.fault_detection import LEARNER_OF, Fault, of_refusal
 from lockstep.errors import InputError
 from lockstep.requests import Arguments, RequestClient, service_name
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig, bounds
-from experiment_manager.schedule import NO_CHANGES, Change, Schedule, read_schedule, stages_of
+from experiment_manager.plant_changes import NO_CHANGES, Change, Schedule, read_schedule, stages_of
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.geometry import desired_vergence_deg

@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 from experiment_manager.config import ExperimentManagerConfig, bounds
+from experiment_manager.plant_changes import read_schedule, stages_of
 from experiment_manager.protocol import conditions
-from experiment_manager.schedule import read_schedule, stages_of
 from eye_plant.config import EyePlantConfig
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.inverse import Inverse, Limits

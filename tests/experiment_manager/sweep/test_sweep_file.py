@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from experiment_manager.launch.command_line import parser
+from experiment_manager.preparation.command_line import parser
 from experiment_manager.sweep.sweep_file import OPTIONS, Sweep, read_sweep
 from lockstep.errors import InputError
 

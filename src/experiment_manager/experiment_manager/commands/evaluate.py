@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from experiment_manager.frozen_test import FrozenTest
-from experiment_manager.launch.configuration import plant_settings
 from experiment_manager.measures.kept_trials import KEPT_FILE, write_trials
 from experiment_manager.measures.recorded_run import RecordedRun
 from experiment_manager.measures.results import RESULTS_FILE, read_results, write_document
 from experiment_manager.measures.tables import number, tests_table
+from experiment_manager.preparation.configuration import plant_settings
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIFFERENT

@@ -9,18 +9,14 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from experiment_manager.launch.command_line import arguments
-from experiment_manager.launch.configuration import configuration_of, given_settings
-from experiment_manager.launch.continuation import Branch, branch, check_resumable, extend
-from experiment_manager.launch.cost_weight import first_iterations, with_weight
-from experiment_manager.launch.in_process import run_in_process
-from experiment_manager.launch.live_view import Address
-from experiment_manager.launch.neighbours import refuse_neighbours
-from experiment_manager.launch.plan import plan
-from experiment_manager.launch.supervisor import Supervisor, known_domain
 from experiment_manager.live.server import why_unavailable
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.measures.tables import tests_table
+from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.configuration import configuration_of, given_settings
+from experiment_manager.preparation.continuation import Branch, branch, check_resumable, extend
+from experiment_manager.preparation.cost_weight import first_iterations, with_weight
+from experiment_manager.preparation.plan import plan
 from experiment_manager.report.performance_figures import learning_curve
 from experiment_manager.run.config_file import (
     CONFIG_FILE,
@@ -29,6 +25,10 @@ from experiment_manager.run.config_file import (
     read_configuration,
 )
 from experiment_manager.run.lasting_output import make_standard_streams_last
+from experiment_manager.supervision.in_process import run_in_process
+from experiment_manager.supervision.live_view import Address
+from experiment_manager.supervision.neighbours import refuse_neighbours
+from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import load_stimuli
 from lockstep.configuration import build

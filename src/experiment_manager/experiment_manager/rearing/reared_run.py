@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiment_manager.measures.results import RESULTS_FILE, read_results
+from experiment_manager.plant_changes import read_schedule
 from experiment_manager.rearing.basis_functions import Tuning, tuning
 from experiment_manager.rearing.reward_landscape import RewardLandscape, reward_landscape
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
-from experiment_manager.schedule import read_schedule
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from experiment_manager.launch.interrupts import Interrupts
+from experiment_manager.supervision.interrupts import Interrupts
 from experiment_manager.sweep.cell_run import CellRun
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_INTERRUPTED

@@ -13,8 +13,8 @@ from typing import Any
 
 import yaml
 
-from experiment_manager.launch.command_line import arguments
-from experiment_manager.launch.configuration import configuration_of
+from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import CONFIG_CLASSES, Configuration
 from lockstep.errors import InputError
 from lockstep.nearest import nearest

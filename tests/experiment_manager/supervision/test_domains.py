@@ -4,7 +4,7 @@ import socket
 
 import pytest
 
-from experiment_manager.launch.domains import NODE_SCRIPTS_DOMAIN, own_domain
+from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
 from lockstep.errors import InputError
 
 

@@ -3,10 +3,10 @@
 import sys
 from pathlib import Path
 
-from experiment_manager.launch.attempt import goes_on
-from experiment_manager.launch.interrupts import Interrupts
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.in_process import InProcessRun
+from experiment_manager.supervision.attempt import goes_on
+from experiment_manager.supervision.interrupts import Interrupts
 from lockstep.errors import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
 

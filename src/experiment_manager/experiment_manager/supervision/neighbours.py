@@ -9,7 +9,7 @@ import psutil
 from rclpy.context import Context
 from rclpy.node import Node
 
-from experiment_manager.launch.domains import is_silent
+from experiment_manager.supervision.domains import is_silent
 from lockstep.errors import InputError
 from lockstep.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from rclpy.node import Node
 
-from experiment_manager.launch.shared_memory import remove_ports, remove_stale_segments
+from experiment_manager.supervision.shared_memory import remove_ports, remove_stale_segments
 from tests.node_harness import ros_graph
 
 DEAD, LIVING = "fastrtps_0123456789abcdef", "fastrtps_fedcba9876543210"

@@ -9,8 +9,8 @@ import yaml
 
 from experiment_manager.agreements import check_agreements, with_partners
 from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.launch.command_line import DEFAULT_METABOLIC_COST_WEIGHTS
-from experiment_manager.launch.profiles import read_profile
+from experiment_manager.preparation.command_line import DEFAULT_METABOLIC_COST_WEIGHTS
+from experiment_manager.preparation.profiles import read_profile
 from experiment_manager.reach import check_reach
 from experiment_manager.run.config_file import CONFIG_CLASSES, Configuration
 from eye_plant.config import EyePlantConfig

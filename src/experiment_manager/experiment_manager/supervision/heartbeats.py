@@ -8,7 +8,7 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from experiment_manager.launch.processes import PACKAGES
+from experiment_manager.supervision.processes import PACKAGES
 from lockstep.diagnostics import TOPIC
 
 START_LIMIT_S = 120.0

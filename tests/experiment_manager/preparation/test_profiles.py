@@ -5,9 +5,10 @@ import re
 import pytest
 
 from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.launch.command_line import arguments
-from experiment_manager.launch.configuration import configuration_of
-from experiment_manager.launch.profiles import (
+from experiment_manager.plant_changes import Change, Schedule
+from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager.preparation.profiles import (
     Profile,
     parse_profile,
     profile_names,
@@ -15,7 +16,6 @@ from experiment_manager.launch.profiles import (
 )
 from experiment_manager.protocol import make_protocol
 from experiment_manager.run.config_file import CONFIG_CLASSES
-from experiment_manager.schedule import Change, Schedule
 from eye_plant.config import EyePlantConfig
 from lockstep.configuration import build
 from lockstep.errors import InputError

@@ -9,7 +9,7 @@ from typing import Any
 
 from experiment_manager.agreements import with_partners
 from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.launch.configuration import Given, changed, given_settings
+from experiment_manager.preparation.configuration import Given, changed, given_settings
 from experiment_manager.protocol import Protocol, make_protocol
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest

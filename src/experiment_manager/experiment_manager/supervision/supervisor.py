@@ -7,15 +7,15 @@ from collections.abc import Collection, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
-from experiment_manager.launch.attempt import goes_on, place_of
-from experiment_manager.launch.domains import NODE_SCRIPTS_DOMAIN, given_domain, own_domain
-from experiment_manager.launch.heartbeats import Heartbeats
-from experiment_manager.launch.interrupts import Interrupts
-from experiment_manager.launch.live_view import Address, LiveView
-from experiment_manager.launch.neighbours import addresses
-from experiment_manager.launch.processes import MANAGER, PACKAGES, NodeProcesses
-from experiment_manager.launch.shared_memory import remove_ports, remove_stale_segments
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
+from experiment_manager.supervision.attempt import goes_on, place_of
+from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, given_domain, own_domain
+from experiment_manager.supervision.heartbeats import Heartbeats
+from experiment_manager.supervision.interrupts import Interrupts
+from experiment_manager.supervision.live_view import Address, LiveView
+from experiment_manager.supervision.neighbours import addresses
+from experiment_manager.supervision.processes import MANAGER, PACKAGES, NodeProcesses
+from experiment_manager.supervision.shared_memory import remove_ports, remove_stale_segments
 from lockstep.durable_files import why_unwritable
 from lockstep.exit_codes import (
     EXIT_BAD_INPUT,

@@ -9,10 +9,10 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from experiment_manager.commands.run_experiment import main
-from experiment_manager.launch import neighbours
-from experiment_manager.launch.domains import NODE_SCRIPTS_DOMAIN, own_domain
-from experiment_manager.launch.neighbours import addresses, refuse_neighbours
-from experiment_manager.launch.supervisor import known_domain
+from experiment_manager.supervision import neighbours
+from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
+from experiment_manager.supervision.neighbours import addresses, refuse_neighbours
+from experiment_manager.supervision.supervisor import known_domain
 from lockstep.errors import InputError
 from lockstep.qos import LOCKSTEP_QOS
 from tests.node_harness import Graph, ros_graph
@@ -74,7 +74,7 @@ def test_who_only_listens_may_be_there(graph: Graph, monkeypatch: pytest.MonkeyP
 def test_an_empty_domain_is_not_listened_to(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.delenv("ROS_STATIC_PEERS", raising=False)
-    monkeypatch.setattr("experiment_manager.launch.neighbours._found", pytest.fail)
+    monkeypatch.setattr("experiment_manager.supervision.neighbours._found", pytest.fail)
     with own_domain() as domain:
         refuse_neighbours(domain)
 

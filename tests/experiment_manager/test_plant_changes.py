@@ -1,8 +1,8 @@
 import pytest
 
 from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
+from experiment_manager.plant_changes import Schedule, parse_schedule, read_schedule, stages_of
 from experiment_manager.protocol import Eyes, Protocol, make_protocol
-from experiment_manager.schedule import Schedule, parse_schedule, read_schedule, stages_of
 from eye_plant.config import EyePlantConfig
 from eye_plant.mechanics.muscles import N_MUSCLES
 from lockstep.configuration import build

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from experiment_manager.config import MODELS
-from experiment_manager.launch.live_view import Address
-from experiment_manager.launch.profiles import profile_names
+from experiment_manager.preparation.profiles import profile_names
+from experiment_manager.supervision.live_view import Address
 
 # Lambda of M_C, 1/W, by the eyes' parameter set: energy is 20 % of the reward over the first 5,000
 # iterations on the generated stimuli, by which rule K17 chose its 0.035 (D7). Measured, seed 1, by

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from experiment_manager.faults import (
+from experiment_manager.fault_detection import (
     Fault,
     Wait,
     check_learning_steps,

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from experiment_manager.launch.processes import die_with
 from experiment_manager.live.config import LOCAL_HOST, PORT
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE
+from experiment_manager.supervision.processes import die_with
 
 _PATIENCE_S = 3.0
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from experiment_manager.commands import run_experiment
-from experiment_manager.launch.supervisor import Supervisor
+from experiment_manager.supervision.supervisor import Supervisor
 from lockstep.exit_codes import EXIT_NETWORK, EXIT_UNWRITABLE
 
 

@@ -9,8 +9,8 @@ import yaml
 
 from experiment_manager.agreements import AGREEMENTS, Agreement, check_agreements
 from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.launch.command_line import DEFAULT_METABOLIC_COST_WEIGHTS, arguments
-from experiment_manager.launch.configuration import configuration_of
+from experiment_manager.preparation.command_line import DEFAULT_METABOLIC_COST_WEIGHTS, arguments
+from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import (
     CONFIG_CLASSES,
     configuration_text,

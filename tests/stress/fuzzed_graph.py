@@ -17,11 +17,11 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import Image, JointState
 
 from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.launch.domains import own_domain
-from experiment_manager.launch.processes import MANAGER, PACKAGES, NodeProcesses
 from experiment_manager.loop import make_loop
 from experiment_manager.protocol import make_protocol
 from experiment_manager.run.config_file import read_configuration
+from experiment_manager.supervision.domains import own_domain
+from experiment_manager.supervision.processes import MANAGER, PACKAGES, NodeProcesses
 from eye_plant.episode import Episode
 from lockstep.configuration import build
 from lockstep.errors import InputError
@@ -29,7 +29,7 @@ from lockstep.qos import LOCKSTEP_QOS
 from lockstep.requests import RequestClient, service_name
 from lockstep.stamps import period_ns, to_ns
 from lockstep.state_file import read_state
-from tests.stress.hostile_input import IMAGE_TOPICS, VECTOR_NAMES, Hostility
+from tests.stress.fuzzer import IMAGE_TOPICS, VECTOR_NAMES, Hostility
 
 NODES = tuple(package for package in PACKAGES if package != MANAGER)
 _RUN = "fuzzed"

@@ -13,7 +13,7 @@ from lockstep.stamps import checked_ns
 from lockstep.topics import EPISODE_NAMES, HORIZONTAL_RECTI, PICTURES
 from lockstep.vectors import values_of, whole_values_of
 from sparse_coder.messages import picture_of
-from tests.stress.hostile_input import Hostility
+from tests.stress.fuzzer import Hostility
 from vergence_rl.messages import activations_of, features_of
 
 PERIOD_NS = 200_000_000

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from experiment_manager.launch.command_line import arguments
-from experiment_manager.launch.configuration import configuration_of
-from experiment_manager.launch.plan import plan
+from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager.preparation.plan import plan
 
 
 def _plan(*line: str) -> list[str]:

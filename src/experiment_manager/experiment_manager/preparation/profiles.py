@@ -14,7 +14,7 @@ from typing import Any
 
 import yaml
 
-from experiment_manager.schedule import Schedule, parse_schedule
+from experiment_manager.plant_changes import Schedule, parse_schedule
 from lockstep.errors import InputError
 from lockstep.nearest import nearest
 
