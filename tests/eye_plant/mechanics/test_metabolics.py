@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
 
-from eye_plant.mechanics.metabolics import Energetics, MetabolicTerms, metabolic_terms
+from eye_plant.mechanics.metabolics import MetabolicTerms, metabolic_terms
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.muscles import HORIZONTAL
 from eye_plant.mechanics.oculomotor import Oculomotor
+from eye_plant.mechanics.parameters import Energetics
 
 
 def one_kilogram(energetics: Energetics = Energetics(), **changes: float) -> MetabolicTerms:  # noqa: B008

@@ -7,8 +7,13 @@ public OpenSim eye model upat_eye_model v3 (CC-BY 4.0). Masses of the recti are 
 
 from types import MappingProxyType
 
-from eye_plant.mechanics.metabolics import Energetics
-from eye_plant.mechanics.parameters import MuscleParameters, OrbitParameters, ParameterSet, Point
+from eye_plant.mechanics.parameters import (
+    Energetics,
+    MuscleParameters,
+    OrbitParameters,
+    ParameterSet,
+    Point,
+)
 
 
 def _muscle(

@@ -15,9 +15,9 @@ single-muscle points of K17's optimal cost. Masses are OpenEyeSim's own.
 from types import MappingProxyType
 
 from eye_plant.mechanics.anatomical import ANATOMICAL
-from eye_plant.mechanics.metabolics import Energetics
 from eye_plant.mechanics.parameters import (
     GRAM_FORCE_N,
+    Energetics,
     MuscleParameters,
     OrbitParameters,
     ParameterSet,

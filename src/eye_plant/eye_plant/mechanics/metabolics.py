@@ -10,6 +10,8 @@ import numpy as np
 from numba import bool_, float64, guvectorize, njit, vectorize, void
 from numpy.typing import ArrayLike, NDArray
 
+from eye_plant.mechanics.parameters import Energetics
+
 Array = NDArray[np.float64]
 
 # Umberger 2003, eq. 7: activation and maintenance heat of slow and of additional fast fibres.
@@ -22,21 +24,6 @@ FAST_SHORTENING_W_PER_KG = 153.0
 FAST_TO_SLOW_VELOCITY = 2.5
 LENGTHENING_FACTOR = 4.0
 MINIMUM_HEAT_W_PER_KG = 1.0
-
-
-@dataclass(frozen=True)
-class Energetics:
-    """What the heat of a muscle depends on besides its state.
-
-    scaling: 1.0 anaerobic, 1.5 aerobic (Umberger 2003, S); fast_fraction: share of fast fibres;
-    minimum_activation: floor of the activation that is charged, not of the muscle's own;
-    length_dependent: whether heat falls with the isometric force above the optimal length.
-    """
-
-    scaling: float = 1.0
-    fast_fraction: float = 0.8
-    minimum_activation: float = 0.0
-    length_dependent: bool = True
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,24 @@ Points are given for both eyes at once as (forward, nasal, up) from the eye's ce
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from eye_plant.mechanics.metabolics import Energetics
-
 Point = tuple[float, float, float]
 
 GRAM_FORCE_N = 9.80665e-3
+
+
+@dataclass(frozen=True)
+class Energetics:
+    """What the heat of a muscle depends on besides its state.
+
+    scaling: 1.0 anaerobic, 1.5 aerobic (Umberger 2003, S); fast_fraction: share of fast fibres;
+    minimum_activation: floor of the activation that is charged, not of the muscle's own;
+    length_dependent: whether heat falls with the isometric force above the optimal length.
+    """
+
+    scaling: float = 1.0
+    fast_fraction: float = 0.8
+    minimum_activation: float = 0.0
+    length_dependent: bool = True
 
 
 @dataclass(frozen=True)
@@ -18,7 +31,7 @@ class MuscleParameters:
     """One extraocular muscle: its path over a pulley to the globe, and its Hill-type unit.
 
     shortest, longest: fibre lengths, in optimal lengths, at which the active force vanishes;
-    passive_stiffness and lengthening_gain: see muscles.py; tonic_activation: its level when
+    passive_stiffness and lengthening_gain: see muscle_curves.py; tonic_activation: its level when
     nobody commands it.
     """
 

@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 
 from eye_plant.mechanics.inverse import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
-from eye_plant.mechanics.muscles import MUSCLES, force_length, force_velocity, passive_force_length
+from eye_plant.mechanics.muscle_curves import force_length, force_velocity, passive_force_length
+from eye_plant.mechanics.muscles import MUSCLES
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.validation.dynamic_checks import saccades
 from eye_plant.validation.openeyesim import Maps, power_law_w

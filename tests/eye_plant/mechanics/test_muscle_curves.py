@@ -3,12 +3,8 @@ import numpy as np
 import pytest
 
 from eye_plant.mechanics.model import MechanicsConfig, build_spec
-from eye_plant.mechanics.muscles import (
-    MUSCLE_NAMES,
-    force_length,
-    force_velocity,
-    passive_force_length,
-)
+from eye_plant.mechanics.muscle_curves import force_length, force_velocity, passive_force_length
+from eye_plant.mechanics.muscles import MUSCLE_NAMES
 
 SHORTEST, LONGEST, STIFFNESS, GAIN = 0.4, 1.7, 0.6, 1.3
 
