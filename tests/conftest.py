@@ -7,16 +7,26 @@ import cv2
 import numpy as np
 import pytest
 
+from tests.made_once import made_once
+
 os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 STIMULUS_PX = 64
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the longest tests: those of whole runs, so that no core ends with one of them."""
+    items.sort(key=lambda item: "integration" not in item.path.parts)
+
+
 @pytest.fixture(scope="session")
 def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a directory of small stimuli: 3 for training, 2 for tests."""
-    directory = tmp_path_factory.mktemp("pictures")
+    return made_once(tmp_path_factory, "pictures", _draw_pictures)
+
+
+def _draw_pictures(directory: Path) -> None:
     draw = np.random.default_rng(1)
     for part, n_pictures in (("train", 3), ("test", 2)):
         (directory / part).mkdir()
@@ -24,4 +34,3 @@ def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
             coarse = draw.integers(0, 256, (8, 8), dtype=np.uint8)
             picture = cv2.resize(coarse, (STIMULUS_PX, STIMULUS_PX), interpolation=cv2.INTER_LINEAR)
             cv2.imwrite(str(directory / part / f"{i}.png"), picture)
-    return directory

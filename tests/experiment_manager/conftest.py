@@ -13,6 +13,7 @@ from rosbags.typesys import Stores, get_typestore
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.measures.metrics import PX_DEG
 from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES
+from tests.made_once import made_once
 from tests.supervisor import finished, start_supervisor
 
 VECTOR = "sensor_msgs/msg/JointState"
@@ -277,7 +278,6 @@ def small_run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
 
     Other tests copy it before they change anything.
     """
-    directory = tmp_path_factory.mktemp("small") / "run"
     settings = {
         "experiment_manager.protocol.test_distances_m": "[2.0]",
         "experiment_manager.protocol.iterations_per_trial": "4",
@@ -286,9 +286,11 @@ def small_run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
         "eye_plant.stimuli.size_px": str(STIMULUS_PX),
         "vergence_rl.output_initial_width": "0.1",
     }
-    line = ["--out", str(directory)]
-    line += ["--iterations", "60", "--tests", "0,30", "--stimuli", str(pictures)]
+    line = ["--iterations", "60", "--tests", "0,30", "--stimuli", str(pictures)]
     for name, value in settings.items():
         line += ["--set", f"{name}={value}"]
-    finished(start_supervisor(line))
-    return directory
+
+    def make(directory: Path) -> None:
+        finished(start_supervisor([*line, "--out", str(directory / "run")]))
+
+    return made_once(tmp_path_factory, "small", make) / "run"

@@ -89,12 +89,12 @@ def test_the_status_is_a_table(whole: Path) -> None:
     assert lines[-1] == "3 done"
 
 
-def test_ctrl_c_stops_all_runs_and_starting_again_goes_on(
+def test_a_sweep_that_is_stopped_and_then_killed_goes_on(
     whole: Path, sweep_file: Path, tmp_path: Path
 ) -> None:
     directory = tmp_path / "sweep"
     sweep = start_sweep(sweep_file, "--out", directory, "--jobs", 2)
-    runs = [directory / cell.name for cell in read_sweep(sweep_file).cells()[:2]]
+    *runs, third = [directory / cell.name for cell in read_sweep(sweep_file).cells()]
     _wait_for(sweep, lambda: are_held_at_first_checkpoint(runs))
     sweep.send_signal(signal.SIGINT)
     for run in runs:
@@ -105,21 +105,12 @@ def test_ctrl_c_stops_all_runs_and_starting_again_goes_on(
     assert not [*directory.glob("*/results.json")]
     status = finished(start_sweep(directory, "--status"))
     assert "2 stopped, 1 waiting" in status
-    finished(start_sweep(directory))
-    for cell in read_sweep(sweep_file).cells():
-        assert differences(directory / cell.name, whole / cell.name) == []
-
-
-def test_a_killed_sweep_takes_its_runs_with_it(
-    whole: Path, sweep_file: Path, tmp_path: Path
-) -> None:
-    directory = tmp_path / "sweep"
-    sweep = start_sweep(sweep_file, "--out", directory, "--jobs", 3)
-    _wait_for(sweep, lambda: len([*directory.glob("*/checkpoints/*/manifest.json")]) >= 1)
+    # Goes on, is killed, and takes its runs with it: else the next one would find them at work.
+    sweep = start_sweep(directory, "--jobs", 3)
+    _wait_for(sweep, lambda: any(third.glob("checkpoints/*/manifest.json")))
     sweep.kill()
     sweep.communicate()
-    output = finished(start_sweep(directory, "--jobs", 3))
-    assert "3 done" in output
+    assert "3 done" in finished(start_sweep(directory, "--jobs", 3))
     for cell in read_sweep(sweep_file).cells():
         assert differences(directory / cell.name, whole / cell.name) == []
 
