@@ -19,13 +19,7 @@ CONFIG = VergenceRlConfig(
 MID = np.array([0.1, 0.05])
 
 
-PRECISE = dataclasses.replace(
-    CONFIG,
-    feature_exponent=0.5,
-    exploration_variance=2.5e-4,
-    final_exploration_share=0.01,
-    exploration_step_exponent=0.7,
-)
+WIDE = dataclasses.replace(CONFIG, feature_exponent=0.5, exploration_variance=2.5e-4)
 
 
 class SlowAgent:
@@ -54,25 +48,21 @@ class SlowAgent:
             delta = self.learn(s, r, 0.5 * (1 - now / self.config.n_training_iterations))
         action = self.w2 @ np.tanh(self.w1 @ s)
         draw = generator(self.config.seed, "exploration", now)
-        done = now / self.config.n_training_iterations
-        sd = math.sqrt(self.config.exploration_variance)
-        sd *= self.config.final_exploration_share**done
-        executed = action + draw.normal(0.0, sd, 2)
+        executed = action + draw.normal(0.0, math.sqrt(self.config.exploration_variance), 2)
         copied = executed
         if self.config.copies_clipped_action:
             copied = np.minimum(np.maximum(activations + executed, 0), [0.2, 0.1]) - activations
-        self.last = (s, copied, sd)
+        self.last = (s, copied)
         return executed, delta
 
     def learn(self, s: NDArray[np.float64], r: float, beta: float) -> float:
         assert self.last is not None
-        before, executed, sd = self.last
+        before, executed = self.last
         delta = r + 0.3 * (self.v @ s) - self.v @ before
         self.v = self.v + 0.75 * delta * before
         self.variance = 0.999 * self.variance + 0.001 * delta**2
         if delta > 0:
-            times: float = math.ceil(delta / math.sqrt(self.variance))
-            times *= (math.sqrt(1e-5) / sd) ** self.config.exploration_step_exponent
+            times = math.ceil(delta / math.sqrt(self.variance))
             h = np.tanh(self.w1 @ before)
             error = executed - self.w2 @ h
             w1, w2 = self.w1 * (1 - 1e-5 * beta), self.w2.copy()
@@ -99,7 +89,7 @@ def train(agent: Agent, first: int, n: int, episode_length: int = 10) -> list[De
 
 
 @pytest.mark.parametrize(
-    "config", [CONFIG, dataclasses.replace(CONFIG, copies_clipped_action=False), PRECISE]
+    "config", [CONFIG, dataclasses.replace(CONFIG, copies_clipped_action=False), WIDE]
 )
 def test_agrees_with_a_slow_agent_over_many_episodes(config: VergenceRlConfig) -> None:
     agent = Agent(config)
@@ -368,7 +358,8 @@ def test_divergence_ends_learning_with_iteration_and_quantity(
 def test_weights_that_are_no_numbers_never_become_an_answer(name: str) -> None:
     agent = Agent(CONFIG)
     train(agent, 0, 20)
-    weights = {"critic": agent._critic, **vars(agent._actor)}
+    rule = vars(agent)["_rule"]
+    weights = {"critic": rule._critic, **vars(rule._actor)}
     weights[name.removeprefix("actor_")][...] = np.nan
     with pytest.raises(DivergenceError, match=r"iteration 20: .* is nan"):
         train(agent, 20, 1)
@@ -386,6 +377,8 @@ def test_weights_that_are_no_numbers_never_become_an_answer(name: str) -> None:
         ({"medial_limits": (0.2, 0.1)}, "medial_limits: expected .lowest, highest., each 0 to 1"),
         ({"lateral_limits": (0.0, 1.1)}, "lateral_limits: expected .lowest, highest., each 0 to 1"),
         ({"lateral_limits": (0.1,)}, "lateral_limits: expected .lowest, highest., each 0 to 1"),
+        ({"learning_rule": "sarsa"}, "learning_rule: expected cacla or hindsight, got 'sarsa'"),
+        ({"regression_period": 15}, r"regression_period: expected a multiple of 10 .*, got 15"),
     ],
 )
 def test_bad_settings_are_refused(settings: dict[str, Any], message: str) -> None:

@@ -1,4 +1,4 @@
-"""The actor-critic: features, activations and reward in, a muscle command out."""
+"""The agent: features, activations and reward in, a muscle command out."""
 
 import math
 from collections.abc import Mapping
@@ -10,27 +10,23 @@ from numpy.typing import NDArray
 
 from lockstep.errors import DivergenceError, InputError
 from lockstep.randomness import generator
-from vergence_rl.cacla import actor_step, n_updates
+from vergence_rl.cacla_rule import CaclaRule
 from vergence_rl.config import N_MUSCLES, VergenceRlConfig
-from vergence_rl.exploration import exploration_sd, step_scale
-from vergence_rl.networks import ActorOutput, ActorWeights, actor, uniform_weights
+from vergence_rl.hindsight_rule import HindsightRule
+from vergence_rl.learning_rule import LearningRule, Moment
 from vergence_rl.normalizer import (
     RunningStatistics,
     empty_statistics,
     normalized,
     updated_statistics,
 )
-from vergence_rl.td import (
-    bounded_rate,
-    critic_step,
-    declining_rate,
-    td_error,
-    td_variance,
-    value,
-)
 
 # Rewards are about -0.2 and activations end at 1: whatever is a hundred times that has run away.
 _SANE = {"value": 100.0, "td_error": 100.0, "action": 100.0}
+_RULES: dict[str, type[CaclaRule] | type[HindsightRule]] = {
+    "cacla": CaclaRule,
+    "hindsight": HindsightRule,
+}
 
 
 @dataclass(frozen=True)
@@ -38,11 +34,11 @@ class Decision:
     """The answer to one observation.
 
     command: (n_muscles,) target activations of medial and lateral rectus, within their limits;
-    action: (n_muscles,) executed change of activation, noise included, before clipping;
-    value: V(s_t), and td_error: delta_t, by the weights before this observation's update;
-    td_error is NaN where nothing was learned; td_variance: its running variance;
-    actor_learning_rate: beta_t; critic_learning_rate: alpha,
-    unbounded.
+    action: (n_muscles,) executed change of activation, noise included, before the limits. What
+    follows is the learning rule's opinion. By CACLA, value: V(s_t), and td_error: delta_t, by the
+    weights before this observation's update; actor_learning_rate: beta_t; critic_learning_rate:
+    alpha, unbounded. By hindsight, see `HindsightRule`. td_error is NaN where there is nothing to
+    learn from; td_variance: its running variance.
     """
 
     command: NDArray[np.float64]
@@ -54,44 +50,21 @@ class Decision:
     critic_learning_rate: float
 
 
-@dataclass(frozen=True)
-class _Experience:
-    """What the next observation of the episode needs of this one to learn.
-
-    action: (n_muscles,) that the actor is to copy, should it have done well; noise_sd: of the
-    exploration that it was drawn with.
-    """
-
-    iteration: int
-    training_iteration: int
-    state: NDArray[np.float64]
-    output: ActorOutput
-    action: NDArray[np.float64]
-    noise_sd: float
-
-
 class Agent:
-    """Owns the normaliser's statistics, the critic's and the actor's weights."""
+    """Owns the normaliser's statistics and a learning rule."""
 
     def __init__(self, config: VergenceRlConfig) -> None:
-        """Start with random weights, a function of the seed."""
+        """Start with the weights of the seed."""
         self.config = config
-        self.learning_steps = 0
-        n_state, n_hidden = config.n_state, config.n_hidden
-        critic_width = config.critic_initial_width or 1.0 / n_state
-        hidden_width = config.hidden_initial_width or 1.0 / (n_state * n_hidden)
-        draw = generator(config.seed, "weights", 0)
-        self._critic = uniform_weights(draw, (n_state,), critic_width)
-        self._actor = ActorWeights(
-            uniform_weights(draw, (n_hidden, n_state), hidden_width),
-            uniform_weights(draw, (N_MUSCLES, n_hidden), config.output_initial_width),
-        )
+        self._rule: LearningRule = _RULES[config.learning_rule](config)
         self._statistics = empty_statistics(
             config.n_features + N_MUSCLES, config.initial_squared_deviation
         )
-        self._td_variance = config.initial_td_variance
-        self._lowest, self._highest = np.array([config.medial_limits, config.lateral_limits]).T
-        self._last: _Experience | None = None
+
+    @property
+    def learning_steps(self) -> int:
+        """Training iterations so far that had a predecessor in their episode to learn from."""
+        return self._rule.learning_steps
 
     def observe(
         self,
@@ -104,7 +77,7 @@ class Agent:
         learning: bool,
         exploration: bool,
     ) -> Decision:
-        """Learn from the last action and answer with the next one.
+        """Learn from what was done so far and answer with what to do next.
 
         features: (2, n_features / 2) or any shape of that size; activations: (n_muscles,) of now;
         reward: r_t, of now; iteration: within the episode, from 0; training_iteration: number of
@@ -116,50 +89,40 @@ class Agent:
         entries = self._checked_entries(features, activations, reward, iteration)
         if learning:
             self._statistics = updated_statistics(self._statistics, entries)
-        state = self._state_vector(entries)
-        value_t = value(self._critic, state)
-        rate = declining_rate(
-            self.config.actor_learning_rate, training_iteration, self.config.n_training_iterations
-        )
-        last = self._predecessor(iteration, training_iteration) if learning else None
-        delta = math.nan if last is None else self._learn(last, reward, value_t, rate)
-        output = actor(self._actor, state)
-        noise_sd = self._exploration_sd(training_iteration)
-        action = output.action
+        before, state = entries[-N_MUSCLES:], self._state_vector(entries)
+        moment = Moment(iteration, training_iteration, state, before, reward)
+        opinion = self._rule.learn(moment) if learning else self._rule.judge(moment)
+        action = self._rule.action(state)
         _check_sanity(
-            training_iteration, {"value": value_t, "td_error": delta, "action": _largest(action)}
+            training_iteration,
+            {
+                "value": opinion.value,
+                "td_error": opinion.td_error,
+                "action": float(np.abs(action).max()),
+            },
         )
         if exploration:
-            action = action + self._noise(training_iteration, noise_sd)
-        before = entries[-N_MUSCLES:]
-        command = np.clip(before + action, self._lowest, self._highest)
-        copied = command - before if self.config.copies_clipped_action else action
-        self._last = (
-            _Experience(iteration, training_iteration, state, output, copied, noise_sd)
-            if learning
-            else None
-        )
+            draw = generator(self.config.seed, "exploration", training_iteration)
+            action = action + self._rule.noise(draw)
+        command = self._rule.command(before + action)
+        if learning:
+            self._rule.acted(moment, action, command)
         return Decision(
             command,
             action,
-            value_t,
-            delta,
-            self._td_variance,
-            rate,
-            self.config.critic_learning_rate,
+            opinion.value,
+            opinion.td_error,
+            opinion.td_variance,
+            opinion.actor_learning_rate,
+            opinion.critic_learning_rate,
         )
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all that learning has changed, for restore at an episode's start, as copies."""
-        return {
-            "actor_hidden": self._actor.hidden.copy(),
-            "actor_output": self._actor.output.copy(),
-            "critic": self._critic.copy(),
-            "learning_steps": np.array(self.learning_steps),
+        return self._rule.state() | {
             "statistics_count": np.array(self._statistics.count),
             "statistics_mean": self._statistics.mean.copy(),
             "statistics_squared_deviation": self._statistics.squared_deviation.copy(),
-            "td_variance": np.array(self._td_variance),
         }
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
@@ -169,16 +132,12 @@ class Agent:
         configuration's names, shapes and types, with counts and variances that can be.
         """
         _check_state(state, self.state())
-        self._actor = ActorWeights(state["actor_hidden"].copy(), state["actor_output"].copy())
-        self._critic = state["critic"].copy()
-        self.learning_steps = int(state["learning_steps"])
+        self._rule.restore(state)
         self._statistics = RunningStatistics(
             int(state["statistics_count"]),
             state["statistics_mean"].copy(),
             state["statistics_squared_deviation"].copy(),
         )
-        self._td_variance = float(state["td_variance"])
-        self._last = None
 
     def _checked_entries(
         self,
@@ -211,51 +170,6 @@ class Agent:
         standard = normalized(self._statistics, entries, self.config.state_standard_deviation)
         return np.append(standard, self.config.bias_input)
 
-    def _predecessor(self, iteration: int, training_iteration: int) -> _Experience | None:
-        """Return the last experience if this observation follows it directly."""
-        last = self._last
-        if last is None:
-            return None
-        steps = (iteration - last.iteration, training_iteration - last.training_iteration)
-        return last if steps == (1, 1) else None
-
-    def _learn(self, last: _Experience, r_t: float, value_t: float, rate: float) -> float:
-        """Update critic and actor for the last state and action; return the TD error."""
-        config = self.config
-        delta = td_error(r_t, config.discount, value_t, value(self._critic, last.state))
-        alpha = bounded_rate(config.critic_learning_rate, last.state, config.critic_step_limit)
-        self._critic = critic_step(self._critic, last.state, delta, alpha)
-        self._td_variance = td_variance(self._td_variance, delta, config.td_variance_rate)
-        n = n_updates(delta, self._td_variance)
-        if n > 0:
-            self._actor = actor_step(
-                self._actor,
-                last.state,
-                last.output,
-                last.action,
-                rate=rate * n * step_scale(last.noise_sd, config.exploration_step_exponent),
-                shrinkage=rate * config.weight_shrinkage,
-            )
-        self.learning_steps += 1
-        return delta
-
-    def _exploration_sd(self, training_iteration: int) -> float:
-        config = self.config
-        return exploration_sd(
-            math.sqrt(config.exploration_variance),
-            config.wide_exploration_share,
-            config.final_exploration_share,
-            min(1.0, training_iteration / config.n_training_iterations),
-        )
-
-    def _noise(self, training_iteration: int, sd: float) -> NDArray[np.float64]:
-        draw = generator(self.config.seed, "exploration", training_iteration)
-        return draw.normal(0.0, sd, N_MUSCLES)
-
-
-def _largest(values: NDArray[np.float64]) -> float:
-    return float(np.abs(values).max())
-
 
 def _check_sanity(training_iteration: int, quantities: Mapping[str, float]) -> None:
     """Raise DivergenceError for a quantity beyond its limit; weights that are not show in them."""
@@ -285,5 +199,6 @@ def _check_state(state: Mapping[str, NDArray[Any]], expected: Mapping[str, NDArr
     for name in ("learning_steps", "statistics_count", "statistics_squared_deviation"):
         if np.any(state[name] < 0):
             raise InputError(f"{name}: expected 0 or more, got {np.min(state[name])}")
-    if not state["td_variance"] > 0.0:
-        raise InputError(f"td_variance: expected more than 0, got {state['td_variance']}")
+    for name in {"td_variance", "sum_weight"} & set(state):
+        if not state[name] > 0.0:
+            raise InputError(f"{name}: expected more than 0, got {state[name]}")

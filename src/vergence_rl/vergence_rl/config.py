@@ -1,28 +1,39 @@
-"""Settings of the actor-critic."""
+"""Settings of the agent and its learning rules."""
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
 from lockstep.topics import LATERAL_LIMITS, MEDIAL_LIMITS
 
 N_MUSCLES = 2  # medial rectus, lateral rectus; the same command for both eyes (K17 II)
 N_BIASES = 1
-PAPER_EXPLORATION_VARIANCE = 1e-5  # K17 II; see exploration_step_exponent
 
 
 @dataclass(frozen=True)
 class VergenceRlConfig:
-    """Settings of the actor-critic; the defaults are the published model's (K17 II).
+    """Settings of the agent; the defaults are the published model's (K17 II).
 
     Raises InputError for a value out of range.
     """
 
     seed: int = setting(1, "seed of the initial weights and of the exploration")
+    learning_rule: str = setting(
+        "cacla",
+        "how the actor learns: cacla from the TD error of a critic, as in K17; hindsight from the"
+        " best place of each episode, by regression (D12)",
+        choices=("cacla", "hindsight"),
+    )
     n_training_iterations: int = setting(
         1_000_000,
-        "iterations after which the actor's learning rate has fallen to 0 and exploration to its"
-        " final share",
+        "iterations after which the actor's learning rate has fallen to 0 (cacla)",
         least=1,
+    )
+    iterations_per_episode: int = setting(
+        10, "iterations of an episode, whose places are compared (hindsight)", least=2
     )
     n_features: int = setting(800, "features of both scales together", least=1)
     feature_exponent: float = setting(
@@ -72,25 +83,9 @@ class VergenceRlConfig:
         least=0,
     )
     exploration_variance: float = setting(
-        PAPER_EXPLORATION_VARIANCE,
-        "variance of the noise on each muscle's action, as training begins",
-        least=0,
-    )
-    wide_exploration_share: float = setting(
-        0.0,
-        "share of the training before the noise's standard deviation begins to fall (D16)",
-        least=0,
-        below=1,
-    )
-    final_exploration_share: float = setting(
-        1.0,
-        "share of the noise's standard deviation that is left as training ends; it falls"
-        " exponentially (D16)",
-        above=0,
-    )
-    exploration_step_exponent: float = setting(
-        0.0,
-        "k, where the actor's step is divided by (standard deviation of the noise / K17's)^k (D16)",
+        1e-5,
+        "variance of the noise on each muscle's action: throughout (cacla), or until residuals are"
+        " known (hindsight, D16)",
         least=0,
     )
     initial_td_variance: float = setting(
@@ -105,12 +100,47 @@ class VergenceRlConfig:
         " one before clipping, as in K17; there a muscle at its limit learns nothing more, since"
         " whatever is tried beyond it has no effect",
     )
+    target_scale: float = setting(
+        0.005,
+        "change of activation at which a target counts half in the regression (hindsight, D12)",
+        above=0,
+    )
+    ridge_share: float = setting(
+        0.01,
+        "penalty of the regression's weights, as a share of the mean square of a state's entry"
+        " (hindsight, D12)",
+        above=0,
+    )
+    memory_share: float = setting(
+        0.5,
+        "iterations after which the regression has forgotten all but 1 / e, as a share of those"
+        " so far (hindsight, D12)",
+        above=0,
+    )
+    least_memory: float = setting(1000.0, "the least of these iterations (hindsight, D12)", above=0)
+    regression_period: int = setting(
+        100,
+        "iterations from one solution of the regression to the next, whole episodes"
+        " (hindsight, D12)",
+        least=1,
+    )
 
     def __post_init__(self) -> None:
         """Refuse values out of range."""
         check_settings(self)
+        if self.regression_period % self.iterations_per_episode:
+            raise InputError(
+                f"regression_period: expected a multiple of {self.iterations_per_episode} "
+                f"(iterations per episode), got {self.regression_period}"
+            )
 
     @property
     def n_state(self) -> int:
         """Features, the two activations and the bias."""
         return self.n_features + N_MUSCLES + N_BIASES
+
+    @property
+    def limits(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The lowest and the highest activations, (n_muscles,) each."""
+        lowest, highest = np.array([self.medial_limits, self.lateral_limits]).T
+        return lowest, highest

@@ -1,0 +1,108 @@
+"""Hindsight regression (D12): from wherever an episode was to the best place that it visited.
+
+Once an episode is over, the place with the largest reward is known, and with it the change of
+activations that would have led there at once from each of the others. The actor A(s) = W s is the
+regression of these targets on the states (ours: regression of actions weighted by reward, Peters &
+Schaal 2007; learning from one's own best, Oh et al. 2018; relabelling what was reached as what was
+wanted, Andrychowicz et al. 2017). Places are compared within an episode, so that neither a value
+nor a size of step is needed.
+
+Dimensions: n_visits (iterations of an episode), n_state, n_muscles.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Sums:
+    """Sums over visits, each with its weight w; s: (n_state,) state, T: (n_muscles,) target.
+
+    weight: sum w; squares: sum w s s^T, (n_state, n_state); products: sum w s T^T, (n_state,
+    n_muscles); targets: sum w T T^T, (n_muscles, n_muscles).
+    """
+
+    weight: float
+    squares: Floats
+    products: Floats
+    targets: Floats
+
+
+def first_sums(n_state: int, n_muscles: int, variance: float, weight: float) -> Sums:
+    """Return the sums of visits that say nothing but how far targets scatter, of that weight."""
+    return Sums(
+        weight,
+        np.zeros((n_state, n_state)),
+        np.zeros((n_state, n_muscles)),
+        weight * variance * np.eye(n_muscles),
+    )
+
+
+def nearness(targets: Floats, scale: float) -> Floats:
+    """Return the weights scale^2 / (scale^2 + |T|^2), (n_visits,), in (0, 1].
+
+    targets: (n_visits, n_muscles). ours: a target is met the less exactly the farther away it is;
+    the weight falls as the influence of an error does with a Cauchy loss.
+    """
+    squared: Floats = (targets**2).sum(axis=1)
+    return scale**2 / (scale**2 + squared)
+
+
+def kept_share(n_visits: int, memory: float) -> float:
+    """Return what is left of older sums after n_visits more, exp(-n_visits / memory)."""
+    return float(np.exp(-n_visits / memory))
+
+
+def updated_sums(
+    sums: Sums, states: Floats, targets: Floats, weights: Floats, *, kept: float
+) -> Sums:
+    """Return kept * sums plus those of an episode's visits.
+
+    states: (n_visits, n_state); targets: (n_visits, n_muscles); weights: (n_visits,).
+    """
+    root = np.sqrt(weights)[:, None]
+    s, t = root * states, root * targets
+    # A product of an array with its own transpose is symmetric to the last bit.
+    return Sums(
+        kept * sums.weight + float(weights.sum()),
+        kept * sums.squares + s.T @ s,
+        kept * sums.products + s.T @ t,
+        kept * sums.targets + t.T @ t,
+    )
+
+
+def regressed_actor(sums: Sums, ridge_share: float) -> Floats:
+    """Return W (n_muscles, n_state), the least of sum w |T - W s|^2 + ridge |W|^2.
+
+    ridge = ridge_share times the mean of the diagonal of sum w s s^T, so that it has the states'
+    scale and grows with what is remembered. The ten states of an episode share one target: without
+    a ridge its noise is learned (ridge regression: Hoerl & Kennard 1970).
+    """
+    n_state = len(sums.squares)
+    ridge = ridge_share * np.trace(sums.squares) / n_state
+    if ridge == 0.0:
+        return np.zeros(sums.products.T.shape)
+    weights = np.linalg.solve(sums.squares + ridge * np.eye(n_state), sums.products)
+    return np.ascontiguousarray(weights.T)
+
+
+def residual_covariance(sums: Sums, weights: Floats) -> Floats:
+    """Return sum w (T - W s)(T - W s)^T / sum w, (n_muscles, n_muscles), for an actor W.
+
+    What the actor cannot tell of the targets is what is worth trying out: the covariance of the
+    exploration (D16; the M-step of Peters & Schaal 2007).
+    """
+    explained = weights @ sums.products
+    scatter = sums.targets - explained - explained.T + weights @ sums.squares @ weights.T
+    covariance: Floats = scatter / sums.weight
+    return (covariance + covariance.T) / 2.0
+
+
+def root_of(covariance: Floats) -> Floats:
+    """Return the symmetric R with R R = covariance; rounding below zero counts as zero."""
+    variances, axes = np.linalg.eigh(covariance)
+    return (axes * np.sqrt(np.maximum(variances, 0.0))) @ axes.T

@@ -1,0 +1,112 @@
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from vergence_rl.hindsight import (
+    Sums,
+    first_sums,
+    kept_share,
+    nearness,
+    regressed_actor,
+    residual_covariance,
+    root_of,
+    updated_sums,
+)
+
+N_STATE, N_MUSCLES, N_VISITS = 5, 2, 10
+
+
+def episodes(n: int) -> list[tuple[NDArray[np.float64], ...]]:
+    """States, targets that depend on them, and weights of some episodes."""
+    draw = np.random.default_rng(3)
+    mapping = draw.standard_normal((N_STATE, N_MUSCLES))
+    found = []
+    for _ in range(n):
+        states = draw.standard_normal((N_VISITS, N_STATE))
+        noise = draw.standard_normal((N_VISITS, N_MUSCLES)) @ np.array([[0.3, 0.1], [0.0, 0.2]])
+        found.append((states, states @ mapping + noise, draw.uniform(0.1, 1.0, N_VISITS)))
+    return found
+
+
+def summed(n: int, kept: float, first: Sums) -> Sums:
+    for states, targets, weights in episodes(n):
+        first = updated_sums(first, states, targets, weights, kept=kept)
+    return first
+
+
+def stored(n: int, kept: float) -> tuple[NDArray[np.float64], ...]:
+    """The same episodes end to end, each visit's weight times what is left of it."""
+    parts = [(s, t, w * kept ** (n - 1 - i)) for i, (s, t, w) in enumerate(episodes(n))]
+    return tuple(np.concatenate(column) for column in zip(*parts, strict=True))
+
+
+def test_a_regression_by_hand() -> None:
+    sums = first_sums(1, 1, variance=0.25, weight=2.0)
+    # Two visits with state 2, targets 3 and 1, weights 1 and 0.5; half of the first sums is left.
+    states, targets = np.array([[2.0], [2.0]]), np.array([[3.0], [1.0]])
+    sums = updated_sums(sums, states, targets, np.array([1.0, 0.5]), kept=0.5)
+    assert sums.weight == pytest.approx(2.5)
+    assert sums.squares.item() == pytest.approx(6.0)  # 1 * 4 + 0.5 * 4
+    assert sums.products.item() == pytest.approx(7.0)  # 1 * 2 * 3 + 0.5 * 2 * 1
+    assert sums.targets.item() == pytest.approx(9.75)  # 0.5 * 0.5 + 9 + 0.5
+    actor = regressed_actor(sums, ridge_share=0.5)
+    assert actor.item() == pytest.approx(7.0 / 9.0)  # the ridge is half of 6
+    assert residual_covariance(sums, np.array([[1.0]])).item() == pytest.approx(1.75 / 2.5)
+
+
+@pytest.mark.parametrize("ridge_share", [1e-9, 0.05])
+@pytest.mark.parametrize("kept", [1.0, 0.9])
+def test_the_actor_is_the_least_squares_solution_of_all_stored_visits(
+    kept: float, ridge_share: float
+) -> None:
+    sums = summed(20, kept, first_sums(N_STATE, N_MUSCLES, 0.0, 0.0))
+    states, targets, weights = stored(20, kept)
+    root = np.sqrt(weights)[:, None]
+    ridge = ridge_share * np.mean(((root * states) ** 2).sum(axis=0))
+    rows = np.concatenate([root * states, np.sqrt(ridge) * np.eye(N_STATE)])
+    aims = np.concatenate([root * targets, np.zeros((N_STATE, N_MUSCLES))])
+    expected = np.linalg.lstsq(rows, aims, rcond=None)[0].T
+    np.testing.assert_allclose(regressed_actor(sums, ridge_share), expected, rtol=1e-8)
+
+
+def test_the_covariance_is_that_of_the_residuals_of_all_stored_visits() -> None:
+    sums = summed(20, 0.9, first_sums(N_STATE, N_MUSCLES, 0.0, 0.0))
+    states, targets, weights = stored(20, 0.9)
+    actor = np.random.default_rng(4).standard_normal((N_MUSCLES, N_STATE))
+    residuals = targets - states @ actor.T
+    expected = np.cov(residuals.T, aweights=weights, ddof=0)
+    expected += np.outer(*2 * [np.average(residuals, axis=0, weights=weights)])
+    np.testing.assert_allclose(residual_covariance(sums, actor), expected, rtol=1e-10)
+
+
+def test_squares_stay_symmetric_to_the_last_bit() -> None:
+    squares = summed(30, 0.97, first_sums(N_STATE, N_MUSCLES, 0.01, 5.0)).squares
+    np.testing.assert_array_equal(squares, squares.T)
+
+
+def test_without_visits_the_actor_does_nothing_and_residuals_scatter_as_told() -> None:
+    sums = first_sums(N_STATE, N_MUSCLES, 0.04, 7.0)
+    actor = regressed_actor(sums, 0.01)
+    np.testing.assert_array_equal(actor, np.zeros((N_MUSCLES, N_STATE)))
+    np.testing.assert_allclose(residual_covariance(sums, actor), 0.04 * np.eye(N_MUSCLES))
+
+
+def test_a_target_at_the_scale_counts_half() -> None:
+    targets = np.array([[0.0, 0.0], [0.003, 0.004], [0.0, 0.015]])
+    np.testing.assert_allclose(nearness(targets, 0.005), [1.0, 0.5, 0.1])
+
+
+def test_an_e_th_is_left_after_as_many_visits_as_are_remembered() -> None:
+    assert kept_share(10, 10.0) == pytest.approx(np.exp(-1.0))
+    assert kept_share(10, 40.0) ** 4 == pytest.approx(kept_share(10, 10.0))
+
+
+@pytest.mark.parametrize("covariance", [np.array([[4.0, 1.0], [1.0, 2.0]]), np.ones((2, 2))])
+def test_a_root_squared_is_the_covariance(covariance: NDArray[np.float64]) -> None:
+    root = root_of(covariance)
+    np.testing.assert_allclose(root @ root, covariance, atol=1e-12)
+    np.testing.assert_allclose(root, root.T, atol=1e-12)
+
+
+def test_rounding_below_zero_has_no_root() -> None:
+    np.testing.assert_array_equal(root_of(np.diag([1.0, -1e-20])), np.diag([1.0, 0.0]))

@@ -1,0 +1,248 @@
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from lockstep.errors import DivergenceError, InputError
+from lockstep.randomness import generator
+from vergence_rl.agent import Agent, Decision
+from vergence_rl.config import VergenceRlConfig
+from vergence_rl.hindsight import root_of
+
+CONFIG = VergenceRlConfig(
+    learning_rule="hindsight",
+    n_features=6,
+    iterations_per_episode=5,
+    regression_period=20,
+    least_memory=60.0,
+    exploration_variance=2.5e-4,
+)
+HIGHEST = np.array([0.2, 0.1])
+Floats = NDArray[np.float64]
+
+
+class SlowRule:
+    """The same rule with every visit kept, weighted and regressed anew; no running sums."""
+
+    def __init__(self, config: VergenceRlConfig) -> None:
+        self.config = config
+        n_state = config.n_features + 3
+        self.actor = np.zeros((2, n_state))
+        self.covariance = config.exploration_variance * np.eye(2)
+        self.prior = config.least_memory
+        self.kept: list[tuple[Floats, Floats, float]] = []  # state, target, weight
+        self.episode: list[tuple[Floats, Floats, float]] = []  # state, place, reward
+
+    def learn(self, state: Floats, place: Floats, reward: float, i: int, now: int) -> None:
+        if i == 0:
+            self.episode = []
+        self.episode.append((state, place, reward))
+        if i == 4:
+            self.end_episode(now + 1)
+
+    def end_episode(self, n_seen: int) -> None:
+        memory = max(60.0, 0.5 * n_seen)
+        share = math.exp(-5 / memory)
+        self.prior *= share
+        self.kept = [(s, t, w * share) for s, t, w in self.kept]
+        best = max(self.episode, key=lambda visit: visit[2])[1]
+        for state, place, _ in self.episode:
+            weight = 0.005**2 / (0.005**2 + float(np.sum((best - place) ** 2)))
+            aim = self.aim(best, place + self.actor @ state)
+            self.kept.append((state, aim - place, weight))
+        if n_seen % 20 == 0:
+            self.solve()
+
+    def aim(self, best: Floats, wanted: Floats) -> Floats:
+        held = [
+            (best[k] == 0 and wanted[k] < 0) or (best[k] == HIGHEST[k] and wanted[k] > HIGHEST[k])
+            for k in (0, 1)
+        ]
+        if all(held) or not any(held):
+            return wanted if all(held) else best
+        k = held.index(True)
+        slope = self.covariance[1 - k, k] / self.covariance[k, k]
+        aim = best.copy()
+        aim[k] = wanted[k]
+        aim[1 - k] += slope * (wanted[k] - best[k])
+        return aim
+
+    def solve(self) -> None:
+        states = np.array([s for s, _, _ in self.kept])
+        targets = np.array([t for _, t, _ in self.kept])
+        weights = np.array([w for _, _, w in self.kept])
+        root = np.sqrt(weights)[:, None]
+        ridge = 0.01 * np.mean(((root * states) ** 2).sum(axis=0))
+        n_state = states.shape[1]
+        rows = np.concatenate([root * states, math.sqrt(ridge) * np.eye(n_state)])
+        aims = np.concatenate([root * targets, np.zeros((n_state, 2))])
+        self.actor = np.linalg.lstsq(rows, aims, rcond=None)[0].T
+        left = root * (targets - states @ self.actor.T)
+        first = self.prior * self.config.exploration_variance * np.eye(2)
+        self.covariance = (left.T @ left + first) / (weights.sum() + self.prior)
+
+
+def experience(now: int) -> tuple[NDArray[np.float32], Floats, float]:
+    """Features, activations and reward; now and then a muscle is at a limit."""
+    draw = np.random.default_rng([23, now])
+    features = draw.random((2, 3)).astype(np.float32)
+    return features, np.clip(draw.uniform(-0.05, 0.25, 2), 0.0, HIGHEST), float(draw.random())
+
+
+def train(agent: Agent, first: int, n: int) -> list[Decision]:
+    return [
+        agent.observe(*experience(t), t % 5, t, learning=True, exploration=True)
+        for t in range(first, first + n)
+    ]
+
+
+def test_agrees_with_a_slow_rule_that_keeps_all_visits() -> None:
+    agent, slow = Agent(CONFIG), SlowRule(CONFIG)
+    seen: list[Floats] = []
+    n_cut = 0
+    for now in range(400):
+        features, place, reward = experience(now)
+        got = agent.observe(features, place, reward, now % 5, now, learning=True, exploration=True)
+        entries = np.concatenate([features.ravel().astype(np.float64), place])
+        seen.append(entries)
+        state = np.zeros(9)
+        state[-1] = 0.02
+        if now > 0:
+            spread = np.std(seen, axis=0, ddof=1)
+            state[:-1] = 0.02 * (entries - np.mean(seen, axis=0)) / spread
+        slow.learn(state, place, reward, now % 5, now)
+        noise = generator(1, "exploration", now).normal(0.0, 1.0, 2)
+        action = slow.actor @ state + root_of(slow.covariance) @ noise
+        np.testing.assert_allclose(got.action, action, rtol=1e-6, atol=1e-9)
+        wanted = place + action
+        inside = np.all((wanted >= 0.0) & (wanted <= HIGHEST))
+        n_cut += not inside
+        if inside:
+            np.testing.assert_allclose(got.command, wanted, atol=1e-9)
+        else:
+            assert np.all((got.command >= 0.0) & (got.command <= HIGHEST))
+    assert n_cut > 100
+    np.testing.assert_allclose(agent.state()["actor"], slow.actor, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(agent.state()["covariance"], slow.covariance, rtol=1e-6)
+
+
+def trained_on_gazes(price: float) -> Agent:
+    """The gaze is medial - lateral; a cue says which is best, and activation has its price."""
+    config = VergenceRlConfig(learning_rule="hindsight", n_features=2, exploration_variance=2.5e-4)
+    agent, draw = Agent(config), np.random.default_rng(1)
+    for episode in range(600):
+        gaze, place = draw.uniform(-0.05, 0.1), draw.uniform(0.0, HIGHEST)
+        cue = np.array([gaze, 1.0])
+        for i in range(10):
+            reward = -abs(place[0] - place[1] - gaze) - price * float(place.sum())
+            place = agent.observe(
+                cue, place, reward, i, 10 * episode + i, learning=True, exploration=True
+            ).command
+    return agent
+
+
+def end_of_test(agent: Agent, gaze: float) -> Floats:
+    place = np.array([0.1, 0.05])
+    for i in range(20):
+        cue = np.array([gaze, 1.0])
+        place = agent.observe(cue, place, 0.0, i, 0, learning=False, exploration=False).command
+    return place
+
+
+def test_two_muscles_learn_a_gaze_and_to_relax_if_that_pays() -> None:
+    idle = {}
+    for price in (0.0, 0.3):
+        agent = trained_on_gazes(price)
+        ends = {gaze: end_of_test(agent, gaze) for gaze in (-0.04, 0.0, 0.04, 0.08)}
+        for gaze, (medial, lateral) in ends.items():
+            assert medial - lateral == pytest.approx(gaze, abs=0.003)
+        idle[price] = np.mean([end.min() for end in ends.values()])
+    assert idle[0.3] < 0.6 * idle[0.0]
+
+
+def test_an_episode_with_a_gap_teaches_nothing() -> None:
+    agent = Agent(CONFIG)
+    train(agent, 0, 40)
+    before = agent.state()
+    for t in (40, 41, 43, 44):
+        agent.observe(*experience(t), t % 5, t, learning=True, exploration=True)
+    after = agent.state()
+    for name in ("actor", "covariance", "sum_products", "sum_squares", "sum_targets"):
+        np.testing.assert_array_equal(after[name], before[name])
+    assert after["learning_steps"] == before["learning_steps"] + 2
+
+
+def test_a_test_between_episodes_changes_nothing_and_has_no_noise() -> None:
+    agent, other = Agent(CONFIG), Agent(CONFIG)
+    train(agent, 0, 40)
+    train(other, 0, 40)
+    calm = [
+        agent.observe(*experience(3), i, 40, learning=False, exploration=False) for i in range(8)
+    ]
+    for decision in calm[1:]:
+        np.testing.assert_array_equal(decision.command, calm[0].command)
+        assert math.isnan(decision.td_error)
+        assert decision.value == experience(3)[2]
+    for name, array in agent.state().items():
+        np.testing.assert_array_equal(array, other.state()[name])
+
+
+def test_what_is_reported() -> None:
+    decisions = train(Agent(CONFIG), 0, 10)
+    rewards = [experience(t)[2] for t in range(10)]
+    for start in (0, 5):
+        assert math.isnan(decisions[start].td_error)
+        for t in range(start + 1, start + 5):
+            before = max(rewards[start:t])
+            assert decisions[t].td_error == pytest.approx(rewards[t] - before)
+            assert decisions[t].value == max(before, rewards[t])
+    assert decisions[-1].actor_learning_rate == pytest.approx(1 - math.exp(-5 / 60))
+    assert decisions[-1].critic_learning_rate == 0.0
+    expected = 1.0
+    for decision in decisions:
+        if not math.isnan(decision.td_error):
+            expected = 0.999 * expected + 0.001 * decision.td_error**2
+    assert decisions[-1].td_variance == pytest.approx(expected)
+
+
+def test_a_restored_agent_continues_bit_for_bit() -> None:
+    agent = Agent(CONFIG)
+    train(agent, 0, 130)  # the sums hold episodes that the actor has not been solved for
+    other = Agent(CONFIG)
+    train(other, 0, 25)
+    other.restore(agent.state())
+    for one, two in zip(train(agent, 130, 100), train(other, 130, 100), strict=True):
+        np.testing.assert_array_equal(one.command, two.command)
+        np.testing.assert_array_equal(one.td_error, two.td_error)
+    for name, array in agent.state().items():
+        np.testing.assert_array_equal(array, other.state()[name])
+
+
+def test_a_state_of_the_other_rule_is_refused() -> None:
+    other = Agent(dataclasses.replace(CONFIG, learning_rule="cacla"))
+    with pytest.raises(InputError, match=r"state: expected \['actor', 'covariance'"):
+        Agent(CONFIG).restore(other.state())
+
+
+@pytest.mark.parametrize(("name", "message"), [("sum_weight", "sum_weight: expected more than 0")])
+def test_a_bad_state_is_refused(name: str, message: str) -> None:
+    agent = Agent(CONFIG)
+    train(agent, 0, 20)
+    with pytest.raises(InputError, match=message):
+        agent.restore(agent.state() | {name: np.array(0.0)})
+
+
+def test_sums_that_are_no_numbers_never_become_an_answer() -> None:
+    agent = Agent(CONFIG)
+    train(agent, 0, 35)
+    vars(agent)["_rule"]._sums.products[...] = np.nan
+    with pytest.raises(DivergenceError, match="iteration 39: action is nan"):
+        train(agent, 35, 10)
+
+
+def test_rewards_that_run_away_end_learning() -> None:
+    agent, (features, place, _) = Agent(CONFIG), experience(0)
+    with pytest.raises(DivergenceError, match="iteration 0: value is 1000, expected 100 at most"):
+        agent.observe(features, place, 1000.0, 0, 0, learning=True, exploration=True)

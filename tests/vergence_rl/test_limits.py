@@ -1,0 +1,76 @@
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from vergence_rl.limits import freed_targets, within_limits
+
+LOWEST, HIGHEST = np.zeros(2), np.array([0.2, 0.1])
+# Both muscles together are ten times as free as one against the other.
+TOGETHER = np.array([[1.01, 0.99], [0.99, 1.01]])
+APART = np.diag([1.0, 4.0])
+
+
+def slow_nearest(wanted: NDArray[np.float64], covariance: NDArray[np.float64]) -> float:
+    """The least distance to any pair on a fine grid over the limits, by brute force."""
+    medial, lateral = np.meshgrid(np.linspace(0.0, 0.2, 401), np.linspace(0.0, 0.1, 201))
+    away = np.stack([medial.ravel(), lateral.ravel()], axis=1) - wanted
+    return float(np.einsum("ni,ij,nj->n", away, np.linalg.inv(covariance), away).min())
+
+
+@pytest.mark.parametrize("covariance", [TOGETHER, APART])
+def test_what_is_allowed_stays_as_it_is(covariance: NDArray[np.float64]) -> None:
+    wanted = np.array([0.2, 0.03])
+    np.testing.assert_array_equal(within_limits(wanted, covariance, LOWEST, HIGHEST), wanted)
+
+
+def test_without_covariance_each_muscle_is_cut_off_by_itself() -> None:
+    cut = within_limits(np.array([-0.1, 0.3]), APART, LOWEST, HIGHEST)
+    np.testing.assert_allclose(cut, [0.0, 0.1])
+
+
+def test_where_one_muscle_ends_the_other_makes_up_for_it() -> None:
+    # The lateral rectus cannot relax by 0.02 more: the medial one contracts by 0.99 / 1.01 of it.
+    got = within_limits(np.array([0.05, -0.02]), TOGETHER, LOWEST, HIGHEST)
+    np.testing.assert_allclose(got, [0.05 + 0.02 * 0.99 / 1.01, 0.0])
+
+
+@pytest.mark.parametrize("covariance", [TOGETHER, APART])
+def test_commands_are_the_nearest_that_there_are(covariance: NDArray[np.float64]) -> None:
+    draw = np.random.default_rng(0)
+    for wanted in draw.uniform([-0.2, -0.2], [0.4, 0.3], (60, 2)):
+        got = within_limits(wanted, covariance, LOWEST, HIGHEST)
+        assert np.all((got >= LOWEST) & (got <= HIGHEST))
+        away = got - wanted
+        distance = away @ np.linalg.inv(covariance) @ away
+        least = slow_nearest(wanted, covariance)
+        assert distance <= least * (1 + 1e-9)
+        assert distance == pytest.approx(least, rel=0.02, abs=1e-4)
+
+
+def test_no_residuals_make_up_for_nothing() -> None:
+    got = within_limits(np.array([0.05, -0.02]), np.zeros((2, 2)), LOWEST, HIGHEST)
+    np.testing.assert_allclose(got, [0.05, 0.0])
+
+
+def test_a_best_place_within_the_limits_is_the_target_of_all() -> None:
+    best, wanted = np.array([0.1, 0.02]), np.array([[-0.1, -0.1], [0.3, 0.3], [0.1, 0.02]])
+    targets = freed_targets(best, wanted, TOGETHER, LOWEST, HIGHEST)
+    np.testing.assert_allclose(targets, [best, best, best])
+
+
+def test_who_wants_to_go_beyond_a_limit_of_the_best_place_may_stay_there() -> None:
+    best = np.array([0.05, 0.0])
+    wanted = np.array([[0.02, -0.01], [0.02, 0.01], [0.0, -0.04]])
+    targets = freed_targets(best, wanted, TOGETHER, LOWEST, HIGHEST)
+    share = 0.99 / 1.01
+    expected = [[0.05 - 0.01 * share, -0.01], best, [0.05 - 0.04 * share, -0.04]]
+    np.testing.assert_allclose(targets, expected)
+    # A command of such a target is the best place itself.
+    for target in targets:
+        np.testing.assert_allclose(within_limits(target, TOGETHER, LOWEST, HIGHEST), best)
+
+
+def test_beyond_both_limits_of_the_best_place_nothing_is_to_be_learned() -> None:
+    wanted = np.array([[-0.01, -0.02]])
+    targets = freed_targets(LOWEST, wanted, TOGETHER, LOWEST, HIGHEST)
+    np.testing.assert_array_equal(targets, wanted)
