@@ -32,10 +32,11 @@ SETTINGS = (
 NOT_COMPARED = "/diagnostics"
 
 
-@pytest.fixture(scope="module")
-def line(pictures: Path) -> list[str]:
-    """Return the command line of a run with many checkpoints."""
-    return [*small_run(pictures, N_TRAINING, *SETTINGS), "--model", "M_C"]
+@pytest.fixture(scope="module", params=["cacla", "hindsight"])
+def line(pictures: Path, request: pytest.FixtureRequest) -> list[str]:
+    """Return the command line of a run with many checkpoints, by either rule."""
+    rule = f"vergence_rl.learning_rule={request.param}"
+    return [*small_run(pictures, N_TRAINING, *SETTINGS, rule), "--model", "M_C"]
 
 
 @pytest.fixture(scope="module")

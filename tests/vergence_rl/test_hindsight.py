@@ -20,7 +20,7 @@ def episodes(n: int) -> list[tuple[NDArray[np.float64], ...]]:
     """States, targets that depend on them, and weights of some episodes."""
     draw = np.random.default_rng(3)
     mapping = draw.standard_normal((N_STATE, N_MUSCLES))
-    found = []
+    found: list[tuple[NDArray[np.float64], ...]] = []
     for _ in range(n):
         states = draw.standard_normal((N_VISITS, N_STATE))
         noise = draw.standard_normal((N_VISITS, N_MUSCLES)) @ np.array([[0.3, 0.1], [0.0, 0.2]])

@@ -162,6 +162,16 @@ def test_two_muscles_learn_a_gaze_and_to_relax_if_that_pays() -> None:
     assert idle[0.3] < 0.6 * idle[0.0]
 
 
+def test_noise_that_does_not_follow_residuals_stays_as_it_began() -> None:
+    agent = Agent(dataclasses.replace(CONFIG, exploration_follows_residuals=False))
+    for now, decision in enumerate(train(agent, 0, 60)):
+        # With the same width in both muscles, one does not make up for the other.
+        wanted = experience(now)[1] + decision.action
+        np.testing.assert_allclose(decision.command, np.clip(wanted, 0.0, HIGHEST), atol=1e-12)
+    np.testing.assert_array_equal(agent.state()["covariance"], 2.5e-4 * np.eye(2))
+    assert np.any(agent.state()["actor"] != 0.0)
+
+
 def test_an_episode_with_a_gap_teaches_nothing() -> None:
     agent = Agent(CONFIG)
     train(agent, 0, 40)

@@ -63,7 +63,7 @@ def test_who_wants_to_go_beyond_a_limit_of_the_best_place_may_stay_there() -> No
     wanted = np.array([[0.02, -0.01], [0.02, 0.01], [0.0, -0.04]])
     targets = freed_targets(best, wanted, TOGETHER, LOWEST, HIGHEST)
     share = 0.99 / 1.01
-    expected = [[0.05 - 0.01 * share, -0.01], best, [0.05 - 0.04 * share, -0.04]]
+    expected = [[0.05 - 0.01 * share, -0.01], [0.05, 0.0], [0.05 - 0.04 * share, -0.04]]
     np.testing.assert_allclose(targets, expected)
     # A command of such a target is the best place itself.
     for target in targets:

@@ -49,6 +49,9 @@ AGREEMENTS = (
         )
         for node in ("sparse_coder", "vergence_rl")
     ),
+    Agreement(
+        "experiment_manager.protocol.iterations_per_episode", "vergence_rl.iterations_per_episode"
+    ),
     # A row of features for the coarse scale and one for the fine scale.
     Agreement("sparse_coder.n_bases", "vergence_rl.n_features", factor=2),
     Agreement("vergence_rl.medial_limits", "experiment_manager.protocol.medial_rectus_limits"),

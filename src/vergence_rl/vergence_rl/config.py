@@ -100,6 +100,11 @@ class VergenceRlConfig:
         " one before clipping, as in K17; there a muscle at its limit learns nothing more, since"
         " whatever is tried beyond it has no effect",
     )
+    exploration_follows_residuals: bool = setting(
+        True,
+        "whether the noise takes the covariance of what the regression leaves, and commands come as"
+        " near their limits as it measures; otherwise the noise stays as it began (hindsight, D16)",
+    )
     target_scale: float = setting(
         0.005,
         "change of activation at which a target counts half in the regression (hindsight, D12)",

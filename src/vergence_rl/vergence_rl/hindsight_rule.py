@@ -133,7 +133,8 @@ class HindsightRule:
         )
         if n_seen % config.regression_period == 0:
             self._weights = regressed_actor(self._sums, config.ridge_share)
-            self._covariance = residual_covariance(self._sums, self._weights)
+            if config.exploration_follows_residuals:
+                self._covariance = residual_covariance(self._sums, self._weights)
 
     def _kept_share(self, n_seen: int) -> float:
         config = self.config

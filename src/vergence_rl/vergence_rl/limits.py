@@ -18,8 +18,8 @@ def within_limits(wanted: Floats, covariance: Floats, lowest: Floats, highest: F
     All (2,), the covariance (2, 2). The least lies on the limit of a muscle that is beyond its own.
     """
     clipped: Floats = np.clip(wanted, lowest, highest)
-    beyond = np.flatnonzero(clipped != wanted)
-    if not len(beyond):
+    beyond = [k for k in (0, 1) if clipped[k] != wanted[k]]
+    if not beyond:
         return clipped
     (a, b), (_, d) = covariance.tolist()
     adjoint = np.array([[d, -b], [-b, a]])  # the inverse but for a positive factor
