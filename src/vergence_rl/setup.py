@@ -7,7 +7,7 @@ package = "vergence_rl"
 setup(
     name=package,
     version="0.1.0",
-    description="Learns to move the eye muscles by actor and critic (CACLA+VAR) or by hindsight regression.",
+    description="Learns to move the eye muscles by CACLA+VAR or by hindsight regression.",
     maintainer="Active binocular vision maintainers",
     maintainer_email="maintainers@active-binocular-vision.example",
     license="Apache-2.0",
