@@ -7,7 +7,7 @@ import numpy as np
 from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.landscape import landscape_picture
 from eye_plant.camera.mipmaps import wants_reduced
-from eye_plant.camera.ray_caster import cast_rays, find_homography
+from eye_plant.camera.ray_caster import cast_rays
 from eye_plant.camera.renderer import FAR_M, N_EYES, NEAR_M, View
 from eye_plant.camera.texels import Texture, texture_of, textures_of
 
@@ -50,8 +50,9 @@ class PlaneRenderer:
     def start(self, view: View) -> None:
         """Draw the view."""
         self._pictures = self._empty()
+        rectangles_m = self._rectangles_m(view.distance_m)
         for i_eye in range(N_EYES):
-            self._draw(i_eye, view)
+            self._draw(i_eye, view, rectangles_m)
 
     def finish(self) -> np.ndarray:
         """Return what was drawn, (2, height, width) uint8."""
@@ -65,30 +66,22 @@ class PlaneRenderer:
         width_px, height_px = self._drawn_px
         return np.empty((N_EYES, height_px, width_px), np.uint8)
 
-    def _draw(self, i_eye: int, view: View) -> None:
+    def _draw(self, i_eye: int, view: View, rectangles_m: np.ndarray) -> None:
         config = self._config
-        position_m = view.eye_positions_m[i_eye]
-        focal_length_px = config.focal_length_px * config.magnifications[i_eye]
-        intrinsics_px = np.array(
-            [focal_length_px, (config.width_px - 1) / 2.0, (config.height_px - 1) / 2.0]
-        )
-        rectangles_m = self._rectangles_m(view.distance_m)
-        homographies = np.empty((len(rectangles_m), 3, 3))
-        for rectangle_m, homography in zip(rectangles_m, homographies, strict=True):
-            find_homography(
-                position_m, view.eye_rotations[i_eye], rectangle_m, intrinsics_px, homography
-            )
-        # A ray's depth along the line of sight is F, its step along x is w.
-        ahead_m = rectangles_m[:, :1] - position_m[0]
-        limits_w = ahead_m * focal_length_px / np.array([FAR_M, NEAR_M])
-        plane = self._texture(view.i_stimuli[i_eye], view.distance_m)
         width_px, height_px = self._drawn_px
+        plane = self._texture(view.i_stimuli[i_eye], view.distance_m)
         cast_rays(
             self._pictures[i_eye],
             ((config.width_px - width_px) // 2, (config.height_px - height_px) // 2),
-            homographies,
-            limits_w,
-            (plane.arrays, self._landscape.arrays),
+            (view.eye_positions_m[i_eye], view.eye_rotations[i_eye]),
+            (
+                config.focal_length_px * config.magnifications[i_eye],
+                (config.width_px - 1) / 2.0,
+                (config.height_px - 1) / 2.0,
+                NEAR_M,
+                FAR_M,
+            ),
+            (rectangles_m, (plane.arrays, self._landscape.arrays)),
         )
 
     def _rectangles_m(self, distance_m: float) -> np.ndarray:

@@ -9,40 +9,33 @@ sample from the mip-map level that is nearest to the longer of the steps in text
 between the pixels of a block of two by two (OpenGL 4.5 specification, section 8.14).
 """
 
+from typing import Any
+
 import numpy as np
-from numba import bool_, float32, float64, int32, int64, njit, types, uint8, void
+from numba import float32, float64, int32, int64, njit, types, uint8, void
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-# Pixels to a side of a tile, which is drawn row by row; even, so that it holds whole blocks.
-_TILE_PX = 16
+# A tile is drawn at once where it can be, else in parts; both hold whole blocks of two by two.
+_TILE_WIDTH_PX, _TILE_HEIGHT_PX = 32, 8
+_PART_WIDTH_PX = 8
+# A tile that sees nothing of a surface, and one that is not all of one level of one surface.
+_UNSEEN, _MIXED = -2, -1
 # Read-only arrays, such as those mapped from a file, can be passed as well as others.
 _TEXELS = types.Array(uint8, 1, "C", readonly=True)
 _LEVELS = types.Array(int64, 2, "C", readonly=True)
 _TEXTURE = types.Tuple((_TEXELS, _TEXELS, _LEVELS))
 
 
-@njit(
-    void(float64[:], float64[:, :], float64[:], float64[:], float64[:, ::1]), cache=True, nogil=True
-)
-def find_homography(
-    position_m: Floats,
-    rotation: Floats,
-    rectangle_m: Floats,
-    intrinsics_px: Floats,
-    homography: Floats,
-) -> None:
-    """Fill homography (3, 3) of one eye and one rectangle.
-
-    position_m (3,), rotation (3, 3): the eye's pose as StereoCamera.render takes it; rectangle_m:
-    distance x, centre's height z, width and height; intrinsics_px: focal length, column and row of
-    the picture's centre.
-    """
+@njit(cache=True, nogil=True)
+def _find_homography(pose, rectangle_m, lens, homography):  # type: ignore[no-untyped-def]
+    """Fill homography (3, 3) of one eye and one rectangle; arguments as those of cast_rays."""
+    position_m, rotation = pose
     ahead_m = rectangle_m[0] - position_m[0]
     above_m = position_m[2] - rectangle_m[1]
     width_m, height_m = rectangle_m[2], rectangle_m[3]
-    focal_length, column, row = intrinsics_px
+    focal_length, column, row = lens[0], lens[1], lens[2]
     for i in range(3):
         # The ray of (c, r, 1) is F x - (c - c0) y - (r - r0) z, in the eye's own axes.
         if i < 2:
@@ -77,84 +70,191 @@ def _block_level(homography, column, row, levels):  # type: ignore[no-untyped-de
     return i_level
 
 
+@njit(cache=True, nogil=True, error_model="numpy")
+def _look(homography, column, row):  # type: ignore[no-untyped-def]
+    """Return u, v and w of a pixel."""
+    w = homography[2, 0] * column + (homography[2, 1] * row + homography[2, 2])
+    u = (homography[0, 0] * column + (homography[0, 1] * row + homography[0, 2])) / w
+    v = (homography[1, 0] * column + (homography[1, 1] * row + homography[1, 2])) / w
+    return u, v, w
+
+
 @njit(cache=True, nogil=True)
-def _tile_level(homography, left, top, levels):  # type: ignore[no-untyped-def]
-    """Return the level of a whole tile, or -1 where its corners have different ones."""
-    right, bottom = left + _TILE_PX - 1, top + _TILE_PX - 1
-    i_level = _block_level(homography, left, top, levels)
-    is_one = (
-        (_block_level(homography, right, top, levels) == i_level)
-        & (_block_level(homography, left, bottom, levels) == i_level)
-        & (_block_level(homography, right, bottom, levels) == i_level)
-    )
-    return i_level if is_one else -1
+def _is_seen(u, v, w, limits_w):  # type: ignore[no-untyped-def]
+    is_inside = (u >= 0.0) & (u <= 1.0) & (v >= 0.0) & (v <= 1.0)
+    return is_inside & (limits_w[0] <= w) & (w <= limits_w[1])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _look(homography, limits_w, first, uv, is_seen):  # type: ignore[no-untyped-def]
-    """Fill uv (2, tile) and is_seen (tile,) of a tile's row; return how many pixels see something.
+def _tile_level(homography, limits_w, tile, levels):  # type: ignore[no-untyped-def]
+    """Return the level at which all of a tile sees the rectangle; else _UNSEEN or _MIXED.
 
-    first: column and row of its first pixel.
+    tile: left, top, width.
+
+    What a picture shows of the rectangle is convex, so the corners speak for the tile: it sees
+    nothing else if they do not, and nothing of it if all of them are beyond the same side.
     """
-    n_seen = 0
-    left, row = first
-    row_x = homography[0, 1] * row + homography[0, 2]
-    row_y = homography[1, 1] * row + homography[1, 2]
-    row_w = homography[2, 1] * row + homography[2, 2]
-    for i in range(_TILE_PX):
-        w = homography[2, 0] * (left + i) + row_w
-        u = (homography[0, 0] * (left + i) + row_x) / w
-        v = (homography[1, 0] * (left + i) + row_y) / w
-        is_inside = (u >= 0.0) & (u <= 1.0) & (v >= 0.0) & (v <= 1.0)
-        is_seen[i] = is_inside & (limits_w[0] <= w) & (w <= limits_w[1])
-        n_seen += is_seen[i]
-        uv[0, i], uv[1, i] = u, v
-    return n_seen
+    n_seen = n_left = n_right = n_above = n_below = n_behind = n_far = n_near = 0
+    i_level, is_one_level = 0, True
+    for i_corner in range(4):
+        column = tile[0] + (i_corner % 2) * (tile[2] - 1)
+        row = tile[1] + (i_corner // 2) * (_TILE_HEIGHT_PX - 1)
+        u, v, w = _look(homography, column, row)
+        n_seen += _is_seen(u, v, w, limits_w)
+        n_left, n_right = n_left + (u < 0.0), n_right + (u > 1.0)
+        n_above, n_below = n_above + (v < 0.0), n_below + (v > 1.0)
+        n_far, n_near = n_far + (w < limits_w[0]), n_near + (w > limits_w[1])
+        n_behind += not w > 0.0
+        i_corners_level = _block_level(homography, column, row, levels)
+        is_one_level &= i_corner == 0 or i_corners_level == i_level
+        i_level = i_corners_level
+    if n_seen == 4:
+        return i_level if is_one_level else _MIXED
+    if max(n_far, n_near) == 4:
+        return _UNSEEN
+    if n_behind == 0 and max(n_left, n_right, n_above, n_below) == 4:
+        return _UNSEEN
+    return _MIXED
 
 
 @njit(cache=True, nogil=True)
-def _sample(uv, span, texture, scratch, greys):  # type: ignore[no-untyped-def]
-    """Fill greys (tile,) with the bilinear samples at uv (2, tile); outside, the border goes on.
+def _place(u, v, offset, height, width):  # type: ignore[no-untyped-def]
+    """Return the place of the top left of four texels around (u, v), and shares of its neighbours.
 
-    span: first and end of the pixels to fill; texture: texels, and one level's offset in them,
-    height and width.
+    Of the right and of the lower one; beyond the border the border goes on. In floating point,
+    which has vector instructions for all of it; offset, height and width are whole. OpenCV reads no
+    picture of more than 2^30 pixels, so that 32 bits suffice for a place.
     """
-    texels, (offset, height, width) = texture[0], texture[1]
-    places, shares = scratch
-    last_column, last_row = max(width - 2, 0), max(height - 2, 0)
-    for i in range(span[0], span[1]):
-        x = min(max(uv[0, i] * width - 0.5, 0.0), width - 1.0)
-        y = min(max(uv[1, i] * height - 0.5, 0.0), height - 1.0)
-        column, row = min(int32(x), last_column), min(int32(y), last_row)
-        places[i] = offset + row * width + column
-        shares[0, i], shares[1, i] = x - column, y - row
+    x = min(max(u * width - 0.5, 0.0), width - 1.0)
+    y = min(max(v * height - 0.5, 0.0), height - 1.0)
+    column, row = (
+        min(np.floor(x), max(width - 2.0, 0.0)),
+        min(np.floor(y), max(height - 2.0, 0.0)),
+    )
+    return int32(offset + row * width + column), float32(x - column), float32(y - row)
+
+
+@njit(cache=True, nogil=True)
+def _blend(texels, shares):  # type: ignore[no-untyped-def]
+    """Return the bilinear sample, uint8, of four texels: two above, two below."""
+    above, below = float32(texels[0]), float32(texels[2])
+    above += (float32(texels[1]) - above) * shares[0]
+    below += (float32(texels[3]) - below) * shares[0]
+    return uint8(above + (below - above) * shares[1] + float32(0.5))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _draw_tile(homography, tile, level, scratch, greys):  # type: ignore[no-untyped-def]
+    """Fill greys (tile,) where all of a tile sees one level: texels, (offset, height, width) there.
+
+    Three loops, of which the first and the last are vector instructions; the other one fetches.
+    """
+    (left, top, tile_width), (texels, size) = tile, level
+    places, shares_x, shares_y, corners = scratch
+    offset, height, width = float(size[0]), float(size[1]), float(size[2])
+    slope_x, slope_y, slope_w = homography[0, 0], homography[1, 0], homography[2, 0]
+    for i_row in range(_TILE_HEIGHT_PX):
+        row = float(top + i_row)
+        row_x = homography[0, 1] * row + homography[0, 2]
+        row_y = homography[1, 1] * row + homography[1, 2]
+        row_w = homography[2, 1] * row + homography[2, 2]
+        for i_column in range(tile_width):
+            column = float(left + i_column)
+            w = slope_w * column + row_w
+            u, v = (slope_x * column + row_x) / w, (slope_y * column + row_y) / w
+            i = i_row * tile_width + i_column
+            places[i], shares_x[i], shares_y[i] = _place(u, v, offset, height, width)
     # Unsigned, so that numba does not provide for negative indices.
-    right, below = np.uint64(width > 1), np.uint64(width if height > 1 else 0)
-    for i in range(span[0], span[1]):
-        top_place = np.uint64(places[i])
-        low_place = top_place + below
-        top, top_right = float32(texels[top_place]), float32(texels[top_place + right])
-        low, low_right = float32(texels[low_place]), float32(texels[low_place + right])
-        top += (top_right - top) * shares[0, i]
-        low += (low_right - low) * shares[0, i]
-        greys[i] = uint8(top + (low - top) * shares[1, i] + float32(0.5))
+    right, below = np.uint64(size[2] > 1), np.uint64(size[2] if size[1] > 1 else 0)
+    for i in range(_TILE_HEIGHT_PX * tile_width):
+        place = np.uint64(places[i])
+        corners[0, i], corners[1, i] = texels[place], texels[place + right]
+        corners[2, i], corners[3, i] = texels[place + below], texels[place + below + right]
+    for i in range(_TILE_HEIGHT_PX * tile_width):
+        texels_there = corners[0, i], corners[1, i], corners[2, i], corners[3, i]
+        greys[i] = _blend(texels_there, (shares_x[i], shares_y[i]))
 
 
 @njit(cache=True, nogil=True)
-def _level_of(texture, i_level):  # type: ignore[no-untyped-def]
-    """Return one level of a texture as _sample takes it."""
-    largest, texels, levels = texture
-    size = levels[i_level, 0], levels[i_level, 1], levels[i_level, 2]
-    return (largest if i_level == 0 else texels), size
+def _sample(u, v, level):  # type: ignore[no-untyped-def]
+    """Return one bilinear sample of a level: texels, (offset, height, width) there."""
+    texels, (offset, height, width) = level[0], (level[1][0], level[1][1], level[1][2])
+    place, share_x, share_y = _place(u, v, float(offset), float(height), float(width))
+    right, below = int64(width > 1), int64(width if height > 1 else 0)
+    above_texels, low = (texels[place], texels[place + right]), place + below
+    return _blend((*above_texels, texels[low], texels[low + right]), (share_x, share_y))
+
+
+@njit(cache=True, nogil=True)
+def _level(texture, i_level):  # type: ignore[no-untyped-def]
+    """Return the texels that hold a level, and its offset in them, height and width."""
+    return (texture[0] if i_level == 0 else texture[1]), texture[2][i_level]
+
+
+@njit(cache=True, nogil=True)
+def _draw_blocks(surfaces, left, top, greys):  # type: ignore[no-untyped-def]
+    """Fill greys (part of a tile,) block by block: of each the level, of each pixel the surface."""
+    homographies, limits_w, textures = surfaces
+    for i_block in range(_TILE_HEIGHT_PX * _PART_WIDTH_PX // 4):
+        column = left + 2 * (i_block % (_PART_WIDTH_PX // 2))
+        row = top + 2 * (i_block // (_PART_WIDTH_PX // 2))
+        for i in range(4):
+            pixel_column, pixel_row = column + i % 2, row + i // 2
+            grey = uint8(0)
+            for i_surface in range(2):
+                homography, texture = homographies[i_surface], textures[i_surface]
+                u, v, w = _look(homography, pixel_column, pixel_row)
+                if _is_seen(u, v, w, limits_w[i_surface]):
+                    i_level = _block_level(homography, column, row, texture[2])
+                    grey = _sample(u, v, _level(texture, i_level))
+                    break
+            greys[(pixel_row - top) * _PART_WIDTH_PX + pixel_column - left] = grey
+
+
+@njit(cache=True, nogil=True)
+def _draws_at_once(surfaces, tile, scratch, greys):  # type: ignore[no-untyped-def]
+    """Fill greys (tile,) and return True if a tile is all of one level of one surface, or empty.
+
+    surfaces: homographies, limits of w and textures, the nearer one first; tile: left, top, width.
+    """
+    homographies, limits_w, textures = surfaces
+    for i_surface in range(2):
+        homography, texture = homographies[i_surface], textures[i_surface]
+        i_level = _tile_level(homography, limits_w[i_surface], tile, texture[2])
+        if i_level >= 0:
+            _draw_tile(homography, tile, _level(texture, i_level), scratch, greys)
+        if i_level != _UNSEEN:
+            return i_level >= 0
+    greys[:] = 0
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _copy(greys, tile, origin_px, picture):  # type: ignore[no-untyped-def]
+    """Copy a tile's greys to where they are in the picture, as far as it goes."""
+    (left, top, tile_width), (left_px, top_px) = tile, origin_px
+    height, width = picture.shape
+    for row in range(max(top, top_px), min(top + _TILE_HEIGHT_PX, top_px + height)):
+        first = (row - top) * tile_width - left
+        for column in range(max(left, left_px), min(left + tile_width, left_px + width)):
+            picture[row - top_px, column - left_px] = greys[first + column]
+
+
+@njit(cache=True, nogil=True)
+def _limits_w(position_m, rectangle_m, lens):  # type: ignore[no-untyped-def]
+    """Return the least and the greatest w at which a rectangle is drawn."""
+    # A ray's depth along the line of sight is F, its step along x is w.
+    ahead = (rectangle_m[0] - position_m[0]) * lens[0]
+    return ahead / lens[4], ahead / lens[3]
 
 
 @njit(
     void(
         uint8[:, ::1],
         types.UniTuple(int64, 2),
-        float64[:, :, ::1],
-        float64[:, ::1],
-        types.UniTuple(_TEXTURE, 2),
+        types.Tuple((float64[:], float64[:, :])),
+        types.UniTuple(float64, 5),
+        types.Tuple((float64[:, ::1], types.UniTuple(_TEXTURE, 2))),
     ),
     cache=True,
     nogil=True,
@@ -162,52 +262,43 @@ def _level_of(texture, i_level):  # type: ignore[no-untyped-def]
 def cast_rays(
     picture: NDArray[np.uint8],
     origin_px: tuple[int, int],
-    homographies: Floats,
-    limits_w: Floats,
-    textures: tuple[tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.int64]], ...],
+    pose: tuple[Floats, Floats],
+    lens: tuple[float, float, float, float, float],
+    surfaces: tuple[Floats, tuple[tuple[NDArray[Any], ...], ...]],
 ) -> None:
     """Draw one eye's picture (height, width), whose top left pixel is at origin_px (column, row).
 
-    homographies (2, 3, 3), limits_w (2, 2), textures (2): of the plane, which is nearer, and of the
-    landscape. w below the first limit is too far to be drawn, above the second too near; what sees
-    neither surface is black. Each texture is eye_plant.camera.texels.Texture.arrays. A pixel's grey
-    does not depend on what else is drawn.
+    pose: position (3,) and rotation (3, 3) of the eye as StereoCamera.render takes them; lens:
+    focal length, column and row of the full picture's centre, px, the least and the greatest depth
+    along the line of sight that are drawn, m; surfaces: of the plane, which is nearer, and of the
+    landscape distance x, height z of the centre, width and height, m (2, 4), and two textures, each
+    eye_plant.camera.texels.Texture.arrays. What sees neither surface is black. A pixel's grey does
+    not depend on what else is drawn.
     """
     height, width = picture.shape
     left_px, top_px = origin_px
-    plane, landscape = homographies[0], homographies[1]
-    plane_texture, landscape_texture = textures
-    plane_levels, landscape_levels = plane_texture[2], landscape_texture[2]
-    uv, is_seen = np.empty((2, _TILE_PX)), np.empty(_TILE_PX, bool_)
-    far_uv, is_far_seen = np.empty((2, _TILE_PX)), np.empty(_TILE_PX, bool_)
-    greys = np.empty(_TILE_PX, uint8)
-    scratch = np.empty(_TILE_PX, int64), np.empty((2, _TILE_PX), float32)
-    for top in range(top_px - top_px % _TILE_PX, top_px + height, _TILE_PX):
-        for left in range(left_px - left_px % _TILE_PX, left_px + width, _TILE_PX):
-            i_plane = _tile_level(plane, left, top, plane_levels)
-            i_landscape = _tile_level(landscape, left, top, landscape_levels)
-            for row in range(max(top, top_px), min(top + _TILE_PX, top_px + height)):
-                n_seen = _look(plane, limits_w[0], (left, row), uv, is_seen)
-                n_far_seen = 0
-                if n_seen < _TILE_PX:
-                    n_far_seen = _look(landscape, limits_w[1], (left, row), far_uv, is_far_seen)
-                if n_seen == _TILE_PX and i_plane >= 0:
-                    texture = _level_of(plane_texture, i_plane)
-                    _sample(uv, (0, _TILE_PX), texture, scratch, greys)
-                elif n_seen == 0 and n_far_seen == _TILE_PX and i_landscape >= 0:
-                    texture = _level_of(landscape_texture, i_landscape)
-                    _sample(far_uv, (0, _TILE_PX), texture, scratch, greys)
-                else:
-                    for i in range(_TILE_PX):
-                        if is_seen[i]:
-                            i_level = _block_level(plane, left + i, row, plane_levels)
-                            texture = _level_of(plane_texture, i_level)
-                            _sample(uv, (i, i + 1), texture, scratch, greys)
-                        elif is_far_seen[i]:
-                            i_level = _block_level(landscape, left + i, row, landscape_levels)
-                            texture = _level_of(landscape_texture, i_level)
-                            _sample(far_uv, (i, i + 1), texture, scratch, greys)
-                        else:
-                            greys[i] = 0
-                for i in range(max(left, left_px), min(left + _TILE_PX, left_px + width)):
-                    picture[row - top_px, i - left_px] = greys[i - left]
+    n_pixels = _TILE_HEIGHT_PX * _TILE_WIDTH_PX
+    greys = np.empty(n_pixels, uint8)
+    scratch = (
+        np.empty(n_pixels, int32),
+        np.empty(n_pixels, float32),
+        np.empty(n_pixels, float32),
+        np.empty((4, n_pixels), uint8),
+    )
+    rectangles_m, textures = surfaces
+    homographies, limits_w = np.empty((2, 3, 3)), np.empty((2, 2))
+    for i in range(2):
+        _find_homography(pose, rectangles_m[i], lens, homographies[i])
+        limits_w[i, 0], limits_w[i, 1] = _limits_w(pose[0], rectangles_m[i], lens)
+    seen = homographies, limits_w, textures
+    for top in range(top_px - top_px % _TILE_HEIGHT_PX, top_px + height, _TILE_HEIGHT_PX):
+        for left in range(left_px - left_px % _TILE_WIDTH_PX, left_px + width, _TILE_WIDTH_PX):
+            tile = left, top, _TILE_WIDTH_PX
+            if _draws_at_once(seen, tile, scratch, greys):
+                _copy(greys, tile, origin_px, picture)
+                continue
+            for part_left in range(left, left + _TILE_WIDTH_PX, _PART_WIDTH_PX):
+                part = part_left, top, _PART_WIDTH_PX
+                if not _draws_at_once(seen, part, scratch, greys):
+                    _draw_blocks(seen, part_left, top, greys)
+                _copy(greys, part, origin_px, picture)
