@@ -25,7 +25,7 @@ def cut(
     hosts.
     """
     reference = directory / "one_host"
-    with SupervisedRun(line, reference) as run:
+    with SupervisedRun(line, reference, in_process=True) as run:
         if run.wait() != 0:
             return {}, [f"the undisturbed run failed: {run.output()}"]
     pauses_s = draw.uniform(0.0, _LONGEST_PAUSE_S, n_cuts)
