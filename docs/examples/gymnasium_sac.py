@@ -1,7 +1,9 @@
 """Soft actor-critic of stable-baselines3 in place of the project's actor-critic.
 
-stable-baselines3 is no dependency of the project: `.venv/bin/pip install stable-baselines3`, with
-PyTorch about 200 MB without a GPU. Features are normalised by its VecNormalize.
+stable-baselines3 is no dependency of the project:
+`.venv/bin/python -m pip install stable-baselines3`.
+
+docs/gymnasium.md says why the settings are what they are, and shows the curve.
 
 usage: .venv/bin/python docs/examples/gymnasium_sac.py [STEPS] [CSV]
 """
@@ -16,52 +18,119 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
-RUNNING = 200  # episodes
+RESULTS = Path(__file__).parents[2] / "results"
+RUNNING, WRITTEN_EVERY = 200, 50  # episodes
+N_TRIALS, TESTED_EVERY = 1560, 10
+
+
+class Improvement(gymnasium.Wrapper):
+    """The reward is by how much better the pictures are coded than before the action.
+
+    How well a picture can be coded at all varies as much as vergence makes it vary.
+    """
+
+    def reset(self, **options):
+        """Begin an episode."""
+        observed, info = self.env.reset(**options)
+        self._before = _reward(info)
+        return observed, info
+
+    def step(self, action):
+        """Act."""
+        observed, _, terminated, truncated, info = self.env.step(action)
+        gained = _reward(info) - self._before
+        self._before += gained
+        return observed, gained, terminated, truncated, info
+
+
+def _reward(info: dict) -> float:
+    """Return the reward of model M: -E (K17 eq. 5)."""
+    return -(info["reconstruction_error_coarse"] + info["reconstruction_error_fine"])
 
 
 def make_environment() -> gymnasium.Env:
     """Return the environment as SAC takes it: one vector of float32."""
-    # At first SAC acts at random over the whole range of actions: it is to be a few pixels wide.
     environment = gymnasium.make(
-        "experiment_manager.environments:ActiveVergenceFeatures-v0", action_scale=1 / 64
+        "experiment_manager.environments:ActiveVergenceFeatures-v0",
+        settings={
+            "eye_plant.camera.renderer": "plane",
+            "eye_plant.camera.roi_width_px": 128,
+            "eye_plant.camera.roi_height_px": 128,
+        },
+        coder_state=next(RESULTS.glob("M_precise/checkpoints/*/sparse_coder.npz")),
+        coder_learns=False,
+        action_scale=1 / 32,  # a step is at most 5 deg of vergence
     )
-    environment = gymnasium.wrappers.FlattenObservation(environment)
-    environment = gymnasium.wrappers.DtypeObservation(environment, np.float32)
-    return Monitor(environment)
+    environment = gymnasium.wrappers.FlattenObservation(Improvement(environment))
+    space = gymnasium.spaces.Box(0.0, np.inf, environment.observation_space.shape, np.float32)
+    return Monitor(
+        gymnasium.wrappers.TransformObservation(
+            environment, lambda observed: np.sqrt(observed, dtype=np.float32), space
+        )
+    )
 
 
 class Curve(BaseCallback):
     """Writes the running median of the error at the end of each episode."""
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: Path) -> None:
         """path: of the table that is written."""
         super().__init__()
-        self._path = Path(path)
+        self._path = path
         self._errors_deg: list[float] = []
-        self._rows = ["step,running_median_error_deg"]
+
+    def _on_training_start(self) -> None:
+        self._path.write_text("step,running_median_error_deg\n")
 
     def _on_step(self) -> bool:
         for info in self.locals["infos"]:
             if "episode" in info:
                 self._errors_deg.append(abs(info["ground_truth"]["vergence_error_deg"]))
-                if len(self._errors_deg) % 20 == 0:
+                if len(self._errors_deg) % WRITTEN_EVERY == 0:
                     error_deg = np.median(self._errors_deg[-RUNNING:])
-                    self._rows.append(f"{self.num_timesteps},{error_deg:.4f}")
-                    print(f"{self.num_timesteps:7d} steps: {error_deg:.3f} deg")
+                    with self._path.open("a") as table:
+                        table.write(f"{self.num_timesteps},{error_deg:.4f}\n")
+                    print(f"{self.num_timesteps:7d} steps: {error_deg:.3f} deg", flush=True)
         return True
 
-    def _on_training_end(self) -> None:
-        self._path.write_text("\n".join(self._rows) + "\n")
+
+def errors_after_trials_deg(agent: SAC, normalized: VecNormalize) -> np.ndarray:
+    """Return the errors after 20 steps without exploration on unseen stimuli, each tenth trial."""
+    environment = make_environment()
+    environment.reset(seed=1)
+    errors_deg = []
+    for trial in range(0, N_TRIALS, TESTED_EVERY):
+        observed, info = environment.reset(options={"trial": trial})
+        truncated = False
+        while not truncated:
+            action, _ = agent.predict(normalized.normalize_obs(observed), deterministic=True)
+            observed, _, _, truncated, info = environment.step(action)
+        errors_deg.append(info["ground_truth"]["vergence_error_deg"])
+    environment.close()
+    return np.abs(errors_deg)
 
 
 def main() -> None:
-    """Train for so many steps."""
+    """Train for so many steps, then test."""
     n_steps = int(sys.argv[1]) if len(sys.argv) > 1 else 20_000
-    path = sys.argv[2] if len(sys.argv) > 2 else "sac_curve.csv"
-    environment = VecNormalize(DummyVecEnv([make_environment]), norm_reward=False)
-    # The reward of a step is all that counts, much as in K17, whose discount is 0.3.
-    agent = SAC("MlpPolicy", environment, gamma=0.3, learning_starts=500, seed=1)
+    path = Path(sys.argv[2] if len(sys.argv) > 2 else "sac_curve.csv")
+    environment = VecNormalize(DummyVecEnv([make_environment]), gamma=0.3)
+    agent = SAC(
+        "MlpPolicy",
+        environment,
+        gamma=0.3,  # as in K17: what an action brings, it brings at once
+        learning_rate=1e-3,
+        buffer_size=20_000,
+        learning_starts=2000,
+        train_freq=2,
+        ent_coef="auto_0.1",
+        policy_kwargs={"net_arch": [64, 64]},
+        seed=1,
+    )
     agent.learn(n_steps, callback=Curve(path))
+    errors_deg = errors_after_trials_deg(agent, environment)
+    low, middle, high = np.percentile(errors_deg, (25, 50, 75))
+    print(f"test of {len(errors_deg)} trials: {middle:.3f} deg, quartiles {low:.3f}, {high:.3f}")
     environment.close()
 
 

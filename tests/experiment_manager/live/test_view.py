@@ -188,6 +188,29 @@ def test_the_page_has_links_to_open_the_view_and_serves_the_layout() -> None:
     page.close()
 
 
+LAYOUT_OF_BAGS = Path(__file__).parents[3] / "docs" / "foxglove_layout.json"
+# What Lichtblick reads of a panel's configuration, of its panels that the layouts use.
+PANEL_KEYS = {
+    "Image": {"foxglovePanelTitle", "imageMode"},
+    "Plot": {
+        *("foxglovePanelTitle", "paths", "isSynced", "followingViewWidth", "sidebarDimension"),
+        *("showLegend", "legendDisplay", "showPlotValuesInLegend", "showXAxisLabels"),
+        *("showYAxisLabels", "xAxisVal", "xAxisPath", "minYValue", "maxYValue"),
+    },
+}
+PATH_KEYS = {"value", "label", "enabled", "timestampMethod", "color"}
+IMAGE_KEYS = {"imageTopic", "colorMode", "colorMap"}
+
+
+@pytest.mark.parametrize("file", [LAYOUT, LAYOUT_OF_BAGS], ids=lambda file: file.name)
+def test_viewers_know_the_panels_of_the_layouts_and_their_settings(file: Path) -> None:
+    for name, config in json.loads(file.read_text())["configById"].items():
+        assert config.keys() <= PANEL_KEYS[name.partition("!")[0]]
+        assert config.get("imageMode", {}).keys() <= IMAGE_KEYS
+        for path in (*config.get("paths", ()), config.get("xAxisPath", {})):
+            assert path.keys() <= PATH_KEYS
+
+
 def _panels(tree: Any) -> Iterator[str]:
     if isinstance(tree, str):
         yield tree

@@ -127,6 +127,21 @@ def _end(run: Run, drive: Drive) -> dict[str, Any]:
     return results
 
 
+def test_a_run_that_never_began_leaves_nothing_of_its_own(tmp_path: Path) -> None:
+    Run(_config(tmp_path / "new")).close()
+    assert not (tmp_path / "new").exists()
+    _begin(tmp_path / "configured").close()
+    assert [path.name for path in (tmp_path / "configured").iterdir()] == ["config.yaml"]
+
+
+def test_a_run_that_ended_before_its_first_episode_goes_on(tmp_path: Path, drive: Drive) -> None:
+    first = _begin(tmp_path / "run")
+    _commit(first)
+    first.close()
+    resumed = Run(_config(tmp_path / "run", resume=True))
+    assert _end(resumed, drive)["tests"]
+
+
 def _copied_without_bag(directory: Path, to: Path) -> Path:
     to.mkdir()
     shutil.copy(directory / "config.yaml", to)

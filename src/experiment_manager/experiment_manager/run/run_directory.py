@@ -2,6 +2,7 @@
 
 import datetime
 import math
+import shutil
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -272,9 +273,17 @@ class Run:
         )
 
     def close(self) -> None:
-        """Close the bag, whole up to the last message."""
+        """Close the bag, whole up to the last message; one without any is removed.
+
+        So what was refused before the first episode can be started in the same place once more.
+        """
         self._bar.close()
         self.writer.close()
+        if self.writer.files:
+            return
+        shutil.rmtree(self.directory / "bag")
+        if not any(self.directory.iterdir()):
+            self.directory.rmdir()
 
 
 def _new_directory() -> str:
