@@ -17,7 +17,7 @@ from experiment_manager.run.config_file import configuration_text, read_configur
 from eye_plant.episode import Episode
 from lockstep.configuration import build
 from lockstep.state_file import read_state
-from lockstep.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
+from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 from tests.supervisor import PATIENCE_S, environment
 
 SCRIPTS = Path(__file__).parents[1] / "launch_scripts"

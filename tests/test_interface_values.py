@@ -17,8 +17,8 @@ from eye_plant.mechanics.muscles import MUSCLE_NAMES
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep.configuration import build
 from lockstep.settings import declarations
-from lockstep.topics import ACTOR_CRITIC_NAMES, HORIZONTAL_RECTI, TEST, TRAINING
-from lockstep.vectors import Vector, VectorReader
+from lockstep.wire.topics import ACTOR_CRITIC_NAMES, HORIZONTAL_RECTI, TEST, TRAINING
+from lockstep.wire.vectors import Vector, VectorReader
 from tests.test_interfaces import PAGE, VECTORS, quoted, table
 from vergence_rl.config import VergenceRlConfig
 

@@ -10,9 +10,9 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, ReliabilityPolicy
 from experiment_manager.node_requests import _SERVICE_WAIT_S, PLANT_WAIT_S
 from eye_plant.episode import Episode
 from eye_plant.mechanics.muscles import MUSCLE_NAMES
-from lockstep import topics
-from lockstep.qos import LOCKSTEP_QOS, QUEUE_DEPTH
-from lockstep.requests import END_RUN, RECONFIGURE, START_RUN, RequestClient
+from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, RequestClient
+from lockstep.wire import topics
+from lockstep.wire.qos import LOCKSTEP_QOS, QUEUE_DEPTH
 from tests.node_harness import ros_graph
 from vergence_rl.node import VergenceRlNode
 

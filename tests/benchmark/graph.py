@@ -18,8 +18,8 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from experiment_manager.supervision.domains import own_domain
-from lockstep.diagnostics import TOPIC
-from lockstep.qos import LOCKSTEP_QOS
+from lockstep.node.diagnostics import TOPIC
+from lockstep.wire.qos import LOCKSTEP_QOS
 from tests.benchmark.samples import Sample
 from tests.supervisor import start_supervisor
 

@@ -19,13 +19,13 @@ from experiment_manager.supervision.domains import own_domain
 from eye_plant.camera.config import CameraConfig
 from eye_plant.messages import picture_message
 from lockstep.errors import InputError
-from lockstep.executor import LockstepExecutor
-from lockstep.images import ImagePublisher
-from lockstep.process import run_node
-from lockstep.qos import LOCKSTEP_QOS
-from lockstep.stamps import to_ns
-from lockstep.topics import TOPIC_TYPES
-from lockstep.vectors import VectorPublisher
+from lockstep.node.executor import LockstepExecutor
+from lockstep.node.process import run_node
+from lockstep.wire.images import ImagePublisher
+from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.stamps import to_ns
+from lockstep.wire.topics import TOPIC_TYPES
+from lockstep.wire.vectors import VectorPublisher
 
 _PICTURES = ("left/image_raw", "right/image_raw")
 _NAMES = tuple(f"entry_{i}" for i in range(12))

@@ -8,8 +8,8 @@ from rclpy.serialization import serialize_message
 from experiment_manager.bag.reader import read_vectors
 from experiment_manager.bag.writer import BagWriter
 from lockstep.errors import InputError
-from lockstep.topics import COMMAND_NAMES, REWARD_NAMES, TOPIC_TYPES
-from lockstep.vectors import vector_message
+from lockstep.wire.topics import COMMAND_NAMES, REWARD_NAMES, TOPIC_TYPES
+from lockstep.wire.vectors import vector_message
 from tests.benchmark.messages import hop_times_ms, recording_ms
 
 

@@ -12,7 +12,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.measures.metrics import PX_DEG
-from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES
 from tests.made_once import made_once
 from tests.supervisor import finished, start_supervisor
 

@@ -6,12 +6,12 @@ from rclpy.node import Node
 from sensor_msgs.msg import Image, JointState
 
 from eye_plant.episode import Episode
-from lockstep.diagnostics import Diagnostics
 from lockstep.errors import InputError
-from lockstep.qos import LOCKSTEP_QOS
-from lockstep.requests import RequestServer
-from lockstep.stamps import to_ns
-from lockstep.topics import (
+from lockstep.node.diagnostics import Diagnostics
+from lockstep.node.requests import RequestServer
+from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.stamps import to_ns
+from lockstep.wire.topics import (
     ACTOR_CRITIC_NAMES,
     COMMAND_NAMES,
     EPISODE_NAMES,
@@ -20,7 +20,7 @@ from lockstep.topics import (
     PLANT_VECTORS,
     REWARD_NAMES,
 )
-from lockstep.vectors import VectorPublisher
+from lockstep.wire.vectors import VectorPublisher
 
 PERIOD_NS = 200_000_000
 

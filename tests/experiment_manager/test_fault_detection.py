@@ -17,7 +17,7 @@ from experiment_manager.run.episode_record import EpisodeRecord
 from eye_plant.episode import Episode
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_UNWRITABLE
-from lockstep.topics import TEST, TRAINING
+from lockstep.wire.topics import TEST, TRAINING
 
 PERIOD_NS = 200_000_000
 

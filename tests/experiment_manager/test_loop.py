@@ -8,7 +8,7 @@ import pytest
 from experiment_manager.loop import make_loop
 from eye_plant.episode import Episode
 from eye_plant.stimuli.stimulus_set import StimulusSet
-from lockstep.topics import TRAINING
+from lockstep.wire.topics import TRAINING
 
 
 def learned(eye_plant: dict[str, Any]) -> tuple[list[tuple[int, ...]], dict[str, np.ndarray]]:

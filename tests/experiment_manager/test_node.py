@@ -18,10 +18,10 @@ from experiment_manager.run.episode_record import SMALL_TOPICS
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_UNWRITABLE
-from lockstep.qos import LOCKSTEP_QOS
-from lockstep.stamps import period_ns
-from lockstep.topics import PLANT_VECTORS, REWARD_NAMES
-from lockstep.vectors import VectorPublisher
+from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.stamps import period_ns
+from lockstep.wire.topics import PLANT_VECTORS, REWARD_NAMES
+from lockstep.wire.vectors import VectorPublisher
 from tests.experiment_manager.scripted_graph import (
     PERIOD_NS,
     ScriptedCoder,

@@ -7,7 +7,7 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.mechanics.muscles import N_MUSCLES
 from lockstep.configuration import build
 from lockstep.errors import InputError
-from lockstep.topics import TEST, TRAINING
+from lockstep.wire.topics import TEST, TRAINING
 
 PATCHING = """
 - {at: 40, set: {eye_plant.camera.left_occluded: true}}

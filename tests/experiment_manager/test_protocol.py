@@ -10,7 +10,7 @@ import pytest
 from experiment_manager.config import PAPER_TEST_ITERATIONS, ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.protocol import Eyes, Protocol, conditions, make_protocol
 from lockstep.errors import InputError
-from lockstep.topics import TEST, TRAINING
+from lockstep.wire.topics import TEST, TRAINING
 
 BASELINE_M = 0.056
 SMALL: dict[str, Any] = {

@@ -9,7 +9,7 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimulusSet
-from lockstep.topics import HORIZONTAL_RECTI, TRAINING
+from lockstep.wire.topics import HORIZONTAL_RECTI, TRAINING
 
 EPISODE = Episode(
     phase=TRAINING,

@@ -19,8 +19,8 @@ from eye_plant.node import EyePlantNode
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimuliConfig
 from lockstep.errors import InputError
-from lockstep.stamps import period_ns, to_ns
-from lockstep.topics import (
+from lockstep.wire.stamps import period_ns, to_ns
+from lockstep.wire.topics import (
     EPISODE_NAMES,
     EYE_STATE_NAMES,
     GROUND_TRUTH_NAMES,
@@ -29,7 +29,7 @@ from lockstep.topics import (
     PLANT_VECTORS,
     TRAINING,
 )
-from lockstep.vectors import vector_message
+from lockstep.wire.vectors import vector_message
 from tests.node_harness import Bench, Graph, ros_graph
 
 PERIOD_NS = period_ns(MechanicsConfig().period_s)

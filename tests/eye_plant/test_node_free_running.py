@@ -10,8 +10,8 @@ from sensor_msgs.msg import Image, JointState
 from eye_plant.config import FreeRunningConfig
 from eye_plant.node import EyePlantNode
 from lockstep.errors import InputError
-from lockstep.topics import EYE_STATE_NAMES, PICTURES, PLANT_VECTORS
-from lockstep.vectors import vector_message
+from lockstep.wire.topics import EYE_STATE_NAMES, PICTURES, PLANT_VECTORS
+from lockstep.wire.vectors import vector_message
 from tests.node_harness import Bench, ros_graph
 
 HEARD = dict.fromkeys(PLANT_VECTORS, JointState) | dict.fromkeys(PICTURES, Image)

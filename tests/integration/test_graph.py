@@ -10,7 +10,7 @@ from mcap_ros2.reader import read_ros2_messages
 from rosbags.highlevel import AnyReader
 
 from experiment_manager.bag.reader import Bag
-from lockstep.topics import (
+from lockstep.wire.topics import (
     ACTOR_CRITIC_NAMES,
     CODER_VECTORS,
     COMMAND_NAMES,

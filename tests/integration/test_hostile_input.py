@@ -4,9 +4,9 @@ from pathlib import Path
 
 from rclpy.node import Node
 
-from lockstep.qos import QUEUE_DEPTH
-from lockstep.topics import REWARD_NAMES
-from lockstep.vectors import VectorPublisher
+from lockstep.wire.qos import QUEUE_DEPTH
+from lockstep.wire.topics import REWARD_NAMES
+from lockstep.wire.vectors import VectorPublisher
 from tests.graph_harness import small_run, write_configuration
 from tests.node_harness import ros_graph
 from tests.stress.fuzzed_graph import NODES, FuzzedGraph

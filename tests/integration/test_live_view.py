@@ -13,8 +13,8 @@ import psutil
 import pytest
 
 from experiment_manager.live.view import ANAGLYPH, LEARNING, RECONSTRUCTIONS, SHOWN_TOPICS
-from lockstep.cdr import image_array
-from lockstep.topics import PICTURES
+from lockstep.wire.cdr import image_array
+from lockstep.wire.topics import PICTURES
 from tests.foxglove_client import FoxgloveClient
 from tests.graph_harness import assert_same_numbers, small_run
 from tests.supervisor import environment, finished, start_supervisor

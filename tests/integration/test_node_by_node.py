@@ -14,9 +14,9 @@ from experiment_manager.commands.evaluate import main as evaluate
 from experiment_manager.commands.report import main as report
 from experiment_manager.measures.recorded_run import RecordedRun
 from experiment_manager.run.config_file import CONFIG_CLASSES, read_configuration
-from lockstep.qos import LOCKSTEP_QOS
-from lockstep.topics import ACTOR_CRITIC_NAMES, LEARNER_VECTORS
-from lockstep.vectors import VectorPublisher, vector_message
+from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.topics import ACTOR_CRITIC_NAMES, LEARNER_VECTORS
+from lockstep.wire.vectors import VectorPublisher, vector_message
 from tests.graph_harness import (
     NodeProcess,
     OracleRun,

@@ -11,9 +11,16 @@ import pytest
 from sensor_msgs.msg import Image, JointState
 
 from lockstep.errors import InputError
-from lockstep.stamps import to_ns, to_time
-from lockstep.topics import EPISODE_NAMES, HORIZONTAL_RECTI, PICTURES, REWARD_NAMES, TEST, TRAINING
-from lockstep.vectors import vector_message
+from lockstep.wire.stamps import to_ns, to_time
+from lockstep.wire.topics import (
+    EPISODE_NAMES,
+    HORIZONTAL_RECTI,
+    PICTURES,
+    REWARD_NAMES,
+    TEST,
+    TRAINING,
+)
+from lockstep.wire.vectors import vector_message
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.node import INPUTS, SparseCoderNode

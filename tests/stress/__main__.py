@@ -22,7 +22,7 @@ from experiment_manager.run.config_file import configuration_text
 from experiment_manager.supervision.processes import PACKAGES
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
-from lockstep.qos import QUEUE_DEPTH
+from lockstep.wire.qos import QUEUE_DEPTH
 from tests.stress.clock_jumps import jump
 from tests.stress.cuts import cut
 from tests.stress.fuzzed_graph import FuzzedGraph, FuzzReport, memory_mb

@@ -25,10 +25,10 @@ from experiment_manager.supervision.processes import MANAGER, PACKAGES, NodeProc
 from eye_plant.episode import Episode
 from lockstep.configuration import build
 from lockstep.errors import InputError
-from lockstep.qos import LOCKSTEP_QOS
-from lockstep.requests import RequestClient, service_name
-from lockstep.stamps import period_ns, to_ns
+from lockstep.node.requests import RequestClient, service_name
 from lockstep.state_file import read_state
+from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.stamps import period_ns, to_ns
 from tests.stress.fuzzer import IMAGE_TOPICS, VECTOR_NAMES, Hostility
 
 NODES = tuple(package for package in PACKAGES if package != MANAGER)

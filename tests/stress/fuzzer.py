@@ -10,14 +10,14 @@ from builtin_interfaces.msg import Time
 from rcl_interfaces.msg import Parameter, ParameterValue
 from sensor_msgs.msg import Image, JointState
 
-from lockstep.stamps import to_time
-from lockstep.topics import (
+from lockstep.wire.stamps import to_time
+from lockstep.wire.topics import (
     COMMAND_NAMES,
     EPISODE_NAMES,
     HORIZONTAL_RECTI,
     REWARD_NAMES,
 )
-from lockstep.vectors import vector_message
+from lockstep.wire.vectors import vector_message
 
 # What nodes take in. Nobody but their publisher may write these; we do.
 VECTOR_NAMES: dict[str, Sequence[str]] = {

@@ -9,9 +9,9 @@ import pytest
 from eye_plant.commands import target_activations
 from eye_plant.mechanics.muscles import MUSCLE_NAMES
 from lockstep.errors import InputError
-from lockstep.stamps import checked_ns
-from lockstep.topics import EPISODE_NAMES, HORIZONTAL_RECTI, PICTURES
-from lockstep.vectors import values_of, whole_values_of
+from lockstep.wire.stamps import checked_ns
+from lockstep.wire.topics import EPISODE_NAMES, HORIZONTAL_RECTI, PICTURES
+from lockstep.wire.vectors import values_of, whole_values_of
 from sparse_coder.messages import picture_of
 from tests.stress.fuzzer import Hostility
 from vergence_rl.messages import activations_of, features_of

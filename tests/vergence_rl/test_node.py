@@ -11,9 +11,9 @@ import pytest
 from sensor_msgs.msg import Image, JointState
 
 from lockstep.errors import InputError
-from lockstep.stamps import to_time
 from lockstep.state_file import write_state
-from lockstep.topics import (
+from lockstep.wire.stamps import to_time
+from lockstep.wire.topics import (
     ACTOR_CRITIC_NAMES,
     COMMAND_NAMES,
     EPISODE_NAMES,
@@ -22,7 +22,7 @@ from lockstep.topics import (
     TEST,
     TRAINING,
 )
-from lockstep.vectors import vector_message
+from lockstep.wire.vectors import vector_message
 from tests.node_harness import Bench, Graph, ros_graph
 from vergence_rl.agent import Agent, Decision
 from vergence_rl.config import VergenceRlConfig

@@ -7,7 +7,7 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
-from lockstep.topics import LATERAL_LIMITS, MEDIAL_LIMITS
+from lockstep.wire.topics import LATERAL_LIMITS, MEDIAL_LIMITS
 
 MODELS = ("M", "M_C")
 

@@ -30,7 +30,7 @@ from eye_plant.stimuli.stimulus_set import (
 )
 from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
-from lockstep.topics import HORIZONTAL_RECTI, TEST
+from lockstep.wire.topics import HORIZONTAL_RECTI, TEST
 
 # How many random-dot stereograms are shown unless told otherwise.
 _N_STEREOGRAMS = 10

@@ -15,7 +15,7 @@ from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.state_file import read_state, write_state
-from lockstep.topics import COMMAND_NAMES, HORIZONTAL_RECTI, TRAINING
+from lockstep.wire.topics import COMMAND_NAMES, HORIZONTAL_RECTI, TRAINING
 from sparse_coder.coder import Encoding, SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.reward import reward

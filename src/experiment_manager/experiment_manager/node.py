@@ -16,14 +16,14 @@ from experiment_manager.node_presence import Presence
 from experiment_manager.node_recorder import Recorder
 from experiment_manager.node_requests import LEARNERS, PLANT, Requests
 from experiment_manager.run.run_directory import Run
-from lockstep.diagnostics import Diagnostics
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, FAULT_TEXT
-from lockstep.parameters import declare_config
-from lockstep.process import run_node
-from lockstep.qos import LOCKSTEP_QOS
-from lockstep.requests import END_RUN, RECONFIGURE, START_RUN, Arguments
-from lockstep.topics import PARAMETER_CHANGES
+from lockstep.node.diagnostics import Diagnostics
+from lockstep.node.process import run_node
+from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, Arguments
+from lockstep.node.ros_parameters import declare_config
+from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.topics import PARAMETER_CHANGES
 
 _WATCH_PERIOD_S = 0.5
 

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rclpy.parameter import parameter_value_to_python
 
 from experiment_manager.run.episode_record import SMALL_TOPICS
-from lockstep.parameters import OF_RCLPY
+from lockstep.node.ros_parameters import OF_RCLPY
 
 # A node without parameter services, as some clients of DDS are, is not waited for any longer.
 _PATIENCE_S = 5.0

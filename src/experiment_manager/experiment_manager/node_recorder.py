@@ -20,11 +20,17 @@ from experiment_manager.run.episode_record import (
 )
 from experiment_manager.run.run_directory import Run
 from eye_plant.episode import Episode
-from lockstep.cdr import stamp_of
-from lockstep.qos import LOCKSTEP_QOS
-from lockstep.stamps import NS_PER_S, period_ns
-from lockstep.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, REWARD_NAMES, TEST, TOPIC_TYPES
-from lockstep.vectors import Vector, VectorReader, values_of
+from lockstep.wire.cdr import stamp_of
+from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.stamps import NS_PER_S, period_ns
+from lockstep.wire.topics import (
+    GROUND_TRUTH_NAMES,
+    HORIZONTAL_RECTI,
+    REWARD_NAMES,
+    TEST,
+    TOPIC_TYPES,
+)
+from lockstep.wire.vectors import Vector, VectorReader, values_of
 
 # Of an observation, the plant sends its small messages while the others compute, this one last.
 _LAST_TOPIC = "eye_states"

@@ -8,7 +8,7 @@ from rclpy.node import Node
 
 from experiment_manager.fault_detection import LEARNER_OF, Fault, of_refusal
 from lockstep.errors import InputError
-from lockstep.requests import Arguments, RequestClient, service_name
+from lockstep.node.requests import Arguments, RequestClient, service_name
 
 PLANT = "eye_plant"
 LEARNERS = tuple(LEARNER_OF.values())

@@ -17,7 +17,7 @@ from eye_plant.config import EyePlantConfig, changeable_parameters, changed
 from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
 from lockstep.nearest import nearest
-from lockstep.topics import TRAINING
+from lockstep.wire.topics import TRAINING
 
 _NODE = "eye_plant."
 

@@ -23,7 +23,7 @@ from eye_plant.mechanics.inverse import Inverse, Limits
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
 from lockstep.randomness import generator
-from lockstep.topics import TEST, TRAINING
+from lockstep.wire.topics import TEST, TRAINING
 
 ActivationPair = Callable[[float, float], tuple[float, float]]
 

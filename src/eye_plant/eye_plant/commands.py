@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from lockstep.errors import InputError
-from lockstep.topics import SIDES
+from lockstep.wire.topics import SIDES
 
 
 def target_activations(

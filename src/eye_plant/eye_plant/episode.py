@@ -9,7 +9,7 @@ from typing import Any
 from lockstep.configuration import typed
 from lockstep.errors import InputError
 from lockstep.settings import REQUIRED, check_settings, setting
-from lockstep.topics import TEST, TRAINING
+from lockstep.wire.topics import TEST, TRAINING
 
 
 @dataclass(frozen=True)

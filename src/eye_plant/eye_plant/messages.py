@@ -9,10 +9,10 @@ from eye_plant.camera.config import CameraConfig
 from eye_plant.config import EyePlantConfig
 from eye_plant.mechanics.muscles import MUSCLE_NAMES
 from eye_plant.observation import Observation
-from lockstep.cdr import StampedBytes, clock_bytes
-from lockstep.images import ImageBytes
-from lockstep.padding import serialized
-from lockstep.topics import (
+from lockstep.wire.cdr import StampedBytes, clock_bytes
+from lockstep.wire.images import ImageBytes
+from lockstep.wire.padding import serialized
+from lockstep.wire.topics import (
     CAMERA_INFOS,
     EPISODE_NAMES,
     EYE_STATE_NAMES,
@@ -20,7 +20,7 @@ from lockstep.topics import (
     PICTURES,
     SIDES,
 )
-from lockstep.vectors import VectorBytes
+from lockstep.wire.vectors import VectorBytes
 
 
 class ObservationMessages:

@@ -13,14 +13,14 @@ from eye_plant.node_free_running import FreeRunning
 from eye_plant.node_publisher import ObservationPublisher
 from eye_plant.observation import Observation
 from eye_plant.plant import EyePlant
-from lockstep.diagnostics import Diagnostics
 from lockstep.errors import InputError
-from lockstep.parameters import declare_config
-from lockstep.process import run_node
-from lockstep.qos import LOCKSTEP_QOS
-from lockstep.requests import END_RUN, RECONFIGURE, START_RUN, RequestServer
-from lockstep.stamps import period_ns, stamp_of
-from lockstep.vectors import VectorReader, values_of
+from lockstep.node.diagnostics import Diagnostics
+from lockstep.node.process import run_node
+from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, RequestServer
+from lockstep.node.ros_parameters import declare_config
+from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.stamps import period_ns, stamp_of
+from lockstep.wire.vectors import VectorReader, values_of
 
 REPEAT_PERIOD_S = 1.0
 

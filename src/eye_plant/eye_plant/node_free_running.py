@@ -10,13 +10,13 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.node_publisher import ObservationPublisher
 from eye_plant.plant import EyePlant
-from lockstep.diagnostics import Diagnostics
 from lockstep.errors import InputError
-from lockstep.qos import LOCKSTEP_QOS
-from lockstep.requests import END_RUN, START_RUN, Arguments, RequestServer
-from lockstep.stamps import MAX_STAMP_NS, period_ns
-from lockstep.topics import TEST
-from lockstep.vectors import values_of
+from lockstep.node.diagnostics import Diagnostics
+from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer
+from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.stamps import MAX_STAMP_NS, period_ns
+from lockstep.wire.topics import TEST
+from lockstep.wire.vectors import values_of
 
 
 class FreeRunning:

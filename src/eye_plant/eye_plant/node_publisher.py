@@ -9,8 +9,8 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 from eye_plant.config import EyePlantConfig
 from eye_plant.messages import ObservationMessages
 from eye_plant.observation import Observation
-from lockstep.qos import LOCKSTEP_QOS
-from lockstep.topics import CAMERA_INFOS, MEAN_METABOLIC_RATES, PICTURES, PLANT_VECTORS
+from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.topics import CAMERA_INFOS, MEAN_METABOLIC_RATES, PICTURES, PLANT_VECTORS
 
 _TYPES = {
     **dict.fromkeys(PLANT_VECTORS, JointState),

@@ -6,7 +6,7 @@ import numpy as np
 
 from eye_plant.episode import Episode
 from eye_plant.mechanics.oculomotor import OculomotorState
-from lockstep.topics import TRAINING
+from lockstep.wire.topics import TRAINING
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Observation:
         return self.episode.training_iteration + (self.iteration if in_training else 0)
 
     def episode_values(self) -> tuple[float, ...]:
-        """Return the values of lockstep.topics.EPISODE_NAMES."""
+        """Return the values of lockstep.wire.topics.EPISODE_NAMES."""
         episode = self.episode
         return (
             episode.phase,
@@ -89,7 +89,7 @@ class Observation:
         )
 
     def ground_truth_values(self) -> tuple[float, ...]:
-        """Return the values of lockstep.topics.GROUND_TRUTH_NAMES."""
+        """Return the values of lockstep.wire.topics.GROUND_TRUTH_NAMES."""
         truth = self.truth
         return (
             *self.episode_values(),

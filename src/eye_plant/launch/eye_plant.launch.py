@@ -12,7 +12,7 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
-from lockstep.launch_environment import launch_environment
+from lockstep.node.launch_environment import launch_environment
 
 
 def generate_launch_description() -> LaunchDescription:

@@ -1,7 +1,7 @@
 """One declaration per setting: its default, bounds, unit and text, from which all else follows.
 
 A field declared with `setting` is checked by `check_settings`, described to ROS by
-`lockstep.parameters`, and listed for the parameter files and the docs by `declarations`.
+`lockstep.node.ros_parameters`, and listed for the parameter files and the docs by `declarations`.
 """
 
 import dataclasses

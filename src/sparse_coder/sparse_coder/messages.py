@@ -4,7 +4,7 @@ import numpy as np
 from sensor_msgs.msg import Image
 
 from lockstep.errors import InputError
-from lockstep.images import Picture
+from lockstep.wire.images import Picture
 from sparse_coder.patches import N_PIXELS
 
 

@@ -7,11 +7,11 @@ from typing import Any
 
 from sensor_msgs.msg import Image, JointState
 
-from lockstep.images import ImagePublisher
-from lockstep.learner_node import LearnerNode
-from lockstep.process import run_node
-from lockstep.topics import BASIS_FUNCTIONS, HORIZONTAL_RECTI, PICTURES, REWARD_NAMES, TRAINING
-from lockstep.vectors import VectorPublisher, values_of, whole_values_of
+from lockstep.node.learner_node import LearnerNode
+from lockstep.node.process import run_node
+from lockstep.wire.images import ImagePublisher
+from lockstep.wire.topics import BASIS_FUNCTIONS, HORIZONTAL_RECTI, PICTURES, REWARD_NAMES, TRAINING
+from lockstep.wire.vectors import VectorPublisher, values_of, whole_values_of
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.messages import basis_functions_message, features_message, picture_of

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
-from lockstep.topics import LATERAL_LIMITS, MEDIAL_LIMITS
+from lockstep.wire.topics import LATERAL_LIMITS, MEDIAL_LIMITS
 
 N_MUSCLES = 2  # medial rectus, lateral rectus; the same command for both eyes (K17 II)
 N_BIASES = 1

@@ -4,9 +4,9 @@ import numpy as np
 from sensor_msgs.msg import Image, JointState
 
 from lockstep.errors import InputError
-from lockstep.images import Picture
-from lockstep.topics import HORIZONTAL_RECTI
-from lockstep.vectors import Vector, values_of
+from lockstep.wire.images import Picture
+from lockstep.wire.topics import HORIZONTAL_RECTI
+from lockstep.wire.vectors import Vector, values_of
 from vergence_rl.agent import Decision
 
 _SCALES = 2
@@ -50,7 +50,7 @@ def activations_of(message: JointState | Vector) -> np.ndarray:
 
 
 def actor_critic_values(decision: Decision, learning_steps: int) -> tuple[float, ...]:
-    """Return the values of lockstep.topics.ACTOR_CRITIC_NAMES."""
+    """Return the values of lockstep.wire.topics.ACTOR_CRITIC_NAMES."""
     return (
         decision.value,
         decision.td_error,

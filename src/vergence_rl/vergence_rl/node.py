@@ -9,10 +9,10 @@ from typing import Any
 
 from sensor_msgs.msg import Image, JointState
 
-from lockstep.learner_node import LearnerNode
-from lockstep.process import run_node
-from lockstep.topics import ACTOR_CRITIC_NAMES, COMMAND_NAMES, TRAINING
-from lockstep.vectors import VectorPublisher, values_of, whole_values_of
+from lockstep.node.learner_node import LearnerNode
+from lockstep.node.process import run_node
+from lockstep.wire.topics import ACTOR_CRITIC_NAMES, COMMAND_NAMES, TRAINING
+from lockstep.wire.vectors import VectorPublisher, values_of, whole_values_of
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
 from vergence_rl.messages import activations_of, actor_critic_values, features_of

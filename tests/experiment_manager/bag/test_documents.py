@@ -14,7 +14,7 @@ import pytest
 from experiment_manager.bag.reader import Bag
 from experiment_manager.commands import inspect_bag
 from eye_plant.mechanics.muscles import MUSCLE_NAMES
-from lockstep.topics import (
+from lockstep.wire.topics import (
     ACTOR_CRITIC_NAMES,
     COMMAND_NAMES,
     GROUND_TRUTH_NAMES,

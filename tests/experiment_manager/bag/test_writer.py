@@ -21,7 +21,7 @@ from experiment_manager.bag.mcap_file import McapFile
 from experiment_manager.bag.metadata import OfferedQos
 from experiment_manager.bag.writer import BagWriter
 from lockstep.errors import InputError
-from lockstep.qos import LOCKSTEP_QOS
+from lockstep.wire.qos import LOCKSTEP_QOS
 
 TOPICS = {
     "ground_truth": "sensor_msgs/msg/JointState",

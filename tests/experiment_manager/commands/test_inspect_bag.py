@@ -19,7 +19,7 @@ from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.commands import inspect_bag
 from experiment_manager.commands.inspect_bag import main
-from lockstep.topics import GROUND_TRUTH_NAMES, TEST
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, TEST
 
 VECTOR = "sensor_msgs/msg/JointState"
 IMAGE = "sensor_msgs/msg/Image"

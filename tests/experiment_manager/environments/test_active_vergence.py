@@ -21,7 +21,7 @@ from experiment_manager.run.config_file import Configuration
 from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.state_file import write_state
-from lockstep.topics import GROUND_TRUTH_NAMES
+from lockstep.wire.topics import GROUND_TRUTH_NAMES
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from vergence_rl.agent import Agent

@@ -28,7 +28,7 @@ from experiment_manager.live.view import (
 )
 from eye_plant.mechanics.muscles import MUSCLE_NAMES
 from lockstep.errors import InputError
-from lockstep.topics import (
+from lockstep.wire.topics import (
     ACTOR_CRITIC_NAMES,
     BASIS_FUNCTIONS,
     EYE_STATE_NAMES,

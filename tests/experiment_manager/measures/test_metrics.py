@@ -8,7 +8,7 @@ import pytest
 from experiment_manager.measures.metrics import PX_DEG, cost_share, summary, test_summary
 from experiment_manager.measures.trials import TRIAL_NAMES, mean_of_both_eyes, pooled, split_tests
 from lockstep.errors import InputError
-from lockstep.topics import TEST, TRAINING
+from lockstep.wire.topics import TEST, TRAINING
 
 PLACE = {name: i for i, name in enumerate(TRIAL_NAMES)}
 

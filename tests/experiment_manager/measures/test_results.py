@@ -13,7 +13,7 @@ from experiment_manager.measures.metrics import test_summary
 from experiment_manager.measures.results import read_results, results_document, write_results
 from experiment_manager.measures.trials import TRIAL_NAMES
 from lockstep.errors import InputError
-from lockstep.topics import TEST
+from lockstep.wire.topics import TEST
 
 RESULTS = Path(__file__).parents[3] / "results"
 

@@ -13,7 +13,7 @@ from experiment_manager.run.episode_record import (
     takes_pictures,
 )
 from eye_plant.episode import Episode
-from lockstep.topics import TEST, TOPIC_TYPES, TRAINING
+from lockstep.wire.topics import TEST, TOPIC_TYPES, TRAINING
 
 PERIOD_NS = 100_000_000
 PLANT = ("episode", "muscle_states", "muscle_activations", "eye_states", "ground_truth")

@@ -10,7 +10,7 @@ from experiment_manager.measures.kept_trials import arrays_of
 from experiment_manager.measures.trials import TRIAL_NAMES
 from experiment_manager.run.progress import Progress
 from lockstep.errors import InputError
-from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
 
 ACTIVATIONS = np.array([0.1, 0.02, 0.1, 0.02])
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.supervision.attempt import holds_observations
-from lockstep.topics import TOPIC_TYPES
+from lockstep.wire.topics import TOPIC_TYPES
 
 
 def test_what_a_bag_holds(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_doma
 from experiment_manager.supervision.neighbours import addresses, refuse_neighbours
 from experiment_manager.supervision.supervisor import known_domain
 from lockstep.errors import InputError
-from lockstep.qos import LOCKSTEP_QOS
+from lockstep.wire.qos import LOCKSTEP_QOS
 from tests.node_harness import Graph, ros_graph
 
 

@@ -15,8 +15,8 @@ from experiment_manager.bag.mcap_file import (
     McapFile,
 )
 from experiment_manager.bag.metadata import METADATA_FILE
-from lockstep.cdr import VectorLayout, image_array
 from lockstep.errors import InputError
+from lockstep.wire.cdr import VectorLayout, image_array
 
 _FIELDS = ("position", "velocity", "effort")
 _LENGTH_OFFSET = 1  # the length of a record follows its opcode

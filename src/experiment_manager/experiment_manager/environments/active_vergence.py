@@ -18,7 +18,7 @@ from experiment_manager.report.picture_figures import anaglyph
 from eye_plant.episode import Episode
 from eye_plant.observation import Observation
 from lockstep.errors import InputError
-from lockstep.topics import COMMAND_NAMES, GROUND_TRUTH_NAMES, TRAINING
+from lockstep.wire.topics import COMMAND_NAMES, GROUND_TRUTH_NAMES, TRAINING
 
 Pictures = np.ndarray
 _RESET_OPTIONS = ("episode", "trial")

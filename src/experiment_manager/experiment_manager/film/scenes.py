@@ -7,7 +7,7 @@ import numpy as np
 
 from experiment_manager.bag.reader import Bag
 from experiment_manager.measures.pictured_episodes import PicturedEpisodes, pictured_episodes
-from lockstep.topics import HORIZONTAL_RECTI, PICTURES, TEST
+from lockstep.wire.topics import HORIZONTAL_RECTI, PICTURES, TEST
 
 SCENES_PER_STAGE = 3
 # What comes later is rest.

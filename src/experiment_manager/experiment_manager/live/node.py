@@ -19,11 +19,11 @@ from sensor_msgs.msg import Image, JointState
 from experiment_manager.live.config import LiveViewConfig
 from experiment_manager.live.page import Page
 from experiment_manager.live.view import VECTORS, View, open_server
-from lockstep.cdr import image_array
 from lockstep.errors import InputError
-from lockstep.parameters import declare_config
-from lockstep.process import run_node
-from lockstep.topics import BASIS_FUNCTIONS, PICTURES
+from lockstep.node.process import run_node
+from lockstep.node.ros_parameters import declare_config
+from lockstep.wire.cdr import image_array
+from lockstep.wire.topics import BASIS_FUNCTIONS, PICTURES
 
 _HEADER_STAMP = struct.Struct("<iI")
 _HEADER_OFFSET = 4  # behind the CDR encapsulation

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from experiment_manager.live.server import ViewServer
 from experiment_manager.report.picture_figures import anaglyph
-from lockstep.cdr import image_array
 from lockstep.errors import InputError
-from lockstep.topics import (
+from lockstep.wire.cdr import image_array
+from lockstep.wire.topics import (
     BASIS_FUNCTIONS,
     CODER_VECTORS,
     IMAGE,
@@ -20,7 +20,7 @@ from lockstep.topics import (
     TRAINING,
     VECTOR,
 )
-from lockstep.vectors import VectorReader, values_of
+from lockstep.wire.vectors import VectorReader, values_of
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.patches import N_PIXELS

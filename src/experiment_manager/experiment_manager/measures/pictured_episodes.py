@@ -6,7 +6,7 @@ import numpy as np
 
 from experiment_manager.bag.reader import Bag, VectorTable
 from lockstep.errors import InputError
-from lockstep.topics import PICTURES
+from lockstep.wire.topics import PICTURES
 
 
 @dataclass(frozen=True)

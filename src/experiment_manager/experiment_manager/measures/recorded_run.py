@@ -18,7 +18,7 @@ from experiment_manager.measures.metrics import (
 )
 from experiment_manager.measures.results import results_document
 from experiment_manager.measures.trials import TestTrials, mean_of_both_eyes, split_tests
-from lockstep.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, TRAINING
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, TRAINING
 
 # The error of a single episode says how hard it was; a median over some says what was learned.
 _MOST_CURVE_BINS = 100

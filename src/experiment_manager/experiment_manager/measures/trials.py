@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lockstep.errors import InputError
-from lockstep.topics import GROUND_TRUTH_NAMES, TEST
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, TEST
 
 # What is kept of each observation of a test: ground truth, and the activations of the horizontal
 # recti, mean of both eyes, which share a name with the command for both.

@@ -14,7 +14,7 @@ from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.observation import Observation
 from eye_plant.plant import EyePlant
 from lockstep.errors import InputError
-from lockstep.topics import TEST
+from lockstep.wire.topics import TEST
 from sparse_coder.coder import SparseCoder
 
 Array = NDArray[np.float64]

@@ -17,7 +17,7 @@ from experiment_manager.report.performance_figures import new_figure
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.topics import LATERAL_LIMITS, MEDIAL_LIMITS
+from lockstep.wire.topics import LATERAL_LIMITS, MEDIAL_LIMITS
 
 # Start errors whose paths are drawn, where a test has them (of K17's -3 to 3 deg).
 _START_ERRORS_DEG = (-3.0, -1.0, 1.0, 3.0)

@@ -2,7 +2,7 @@
 
 from experiment_manager.config import ExperimentManagerConfig
 from eye_plant.episode import Episode
-from lockstep.topics import (
+from lockstep.wire.topics import (
     CODER_VECTORS,
     LEARNER_VECTORS,
     PARAMETER_CHANGES,

@@ -17,8 +17,8 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from lockstep.configuration import build
 from lockstep.errors import InputError
-from lockstep.stamps import period_ns, stamp_of
-from lockstep.topics import HORIZONTAL_RECTI, TEST
+from lockstep.wire.stamps import period_ns, stamp_of
+from lockstep.wire.topics import HORIZONTAL_RECTI, TEST
 
 
 class InProcessRun:

@@ -9,7 +9,7 @@ from experiment_manager.measures.kept_trials import KeptTrials, with_test
 from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, only_test, summary
 from experiment_manager.measures.trials import TRIAL_NAMES, mean_of_both_eyes
 from lockstep.errors import InputError
-from lockstep.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
 
 _N_RUNNING = 200
 
@@ -46,7 +46,7 @@ class Progress:
             self._running_errors_deg.append(abs(float(values[_TRUTH["vergence_error_deg"]])))
 
     def add_activations(self, phase: int, recti: np.ndarray) -> None:
-        """Add one observation's activations (4,) of lockstep.topics.HORIZONTAL_RECTI.
+        """Add one observation's activations (4,) of lockstep.wire.topics.HORIZONTAL_RECTI.
 
         Of an observation, they may come before or after its ground truth.
         """

@@ -36,10 +36,10 @@ from eye_plant.episode import Episode
 from lockstep.configuration import flatten
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
-from lockstep.stamps import period_ns
 from lockstep.state_file import read_state, write_state
-from lockstep.topics import PARAMETER_CHANGES, TOPIC_TYPES
-from lockstep.vectors import VectorBytes
+from lockstep.wire.stamps import period_ns
+from lockstep.wire.topics import PARAMETER_CHANGES, TOPIC_TYPES
+from lockstep.wire.vectors import VectorBytes
 
 TRIALS_FILE, TRIALS_KIND = "trials.npz", "trials"
 # The observations of the test under way; all else in that file is kept of the tests before.
@@ -127,15 +127,15 @@ class Run:
         return any(is_sampled(self._config, *self.protocol.kind(place)) for place in places)
 
     def add_truth(self, values: np.ndarray, is_last: bool) -> None:
-        """Count one observation's ground truth, (n_names,) of lockstep.topics."""
+        """Count one observation's ground truth, (n_names,) of lockstep.wire.topics."""
         self.progress.add_truth(values, is_last)
 
     def add_activations(self, episode: Episode, recti: np.ndarray) -> None:
-        """Count one observation's activations, (4,) of lockstep.topics.HORIZONTAL_RECTI."""
+        """Count one observation's activations, (4,) of lockstep.wire.topics.HORIZONTAL_RECTI."""
         self.progress.add_activations(episode.phase, recti)
 
     def add_reward(self, episode: Episode, iteration: int, values: np.ndarray) -> None:
-        """Count one observation's reward, (n_names,) of lockstep.topics."""
+        """Count one observation's reward, (n_names,) of lockstep.wire.topics."""
         self.progress.add_reward(episode.phase, episode.training_iteration + iteration, values)
 
     def end_episode(self) -> None:

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from experiment_manager.loop import Step
 from eye_plant.config import EyePlantConfig
 from eye_plant.messages import ObservationMessages
-from lockstep.images import ImageBytes
-from lockstep.topics import ACTOR_CRITIC_NAMES, COMMAND_NAMES, REWARD_NAMES
-from lockstep.vectors import VectorBytes
+from lockstep.wire.images import ImageBytes
+from lockstep.wire.topics import ACTOR_CRITIC_NAMES, COMMAND_NAMES, REWARD_NAMES
+from lockstep.wire.vectors import VectorBytes
 from sparse_coder.messages import features_message
 from vergence_rl.messages import actor_critic_values
 

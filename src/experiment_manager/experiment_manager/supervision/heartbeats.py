@@ -9,7 +9,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from experiment_manager.supervision.processes import PACKAGES
-from lockstep.diagnostics import TOPIC
+from lockstep.node.diagnostics import TOPIC
 
 START_LIMIT_S = 120.0
 SILENCE_LIMIT_S = 10.0

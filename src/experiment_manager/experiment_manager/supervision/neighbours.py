@@ -11,7 +11,7 @@ from rclpy.node import Node
 
 from experiment_manager.supervision.domains import is_silent
 from lockstep.errors import InputError
-from lockstep.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
+from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 
 PUBLISHES = {
     "eye_plant": PLANT_VECTORS,

@@ -16,7 +16,7 @@ from eye_plant.stimuli.stimulus_set import StimulusSet
 from eye_plant.validation.passive_energy import passive_energy_j
 from eye_plant.validation.row import Row
 from eye_plant.validation.saccades import PULSES, Saccade, holding_pair, make_saccade
-from lockstep.topics import LATERAL_LIMITS, MEDIAL_LIMITS
+from lockstep.wire.topics import LATERAL_LIMITS, MEDIAL_LIMITS
 
 LIMITS = (MEDIAL_LIMITS, LATERAL_LIMITS)
 STEP_BOUND_MS = {"k17": 1.0, "anatomical": 3.0}

@@ -16,7 +16,7 @@ from eye_plant.validation.openeyesim import SINGLE_MUSCLE_POINTS, Maps, power_la
 from eye_plant.validation.row import Row
 from eye_plant.validation.saccades import holding_pair
 from eye_plant.validation.secondary_gaze import worst_torsion_deg
-from lockstep.topics import LATERAL_LIMITS, MEDIAL_LIMITS
+from lockstep.wire.topics import LATERAL_LIMITS, MEDIAL_LIMITS
 
 LIMITS = (MEDIAL_LIMITS, LATERAL_LIMITS)
 FIELD_DEG = 45.0

@@ -1,6 +1,6 @@
 """AnswerOnce: the verdict on a stamp depends on what was answered last."""
 
-from lockstep.answer_once import AnswerOnce, Verdict
+from lockstep.node.answer_once import AnswerOnce, Verdict
 
 
 def test_all_stamps_are_new_at_first() -> None:

@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 
-from lockstep.gather import N_PENDING, Gather
+from lockstep.node.gather import N_PENDING, Gather
 
 
 @pytest.mark.parametrize("order", list(itertools.permutations("abc")))

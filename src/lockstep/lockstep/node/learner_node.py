@@ -11,16 +11,16 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import Image, JointState
 
-from lockstep.answer_once import AnswerOnce, Verdict
-from lockstep.diagnostics import Diagnostics
 from lockstep.errors import InputError
-from lockstep.gather import Gather
-from lockstep.images import ImageReader
-from lockstep.parameters import declare_config
-from lockstep.qos import LOCKSTEP_QOS
-from lockstep.requests import END_RUN, START_RUN, Arguments, RequestServer
+from lockstep.node.answer_once import AnswerOnce, Verdict
+from lockstep.node.diagnostics import Diagnostics
+from lockstep.node.gather import Gather
+from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer
+from lockstep.node.ros_parameters import declare_config
 from lockstep.state_file import read_state, write_state
-from lockstep.vectors import VectorReader
+from lockstep.wire.images import ImageReader
+from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.vectors import VectorReader
 
 _READERS: Mapping[type, Callable[[str], ImageReader | VectorReader]] = {
     Image: ImageReader,

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from experiment_manager.config import ExperimentManagerConfig
 from eye_plant.config import EyePlantConfig
 from lockstep.configuration import flatten
-from lockstep.parameters import declare_config
+from lockstep.node.ros_parameters import declare_config
 from lockstep.settings import check_settings, setting
 from sparse_coder.config import SparseCoderConfig
 from tests.node_harness import Graph, ros_graph

@@ -16,8 +16,8 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from lockstep.diagnostics import Diagnostics
 from lockstep.errors import InputError
+from lockstep.node.diagnostics import Diagnostics
 
 SERVICE = "request"
 START_RUN = "start_run"

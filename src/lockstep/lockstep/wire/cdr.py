@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from lockstep.errors import InputError
-from lockstep.stamps import NS_PER_S, checked_stamp
+from lockstep.wire.stamps import NS_PER_S, checked_stamp
 
 _HEADER_BYTES = 4
 _ORDERS = {b"\x00\x01": "<", b"\x00\x00": ">"}

@@ -2,8 +2,8 @@
 
 from rclpy.qos import HistoryPolicy, ReliabilityPolicy
 
-from lockstep import topics
-from lockstep.qos import LOCKSTEP_QOS, QUEUE_DEPTH
+from lockstep.wire import topics
+from lockstep.wire.qos import LOCKSTEP_QOS, QUEUE_DEPTH
 
 TABLE = {
     "left/image_raw": "sensor_msgs/msg/Image",

@@ -4,7 +4,7 @@ import pytest
 from builtin_interfaces.msg import Time
 
 from lockstep.errors import InputError
-from lockstep.stamps import MAX_STAMP_NS, checked_ns, period_ns, to_ns, to_time
+from lockstep.wire.stamps import MAX_STAMP_NS, checked_ns, period_ns, to_ns, to_time
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,10 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import Image
 
-from lockstep.cdr import Alike, ImageLayout, StampedBytes, stamp_ns_of
 from lockstep.errors import InputError
-from lockstep.padding import serialized
-from lockstep.qos import LOCKSTEP_QOS
+from lockstep.wire.cdr import Alike, ImageLayout, StampedBytes, stamp_ns_of
+from lockstep.wire.padding import serialized
+from lockstep.wire.qos import LOCKSTEP_QOS
 
 
 @dataclass(frozen=True, slots=True)

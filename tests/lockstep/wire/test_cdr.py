@@ -14,11 +14,11 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.messages import camera_info
-from lockstep.cdr import StampedBytes, clock_bytes
-from lockstep.images import ImagePublisher
-from lockstep.padding import serialized
-from lockstep.stamps import to_time
-from lockstep.vectors import VectorBytes, VectorPublisher, vector_message
+from lockstep.wire.cdr import StampedBytes, clock_bytes
+from lockstep.wire.images import ImagePublisher
+from lockstep.wire.padding import serialized
+from lockstep.wire.stamps import to_time
+from lockstep.wire.vectors import VectorBytes, VectorPublisher, vector_message
 
 
 @pytest.fixture

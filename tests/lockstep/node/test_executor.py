@@ -16,9 +16,9 @@ from rclpy.subscription import Subscription
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
 
-from lockstep import executor as executor_module
-from lockstep.executor import LockstepExecutor, make_executor
-from lockstep.qos import LOCKSTEP_QOS
+from lockstep.node import executor as executor_module
+from lockstep.node.executor import LockstepExecutor, make_executor
+from lockstep.wire.qos import LOCKSTEP_QOS
 from tests.node_harness import Graph, ros_graph
 
 

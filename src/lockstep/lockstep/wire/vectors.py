@@ -13,11 +13,11 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
 
-from lockstep.cdr import Alike, StampedBytes, VectorLayout, stamp_ns_of
 from lockstep.errors import InputError
-from lockstep.padding import serialized
-from lockstep.qos import LOCKSTEP_QOS
-from lockstep.stamps import to_time
+from lockstep.wire.cdr import Alike, StampedBytes, VectorLayout, stamp_ns_of
+from lockstep.wire.padding import serialized
+from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.stamps import to_time
 
 # Up to here every whole number is a double of its own.
 _MAX_WHOLE = 2.0**53

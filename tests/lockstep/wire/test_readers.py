@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_typestore
 
-from lockstep import cdr
 from lockstep.errors import InputError
-from lockstep.images import ImageReader
-from lockstep.vectors import VectorReader, values_of
+from lockstep.wire import cdr
+from lockstep.wire.images import ImageReader
+from lockstep.wire.vectors import VectorReader, values_of
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 NAMES = ["a", "longer", ""]

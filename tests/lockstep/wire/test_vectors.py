@@ -10,7 +10,7 @@ import pytest
 from sensor_msgs.msg import JointState
 
 from lockstep.errors import InputError
-from lockstep.vectors import values_of, vector_message, whole_values_of
+from lockstep.wire.vectors import values_of, vector_message, whole_values_of
 
 
 def _message(names: list[str], **fields: list[float]) -> JointState:

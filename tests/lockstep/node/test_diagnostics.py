@@ -6,7 +6,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
 
-from lockstep.diagnostics import Diagnostics
+from lockstep.node.diagnostics import Diagnostics
 from tests.node_harness import Graph, ros_graph
 
 

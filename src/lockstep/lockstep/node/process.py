@@ -13,10 +13,10 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
-from lockstep.cores import share_two_cores
 from lockstep.errors import DivergenceError, InputError
-from lockstep.executor import make_executor
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, FAULT_TEXT
+from lockstep.node.cores import share_two_cores
+from lockstep.node.executor import make_executor
 
 _ROS_ERRORS = (_rclpy.RCLError, _rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError)
 
@@ -25,7 +25,7 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
     """Spin the node until it is told to stop; return the exit code of the process.
 
     Where there are two cores, the process keeps to that of the node's `core_of_two`, 0 or 1, and
-    does not interrupt others there if the node `gives_way`; see lockstep.cores.
+    does not interrupt others there if the node `gives_way`; see lockstep.node.cores.
     SIGTERM ends the process; so does SIGINT, unless the node has an `interrupt` to call instead.
     The code is the node's `exit_code` if it has one, else 0; it is 2 when the node cannot start
     because of what it was given, and 6 when what it learns diverges: then the reason is the last

@@ -1,0 +1,1 @@
+"""What every node does alike: wait, answer once, take requests, report its health."""
