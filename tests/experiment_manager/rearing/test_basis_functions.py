@@ -1,11 +1,7 @@
 import numpy as np
 import pytest
 
-from experiment_manager.rearing.basis_functions import (
-    binocularity_of,
-    left_share,
-    tuning,
-)
+from experiment_manager.rearing.basis_functions import left_share, tuning
 from experiment_manager.rearing.gabor import gabor_patch
 
 
@@ -53,7 +49,7 @@ def test_disparities_are_told_as_angles():
 def test_horizontal_stripes_and_monocular_atoms_tell_no_disparity():
     atoms = np.stack([shifted_wave(0.0, 88.0), atom(half(), 0.02 * half())])
     found = tuning(atoms, px_per_pixel=1.0)
-    assert found.is_gabor.all()
+    assert found.is_common_gabor.all()
     assert np.isnan(found.disparity_px).all()
 
 
@@ -63,23 +59,42 @@ def test_orientations_are_counted_around_horizontal_first():
     assert tuning(atoms, 1.0).orientation_counts().tolist() == [2, 0, 0, 0, 2, 0, 1, 0]
 
 
-def test_binocularity_compares_the_norms_of_the_halves():
-    left, right = np.eye(64)[0], np.eye(64)[1]
-    atoms = np.stack(
-        [
-            np.concatenate([left, 0 * right]),
-            np.concatenate([left, right]),
-            np.concatenate([left, 3 * right]),
-        ]
-    )
-    assert binocularity_of(atoms) == pytest.approx([-1.0, 0.0, 0.5])
-
-
-def test_all_atoms_are_counted_in_seven_bins_of_binocularity():
-    weights = [0.0, 0.1, 0.5, 1.0, 2.0, 10.0, 1e6]
+def test_binocularity_compares_the_responses_to_the_dominant_eyes_stimulus():
+    weights = np.array([0.0, 0.1, 0.5, 1.0, 2.0, 10.0, 1e6])
     atoms = np.stack([atom(half(), weight * half()) for weight in weights])
-    # (w - 1) / (w + 1): -1, -0.82, -0.33, 0, 0.33, 0.82, 1
-    assert tuning(atoms, 1.0).binocularity_counts().tolist() == [1] * 7
+    found = tuning(atoms, 1.0)
+    assert found.binocularity == pytest.approx((weights - 1) / (weights + 1), abs=1e-4)
+    # -1, -0.82, -0.33, 0, 0.33, 0.82, 1
+    assert found.binocularity_counts().tolist() == [1] * 7
+
+
+def test_halves_that_want_different_stimuli_are_monocular():
+    odd = np.pi / 2.0
+    crossed = atom(1.1 * half(phase_rad=odd), half(wave_angle_deg=90.0, phase_rad=odd))
+    assert tuning(crossed[None], 1.0).binocularity[0] < -0.85
+
+
+def test_an_atom_is_as_gabor_as_the_half_of_its_dominant_eye():
+    noise = np.random.default_rng(0).standard_normal(64)
+    noise /= np.linalg.norm(noise)
+    good = half() / np.linalg.norm(half())
+    atoms = np.stack([atom(good, 0.7 * noise), atom(0.7 * noise, good), atom(0.3 * good, noise)])
+    found = tuning(atoms, 1.0)
+    assert found.is_gabor.tolist() == [True, True, False]
+    assert found.is_common_gabor.tolist() == [False, False, False]
+    assert found.gabor_share == pytest.approx(2 / 3)
+    assert found.common_gabor_share == 0.0
+    # What is no Gabor function is in no histogram.
+    assert found.orientation_counts().sum() == found.binocularity_counts().sum() == 2
+
+
+def test_the_residual_of_a_half_is_a_share_of_the_whole_atom():
+    noise = np.random.default_rng(0).standard_normal(64)
+    noise *= 0.5 * np.linalg.norm(half()) / np.linalg.norm(noise)
+    alone, beside = (tuning(atom(half() + noise, w * half())[None], 1.0) for w in (0.0, 0.8))
+    energy = ((half() + noise) ** 2).sum()
+    whole = energy + (0.8**2) * (half() ** 2).sum()
+    assert beside.residual[0] == pytest.approx(alone.residual[0] * energy / whole)
 
 
 def test_the_share_of_an_eye_weighs_atoms_by_their_part_in_the_code():

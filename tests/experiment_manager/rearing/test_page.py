@@ -61,7 +61,7 @@ def reared(condition="normal", error_deg=0.1, right_eyes_share=1.0, seed=1):
         results={"model": "M", "seed": seed, "iterations": 2000, "tests": [test, last]},
         atoms=both,
         tunings=tuple(tuning(both[i].astype(float), px) for i, px in enumerate(PX_PER_PIXEL)),
-        landscape=RewardLandscape(ERRORS_DEG, valley, 0.5),
+        landscape=RewardLandscape(ERRORS_DEG, valley, 0.5, np.full((2, 4), 0.25)),
         focal_length_px=257.34,
     )
 
@@ -71,9 +71,16 @@ def test_a_row_is_the_mean_over_seeds_beside_the_published_number():
     cells = re.findall(r"<td>(.*?)</td>", condition_table([("normal", runs)]))
     assert cells[:6] == ["normal", "2", "2,000", "0.20", "1.00", "0.25"]
     # Mean 7/15, least 0.2: 1 - 3/7; all atoms are Gabor functions, half of them binocular.
-    assert cells[6:10] == ["0.57", "100 %, 100 %", "50 %, 50 %", "0.50"]
-    assert cells[10:12] == ["0.50", "1.25"]
-    assert "0.12 +- 0.17 deg" in cells[12]
+    assert cells[6:10] == ["0.57", "100 %, 100 %", "100 %, 100 %", "100 %, 100 %"]
+    assert cells[10:14] == ["50 %, 50 %", "0.50", "0.50", "1.25"]
+    assert "0.12 +- 0.17 deg" in cells[14]
+
+
+def test_what_the_results_of_an_earlier_version_lack_is_left_open():
+    run = reared()
+    del run.results["tests"][-1]["share_within_1_px"]
+    cells = re.findall(r"<td>(.*?)</td>", condition_table([("normal", [run])]))
+    assert cells[3:6] == ["0.10", "1.00", "-"]
 
 
 def test_a_condition_that_nobody_has_published_has_no_number_beside_it():
@@ -110,16 +117,17 @@ def test_the_command_makes_the_page_of_a_run(small_run, tmp_path, capsys):
     assert len(list((tmp_path / "figures").glob("rearing_*.png"))) == 4
 
 
-def test_a_sweep_stands_for_its_finished_runs(tmp_path):
-    (tmp_path / "sweep.yaml").touch()
+def test_a_sweep_stands_for_its_finished_runs_in_its_order(tmp_path):
+    (tmp_path / "sweep.yaml").write_text("axes: {seed: [2, 3, 1], profile: [paper]}")
     with pytest.raises(InputError, match="expected a sweep with a finished run"):
         finished_runs(tmp_path)
-    for name in ("b", "a", "logs", "unfinished"):
-        (tmp_path / name).mkdir()
-    for name in ("b", "a"):
-        (tmp_path / name / "results.json").touch()
-    assert finished_runs(tmp_path) == [tmp_path / "a", tmp_path / "b"]
-    assert finished_runs(tmp_path / "a") == [tmp_path / "a"]
+    first, unfinished, last = (tmp_path / f"seed_{i}-profile_paper" for i in (2, 3, 1))
+    for run in (first, unfinished, last, tmp_path / "logs"):
+        run.mkdir()
+    for run in (first, last):
+        (run / "results.json").touch()
+    assert finished_runs(tmp_path) == [first, last]
+    assert finished_runs(last) == [last]
 
 
 def test_a_run_without_a_checkpoint_is_refused(small_run, tmp_path, capsys):

@@ -54,6 +54,7 @@ def test_learned_basis_functions_code_best_what_both_eyes_fixate(plant, coder):
     assert (np.diff(total[3:]) > 0.0).all()
     assert found.depth == pytest.approx(1.0 - total.min() / total.mean())
     assert found.left_share == pytest.approx(0.5, abs=0.02)
+    assert found.use.sum(axis=1) == pytest.approx([1.0, 1.0])
 
 
 def test_dictionaries_that_have_not_learned_have_a_flat_landscape(plant, coder):

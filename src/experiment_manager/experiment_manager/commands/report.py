@@ -61,7 +61,7 @@ def _parser() -> argparse.ArgumentParser:
         "--rearing",
         action="store_true",
         help="instead, rearing.html: the conditions of altered rearing beside one another, from"
-        " results.json and the newest checkpoint of each run (about 20 s a run); RUN may be a"
+        " results.json and the newest checkpoint of each run (30 to 40 s a run); RUN may be a"
         " sweep",
     )
     parser.add_argument(

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from experiment_manager.rearing.gabor import Gabors, fit_gabors
+from experiment_manager.rearing.gabor import GOOD_RESIDUAL, Gabors, fit_gabors
 from eye_plant.geometry import degrees_per_px
 from lockstep.errors import InputError
 from sparse_coder.patches import N_PIXELS
@@ -23,7 +23,7 @@ ORIENTATION_STEP_DEG = 22.5
 # Beyond it, measured from the vertical, stripes are so near the horizontal that a shift along the
 # row is hardly told by a phase.
 _LARGEST_TILT_DEG = 67.5
-# What is left of one eye in a cell that the other dominates tells no disparity.
+# What is left of one eye in an atom of which the other has nearly all tells no disparity.
 _LARGEST_DOMINANCE = 0.85
 
 
@@ -31,23 +31,39 @@ _LARGEST_DOMINANCE = 0.85
 class Tuning:
     """What the atoms of one scale are tuned to; each array is (n_bases,).
 
-    residual: what a Gabor function common to both eyes leaves of an atom, as a share. is_gabor:
-    whether that is at most 0.2, the only atoms of which the others tell something.
-    orientation_deg: of the stripes, 0 horizontal, 90 vertical. binocularity: (R - L) / (R + L), -1
-    is left alone, 1 right alone. disparity_px: preferred disparity in pixels of the picture, left
-    minus right as eye_plant.geometry.disparity_px has it; nan where an atom tells none.
+    The dominant eye is the one whose half answers more strongly to the Gabor function fitted to it
+    alone. residual: squared residuals of that fit, as a share of the squared entries of the whole
+    atom; is_gabor: whether they are at most 0.2, so that the atom counts (Klimmasch et al. 2021,
+    who take the left half). is_common_gabor: the same for one function fitted to both halves.
+    orientation_deg: of the dominant eye's stripes, 0 horizontal, 90 vertical. binocularity: (R - L)
+    / (R + L), -1 is left alone, 1 right alone; R and L are the halves' responses to the dominant
+    eye's function, as in their public code, so that a shift by a quarter of a wave between the eyes
+    counts as monocular. disparity_px: preferred disparity in pixels of the picture, left minus
+    right as eye_plant.geometry.disparity_px has it; nan where an atom tells none.
     """
 
     residual: Array
     is_gabor: NDArray[np.bool_]
+    is_common_gabor: NDArray[np.bool_]
     orientation_deg: Array
     binocularity: Array
     disparity_px: Array
 
     @property
     def gabor_share(self) -> float:
-        """Share of the atoms that are Gabor functions."""
+        """Share of the atoms whose dominant half is a Gabor function."""
         return float(self.is_gabor.mean())
+
+    @property
+    def common_gabor_share(self) -> float:
+        """Share of the atoms that one Gabor function describes in both eyes."""
+        return float(self.is_common_gabor.mean())
+
+    @property
+    def binocular_share(self) -> float:
+        """Share of the Gabor atoms with |binocularity| below 0.5; nan where there are none."""
+        counts = self.binocularity_counts()
+        return float(counts[2:5].sum() / counts.sum()) if counts.any() else float("nan")
 
     def orientation_counts(self) -> NDArray[np.int64]:
         """Return the Gabor atoms in eight bins, the first one centred on 0 deg, horizontal."""
@@ -56,8 +72,8 @@ class Tuning:
         return np.bincount(bins.astype(int), minlength=n_bins)
 
     def binocularity_counts(self) -> NDArray[np.int64]:
-        """Return all atoms in the seven bins between BINOCULARITY_EDGES, left to right."""
-        return np.histogram(self.binocularity, BINOCULARITY_EDGES)[0]
+        """Return the Gabor atoms in the seven bins between BINOCULARITY_EDGES, left to right."""
+        return np.histogram(self.binocularity[self.is_gabor], BINOCULARITY_EDGES)[0]
 
     def disparities_deg(self, focal_length_px: float) -> Array:
         """Return the preferred disparities of the atoms that have one, as angles at the centre."""
@@ -72,27 +88,40 @@ def tuning(atoms: Array, px_per_pixel: float) -> Tuning:
     """
     if atoms.ndim != 2 or atoms.shape[1] != N_PIXELS:
         raise InputError(f"expected atoms (n_bases, {N_PIXELS}), got shape {atoms.shape}")
-    gabors = fit_gabors(atoms.reshape(len(atoms), 2, -1))
-    binocularity = binocularity_of(atoms)
-    told = gabors.is_good & (np.abs(binocularity) < _LARGEST_DOMINANCE)
-    disparity_px = np.where(told, preferred_disparity_px(gabors), np.nan) * px_per_pixel
+    halves = atoms.reshape(len(atoms), 2, -1)
+    common = fit_gabors(halves)
+    alone = fit_gabors(halves.reshape(2 * len(atoms), 1, -1))
+    functions = alone.patches.reshape(halves.shape)
+    dominant = (functions * halves).sum(axis=2).argmax(axis=1)
+    every = np.arange(len(atoms))
+    responses = np.abs((functions[every, dominant, None] * halves).sum(axis=2))
+    residual = _residual_of_half(alone, halves)[every, dominant]
+    dominance = _balance(np.linalg.norm(halves, axis=2))
+    told = common.is_good & (np.abs(dominance) < _LARGEST_DOMINANCE)
     return Tuning(
-        residual=gabors.residual,
-        is_gabor=gabors.is_good,
-        orientation_deg=gabors.orientation_deg,
-        binocularity=binocularity,
-        disparity_px=disparity_px,
+        residual=residual,
+        is_gabor=residual <= GOOD_RESIDUAL,
+        is_common_gabor=common.is_good,
+        orientation_deg=alone.orientation_deg.reshape(-1, 2)[every, dominant],
+        binocularity=_balance(responses),
+        disparity_px=np.where(told, preferred_disparity_px(common), np.nan) * px_per_pixel,
     )
 
 
-def binocularity_of(atoms: Array) -> Array:
-    """Return (R - L) / (R + L) of atoms (n_bases, 128), R and L the norms of the eyes' halves."""
-    left, right = (
-        np.linalg.norm(half, axis=1) for half in np.split(atoms.astype(np.float64), 2, axis=1)
-    )
+def _balance(of_eyes: Array) -> Array:
+    """Return (R - L) / (R + L) of an amount (n, 2) per eye; 0 where both have none."""
+    left, right = of_eyes.T
     both = left + right
     balance: Array = (right - left) / np.where(both > 0.0, both, 1.0)
     return balance
+
+
+def _residual_of_half(alone: Gabors, halves: Array) -> Array:
+    """Return what fits of halves (n, 2, 64) leave, as shares of the whole atoms' energy, (n, 2)."""
+    energy = (halves**2).sum(axis=2)
+    whole = energy.sum(axis=1, keepdims=True)
+    share: Array = alone.residual.reshape(-1, 2) * energy / np.where(whole > 0.0, whole, 1.0)
+    return np.where(whole > 0.0, share, 1.0)
 
 
 def preferred_disparity_px(gabors: Gabors) -> Array:

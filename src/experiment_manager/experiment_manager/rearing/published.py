@@ -9,14 +9,13 @@ from collections.abc import Mapping
 _NEVER = "never learns vergence: a flat landscape, monocular cells"
 
 PUBLISHED: Mapping[str, str] = {
-    "normal": "0.12 +- 0.17 deg; random-dot stereograms 0.21 +- 0.22 deg; 98 % Gabor",
+    "normal": "0.12 +- 0.17 deg; random-dot stereograms 0.21 +- 0.22 deg; 98 % Gabor (left half)",
     "vertical": "about as normal while training (0.3 deg with noise)",
     "horizontal": "worse, but learns",
     "orthogonal": _NEVER,
     "monocular": _NEVER,
     "strabismus_camera_10deg": _NEVER,
     "strabismus_camera_10deg_still": _NEVER,
-    "strabismus_camera_3deg": "preferred disparities shift to 3 deg",
     "strabismus_camera_3deg_still": "preferred disparities shift to 3 deg",
     "aniseikonia_10": "slower and worse",
     "aniseikonia_15": "still improves",

@@ -35,8 +35,9 @@ _ERRORS_DEG = np.arange(-16, 17) / 4.0
 class RearedRun:
     """One run of a condition.
 
-    condition: its profile without the folder; results: of results.json; atoms: both dictionaries,
-    (2, n_bases, 128); tunings: coarse, fine; focal_length_px: of the cameras.
+    condition: its profile without the folder, or the directory's name; results: of results.json;
+    atoms: both dictionaries, (2, n_bases, 128); tunings: coarse, fine; focal_length_px: of the
+    cameras.
     """
 
     directory: Path
@@ -62,7 +63,7 @@ class RearedRun:
 def read_reared_run(directory: Path) -> RearedRun:
     """Measure a finished run; raises InputError for a directory that holds none.
 
-    Takes some 20 s: Gabor fits of all basis functions, and the pictures of the landscape.
+    Takes 30 to 40 s: Gabor fits of all basis functions, and the pictures of the landscape.
     """
     configuration = read_configuration(directory / CONFIG_FILE)
     results = read_results(directory / RESULTS_FILE)
@@ -75,9 +76,10 @@ def read_reared_run(directory: Path) -> RearedRun:
     coder.restore(read_state(found[1] / "sparse_coder.npz", "sparse_coder"))
     atoms = coder.atoms()
     plant = _plant_at_the_end(configuration)
+    profile = configuration["experiment_manager"]["profile"]
     return RearedRun(
         directory=directory,
-        condition=configuration["experiment_manager"]["profile"].removeprefix(_FOLDER),
+        condition=profile.removeprefix(_FOLDER) or directory.name,
         results=results,
         atoms=atoms,
         tunings=tuple(

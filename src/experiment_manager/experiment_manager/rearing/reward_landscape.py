@@ -26,12 +26,14 @@ class RewardLandscape:
 
     vergence_error_deg: (n_errors,). reconstruction_error: coarse and fine, (n_errors, 2), mean over
     pictures and distances; nan where no muscle activation gives the vergence. left_share: of the
-    left eye in the code of all these pictures, 0.5 where neither eye is suppressed.
+    left eye in the code of all these pictures, 0.5 where neither eye is suppressed. use: of each
+    atom in it, (2, n_bases), the share in its scale's squared coefficients.
     """
 
     vergence_error_deg: Array
     reconstruction_error: Array
     left_share: float
+    use: Array
 
     @property
     def total_error(self) -> Array:
@@ -86,6 +88,7 @@ def reward_landscape(
         np.asarray(vergence_errors_deg, dtype=np.float64),
         means,
         left_share(features, coder.atoms()),
+        features / np.maximum(features.sum(axis=1, keepdims=True), np.finfo(float).tiny),
     )
 
 
