@@ -6,6 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
+from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from experiment_manager.measures.metrics import PX_DEG, summary
 from experiment_manager.report.condition_figures import conditions_figure
@@ -60,6 +63,53 @@ def test_runs_with_other_settings_are_not_pooled(
     assert first.label.endswith("parameter_set k17, 1 run")
     assert second.label.endswith("photos stimuli, parameter_set anatomical, 1 run")
     assert first.colour != second.colour
+
+
+def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(
+    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = runs[0]
+    other = ReportedRun(run.directory)
+    monkeypatch.setattr(
+        other,
+        "configuration",
+        run.configuration.replace(
+            "mechanics.parameter_set: k17",
+            "mechanics.parameter_set: anatomical\n    camera.roi_width_px: 128",
+        ),
+    )
+    for one, profile in ((run, "paper"), (other, "precise")):
+        document = yaml.safe_load(one.configuration)
+        document["/**/experiment_manager"] = {"ros__parameters": {"profile": profile}}
+        monkeypatch.setattr(one, "configuration", yaml.safe_dump(document))
+    first, second = groups_of([run, other])
+    assert first.label.endswith("$, profile paper, 1 run")
+    assert second.label.endswith("$, profile precise, 1 run")
+
+
+def _is_inside(text: Text, figure: Figure) -> bool:
+    extent = text.get_window_extent()
+    return figure.bbox.x0 <= extent.x0 and extent.x1 <= figure.bbox.x1
+
+
+def test_long_names_of_groups_are_not_cut_off(runs: list[ReportedRun]) -> None:
+    groups = [
+        replace(group, label=f"{group.label}, {'a long setting 0.123456789, ' * 4}")
+        for group in groups_of(runs)
+    ]
+    grid = np.linspace(0, 0.1, 3)
+    space = MotorSpace(2 * grid, grid, np.eye(3), np.eye(3), 0.056)
+    for figure in (
+        performance_figure(groups),
+        box_figure(groups),
+        motor_space_figure(space, groups),
+    ):
+        figure.draw_without_rendering()
+        assert all(_is_inside(text, figure) for text in figure.legends[0].get_texts())
+    figure = conditions_figure(groups)
+    figure.draw_without_rendering()
+    left, right = (axes.title.get_window_extent() for axes in figure.axes[:2])
+    assert left.x1 < right.x0
 
 
 def test_fig_2_shows_the_medians_of_the_tests(runs: list[ReportedRun]) -> None:

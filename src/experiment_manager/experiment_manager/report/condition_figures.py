@@ -1,5 +1,6 @@
 """Test performance by what a trial starts from: where learning succeeded, and where it did not."""
 
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,6 +17,7 @@ from experiment_manager.report.performance_figures import new_figure
 _REACH = 16.0
 _DARK = 6.0
 _N_COLUMNS = 2
+_LONGEST_TITLE_LINE = 50  # characters
 
 
 def conditions_figure(groups: Sequence[Group]) -> Figure:
@@ -58,7 +60,7 @@ def _draw(axes: Axes, group: Group) -> AxesImage:
     axes.set_xticks(range(len(starts_deg)), [f"{value:.0f}" for value in starts_deg])
     axes.set_yticks(range(len(distances_m)), [f"{value:g}" for value in distances_m])
     axes.set(xlabel="vergence error at the start / deg", ylabel="object distance / m")
-    axes.set_title(group.label, fontsize=9)
+    axes.set_title(textwrap.fill(group.label, _LONGEST_TITLE_LINE), fontsize=9)
     return image
 
 

@@ -18,9 +18,9 @@ from experiment_manager.run.config_file import FREE_TO_CHANGE, RUN_SECTION
 # K17's colours: M blue, M_C green. Lightness tells further groups of a model apart.
 _COLOUR_MAPS = {"M": "Blues", "M_C": "Greens"}
 _DARKEST, _LIGHTEST = 0.85, 0.4
-# The section of a configuration that says what the run is, and parameters that change no number
-# that a figure shows: who made the run, where, how often it was saved, and when it was tested.
-_STIMULI = "eye_plant.stimuli.directory"
+_STIMULI, _PROFILE = "eye_plant.stimuli.directory", "experiment_manager.profile"
+# Parameters that change no number that a figure shows: who made the run, where, how often it was
+# saved, when it was tested, and how much of the pictures was drawn that nobody codes.
 _NO_SETTINGS = (
     "seed",
     "metabolic_cost_weight",
@@ -31,6 +31,8 @@ _NO_SETTINGS = (
     "n_training_iterations",
     "protocol.n_training_iterations",
     "protocol.test_iterations",
+    "camera.roi_width_px",
+    "camera.roi_height_px",
 )
 # Parts of a node's parameters: the manager has the plant's mechanics once more, and a run's plant
 # does not run freely.
@@ -151,6 +153,8 @@ def _label(key: Common, same_model: Sequence[Common], n_runs: int) -> str:
         parts.append(f"{key.n_iterations:,} iterations")
     common = frozenset.intersection(*(other.settings for other in same_model))
     own = sorted(key.settings - common, key=lambda setting: (setting[0] != _STIMULI, setting))
+    if any(name == _PROFILE for name, _ in own):  # it says what else differs
+        own = [setting for setting in own if setting[0] in (_STIMULI, _PROFILE)]
     parts += [_named(*setting) for setting in own[:_MOST_SETTINGS_NAMED]]
     parts.append(f"{n_runs} run{'s' if n_runs > 1 else ''}")
     return ", ".join(parts)

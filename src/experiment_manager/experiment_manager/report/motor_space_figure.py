@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from experiment_manager.measures.metrics import PX_DEG, SILENT_ACTIVATION
 from experiment_manager.measures.trials import TestTrials
 from experiment_manager.report.groups import Group
-from experiment_manager.report.performance_figures import new_figure
+from experiment_manager.report.performance_figures import add_legend, new_figure
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
@@ -89,9 +89,7 @@ def motor_space_figure(space: MotorSpace, groups: Sequence[Group]) -> Figure:
     ]
     (silent,) = panels[0].plot([], [], ls=":", lw=0.9, color="#b35c00")
     silent.set_label(f"activation {SILENT_ACTIVATION:g}: below, a muscle costs no less")
-    figure.legend(
-        handles=[*handles, silent], loc="outside lower center", ncols=min(2, 1 + len(handles))
-    )
+    add_legend(figure, [*handles, silent])
     return figure
 
 

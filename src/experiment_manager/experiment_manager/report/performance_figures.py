@@ -1,6 +1,7 @@
 """K17's figures 2 and 3 and a run's learning curve."""
 
 import math
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,8 @@ _STEPS = (1.0, 2.0, 5.0)
 # Of many groups lying upon each other, the bands are fainter.
 _MANY_GROUPS = 4
 _DPI = 150
+# Characters of a group's name in a legend or above a panel.
+_LONGEST_LINE = 60
 
 # For mpl.rc_context around whoever draws.
 STYLE = {
@@ -86,8 +89,20 @@ def performance_figure(groups: Sequence[Group]) -> Figure:
     _mark_pixel(lower)
     lower.set(yscale="log", ylabel=ERROR_LABEL, xlabel="training iterations")
     _label_decades(lower)
-    figure.legend(handles=handles, loc="outside lower center", ncols=2)
+    add_legend(figure, handles)
     return figure
+
+
+def add_legend(figure: Figure, handles: Sequence[Any]) -> None:
+    """Put a legend below a figure, in two columns if they have room, otherwise in one."""
+    for n_columns in (2, 1):
+        legend = figure.legend(handles=handles, loc="outside lower center", ncols=n_columns)
+        figure.draw_without_rendering()
+        if n_columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            break
+        legend.remove()
+    for text in legend.get_texts():
+        text.set_text(textwrap.fill(text.get_text(), _LONGEST_LINE))
 
 
 def _label_decades(axes: Axes) -> None:
@@ -210,7 +225,7 @@ def box_figure(groups: Sequence[Group]) -> Figure:
     lower.set(ylabel="$c$ / %", xlabel="iteration of the trial")
     lower.set_xticks(range(len(shown)), [str(k) for k in shown])
     handles = [Patch(color=group.colour, alpha=0.6, label=group.label) for group in groups]
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(2, len(handles)))
+    add_legend(figure, handles)
     return figure
 
 
