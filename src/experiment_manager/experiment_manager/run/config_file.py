@@ -40,6 +40,14 @@ FREE_TO_CHANGE = {
     },
     "eye_plant": {"stimuli.cache_directory"},
 }
+# What earlier versions had, and the value at which it did nothing.
+_GONE = {
+    "vergence_rl": {
+        "wide_exploration_share": 0.0,
+        "final_exploration_share": 1.0,
+        "exploration_step_exponent": 0.0,
+    }
+}
 _PACKAGES = ("mujoco", "numpy", "opencv-python-headless", "ros-jazzy-rclpy", "mcap", "numba")
 
 Configuration = dict[str, dict[str, Any]]
@@ -87,11 +95,15 @@ def read_configuration(path: Path) -> Configuration:
 
     So it is where parameters that must agree do not, or the section that says what the run is says
     something else than they do. What the file lacks, being of an earlier version, follows from the
-    parameter that it must agree with, or is the default.
+    parameter that it must agree with, or is the default; what is gone since is left out where it
+    did nothing.
     """
     try:
         document = yaml.safe_load(path.read_text())
-        given = {node: document[f"/**/{node}"]["ros__parameters"] for node in CONFIG_CLASSES}
+        given = {
+            node: _without_gone(node, document[f"/**/{node}"]["ros__parameters"])
+            for node in CONFIG_CLASSES
+        }
         complete = _with_partners(given)
         configuration = {
             node: flatten(build(config_class, complete[node]))
@@ -105,6 +117,11 @@ def read_configuration(path: Path) -> Configuration:
     except (OSError, yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: expected the configuration of a run: {error}") from error
     return configuration
+
+
+def _without_gone(node: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    idle = _GONE.get(node, {})
+    return {name: v for name, v in values.items() if name not in idle or v != idle[name]}
 
 
 def _with_partners(given: Mapping[str, Mapping[str, Any]]) -> Configuration:
