@@ -116,6 +116,12 @@ def test_a_full_disk(line: list[str], commands: list[list[float]], tmp_path: Pat
         disk.close()
 
 
+def _assert_refused_as_read_only(output: str) -> None:
+    assert output.count("error: ") == 1, output
+    assert "Traceback" not in output
+    assert "/run: cannot be written: [Errno 30] Read-only file system" in output
+
+
 def test_a_disk_that_may_only_be_read(line: list[str], tmp_path: Path) -> None:
     disk = Disk(tmp_path / "run", "ro")
     try:
@@ -124,9 +130,7 @@ def test_a_disk_that_may_only_be_read(line: list[str], tmp_path: Path) -> None:
             output = run.output()
     finally:
         disk.close()
-    assert output.count("error: ") == 1, output
-    assert "Traceback" not in output
-    assert "/run: cannot be written: [Errno 30] Read-only file system" in output
+    _assert_refused_as_read_only(output)
 
 
 def test_a_run_that_may_only_be_read_is_not_resumed(line: list[str], tmp_path: Path) -> None:
@@ -139,9 +143,7 @@ def test_a_run_that_may_only_be_read_is_not_resumed(line: list[str], tmp_path: P
             output = run.output()
     finally:
         disk.close()
-    assert output.count("error: ") == 1, output
-    assert "Traceback" not in output
-    assert "/run: cannot be written: [Errno 30] Read-only file system" in output
+    _assert_refused_as_read_only(output)
 
 
 def test_a_node_without_memory(line: list[str], tmp_path: Path) -> None:

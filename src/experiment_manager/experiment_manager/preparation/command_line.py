@@ -32,64 +32,59 @@ def parser() -> argparse.ArgumentParser:
         "that learns vergence within ten minutes.",
         allow_abbrev=False,
     )
-    line.add_argument(
+    _add_settings(line)
+    _add_tests(line)
+    _add_price(line)
+    _add_directories(line)
+    _add_ways_to_run(line)
+    return line
+
+
+def _add_settings(line: argparse.ArgumentParser) -> None:
+    group = line.add_argument_group("what to learn")
+    group.add_argument(
         "--profile",
         metavar="NAME",
         help=f"settings to begin with: {', '.join(profile_names())} (default:"
         " paper if --model or --iterations is given, else demonstration)",
     )
-    line.add_argument("--model", choices=MODELS, help="M: vergence; M_C: with a price on energy")
-    line.add_argument("--iterations", type=_whole, metavar="N", help="training iterations, as 1e6")
-    line.add_argument("--seed", type=_whole, metavar="S", help="default: 1")
-    line.add_argument(
+    group.add_argument("--model", choices=MODELS, help="M: vergence; M_C: with a price on energy")
+    group.add_argument("--iterations", type=_whole, metavar="N", help="training iterations, as 1e6")
+    group.add_argument("--seed", type=_whole, metavar="S", help="default: 1")
+    group.add_argument(
         "--stimuli",
         type=Path,
         metavar="DIR",
         help="images instead of generated ones: train/ and test/ inside, or one directory",
     )
-    line.add_argument("--out", type=Path, metavar="DIR", help="run directory (default: runs/...)")
-    line.add_argument(
-        "--resume",
-        type=Path,
-        metavar="DIR",
-        help="go on with an interrupted run, with the settings that it has",
+    group.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NODE.PARAMETER=VALUE",
+        help="any parameter of any node; repeatable",
     )
-    line.add_argument(
-        "--extend",
+
+
+def _add_tests(line: argparse.ArgumentParser) -> None:
+    group = line.add_argument_group("tests")
+    group.add_argument(
+        "--tests",
+        type=_wholes,
+        metavar="N,N,...",
+        help="training iterations before each test; one at the end is always made",
+    )
+    group.add_argument(
+        "--test-stimuli",
         type=_whole,
-        metavar="N",
-        help="with --resume: N training iterations more; what falls towards the end of training,"
-        " as the learning rate of the actor, then falls towards the new end",
+        metavar="K",
+        help="stimuli of each test; a test has 39 trials of 20 iterations for each",
     )
-    line.add_argument(
-        "--branch",
-        metavar="RUN[@ITERATION]",
-        help="begin a new run from a checkpoint of another, the newest or that after so many"
-        " training iterations, with its settings but for those given here",
-    )
-    line.add_argument(
-        "--in-process",
-        action="store_true",
-        help="the same run in one process on one core, without nodes: the same files, bit for bit",
-    )
-    line.add_argument(
-        "--elsewhere",
-        default=(),
-        type=_nodes,
-        metavar="NODE,...",
-        help="nodes that you start yourself, on another machine: of "
-        f"{', '.join(MOVABLE_NODES)}; see docs/reliability.md",
-    )
-    line.add_argument(
-        "--live",
-        nargs="?",
-        const=Address(),
-        type=Address.of,
-        metavar="HOST:PORT",
-        help="watch the run in Lichtblick or Foxglove; listens on this machine only unless HOST"
-        f" says otherwise (default: {Address()})",
-    )
-    line.add_argument(
+
+
+def _add_price(line: argparse.ArgumentParser) -> None:
+    group = line.add_argument_group("price of energy")
+    group.add_argument(
         "--lambda",
         dest="weight",
         type=float,
@@ -98,7 +93,7 @@ def parser() -> argparse.ArgumentParser:
         f"{DEFAULT_METABOLIC_COST_WEIGHTS['k17']}; with anatomical eyes "
         f"{DEFAULT_METABOLIC_COST_WEIGHTS['anatomical']})",
     )
-    line.add_argument(
+    group.add_argument(
         "--lambda-share",
         dest="share",
         type=float,
@@ -106,26 +101,56 @@ def parser() -> argparse.ArgumentParser:
         help="choose lambda so that energy is this share of the reward over the first 5,000"
         " iterations; they are made once without a price, to measure it (about a minute)",
     )
-    line.add_argument(
-        "--tests",
-        type=_wholes,
-        metavar="N,N,...",
-        help="training iterations before each test; one at the end is always made",
+
+
+def _add_directories(line: argparse.ArgumentParser) -> None:
+    group = line.add_argument_group("where, and what to go on from")
+    group.add_argument("--out", type=Path, metavar="DIR", help="run directory (default: runs/...)")
+    group.add_argument(
+        "--resume",
+        type=Path,
+        metavar="DIR",
+        help="go on with an interrupted run, with the settings that it has",
     )
-    line.add_argument(
-        "--test-stimuli",
+    group.add_argument(
+        "--extend",
         type=_whole,
-        metavar="K",
-        help="stimuli of each test; a test has 39 trials of 20 iterations for each",
+        metavar="N",
+        help="with --resume: N training iterations more; what falls towards the end of training,"
+        " as the learning rate of the actor, then falls towards the new end",
     )
-    line.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="NODE.PARAMETER=VALUE",
-        help="any parameter of any node; repeatable",
+    group.add_argument(
+        "--branch",
+        metavar="RUN[@ITERATION]",
+        help="begin a new run from a checkpoint of another, the newest or that after so many"
+        " training iterations, with its settings but for those given here",
     )
-    return line
+
+
+def _add_ways_to_run(line: argparse.ArgumentParser) -> None:
+    group = line.add_argument_group("how to run it")
+    group.add_argument(
+        "--in-process",
+        action="store_true",
+        help="the same run in one process on one core, without nodes: the same files, bit for bit",
+    )
+    group.add_argument(
+        "--elsewhere",
+        default=(),
+        type=_nodes,
+        metavar="NODE,...",
+        help="nodes that you start yourself, on another machine: of "
+        f"{', '.join(MOVABLE_NODES)}; see docs/reliability.md",
+    )
+    group.add_argument(
+        "--live",
+        nargs="?",
+        const=Address(),
+        type=Address.of,
+        metavar="HOST:PORT",
+        help="watch the run in Lichtblick or Foxglove; listens on this machine only unless HOST"
+        f" says otherwise (default: {Address()})",
+    )
 
 
 def _whole(text: str) -> int:

@@ -7,7 +7,7 @@ negative, as in the paper.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import bool_, float64, guvectorize, njit, vectorize, void
+from numba import bool_, float64, njit, vectorize, void
 from numpy.typing import ArrayLike, NDArray
 
 from eye_plant.mechanics.parameters import Energetics
@@ -79,20 +79,25 @@ def metabolic_terms(
     length: fibre length in optimal lengths; isometric_force: FL at that length;
     contractile_force_n: force of the active fibres alone, pull positive.
     """
-    return MetabolicTerms(
-        *_metabolic_terms_w(
-            excitation,
-            activation,
-            length,
-            velocity_per_s,
-            isometric_force,
-            contractile_force_n,
-            optimal_length_m,
-            max_velocity_per_s,
-            mass_kg,
-            *_numbers(energetics),
-        )
+    inputs = (
+        excitation,
+        activation,
+        length,
+        velocity_per_s,
+        isometric_force,
+        contractile_force_n,
+        optimal_length_m,
+        max_velocity_per_s,
+        mass_kg,
     )
+    state = np.empty((len(inputs), *np.broadcast(*inputs).shape))
+    for i, values in enumerate(inputs):
+        state[i] = values
+    terms_w = np.empty((4, *state.shape[1:]))
+    _fill_terms_w(
+        state.reshape(len(state), -1), *_numbers(energetics), terms_w.reshape(len(terms_w), -1)
+    )
+    return MetabolicTerms(*terms_w)
 
 
 def _numbers(energetics: Energetics) -> tuple[float, float, float, bool]:
@@ -142,36 +147,29 @@ def _settled_rate_w(  # type: ignore[no-untyped-def]  # noqa: PLR0917 (a ufunc)
     return max(heat, MINIMUM_HEAT_W_PER_KG) * mass_kg
 
 
-@guvectorize(
-    [void(*(float64,) * 12, bool_, *(float64[:],) * 4)],
-    ",".join(["()"] * 13) + "->" + ",".join(["()"] * 4),
+# Not a gufunc: Numba caches those in two parts, and two processes that compile at once may leave
+# parts that do not belong together, which crash whoever loads them.
+@njit(
+    void(float64[:, ::1], float64, float64, float64, bool_, float64[:, ::1]),
     cache=True,
+    error_model="numpy",
 )
-def _metabolic_terms_w(  # type: ignore[no-untyped-def]  # noqa: PLR0917 (a ufunc)
-    excitation,
-    activation,
-    length,
-    velocity_per_s,
-    isometric_force,
-    contractile_force_n,
-    optimal_length_m,
-    max_velocity_per_s,
-    mass_kg,
-    scaling,
-    fast,
-    minimum,
-    length_dependent,
-    activation_maintenance_w,
-    shortening_lengthening_w,
-    floor_w,
-    work_w,
+def _fill_terms_w(  # type: ignore[no-untyped-def]  # noqa: PLR0917 (all that _numbers returns)
+    state, scaling, fast, minimum, length_dependent, terms_w
 ):
-    charged = excitation if excitation > activation else 0.5 * (excitation + activation)
-    charged = max(charged, minimum)
-    left = isometric_force if length_dependent and length > 1.0 else 1.0
-    maintenance = _maintenance_w_per_kg(charged, left, scaling, fast)
-    sliding = left * _sliding_w_per_kg(charged, velocity_per_s, max_velocity_per_s, scaling, fast)
-    activation_maintenance_w[0] = maintenance * mass_kg
-    shortening_lengthening_w[0] = sliding * mass_kg
-    floor_w[0] = max(MINIMUM_HEAT_W_PER_KG - maintenance - sliding, 0.0) * mass_kg
-    work_w[0] = -contractile_force_n * velocity_per_s * optimal_length_m
+    """Fill terms_w (4, n), in the order of MetabolicTerms, from metabolic_terms' inputs (9, n)."""
+    for i in range(state.shape[1]):
+        excitation, activation, length = state[0, i], state[1, i], state[2, i]
+        velocity_per_s, isometric_force, contractile_force_n = state[3, i], state[4, i], state[5, i]
+        optimal_length_m, max_velocity_per_s, mass_kg = state[6, i], state[7, i], state[8, i]
+        charged = excitation if excitation > activation else 0.5 * (excitation + activation)
+        charged = max(charged, minimum)
+        left = isometric_force if length_dependent and length > 1.0 else 1.0
+        maintenance = _maintenance_w_per_kg(charged, left, scaling, fast)
+        sliding = left * _sliding_w_per_kg(
+            charged, velocity_per_s, max_velocity_per_s, scaling, fast
+        )
+        terms_w[0, i] = maintenance * mass_kg
+        terms_w[1, i] = sliding * mass_kg
+        terms_w[2, i] = max(MINIMUM_HEAT_W_PER_KG - maintenance - sliding, 0.0) * mass_kg
+        terms_w[3, i] = -contractile_force_n * velocity_per_s * optimal_length_m

@@ -1,0 +1,27 @@
+"""What the tests of the plant's node share."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from sensor_msgs.msg import JointState
+
+from eye_plant.node import EyePlantNode
+from tests.eye_plant.plant_bench import HEARD
+from tests.node_harness import Bench, Graph, ros_graph
+
+
+@pytest.fixture
+def graph() -> Iterator[Graph]:
+    """Yield a domain of the test's own."""
+    with ros_graph() as graph:
+        yield graph
+
+
+@pytest.fixture
+def bench(graph: Graph, pictures: Path) -> Bench:
+    """Return a plant with small stimuli whose run has started."""
+    plant = graph.add(EyePlantNode, stimuli__directory=str(pictures), stimuli__size_px=64)
+    bench = Bench(graph, plant, {"muscle_command": JointState}, HEARD)
+    assert bench.request("start_run") == (True, "")
+    return bench

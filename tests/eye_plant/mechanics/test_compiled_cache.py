@@ -1,0 +1,46 @@
+"""What processes that compile at once leave, as the nodes of a first start do, works together."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+CODE = """
+from eye_plant.mechanics.metabolics import metabolic_terms
+from eye_plant.mechanics.parameters import Energetics
+terms = metabolic_terms(
+    excitation=0.3, activation=0.2, length=1.1, velocity_per_s=-0.5, isometric_force=0.9,
+    contractile_force_n=0.4, optimal_length_m=0.03, max_velocity_per_s=10.0, mass_kg=1e-3,
+    energetics=Energetics(),
+)
+print(terms.total_w.hex())
+"""
+
+
+def _said(cache: Path, code: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | {"NUMBA_CACHE_DIR": str(cache)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, f"exit code {done.returncode}:\n{done.stderr}"
+    return done.stdout
+
+
+def test_each_function_in_the_cache_goes_with_others_compiled_later(tmp_path: Path) -> None:
+    whole = tmp_path / "whole"
+    said = _said(whole, CODE)
+    functions = {path.name.split(".py")[0] for path in whole.rglob("*.nbi")}
+    assert "metabolics._fill_terms_w" in {name.rpartition("-")[0] for name in functions}
+    for function in functions:
+        cache = tmp_path / function
+        shutil.copytree(whole, cache, ignore=lambda _, names, kept=function: _others(names, kept))
+        # Numba numbers functions as it compiles them: these get other numbers than before.
+        assert _said(cache, f"import eye_plant.mechanics.muscle_curves\n{CODE}") == said
+
+
+def _others(names: list[str], kept: str) -> list[str]:
+    return [name for name in names if ".py" in name and not name.startswith(f"{kept}.py")]

@@ -1,0 +1,161 @@
+"""What the node eye_plant refuses, and that it leaves no trace."""
+
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import JointState
+
+from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.oculomotor import Oculomotor
+from eye_plant.node import EyePlantNode
+from lockstep.wire.topics import (
+    GROUND_TRUTH_NAMES,
+)
+from tests.eye_plant.plant_bench import (
+    COMMANDS,
+    EPISODE,
+    HEARD,
+    begin,
+    observation_numbers,
+    send_command,
+)
+from tests.node_harness import Bench, ros_graph
+
+
+@pytest.fixture(scope="module")
+def shared(pictures: Path) -> Iterator[Bench]:
+    """Yield one plant for all the things that it refuses: none of them may leave a trace."""
+    with ros_graph() as graph:
+        plant = graph.add(EyePlantNode, stimuli__directory=str(pictures), stimuli__size_px=64)
+        bench = Bench(graph, plant, {"muscle_command": JointState}, HEARD)
+        assert bench.request("start_run") == (True, "")
+        yield bench
+
+
+_bases = itertools.count(1000, 1000)
+
+
+@pytest.mark.parametrize(
+    ("names", "reason"),
+    [
+        (("medial_rectus",) * 2, "expected each muscle once, got 'medial_rectus' again"),
+        (("medial_rectus", "left_medial_rectus"), "got 'left_medial_rectus' again"),
+        (("medial_rectus", "tongue"), "unknown muscle 'tongue', expected some of left_"),
+        (("medial_rectus",), "expected one position per name, got 2 for 1 names"),
+        ((), "expected one position per name, got 2 for 0 names"),
+    ],
+)
+def test_commands_with_wrong_names_are_refused(
+    shared: Bench, names: tuple[str, ...], reason: str
+) -> None:
+    _refuses(shared, lambda n: send_command(shared, n, (0.1, 0.1), names), reason)
+
+
+@pytest.mark.parametrize(
+    ("values", "reason"),
+    [
+        ((math.nan, 0.1), "expected finite values, got position [nan, 0.1]"),
+        ((math.inf, 0.1), "expected finite values, got position [inf, 0.1]"),
+        ((-0.01, 0.1), "expected activations in [0, 1], got [-0.01, 0.1]"),
+        ((0.1, 1.01), "expected activations in [0, 1], got [0.1, 1.01]"),
+        ((0.1,), "expected one position per name, got 1 for 2 names"),
+        ((), "expected one position per name, got 0 for 2 names"),
+    ],
+)
+def test_commands_with_wrong_values_are_refused(
+    shared: Bench, values: tuple[float, ...], reason: str
+) -> None:
+    _refuses(shared, lambda n: send_command(shared, n, values), reason)
+
+
+def test_a_command_for_the_future_is_refused(shared: Bench) -> None:
+    _refuses(
+        shared, lambda n: send_command(shared, n + 1), "expected the stamp of the observation it"
+    )
+
+
+def _refuses(bench: Bench, send: Callable[[int], None], reason: str) -> None:
+    """Check that what is sent during the first observation is refused once and changes nothing."""
+    first = next(_bases)
+    n_refused = bench.node.diagnostics.n_refused
+    begin(bench, first_observation=first)
+    bench.graph.spin_until(
+        lambda: first in observation_numbers(bench, "ground_truth"), "the episode"
+    )
+    send(first)
+    assert reason in bench.wait_refused(n_refused + 1)
+    assert max(observation_numbers(bench, "ground_truth")) == first
+    send_command(bench, first, COMMANDS[0])
+    bench.graph.spin_until(
+        lambda: first + 1 in observation_numbers(bench, "ground_truth"), "the answer"
+    )
+    truth = bench.outsider.heard["ground_truth"][
+        observation_numbers(bench, "ground_truth").index(first + 1)
+    ]
+    assert truth.position[GROUND_TRUTH_NAMES.index("vergence_deg")] == (
+        _vergence_after_first_command()
+    )
+
+
+def _vergence_after_first_command() -> float:
+    oculomotor = Oculomotor(MechanicsConfig())
+    oculomotor.settle(oculomotor.activations_from(EPISODE.medial_rectus, EPISODE.lateral_rectus))
+    oculomotor.step(oculomotor.activations_from(*COMMANDS[0]))
+    return float(np.degrees(oculomotor.state().eye_angles_rad[:, 0].sum()))
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"phase": 2}, "phase: expected 0 to 1, got 2"),
+        ({"phase": "0"}, "phase: expected an integer, got '0'"),
+        ({"stimulus": 5}, "stimulus: expected 0 to 4, got 5"),
+        ({"stimulus": -1}, "stimulus: expected 0 or more, got -1"),
+        ({"object_distance_m": 0.0}, "object_distance_m: expected more than 0 m, got 0.0"),
+        ({"object_distance_m": math.nan}, "object_distance_m: expected more than 0 m, got nan"),
+        ({"object_distance_m": 1e9}, "object_distance_m: expected"),
+        ({"object_distance_m": 1e-9}, "object_distance_m: expected"),
+        ({"medial_rectus": 1.5}, "medial_rectus: expected 0 to 1, got 1.5"),
+        ({"lateral_rectus": math.nan}, "lateral_rectus: expected 0 to 1, got nan"),
+        ({"n_iterations": 0}, "n_iterations: expected 1 or more, got 0"),
+        ({"first_observation": -1}, "first_observation: expected 0 or more, got -1"),
+        ({"first_observation": 2**62}, "expected stamps below 2^31 s"),
+        ({"n_iterations": 2**62}, "expected stamps below 2^31 s"),
+        ({"weather": 1}, "missing: none, unknown: weather"),
+    ],
+)
+def test_episodes_that_cannot_be_are_refused(
+    shared: Bench, changes: dict[str, Any], reason: str
+) -> None:
+    first = next(_bases)
+    n_refused = shared.node.diagnostics.n_refused
+    successful, got = begin(shared, **({"first_observation": first} | changes))
+    assert not successful
+    assert reason in got
+    assert reason in shared.wait_refused(n_refused + 1)
+    assert max(observation_numbers(shared, "episode"), default=0) < first
+    assert begin(shared, first_observation=first) == (True, "")
+    shared.graph.spin_until(lambda: first in observation_numbers(shared, "episode"), "the episode")
+
+
+def test_an_episode_with_missing_arguments_is_refused(bench: Bench) -> None:
+    assert "missing: episode, first_observation" in bench.request("episode", phase=0)[1]
+
+
+def test_a_refused_episode_leaves_the_one_under_way_alone(bench: Bench) -> None:
+    begin(bench)
+    bench.wait_heard("episode", 1)
+    assert not begin(bench, stimulus=99, first_observation=90)[0]
+    send_command(bench, 44)
+    bench.graph.spin_until(lambda: 45 in observation_numbers(bench, "episode"), "observation 45")
+
+
+def test_another_runs_episode_is_refused(bench: Bench) -> None:
+    refusal = f"expected a request of run {bench.RUN}, got one of run somebody_elses"
+    assert begin(bench, run_id="somebody_elses") == (False, refusal)
+    assert bench.outsider.heard["episode"] == []
