@@ -93,7 +93,10 @@ def test_a_base_that_is_no_profile_or_has_a_schedule_is_refused() -> None:
 def test_every_condition_of_rearing_is_a_run(name: str) -> None:
     line = ["--profile", name, "--model", "M_C"]
     configuration = configuration_of(arguments(line), "0123abc")
-    make_protocol(build(ExperimentManagerConfig, configuration["experiment_manager"])).episode(0)
+    manager = configuration["experiment_manager"]
+    make_protocol(build(ExperimentManagerConfig, manager)).episode(0)
+    n_iterations = manager["protocol.n_training_iterations"]
+    assert n_iterations in manager["protocol.test_iterations"], "its end is not tested"
 
 
 @pytest.mark.parametrize(
