@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # Check everything: formatting, lint, types, then all tests. Fails when one of them does.
 #
+# The tests are shared over all cores, a module's on one. -n 0 makes them one after the other, as --pdb needs it.
+#
 # usage: launch_scripts/test.sh [pytest arguments, for example tests/sparse_coder -k pursuit -x]
 set -euo pipefail
 # shellcheck source=launch_scripts/environment.sh
@@ -20,5 +22,5 @@ status=0
 "$python" -m ruff check || status=1
 "$python" -m mypy || status=1
 ((status == 0)) || echo "test.sh: formatter, linter or type checker failed (above); the tests follow" >&2
-"$python" -m pytest "$@" || status=$?
+"$python" -m pytest -n logical --maxprocesses 8 --dist loadscope --no-loadscope-reorder "$@" || status=$?
 exit "$status"
