@@ -17,7 +17,7 @@ _PAGE = """<!DOCTYPE html>
 <h1>Live view</h1>
 <p>Served at <code>{address}</code>, the Foxglove protocol.</p>
 <ol>
-<li>Open it in Lichtblick, which is free software:
+<li>Open it in Lichtblick (newer than 1.21.0), which is free software:
 <a href="lichtblick://open?{query}">on the desktop</a>, or
 <a href="http://localhost:8080/?{query}">in the browser</a> after
 <code>docker run --rm -p 8080:8080 ghcr.io/lichtblick-suite/lichtblick:latest</code>;
