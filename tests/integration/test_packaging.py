@@ -1,6 +1,5 @@
 """The packages as a ROS workspace sees them: built by colcon, started from what it installed."""
 
-import ast
 import os
 import re
 import shutil
@@ -10,6 +9,8 @@ from pathlib import Path
 
 import pytest
 import yaml
+
+from tests.imported_names import imported_names
 
 ROOT = Path(__file__).parents[2]
 NODES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")
@@ -206,11 +207,8 @@ _ROSDEP_KEYS = {
 @pytest.mark.parametrize("package", PACKAGES)
 def test_manifest_names_what_the_package_imports(package: str) -> None:
     folder = ROOT / "src" / package
-    trees = [ast.parse(file.read_text()) for file in (folder / package).rglob("*.py")]
-    nodes = [node for tree in trees for node in ast.walk(tree)]
-    names = [a.name for n in nodes if isinstance(n, ast.Import) for a in n.names]
-    names += [n.module or package for n in nodes if isinstance(n, ast.ImportFrom)]
-    imported = {name.split(".")[0] for name in names} - {package} - sys.stdlib_module_names
+    every = (imported_names(module) for module in (folder / package).rglob("*.py"))
+    imported = set().union(*every) - {package} - sys.stdlib_module_names
     manifest = (folder / "package.xml").read_text()
     comments = " ".join(re.findall("<!--(.*?)-->", manifest))
     named = set(re.findall("<exec_depend>(.*?)</exec_depend>", manifest))

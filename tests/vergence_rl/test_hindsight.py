@@ -10,7 +10,6 @@ from vergence_rl.hindsight import (
     regressed_actor,
     residual_covariance,
     root_of,
-    updated_sums,
 )
 
 N_STATE, N_MUSCLES, N_VISITS = 5, 2, 10
@@ -30,7 +29,7 @@ def episodes(n: int) -> list[tuple[NDArray[np.float64], ...]]:
 
 def summed(n: int, kept: float, first: Sums) -> Sums:
     for states, targets, weights in episodes(n):
-        first = updated_sums(first, states, targets, weights, kept=kept)
+        first.add(states, targets, weights, kept=kept)
     return first
 
 
@@ -44,7 +43,7 @@ def test_a_regression_by_hand() -> None:
     sums = first_sums(1, 1, variance=0.25, weight=2.0)
     # Two visits with state 2, targets 3 and 1, weights 1 and 0.5; half of the first sums is left.
     states, targets = np.array([[2.0], [2.0]]), np.array([[3.0], [1.0]])
-    sums = updated_sums(sums, states, targets, np.array([1.0, 0.5]), kept=0.5)
+    sums.add(states, targets, np.array([1.0, 0.5]), kept=0.5)
     assert sums.weight == pytest.approx(2.5)
     assert sums.squares.item() == pytest.approx(6.0)  # 1 * 4 + 0.5 * 4
     assert sums.products.item() == pytest.approx(7.0)  # 1 * 2 * 3 + 0.5 * 2 * 1
@@ -52,6 +51,18 @@ def test_a_regression_by_hand() -> None:
     actor = regressed_actor(sums, ridge_share=0.5)
     assert actor.item() == pytest.approx(7.0 / 9.0)  # the ridge is half of 6
     assert residual_covariance(sums, np.array([[1.0]])).item() == pytest.approx(1.75 / 2.5)
+
+
+def test_visits_are_added_in_place_with_the_bits_of_a_plain_sum() -> None:
+    draw, n_state = np.random.default_rng(5), 803
+    sums = first_sums(n_state, N_MUSCLES, 0.0, 0.0)
+    expected = np.zeros((n_state, n_state))
+    for _ in range(3):
+        states, targets = draw.normal(size=(10, n_state)), draw.normal(size=(10, N_MUSCLES))
+        sums.add(states, targets, np.ones(10), kept=0.9)
+        expected = 0.9 * expected + states.T @ states
+    np.testing.assert_array_equal(sums.squares, expected)
+    np.testing.assert_array_equal(sums.squares, sums.squares.T)
 
 
 @pytest.mark.parametrize("ridge_share", [1e-9, 0.05])

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass
 class Sums:
     """Sums over visits, each with its weight w; s: (n_state,) state, T: (n_muscles,) target.
 
@@ -30,6 +30,25 @@ class Sums:
     squares: Floats
     products: Floats
     targets: Floats
+
+    def __post_init__(self) -> None:
+        """Keep room for an episode's squares: asking for it each time costs more than using it."""
+        self._added = np.empty_like(self.squares)
+
+    def add(self, states: Floats, targets: Floats, weights: Floats, *, kept: float) -> None:
+        """Keep so much of what is there, and add an episode's visits.
+
+        states: (n_visits, n_state); targets: (n_visits, n_muscles); weights: (n_visits,).
+        """
+        root = np.sqrt(weights)[:, None]
+        s, t = root * states, root * targets
+        self.weight = kept * self.weight + float(weights.sum())
+        # A product of an array with its own transpose is symmetric to the last bit.
+        np.matmul(s.T, s, out=self._added)
+        self.squares *= kept
+        self.squares += self._added
+        self.products = kept * self.products + s.T @ t
+        self.targets = kept * self.targets + t.T @ t
 
 
 def first_sums(n_state: int, n_muscles: int, variance: float, weight: float) -> Sums:
@@ -55,24 +74,6 @@ def nearness(targets: Floats, scale: float) -> Floats:
 def kept_share(n_visits: int, memory: float) -> float:
     """Return what is left of older sums after n_visits more, exp(-n_visits / memory)."""
     return float(np.exp(-n_visits / memory))
-
-
-def updated_sums(
-    sums: Sums, states: Floats, targets: Floats, weights: Floats, *, kept: float
-) -> Sums:
-    """Return kept * sums plus those of an episode's visits.
-
-    states: (n_visits, n_state); targets: (n_visits, n_muscles); weights: (n_visits,).
-    """
-    root = np.sqrt(weights)[:, None]
-    s, t = root * states, root * targets
-    # A product of an array with its own transpose is symmetric to the last bit.
-    return Sums(
-        kept * sums.weight + float(weights.sum()),
-        kept * sums.squares + s.T @ s,
-        kept * sums.products + s.T @ t,
-        kept * sums.targets + t.T @ t,
-    )
 
 
 def regressed_actor(sums: Sums, ridge_share: float) -> Floats:

@@ -16,7 +16,6 @@ from vergence_rl.hindsight import (
     regressed_actor,
     residual_covariance,
     root_of,
-    updated_sums,
 )
 from vergence_rl.learning_rule import Moment, Opinion
 from vergence_rl.limits import freed_targets, within_limits
@@ -124,13 +123,8 @@ class HindsightRule:
         best = places[np.argmax([visit.reward for visit in self._visits])]
         wanted = places + states @ self._weights.T
         targets = freed_targets(best, wanted, self._covariance, *config.limits) - places
-        self._sums = updated_sums(
-            self._sums,
-            states,
-            targets,
-            nearness(best - places, config.target_scale),
-            kept=self._kept_share(n_seen),
-        )
+        weights = nearness(best - places, config.target_scale)
+        self._sums.add(states, targets, weights, kept=self._kept_share(n_seen))
         if n_seen % config.regression_period == 0:
             self._weights = regressed_actor(self._sums, config.ridge_share)
             if config.exploration_follows_residuals:

@@ -27,7 +27,7 @@ from experiment_manager.run.config_file import (
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from experiment_manager.supervision.in_process import run_in_process
 from experiment_manager.supervision.live_view import Address
-from experiment_manager.supervision.neighbours import refuse_neighbours
+from experiment_manager.supervision.node_neighbours import refuse_neighbours
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import load_stimuli

@@ -6,7 +6,7 @@ from experiment_manager.run.config_file import Configuration
 from eye_plant.config import EyePlantConfig
 from lockstep.configuration import build
 
-# For a first idea; the bar knows better. The speed of the whole graph that docs/performance.md has.
+# For a first idea; the bar knows better.
 ASSUMED_RATE_HZ = 250
 
 

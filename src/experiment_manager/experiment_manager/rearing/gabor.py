@@ -32,7 +32,7 @@ _HALF_PX = PATCH_SIZE_PX / 2.0
 # the patch waves and envelopes are all alike.
 _LOWEST = np.array([-np.inf, np.log(2.0), -_HALF_PX, -_HALF_PX, np.log(0.5), np.log(0.5)])
 _HIGHEST = np.array([np.inf, np.log(16.0), _HALF_PX, _HALF_PX, np.log(8.0), np.log(8.0)])
-# Forty starts leave 0.001 less of the basis functions in results/.
+# Eight raise the share of good fits in results/M_generated and M_mcgill by at most 0.8 points.
 _N_STARTS = 4
 _N_STEPS = 60
 _CONVERGED = 1e-9

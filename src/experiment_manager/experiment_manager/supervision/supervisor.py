@@ -10,10 +10,10 @@ from pathlib import Path
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.supervision.attempt import goes_on, place_of
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, given_domain, own_domain
-from experiment_manager.supervision.heartbeats import Heartbeats
 from experiment_manager.supervision.interrupts import Interrupts
 from experiment_manager.supervision.live_view import Address, LiveView
-from experiment_manager.supervision.neighbours import addresses
+from experiment_manager.supervision.node_heartbeats import Heartbeats
+from experiment_manager.supervision.node_neighbours import addresses
 from experiment_manager.supervision.processes import MANAGER, PACKAGES, NodeProcesses
 from experiment_manager.supervision.shared_memory import remove_ports, remove_stale_segments
 from lockstep.durable_files import why_unwritable

@@ -9,9 +9,9 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from experiment_manager.commands.run_experiment import main
-from experiment_manager.supervision import neighbours
+from experiment_manager.supervision import node_neighbours
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
-from experiment_manager.supervision.neighbours import addresses, refuse_neighbours
+from experiment_manager.supervision.node_neighbours import addresses, refuse_neighbours
 from experiment_manager.supervision.supervisor import known_domain
 from lockstep.errors import InputError
 from lockstep.wire.qos import LOCKSTEP_QOS
@@ -45,7 +45,7 @@ def test_a_domain_with_another_graph_is_refused(
     ):
         refuse_neighbours(graph.domain)
     # It may be there when it is the one that is started elsewhere.
-    monkeypatch.setattr(neighbours, "_LISTEN_S", 0.5)
+    monkeypatch.setattr(node_neighbours, "_LISTEN_S", 0.5)
     refuse_neighbours(graph.domain, ["sparse_coder"])
 
 
@@ -65,7 +65,7 @@ def test_a_run_is_refused_before_anything_is_written(
 
 
 def test_who_only_listens_may_be_there(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(neighbours, "_LISTEN_S", 0.5)
+    monkeypatch.setattr(node_neighbours, "_LISTEN_S", 0.5)
     node = graph.add(partial(Node, "listener"))
     node.create_subscription(JointState, "reward", print, LOCKSTEP_QOS)
     refuse_neighbours(graph.domain)
@@ -74,7 +74,7 @@ def test_who_only_listens_may_be_there(graph: Graph, monkeypatch: pytest.MonkeyP
 def test_an_empty_domain_is_not_listened_to(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     monkeypatch.delenv("ROS_STATIC_PEERS", raising=False)
-    monkeypatch.setattr("experiment_manager.supervision.neighbours._found", pytest.fail)
+    monkeypatch.setattr("experiment_manager.supervision.node_neighbours._found", pytest.fail)
     with own_domain() as domain:
         refuse_neighbours(domain)
 

@@ -1,0 +1,41 @@
+"""Which packages and modules may import what (CONTRIBUTING.md, "Where things are")."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.imported_names import imported_names
+
+SRC = Path(__file__).parents[2] / "src"
+SCIENCE = ("eye_plant", "sparse_coder", "vergence_rl")
+ROS = ("rclpy", "rosgraph_msgs", "rcl_interfaces", "builtin_interfaces")
+
+
+def modules() -> Iterator[Path]:
+    for package in ("lockstep", *SCIENCE, "experiment_manager"):
+        yield from (SRC / package / package).rglob("*.py")
+
+
+def uses_ros(module: Path) -> bool:
+    return any(name in ROS or name.endswith("_msgs") for name in imported_names(module))
+
+
+def may_use_ros(module: Path) -> bool:
+    in_package = module.relative_to(SRC).parts[1:]
+    is_shared = in_package[0] == "lockstep" and in_package[1] in ("wire", "node")
+    return is_shared or module.stem in ("node", "messages") or module.stem.startswith("node_")
+
+
+def test_ros_is_imported_only_where_the_name_says_so() -> None:
+    users = [module for module in modules() if uses_ros(module)]
+    assert len(users) > len(SCIENCE)
+    assert [str(module) for module in users if not may_use_ros(module)] == []
+
+
+@pytest.mark.parametrize("package", SCIENCE)
+def test_a_package_of_science_imports_no_other(package: str) -> None:
+    others = {*SCIENCE, "experiment_manager"} - {package}
+    found = {str(m): imported_names(m) & others for m in (SRC / package / package).rglob("*.py")}
+    assert found
+    assert {module: names for module, names in found.items() if names} == {}
