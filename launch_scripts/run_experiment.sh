@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Run an experiment, all nodes in one command: train, test, record, draw. Without arguments, a demonstration that
-# learns vergence in 80,000 iterations. Ctrl-C ends it cleanly and says how to resume.
+# learns vergence in 50,000 iterations. Ctrl-C ends it cleanly and says how to resume.
 #
 # usage: launch_scripts/run_experiment.sh [--model M|M_C] [--iterations N] [--seed S] [--stimuli DIR] [--out DIR]
 #                                         [--resume DIR] [more options]

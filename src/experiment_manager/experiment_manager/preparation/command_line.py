@@ -29,7 +29,7 @@ def parser() -> argparse.ArgumentParser:
     line = argparse.ArgumentParser(
         prog="run_experiment.sh",
         description="Train and test active binocular vision. Without arguments: a demonstration "
-        "that learns vergence in 80,000 iterations.",
+        "that learns vergence in 50,000 iterations.",
         allow_abbrev=False,
     )
     _add_settings(line)
