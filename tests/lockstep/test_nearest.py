@@ -1,6 +1,6 @@
 """Names like a mistyped one."""
 
-from lockstep.nearest import nearest
+from lockstep.nearest import did_you_mean, nearest
 
 KNOWN = ("camera.width_px", "camera.height_px", "discount", "seed", "rearing/monocular")
 
@@ -17,3 +17,8 @@ def test_a_name_without_its_folder() -> None:
 
 def test_nothing_is_like_another_word() -> None:
     assert nearest("zzz", KNOWN) == []
+
+
+def test_the_question() -> None:
+    assert did_you_mean("discont", KNOWN) == "; did you mean discount?"
+    assert did_you_mean("zzz", KNOWN) == ""

@@ -16,7 +16,7 @@ import yaml
 from eye_plant.config import EyePlantConfig, changeable_parameters, changed
 from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
-from lockstep.nearest import nearest
+from lockstep.nearest import did_you_mean
 from lockstep.wire.topics import TRAINING
 
 _NODE = "eye_plant."
@@ -134,11 +134,11 @@ def _change(entry: Any) -> Change:
     known = [f"{_NODE}{name}" for name in changeable_parameters()]
     for name in settings:
         if name not in known:
-            near = nearest(str(name), known)
-            meant = f"; did you mean {' or '.join(near)}?" if near else ""
             raise InputError(
                 f"schedule, at {at}: expected a parameter of the plant that may change in the "
-                f"course of a run, got {name!r}{meant}; those are {', '.join(known)}"
+                f"course of a run, got {name!r}"
+                + did_you_mean(str(name), known)
+                + f"; those are {', '.join(known)}"
             )
     return Change(at, {name: _typed(at, name, value) for name, value in settings.items()})
 

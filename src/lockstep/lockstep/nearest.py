@@ -18,6 +18,12 @@ def nearest(name: str, known: Iterable[str]) -> list[str]:
     return sorted(alike, key=lambda other: -likeness[other])[:_MOST]
 
 
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return "; did you mean ...?" with the nearest names, or "" if none is near."""
+    near = nearest(name, known)
+    return f"; did you mean {' or '.join(near)}?" if near else ""
+
+
 def _likeness(name: str, other: str) -> float:
     last_parts = name.replace("/", ".").split(".")[-1], other.replace("/", ".").split(".")[-1]
     whole = difflib.SequenceMatcher(None, name, other).ratio()

@@ -15,6 +15,7 @@ from experiment_manager.measures.results import RESULTS_FILE, read_results, writ
 from experiment_manager.measures.tables import number, tests_table
 from experiment_manager.preparation.configuration import plant_settings
 from experiment_manager.run.lasting_output import make_standard_streams_last
+from lockstep.command_line import CommandLine
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIFFERENT
 
@@ -44,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = CommandLine(
         prog="evaluate.sh",
         description="Recompute the measures of a run from its bag and compare with results.json."
         f" With any of {_FROZEN_OPTIONS}: test the frozen learners of a checkpoint instead, in"

@@ -20,6 +20,7 @@ from experiment_manager.measures.tables import tests_table, text_table
 from experiment_manager.measures.trials import split_tests
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from experiment_manager.supervision.live_view import Address
+from lockstep.command_line import CommandLine
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
 
@@ -55,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = CommandLine(
         prog="inspect_bag.sh",
         description="The learning curve, topics with counts, rates and gaps, and the run.",
     )

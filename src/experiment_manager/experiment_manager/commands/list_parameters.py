@@ -1,6 +1,5 @@
 """Lists a node's parameters with their meaning, unit, bounds and defaults, as a parameter file."""
 
-import argparse
 import math
 import sys
 import textwrap
@@ -9,6 +8,7 @@ from collections.abc import Sequence
 import yaml
 
 from experiment_manager.run.config_file import CONFIG_CLASSES
+from lockstep.command_line import CommandLine
 from lockstep.configuration import flatten
 from lockstep.settings import Setting, declarations
 
@@ -18,7 +18,7 @@ _COMMENT = "    # "
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit code."""
-    parser = argparse.ArgumentParser(
+    parser = CommandLine(
         prog="list_parameters.sh",
         description="Print the parameters of nodes and their defaults, as a ROS parameter file.",
     )

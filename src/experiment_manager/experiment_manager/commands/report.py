@@ -24,6 +24,7 @@ from experiment_manager.report.tables import (
     tests_of_run_table,
 )
 from experiment_manager.run.lasting_output import make_standard_streams_last
+from lockstep.command_line import CommandLine
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
@@ -48,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = CommandLine(
         prog="report.sh",
         description="Draw the paper's figures and tables of runs into one report.html, from "
         "results.json, trials.npz and checkpoints, and from bags where they are. Runs that differ "

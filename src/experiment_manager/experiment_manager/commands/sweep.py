@@ -18,6 +18,7 @@ from experiment_manager.sweep.status import status_of, table
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, Sweep, read_sweep
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig, load_stimuli
+from lockstep.command_line import CommandLine
 from lockstep.configuration import build
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
@@ -26,7 +27,7 @@ from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
 
 def parser() -> argparse.ArgumentParser:
     """Return the command line of sweep.sh."""
-    line = argparse.ArgumentParser(prog="sweep.sh", allow_abbrev=False)
+    line = CommandLine(prog="sweep.sh")
     line.add_argument(
         "sweep",
         type=Path,

@@ -7,6 +7,7 @@ from pathlib import Path
 from experiment_manager.config import MODELS
 from experiment_manager.preparation.profiles import profile_names
 from experiment_manager.supervision.live_view import Address
+from lockstep.command_line import CommandLine
 
 # Lambda of M_C, 1/W, by the eyes' parameter set: energy is 20 % of the reward over the first 5,000
 # iterations on the generated stimuli, by which rule K17 chose its 0.035 (D7). Measured, seed 1, by
@@ -26,11 +27,10 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 
 def parser() -> argparse.ArgumentParser:
     """Return the command line of run_experiment.sh."""
-    line = argparse.ArgumentParser(
+    line = CommandLine(
         prog="run_experiment.sh",
         description="Train and test active binocular vision. Without arguments: a demonstration "
         "that learns vergence in 50,000 iterations.",
-        allow_abbrev=False,
     )
     _add_settings(line)
     _add_tests(line)

@@ -17,7 +17,7 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import count_stimuli
 from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
-from lockstep.nearest import nearest
+from lockstep.nearest import did_you_mean
 
 _ITERATIONS = "experiment_manager.protocol.n_training_iterations"
 _TESTS = "experiment_manager.protocol.test_iterations"
@@ -216,10 +216,9 @@ def _read_setting(text: str) -> tuple[str, Any]:
         return target, value  # a parameter that is YAML itself
     node, dot, _ = target.partition(".")
     if not equals or not dot or node not in CONFIG_CLASSES:
-        near = nearest(node, CONFIG_CLASSES)
         raise InputError(
             f"--set: expected NODE.PARAMETER=VALUE with a node of {', '.join(CONFIG_CLASSES)}, "
-            f"got {text!r}" + (f"; did you mean {' or '.join(near)}?" if dot and near else "")
+            f"got {text!r}" + (did_you_mean(node, CONFIG_CLASSES) if dot else "")
         )
     try:
         read = yaml.safe_load(value)

@@ -16,7 +16,7 @@ import yaml
 
 from experiment_manager.plant_changes import Schedule, parse_schedule
 from lockstep.errors import InputError
-from lockstep.nearest import nearest
+from lockstep.nearest import did_you_mean
 
 _SUFFIX = ".yaml"
 _NEEDED, _KEYS = {"description", "settings"}, {"description", "settings", "base", "schedule"}
@@ -45,10 +45,9 @@ def read_profile(name: str) -> Profile:
     """Return a profile; InputError for an unknown name and for a file that is no profile."""
     files = _files()
     if name not in files:
-        near = nearest(name, files)
         raise InputError(
             f"profile: expected one of {', '.join(sorted(files))}, got {name!r}"
-            + (f"; did you mean {' or '.join(near)}?" if near else "")
+            + did_you_mean(name, files)
         )
     return parse_profile(name, files[name].read_text())
 

@@ -17,7 +17,7 @@ from experiment_manager.preparation.command_line import arguments
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import CONFIG_CLASSES, Configuration
 from lockstep.errors import InputError
-from lockstep.nearest import nearest
+from lockstep.nearest import did_you_mean
 
 SWEEP_FILE = "sweep.yaml"
 # Those of run_experiment.sh that say what a run is; any NODE.PARAMETER besides.
@@ -159,10 +159,9 @@ def read_sweep(path: Path, stimuli: Path | None = None) -> Sweep:
 def _check_name(part: str, name: str) -> None:
     if name in OPTIONS or name.partition(".")[0] in CONFIG_CLASSES:
         return
-    near = nearest(name, (*OPTIONS, *CONFIG_CLASSES))
     raise InputError(
         f"{part}: expected NODE.PARAMETER or one of {', '.join(OPTIONS)}, got {name!r}"
-        + (f"; did you mean {' or '.join(near)}?" if near else "")
+        + did_you_mean(name, (*OPTIONS, *CONFIG_CLASSES))
     )
 
 

@@ -1,6 +1,5 @@
 """Write the eyes of both parameter sets as MJCF: python -m eye_plant.export DIR."""
 
-import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,6 +8,7 @@ from eye_plant.export.comparison import difference
 from eye_plant.export.mjcf import mjcf
 from eye_plant.export.readme import readme
 from eye_plant.mechanics.parameter_sets import PARAMETER_SETS
+from lockstep.command_line import CommandLine
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
 
@@ -27,7 +27,7 @@ def export(directory: Path) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit code."""
-    parser = argparse.ArgumentParser(
+    parser = CommandLine(
         prog="export_model.sh", description="Write the eyes as MJCF, with a README of their own."
     )
     parser.add_argument("directory", type=Path, metavar="DIR", help="new or empty directory")

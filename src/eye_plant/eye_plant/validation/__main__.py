@@ -3,7 +3,6 @@
 Writes plant_validation.json, a list of {name, value, unit, bound, ok}, and one page of figures.
 """
 
-import argparse
 import json
 import sys
 from collections.abc import Iterator, Sequence
@@ -21,6 +20,7 @@ from eye_plant.validation.openeyesim import MAPS_VARIABLE, load_maps
 from eye_plant.validation.page import draw_page
 from eye_plant.validation.row import Row
 from eye_plant.validation.static_checks import anatomical_tension_rows, k17_rows, shared_rows
+from lockstep.command_line import CommandLine
 
 JSON_NAME = "plant_validation.json"
 PAGE_NAME = "plant_validation.png"
@@ -41,7 +41,7 @@ def measure() -> Iterator[Row]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure, print, write; return 1 when a bound fails."""
-    parser = argparse.ArgumentParser(
+    parser = CommandLine(
         prog="validate_plant.sh",
         description="Hold the simulated eyes against physiology.",
         epilog=f"{MAPS_VARIABLE} may name OpenEyeSim's maps; the rows that need them are "
