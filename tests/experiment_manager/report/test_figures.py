@@ -61,6 +61,7 @@ def test_runs_with_other_settings_are_not_pooled(
     monkeypatch.setattr(other, "configuration", text)
     first, second = groups_of([run, other])
     assert first.label.endswith("parameter_set k17, 1 run")
+    assert first.name == "M, parameter_set k17"
     assert second.label.endswith("photos stimuli, parameter_set anatomical, 1 run")
     assert first.colour != second.colour
 
@@ -85,6 +86,7 @@ def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(
     first, second = groups_of([run, other])
     assert first.label.endswith("$, profile paper, 1 run")
     assert second.label.endswith("$, profile precise, 1 run")
+    assert second.name == "M, profile precise"
 
 
 def _is_inside(text: Text, figure: Figure) -> bool:

@@ -52,8 +52,12 @@ class Common:
 
 @dataclass(frozen=True)
 class Group:
-    """Runs that differ in nothing but the seed; their trials are pooled, as K17 does."""
+    """Runs that differ in nothing but the seed; their trials are pooled, as K17 does.
 
+    name: model, and what tells them from the other groups but lambda, as text; label: for figures.
+    """
+
+    name: str
     label: str
     colour: str
     common: Common
@@ -122,7 +126,9 @@ def groups_of(runs: Sequence[ReportedRun]) -> list[Group]:
         members = tuple(run for run, its in zip(runs, keys, strict=True) if its == key)
         same_model = [other for other in different if other.model == key.model]
         colour = _colour(key.model, same_model.index(key), len(same_model))
-        found.append(Group(_label(key, same_model, len(members)), colour, key, members))
+        own = _own_settings(key, same_model)
+        name = ", ".join([key.model, *own])
+        found.append(Group(name, _label(key, own, len(members)), colour, key, members))
     return found
 
 
@@ -143,21 +149,22 @@ def _key(run: ReportedRun) -> Common:
     return Common(run.model, run.metabolic_cost_weight, run.n_iterations, settings)
 
 
-def _label(key: Common, same_model: Sequence[Common], n_runs: int) -> str:
-    """Return a group's name: what tells it from the others of its model, and the number of runs."""
+def _label(key: Common, own: Sequence[str], n_runs: int) -> str:
     names = {"M": r"$\mathcal{M}$", "M_C": r"$\mathcal{M}_C$"}
-    parts = [names.get(key.model, key.model)]
-    if key.weight:
-        parts.append(rf"$\lambda$ = {key.weight:.3g}/W")
-    if len({other.n_iterations for other in same_model}) > 1:
-        parts.append(f"{key.n_iterations:,} iterations")
+    price = [rf"$\lambda$ = {key.weight:.3g}/W"] if key.weight else []
+    count = f"{n_runs} run{'s' if n_runs > 1 else ''}"
+    return ", ".join([names.get(key.model, key.model), *price, *own, count])
+
+
+def _own_settings(key: Common, same_model: Sequence[Common]) -> list[str]:
+    """Return what tells a group from the others of its model, lambda aside."""
+    lengths = {other.n_iterations for other in same_model}
+    length = [f"{key.n_iterations:,} iterations"] if len(lengths) > 1 else []
     common = frozenset.intersection(*(other.settings for other in same_model))
     own = sorted(key.settings - common, key=lambda setting: (setting[0] != _STIMULI, setting))
     if any(name == _PROFILE for name, _ in own):  # it says what else differs
         own = [setting for setting in own if setting[0] in (_STIMULI, _PROFILE)]
-    parts += [_named(*setting) for setting in own[:_MOST_SETTINGS_NAMED]]
-    parts.append(f"{n_runs} run{'s' if n_runs > 1 else ''}")
-    return ", ".join(parts)
+    return length + [_named(*setting) for setting in own[:_MOST_SETTINGS_NAMED]]
 
 
 def _named(name: str, value: str) -> str:

@@ -91,7 +91,7 @@ def comparison_table(groups: Sequence[Group]) -> str:
         if group.model in _PAPER and f"paper, {group.model}" not in header:
             header.append(f"paper, {group.model}")
             columns.append(_paper_column(_PAPER[group.model]))
-        header.append(f"ours, {group.model}")
+        header.append(f"ours, {group.name}")
         columns.append(_column(group))
     names = ["training iterations", "runs pooled", "lambda / per W"]
     names += [
@@ -126,17 +126,22 @@ def _column(group: Group) -> list[str]:
     ]
 
 
-def seeds_table(groups: Sequence[Group]) -> str | None:
-    """Return the median over seeds, and the least and the greatest seed; None for single runs."""
-    several = [group for group in groups if len(group.runs) > 1]
-    if not several:
-        return None
-    header = ["measure", *(f"{group.model}, {len(group.runs)} seeds" for group in several)]
-    rows = [["lambda / per W", *(f"{group.common.weight:.4g}" for group in several)]]
-    for key, which in (("", "our test set"), ("authors_test_set", "authors' test set")):
-        for name, (measure, text) in _OVER_SEEDS.items():
-            cells = [_over_seeds(group, key, measure, text) for group in several]
-            rows.append([f"{which}: {name}", *cells])
+def seeds_table(groups: Sequence[Group], test_set: str = "") -> str:
+    """Return the median over seeds, and the least and the greatest seed, of groups of several.
+
+    test_set: the key in a test's results that holds it, "" for our test set.
+    """
+    header = ["runs", "seeds", "lambda / per W", *_OVER_SEEDS]
+    rows = [
+        [
+            group.name,
+            str(len(group.runs)),
+            f"{group.common.weight:.4g}",
+            *(_over_seeds(group, test_set, *told) for told in _OVER_SEEDS.values()),
+        ]
+        for group in groups
+        if len(group.runs) > 1
+    ]
     return report_page.table(header, rows)
 
 
@@ -168,20 +173,20 @@ def bias_table(groups: Sequence[Group]) -> str:
     distances = sorted({d for bias_deg in biases_deg for d in bias_deg}, key=float)
     rows = [
         (
-            group.model,
+            group.name,
             f"{group.common.weight:.4g}",
             *(number(bias_deg.get(d)) for d in distances),
         )
         for group, bias_deg in zip(groups, biases_deg, strict=True)
     ]
-    header = ("model", "lambda / per W", *(f"at {d} m, deg" for d in distances))
+    header = ("runs", "lambda / per W", *(f"at {d} m, deg" for d in distances))
     return report_page.table(header, rows)
 
 
 def iterations_table(groups: Sequence[Group]) -> str:
     """Return each group's measures after 1, 2, 3 and 20 iterations of the last test."""
     header = (
-        "model",
+        "runs",
         "lambda / per W",
         "trained for",
         "after",
@@ -201,7 +206,7 @@ def iterations_table(groups: Sequence[Group]) -> str:
                 continue
             rows.append(
                 (
-                    group.model,
+                    group.name,
                     f"{group.common.weight:.4g}",
                     f"{group.iterations[-1]:,}",
                     str(k),
