@@ -87,6 +87,7 @@ def test_a_run_is_running_as_long_as_a_process_holds_its_log(run: CellRun) -> No
         ("a line\nended with exit code -9\n", "ended with exit code -9"),
         ("error: old\nended with exit code 3\nonce more\n", ""),
         ("stopping\nended with exit code 130\n", ""),
+        ("KeyboardInterrupt\nended with exit code -2\n", ""),
         ("ended with exit code 0\n", ""),
         ("", ""),
     ],

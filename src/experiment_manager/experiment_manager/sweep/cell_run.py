@@ -5,6 +5,7 @@ The lock on the log is the kernel's: it is gone with the last process that has t
 
 import fcntl
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -51,7 +52,7 @@ class CellRun:
         if not lines or not lines[-1].startswith(_ENDED):
             return ""
         code = int(lines[-1].removeprefix(_ENDED))
-        if code in (0, EXIT_INTERRUPTED):
+        if code in (0, EXIT_INTERRUPTED, -signal.SIGINT):  # the last: before it could listen
             return ""
         errors = [line for line in lines if _ERROR in line]
         reason = errors[-1].rpartition(_ERROR)[2] if errors else lines[-1]
