@@ -64,8 +64,8 @@ def results_in_turns(revision: str, n_turns: int, directory: Path) -> dict[str, 
     """Return "against", the other commit's results, and "against_ratios", ours over theirs.
 
     Both are medians over the turns, of every number that both measure; of numbers inside others
-    the name is outer.inner. Of a commit without the ray caster MuJoCo's renderer stands in for it, in
-    one process with full pictures.
+    the name is outer.inner. Of a commit without the ray caster MuJoCo's renderer stands in for it,
+    in one process with full pictures.
     """
     ours: list[dict[str, float]] = []
     theirs: list[dict[str, float]] = []
