@@ -57,7 +57,7 @@ def make_environment() -> gymnasium.Env:
             "eye_plant.camera.roi_width_px": 128,
             "eye_plant.camera.roi_height_px": 128,
         },
-        coder_state=next(RESULTS.glob("M_precise/checkpoints/*/sparse_coder.npz")),
+        coder_state=next(RESULTS.glob("precise/profile_precise-seed_1/checkpoints/*/*coder.npz")),
         coder_learns=False,
         action_scale=1 / 32,  # a step is at most 5 deg of vergence
     )
