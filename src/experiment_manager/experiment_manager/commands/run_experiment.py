@@ -17,7 +17,6 @@ from experiment_manager.preparation.configuration import configuration_of, given
 from experiment_manager.preparation.continuation import Branch, branch, check_resumable, extend
 from experiment_manager.preparation.cost_weight import first_iterations, with_weight
 from experiment_manager.preparation.plan import plan
-from experiment_manager.report.performance_figures import learning_curve
 from experiment_manager.run.config_file import (
     CONFIG_FILE,
     Configuration,
@@ -157,6 +156,9 @@ def _new_directory(options: argparse.Namespace) -> Path:
 
 def _figure(directory: Path) -> Path | None:
     """Draw the learning curve; None when the bag has nothing to draw it from."""
+    # Matplotlib takes a second to import; until now nobody had to wait for it.
+    from experiment_manager.report.performance_figures import learning_curve  # noqa: PLC0415
+
     try:
         return learning_curve(directory)
     except (InputError, OSError) as error:
