@@ -122,6 +122,12 @@ def test_random_dot_stereograms(run: Path, capsys: pytest.CaptureFixture[str]) -
     assert "2 pictures of random-dot stereograms" in capsys.readouterr().out
 
 
+def test_generated_stimuli_of_a_run_that_was_trained_on_others(run: Path) -> None:
+    document = FrozenTest(run, n_stimuli=1, generated=True).document()
+    assert (document["n_stimuli"], document["stimuli"]) == (1, "the generated test stimuli")
+    assert document["tests"] != FrozenTest(run, n_stimuli=1).document()["tests"]
+
+
 def test_stereograms_of_a_directory(run: Path, tmp_path: Path) -> None:
     directory = tmp_path / "pairs"
     directory.mkdir()
@@ -155,5 +161,7 @@ def test_a_setting_that_is_not_the_plants_is_refused(
 
 
 def test_two_kinds_of_stimuli_are_refused(run: Path, pictures: Path) -> None:
-    with pytest.raises(InputError, match="expected one of a directory, stereograms and random"):
+    with pytest.raises(
+        InputError, match="expected one of a directory, stereograms, random dots and"
+    ):
         FrozenTest(run, stimuli=pictures, random_dots=True).document()

@@ -43,10 +43,11 @@ class FrozenTest:
     run: directory with config.yaml and checkpoints/, the bag is not needed; place: episodes done
     at the checkpoint, None is the newest; n_stimuli: so many at most, None is as many as in the
     run's own tests. What is shown: stimuli, a directory of pictures; stereograms, a directory of
-    pairs; random_dots, random-dot stereograms, nothing else; without any of them the run's own test
-    stimuli. dictionary, actor: directories of checkpoints, of this run or another, whose dictionary
-    or whose actor, with its critic, takes the place of the checkpoint's own. settings: of the
-    plant, by dotted name, other than they were at that age.
+    pairs; random_dots, random-dot stereograms, nothing else; generated, the generated test stimuli,
+    of a run that was trained on others; without any of them the run's own test stimuli.
+    dictionary, actor: directories of checkpoints, of this run or another, whose dictionary or whose
+    actor, with its critic, takes the place of the checkpoint's own. settings: of the plant, by
+    dotted name, other than they were at that age.
     """
 
     run: Path
@@ -55,6 +56,7 @@ class FrozenTest:
     n_stimuli: int | None = None
     stereograms: Path | None = None
     random_dots: bool = False
+    generated: bool = False
     dictionary: Path | None = None
     actor: Path | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
@@ -102,6 +104,8 @@ class FrozenTest:
         """What is shown, in words; "" for the run's own test stimuli."""
         if self.random_dots:
             return "random-dot stereograms"
+        if self.generated:
+            return "the generated test stimuli"
         directory = self.stimuli or self.stereograms
         return str(directory.resolve()) if directory else ""
 
@@ -116,8 +120,12 @@ class FrozenTest:
         return found[0].place, found[1]
 
     def _shown(self, config: StimuliConfig, manager: ExperimentManagerConfig) -> StimulusSet:
-        if sum((self.stimuli is not None, self.stereograms is not None, self.random_dots)) > 1:
-            raise InputError("expected one of a directory, stereograms and random dots, got more")
+        directories = (self.stimuli is not None, self.stereograms is not None)
+        if sum((*directories, self.random_dots, self.generated)) > 1:
+            raise InputError(
+                "expected one of a directory, stereograms, random dots and generated stimuli, "
+                "got more"
+            )
         n_most = self.n_stimuli
         if n_most is None:
             n_most = _N_STEREOGRAMS if self.random_dots else manager.protocol.n_stimuli_per_test
@@ -130,6 +138,8 @@ class FrozenTest:
             directory = str(self.stereograms)
             pairs = read_stereograms(directory, config.seed, n_most, config.size_px, SMALLEST_PX)
             return StimulusSet((), (), pairs)
+        if self.generated:
+            config = dataclasses.replace(config, directory="")
         if self.stimuli is None:
             return StimulusSet((), load_stimuli(config).test[:n_most])
         return StimulusSet((), load_unseen_stimuli(str(self.stimuli), config, n_most))

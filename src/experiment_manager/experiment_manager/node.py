@@ -79,7 +79,7 @@ class ExperimentManagerNode(Node):
         if awaited:
             self._say_waiting(f"waiting for the request service of {', '.join(awaited)}")
             return
-        self._next = self._parameters.give_up_late_ones
+        self._next = self._parameters.watch
         self._parameters.ask(self._describe)
 
     def _describe(self, parameters: Parameters) -> None:

@@ -15,6 +15,8 @@ from lockstep.node.ros_parameters import OF_RCLPY
 
 # A node without parameter services, as some clients of DDS are, is not waited for any longer.
 _PATIENCE_S = 5.0
+# One that has them may be busy starting.
+_PATIENCE_WITH_SERVICES_S = 60.0
 
 Parameters = dict[str, dict[str, Any]]
 
@@ -27,25 +29,34 @@ class NodeParameters:
         self._node = node
         self._guard = guard
         self._clients: dict[str, Client] = {}
+        # What is asked as soon as the service is there: a request before that would be lost.
+        self._unsent: dict[str, Callable[[], None]] = {}
         self._found: Parameters = {}
         self._then: Callable[[Parameters], None] | None = None
-        self._until_s = 0.0
+        self._asked_s = 0.0
 
     def ask(self, then: Callable[[Parameters], None]) -> None:
         """Ask all; then go on with what they answered, by node and by name."""
         self._then = then
-        self._until_s = time.monotonic() + _PATIENCE_S
+        self._asked_s = time.monotonic()
         for name, full_name in self._publishers().items():
             client = self._node.create_client(ListParameters, f"{full_name}/list_parameters")
-            self._clients[name] = client
-            self._call(client, ListParameters.Request(), partial(self._get, name, full_name))
+            answered = partial(self._get, name, full_name)
+            self._call(name, client, ListParameters.Request(), answered)
         self._go_on()
 
-    def give_up_late_ones(self) -> None:
-        """Go on without those that have not answered in time."""
-        if self._then is None or time.monotonic() < self._until_s:
+    def watch(self) -> None:
+        """Ask those whose service has come up; go on without those that have not answered in time.
+
+        To be called now and then.
+        """
+        if self._then is None:
             return
+        waited_s = time.monotonic() - self._asked_s
         for name in [*self._clients]:
+            self._send_if_ready(name)
+            if waited_s < (_PATIENCE_S if name in self._unsent else _PATIENCE_WITH_SERVICES_S):
+                continue
             self._node.get_logger().warning(
                 f"{name} does not tell its parameters: config.yaml and bag will lack them"
             )
@@ -63,12 +74,20 @@ class NodeParameters:
                     found[endpoint.node_name] = full_name
         return found
 
-    def _call(self, client: Client, request: Any, then: Callable[[Any], None]) -> None:
+    def _call(self, name: str, client: Client, request: Any, then: Callable[[Any], None]) -> None:
         def on_answer(future: Any) -> None:
             if future.result() is not None:
                 self._guard(partial(then, future.result()))
 
-        client.call_async(request).add_done_callback(on_answer)
+        def send() -> None:
+            client.call_async(request).add_done_callback(on_answer)
+
+        self._clients[name], self._unsent[name] = client, send
+        self._send_if_ready(name)
+
+    def _send_if_ready(self, name: str) -> None:
+        if name in self._unsent and self._clients[name].service_is_ready():
+            self._unsent.pop(name)()
 
     def _get(self, name: str, full_name: str, listed: ListParameters.Response) -> None:
         if name not in self._clients:
@@ -76,8 +95,8 @@ class NodeParameters:
         names = [n for n in listed.result.names if not n.startswith(OF_RCLPY)]
         self._end(name)
         client = self._node.create_client(GetParameters, f"{full_name}/get_parameters")
-        self._clients[name] = client
-        self._call(client, GetParameters.Request(names=names), partial(self._take, name, names))
+        answered = partial(self._take, name, names)
+        self._call(name, client, GetParameters.Request(names=names), answered)
 
     def _take(self, name: str, names: list[str], got: GetParameters.Response) -> None:
         if name not in self._clients:
@@ -91,6 +110,7 @@ class NodeParameters:
         self._go_on()
 
     def _end(self, name: str) -> None:
+        self._unsent.pop(name, None)
         self._node.destroy_client(self._clients.pop(name))
 
     def _go_on(self) -> None:

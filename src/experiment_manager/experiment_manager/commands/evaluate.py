@@ -22,7 +22,7 @@ from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIFFERENT
 # Sums may be taken in another order; everything else is the same arithmetic on the same doubles.
 _RELATIVE_TOLERANCE = 1e-9
 # What asks for a test of frozen learners, besides --checkpoint.
-_FROZEN = ("stimuli", "stereograms", "random_dots", "dictionary", "actor", "set")
+_FROZEN = ("stimuli", "stereograms", "random_dots", "generated", "dictionary", "actor", "set")
 _FROZEN_OPTIONS = ", ".join(f"--{name.replace('_', '-')}" for name in ("checkpoint", *_FROZEN))
 
 
@@ -66,6 +66,11 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--random-dots", action="store_true", help="test with random-dot stereograms"
+    )
+    parser.add_argument(
+        "--generated",
+        action="store_true",
+        help="test with the generated test stimuli, of a run that was trained on others",
     )
     parser.add_argument(
         "--dictionary",
@@ -113,6 +118,7 @@ def _test_frozen(options: argparse.Namespace) -> int:
         options.stimuli_per_test,
         stereograms=options.stereograms,
         random_dots=options.random_dots,
+        generated=options.generated,
         dictionary=options.dictionary,
         actor=options.actor,
         settings=plant_settings(options.set),
