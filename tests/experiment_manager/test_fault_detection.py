@@ -58,18 +58,24 @@ def test_a_second_publisher() -> None:
 
 
 @pytest.mark.parametrize(
-    ("absent", "supervised", "found"),
+    ("absent", "silent_s", "supervised", "found"),
     [
-        ([], True, Fault("no message for 5 s; missing: 2 of reward")),
-        ([], False, Wait("no message for 5 s; missing: 2 of reward")),
-        (["reward"], True, Wait("waiting for reward")),
-        (["reward", "actor_critic"], False, Wait("waiting for reward, actor_critic")),
+        ([], 6.0, True, Fault("no message for 5 s; missing: 2 of reward")),
+        ([], 600.0, False, Wait("no message for 5 s; missing: 2 of reward")),
+        (["reward"], 60.0, True, Wait("waiting for reward")),
+        (["reward"], 61.0, True, Fault("nobody to publish reward for 61 s")),
+        (["reward", "actor_critic"], 600.0, False, Wait("waiting for reward, actor_critic")),
     ],
 )
-def test_silence_is_a_fault_only_of_a_supervised_node_that_is_there(
-    absent: list[str], supervised: bool, found: Fault | Wait
+def test_silence_is_a_fault_only_of_a_supervised_node_that_is_there_or_long_lost(
+    absent: list[str], silent_s: float, supervised: bool, found: Fault | Wait
 ) -> None:
-    assert of_silence(5.0, "2 of reward", absent, supervised=supervised) == found
+    assert of_silence(5.0, "2 of reward", absent, silent_s, supervised=supervised) == found
+
+
+def test_a_gap_that_is_long_makes_a_lost_node_wait_longer() -> None:
+    found = of_silence(40.0, "2 of reward", ["reward"], 79.0, supervised=True)
+    assert found == Wait("waiting for reward")
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,8 @@ from lockstep.exit_codes import EXIT_FAULT, EXIT_UNWRITABLE
 
 # Whose answer each topic carries.
 LEARNER_OF = {"reward": "sparse_coder", "actor_critic": "vergence_rl"}
+# An absent node has not been found again though its network may long be back.
+LOST_S = 60.0
 
 
 @dataclass(frozen=True)
@@ -51,19 +53,23 @@ def of_doubled(topics: Sequence[str]) -> Fault | None:
 
 
 def of_silence(
-    gap_s: float, missing: str, absent_topics: Sequence[str], *, supervised: bool
+    gap_s: float, missing: str, absent_topics: Sequence[str], silent_s: float, *, supervised: bool
 ) -> Fault | Wait:
     """Return what it means that nothing has come for gap_s while messages are missing.
 
-    missing: in words; absent_topics: those without a publisher. The plant repeats itself, so a node
-    that comes back can still answer. Under supervision a node that is present but silent hangs.
-    One that is absent was not started by the supervisor, which would know of its end: it may be
-    behind a broken network.
+    missing: in words; absent_topics: those without a publisher; silent_s: since the last message,
+    whatever was waited for. The plant repeats itself, so a node that comes back can still answer.
+    Under supervision a node that is present but silent hangs. One that is absent was not started by
+    the supervisor, which would know of its end: it may be behind a broken network. After LOST_S the
+    supervisor's nodes begin anew, and wait for it then: DDS may have lost sight of it for good.
     """
     text = f"no message for {gap_s:g} s; missing: {missing}"
-    if supervised and not absent_topics:
-        return Fault(text)
-    return Wait(f"waiting for {', '.join(absent_topics)}" if absent_topics else text)
+    if not absent_topics:
+        return Fault(text) if supervised else Wait(text)
+    absent = ", ".join(absent_topics)
+    if supervised and silent_s > max(LOST_S, 2.0 * gap_s):
+        return Fault(f"nobody to publish {absent} for {silent_s:.0f} s")
+    return Wait(f"waiting for {absent}")
 
 
 def check_learning_steps(topic: str, record: EpisodeRecord, stamp_ns: int, found: float) -> None:

@@ -229,7 +229,8 @@ class ExperimentManagerNode(Node):
         gap_s, supervised = self.config.gap_s, self.config.supervised
         if self._recorder.silent_s <= gap_s:
             return
-        found = of_silence(gap_s, missing, self._presence.absent_topics(), supervised=supervised)
+        absent, silent_s = self._presence.absent_topics(), self._recorder.unheard_s
+        found = of_silence(gap_s, missing, absent, silent_s, supervised=supervised)
         if isinstance(found, Fault):
             self._fault(found)
         else:

@@ -60,7 +60,7 @@ class Recorder:
         # The one under way and the last one: a picture may come after all that is counted.
         self._records: deque[EpisodeRecord] = deque(maxlen=2)
         self._is_open = True
-        self._message_s = time.monotonic()
+        self._heard_s = self._message_s = time.monotonic()
         self._others_are_late = False
         measured = ("ground_truth", "muscle_activations", *LEARNER_OF)
         self._readers = {name: VectorReader(name) for name in measured}
@@ -103,7 +103,7 @@ class Recorder:
         self._records.appendleft(self.record)
         # A picture of the last episode may still come, of those before nothing does.
         self._run.writer.release(self._records[-1].first_ns)
-        self.wait_from_now()
+        self._heard_s = self._message_s = time.monotonic()
 
     def end(self) -> None:
         """Expect nothing until the next episode begins."""
@@ -117,8 +117,13 @@ class Recorder:
 
     @property
     def silent_s(self) -> float:
-        """For how long no new message has come."""
+        """For how long no new message has come, or somebody was given time again."""
         return time.monotonic() - self._message_s
+
+    @property
+    def unheard_s(self) -> float:
+        """For how long no new message has come."""
+        return time.monotonic() - self._heard_s
 
     def wait_from_now(self) -> None:
         """Count silence from now on."""
@@ -142,7 +147,7 @@ class Recorder:
             return
         if not self._run.writer.write(topic, message, stamp_ns):
             return
-        self.wait_from_now()
+        self._heard_s = self._message_s = time.monotonic()
         if topic in SMALL_TOPICS:
             self._count(topic, message, record, stamp_ns)
 
