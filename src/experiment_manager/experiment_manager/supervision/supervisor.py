@@ -12,6 +12,7 @@ from experiment_manager.supervision.attempt import goes_on, place_of
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, given_domain, own_domain
 from experiment_manager.supervision.interrupts import Interrupts
 from experiment_manager.supervision.live_view import Address, LiveView
+from experiment_manager.supervision.network import Network
 from experiment_manager.supervision.node_heartbeats import Heartbeats
 from experiment_manager.supervision.node_neighbours import addresses
 from experiment_manager.supervision.processes import MANAGER, PACKAGES, NodeProcesses
@@ -119,7 +120,7 @@ class Supervisor:
             given["gap_s"] = str(self._gap_s())
         more = {MANAGER: [word for k, v in given.items() for word in ("-p", f"{k}:={v}")]}
         config, logs = self._directory / CONFIG_FILE, self._directory / "logs"
-        at_start = addresses()
+        network = Network(addresses())
         with (
             NodeProcesses(config, domain, logs, more, self._packages) as processes,
             Heartbeats(domain, self._packages) as heartbeats,
@@ -131,8 +132,9 @@ class Supervisor:
                 live_view.look()
                 if silent:
                     return EXIT_FAULT, f"{silent} gives no sign of life"
-                if not self._elsewhere <= heartbeats.heard and not addresses() <= at_start:
-                    # Who is elsewhere does not know the way to nodes that are older than it.
+                all_began = heartbeats.heard.issuperset(self._packages)
+                met = self._elsewhere <= heartbeats.heard
+                if self._elsewhere and network.is_back(addresses(), all_began=all_began, met=met):
                     return EXIT_NETWORK, None
             # Of several that have ended, one that diverged knows best why, and then the manager.
             known = [MANAGER, *(name for name, code in codes.items() if code == EXIT_DIVERGED)]
