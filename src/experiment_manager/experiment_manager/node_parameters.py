@@ -10,6 +10,7 @@ from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.parameter import parameter_value_to_python
 
+from experiment_manager.node_presence import UNKNOWN_NODE
 from experiment_manager.run.episode_record import SMALL_TOPICS
 from lockstep.node.ros_parameters import OF_RCLPY
 
@@ -34,12 +35,21 @@ class NodeParameters:
         self._found: Parameters = {}
         self._then: Callable[[Parameters], None] | None = None
         self._asked_s = 0.0
+        self._has_begun = False
 
     def ask(self, then: Callable[[Parameters], None]) -> None:
         """Ask all; then go on with what they answered, by node and by name."""
         self._then = then
         self._asked_s = time.monotonic()
-        for name, full_name in self._publishers().items():
+        self._begin()
+
+    def _begin(self) -> None:
+        """Ask all, once their names are known."""
+        publishers = self._publishers()
+        if UNKNOWN_NODE in publishers and time.monotonic() - self._asked_s < _PATIENCE_S:
+            return
+        self._has_begun, self._asked_s = True, time.monotonic()
+        for name, full_name in publishers.items():
             client = self._node.create_client(ListParameters, f"{full_name}/list_parameters")
             answered = partial(self._get, name, full_name)
             self._call(name, client, ListParameters.Request(), answered)
@@ -51,6 +61,9 @@ class NodeParameters:
         To be called now and then.
         """
         if self._then is None:
+            return
+        if not self._has_begun:
+            self._begin()
             return
         waited_s = time.monotonic() - self._asked_s
         for name in [*self._clients]:

@@ -4,6 +4,8 @@ from rclpy.node import Node
 
 from experiment_manager.run.episode_record import SMALL_TOPICS
 
+# What rclpy calls the node of a publisher that is known a moment before its node's name.
+UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 # Topics that another node than the experiment manager has to read.
 _READ_BY_OTHERS = ("left/image_raw", "features")
 

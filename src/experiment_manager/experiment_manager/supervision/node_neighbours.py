@@ -9,6 +9,7 @@ import psutil
 from rclpy.context import Context
 from rclpy.node import Node
 
+from experiment_manager.node_presence import UNKNOWN_NODE
 from experiment_manager.supervision.domains import is_silent
 from lockstep.errors import InputError
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
@@ -21,7 +22,6 @@ PUBLISHES = {
 # Longer than Fast DDS' period of announcements, 3 s.
 _LISTEN_S = 5.0
 _LOOK_PERIOD_S = 0.1
-_UNKNOWN = "_NODE_NAME_UNKNOWN_"
 
 
 def addresses() -> frozenset[str]:
@@ -63,8 +63,7 @@ def _found(domain: int, topics: Sequence[str]) -> dict[str, list[str]]:
     node = Node("supervisor", context=context, start_parameter_services=False)
     end_s = time.monotonic() + _LISTEN_S
     found: dict[str, list[str]] = {}
-    # A publisher is known a moment before the name of its node.
-    while (not found or any(_UNKNOWN in names for names in found.values())) and (
+    while (not found or any(UNKNOWN_NODE in names for names in found.values())) and (
         time.monotonic() < end_s
     ):
         time.sleep(_LOOK_PERIOD_S)
