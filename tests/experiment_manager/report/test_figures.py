@@ -114,6 +114,18 @@ def test_long_names_of_groups_are_not_cut_off(runs: list[ReportedRun]) -> None:
     assert left.x1 < right.x0
 
 
+def test_a_long_legend_leaves_a_figure_its_height(runs: list[ReportedRun]) -> None:
+    groups = [
+        replace(groups_of(runs)[0], label=f"{i}, {'a long setting 0.123456789, ' * 2}")
+        for i in range(20)
+    ]
+    few, many = performance_figure(groups[:1]), performance_figure(groups)
+    for figure in (few, many):
+        figure.draw_without_rendering()
+    heights = [figure.axes[0].get_window_extent().height for figure in (few, many)]
+    assert heights[1] > 0.7 * heights[0]
+
+
 def test_fig_2_shows_the_medians_of_the_tests(runs: list[ReportedRun]) -> None:
     groups = groups_of(runs)
     figure = performance_figure(groups)

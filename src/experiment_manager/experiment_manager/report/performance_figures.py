@@ -24,6 +24,8 @@ _STEPS = (1.0, 2.0, 5.0)
 # Of many groups lying upon each other, the bands are fainter.
 _MANY_GROUPS = 4
 _DPI = 150
+# Inches of a figure's height that a legend may take.
+_LEGEND_HEIGHT = 1.5
 # Characters of a group's name in a legend or above a panel.
 _LONGEST_LINE = 60
 
@@ -94,7 +96,10 @@ def performance_figure(groups: Sequence[Group]) -> Figure:
 
 
 def add_legend(figure: Figure, handles: Sequence[Any]) -> None:
-    """Put a legend below a figure, in two columns if they have room, otherwise in one."""
+    """Put a legend below a figure, in two columns if they have room, otherwise in one.
+
+    The figure grows by what a long one needs.
+    """
     for n_columns in (2, 1):
         legend = figure.legend(handles=handles, loc="outside lower center", ncols=n_columns)
         figure.draw_without_rendering()
@@ -103,6 +108,8 @@ def add_legend(figure: Figure, handles: Sequence[Any]) -> None:
         legend.remove()
     for text in legend.get_texts():
         text.set_text(textwrap.fill(text.get_text(), _LONGEST_LINE))
+    needed = legend.get_window_extent().height / figure.dpi
+    figure.set_figheight(figure.get_figheight() + max(0.0, needed - _LEGEND_HEIGHT))
 
 
 def _label_decades(axes: Axes) -> None:
