@@ -10,7 +10,7 @@ from lockstep.exit_codes import EXIT_FAULT, EXIT_UNWRITABLE
 
 # Whose answer each topic carries.
 LEARNER_OF = {"reward": "sparse_coder", "actor_critic": "vergence_rl"}
-# An absent node has not been found again though its network may long be back.
+# Beyond it an absent node is taken for lost: DDS finds others within seconds of a network's return.
 LOST_S = 60.0
 
 

@@ -60,7 +60,7 @@ class Recorder:
         # The one under way and the last one: a picture may come after all that is counted.
         self._records: deque[EpisodeRecord] = deque(maxlen=2)
         self._is_open = True
-        self._heard_s = self._message_s = time.monotonic()
+        self._hear()
         self._others_are_late = False
         measured = ("ground_truth", "muscle_activations", *LEARNER_OF)
         self._readers = {name: VectorReader(name) for name in measured}
@@ -103,7 +103,7 @@ class Recorder:
         self._records.appendleft(self.record)
         # A picture of the last episode may still come, of those before nothing does.
         self._run.writer.release(self._records[-1].first_ns)
-        self._heard_s = self._message_s = time.monotonic()
+        self._hear()
 
     def end(self) -> None:
         """Expect nothing until the next episode begins."""
@@ -126,10 +126,14 @@ class Recorder:
         return time.monotonic() - self._heard_s
 
     def wait_from_now(self) -> None:
-        """Count silence from now on."""
+        """Give somebody time from now on."""
         self._message_s = time.monotonic()
 
     # Messages
+
+    def _hear(self) -> None:
+        """Count both kinds of silence from now on."""
+        self._heard_s = self._message_s = time.monotonic()
 
     def _take(self, topic: str, message: bytes) -> None:
         if not self._is_open:
@@ -147,7 +151,7 @@ class Recorder:
             return
         if not self._run.writer.write(topic, message, stamp_ns):
             return
-        self._heard_s = self._message_s = time.monotonic()
+        self._hear()
         if topic in SMALL_TOPICS:
             self._count(topic, message, record, stamp_ns)
 

@@ -87,6 +87,16 @@ def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(
     assert first.label.endswith("$, profile paper, 1 run")
     assert second.label.endswith("$, profile precise, 1 run")
     assert second.name == "M, profile precise"
+    # Where runs of one profile differ, it does not say in what.
+    third = ReportedRun(run.directory)
+    text = other.configuration.replace("parameter_set: anatomical", "parameter_set: k17")
+    monkeypatch.setattr(third, "configuration", text)
+    names = [group.name for group in groups_of([run, other, third])]
+    assert names == [
+        "M, profile paper",
+        "M, profile precise, parameter_set anatomical",
+        "M, profile precise, parameter_set k17",
+    ]
 
 
 def _is_inside(text: Text, figure: Figure) -> bool:

@@ -52,55 +52,8 @@ def _parser() -> argparse.ArgumentParser:
         " this process; that needs config.yaml and checkpoints/ of the run alone.",
     )
     parser.add_argument("run", type=Path, metavar="RUN", help="run directory")
-    parser.add_argument(
-        "--stimuli",
-        type=Path,
-        metavar="DIR",
-        help="test with the pictures in DIR/test, or all in DIR (default: the run's own)",
-    )
-    parser.add_argument(
-        "--stereograms",
-        type=Path,
-        metavar="DIR",
-        help="test with pairs of pictures, one for each eye: NAME_left and NAME_right",
-    )
-    parser.add_argument(
-        "--random-dots", action="store_true", help="test with random-dot stereograms"
-    )
-    parser.add_argument(
-        "--generated",
-        action="store_true",
-        help="test with the generated test stimuli, of a run that was trained on others",
-    )
-    parser.add_argument(
-        "--dictionary",
-        type=Path,
-        metavar="CHECKPOINT",
-        help="with the dictionary of another age, or of another run: a directory in checkpoints/",
-    )
-    parser.add_argument(
-        "--actor", type=Path, metavar="CHECKPOINT", help="with the actor and critic of another age"
-    )
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="eye_plant.PARAMETER=VALUE",
-        help="with other eyes or other input than at the learners' age; repeatable",
-    )
-    parser.add_argument(
-        "--checkpoint",
-        type=int,
-        metavar="PLACE",
-        help="learners to test: the number that names a directory in checkpoints/ (default: the"
-        " newest)",
-    )
-    parser.add_argument(
-        "--stimuli-per-test",
-        type=int,
-        metavar="K",
-        help="pictures at most, 39 trials each (default: as in the run's own tests)",
-    )
+    _add_shown(parser)
+    _add_learners(parser)
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="write the test's summary as JSON, too"
     )
@@ -108,6 +61,63 @@ def _parser() -> argparse.ArgumentParser:
         "--write", action="store_true", help="write results.json from the bag instead"
     )
     return parser
+
+
+def _add_shown(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("what frozen learners are shown")
+    group.add_argument(
+        "--stimuli",
+        type=Path,
+        metavar="DIR",
+        help="test with the pictures in DIR/test, or all in DIR (default: the run's own)",
+    )
+    group.add_argument(
+        "--stereograms",
+        type=Path,
+        metavar="DIR",
+        help="test with pairs of pictures, one for each eye: NAME_left and NAME_right",
+    )
+    group.add_argument(
+        "--random-dots", action="store_true", help="test with random-dot stereograms"
+    )
+    group.add_argument(
+        "--generated",
+        action="store_true",
+        help="test with the generated test stimuli, of a run that was trained on others",
+    )
+    group.add_argument(
+        "--stimuli-per-test",
+        type=int,
+        metavar="K",
+        help="pictures at most, 39 trials each (default: as in the run's own tests)",
+    )
+
+
+def _add_learners(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group("which frozen learners, with which eyes")
+    group.add_argument(
+        "--dictionary",
+        type=Path,
+        metavar="CHECKPOINT",
+        help="with the dictionary of another age, or of another run: a directory in checkpoints/",
+    )
+    group.add_argument(
+        "--actor", type=Path, metavar="CHECKPOINT", help="with the actor and critic of another age"
+    )
+    group.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="eye_plant.PARAMETER=VALUE",
+        help="with other eyes or other input than at the learners' age; repeatable",
+    )
+    group.add_argument(
+        "--checkpoint",
+        type=int,
+        metavar="PLACE",
+        help="learners to test: the number that names a directory in checkpoints/ (default: the"
+        " newest)",
+    )
 
 
 def _test_frozen(options: argparse.Namespace) -> int:

@@ -156,7 +156,7 @@ def _new_directory(options: argparse.Namespace) -> Path:
 
 def _figure(directory: Path) -> Path | None:
     """Draw the learning curve; None when the bag has nothing to draw it from."""
-    # Matplotlib takes a second to import; until now nobody had to wait for it.
+    # Matplotlib takes a second to import, for which the start of a run need not wait.
     from experiment_manager.report.performance_figures import learning_curve  # noqa: PLC0415
 
     try:

@@ -161,10 +161,13 @@ def _own_settings(key: Common, same_model: Sequence[Common]) -> list[str]:
     lengths = {other.n_iterations for other in same_model}
     length = [f"{key.n_iterations:,} iterations"] if len(lengths) > 1 else []
     common = frozenset.intersection(*(other.settings for other in same_model))
-    own = sorted(key.settings - common, key=lambda setting: (setting[0] != _STIMULI, setting))
-    if any(name == _PROFILE for name, _ in own):  # it says what else differs
-        own = [setting for setting in own if setting[0] in (_STIMULI, _PROFILE)]
-    return length + [_named(*setting) for setting in own[:_MOST_SETTINGS_NAMED]]
+    profile = [setting for setting in key.settings - common if setting[0] == _PROFILE]
+    # A profile says what tells it from others, not what tells its own runs apart.
+    alike = [other for other in same_model if other.settings.issuperset(profile)]
+    settings = key.settings - frozenset.intersection(*(other.settings for other in alike))
+    stimuli = [setting for setting in key.settings - common if setting[0] == _STIMULI]
+    more = sorted(settings.difference(profile, stimuli))[:_MOST_SETTINGS_NAMED]
+    return length + [_named(*setting) for setting in (*stimuli, *profile, *more)]
 
 
 def _named(name: str, value: str) -> str:
