@@ -21,13 +21,14 @@ from experiment_manager.supervision.domains import own_domain
 from lockstep.node.diagnostics import TOPIC
 from lockstep.wire.qos import LOCKSTEP_QOS
 from tests.benchmark.samples import Sample
+from tests.stress.supervised_run import nodes_of
 from tests.supervisor import start_supervisor
 
 # It answers each iteration once, so its count is the count of iterations.
 _COUNTING_NODE = "vergence_rl"
 _LIMIT_S = 600.0
 _STOP_LIMIT_S = 30.0
-_MIB = 1024.0
+_KIB_PER_MIB = 1024.0
 
 
 class MeasuredGraph:
@@ -75,7 +76,8 @@ class MeasuredGraph:
             with contextlib.suppress(psutil.NoSuchProcess, OSError):
                 times = psutil.Process(process_id).cpu_times()
                 cpu_s[name] = times.user + times.system
-                self.peak_memory_mb[name] = _peak_memory_mb(process_id)
+                peak_mb = self.peak_memory_mb.get(name, 0.0)
+                self.peak_memory_mb[name] = max(peak_mb, _memory_mb(process_id))
         machine = psutil.cpu_times()
         busy_s = sum(machine) - machine.idle - machine.iowait
         self.samples.append(Sample(time_s, n_iterations, cpu_s, busy_s))
@@ -113,11 +115,14 @@ class MeasuredGraph:
         return self.samples[i_first:]
 
 
-def _peak_memory_mb(process_id: int) -> float:
-    """Return the most memory that a process ever had resident (Linux, /proc/PID/status)."""
-    status = Path(f"/proc/{process_id}/status").read_text()
-    line = next((line for line in status.splitlines() if line.startswith("VmHWM:")), "VmHWM: 0 kB")
-    return int(line.split()[1]) / _MIB
+def _memory_mb(process_id: int) -> float:
+    """Return how much memory a process has resident, its part of what it shares with others.
+
+    Linux, /proc/PID/smaps_rollup: Pss.
+    """
+    lines = Path(f"/proc/{process_id}/smaps_rollup").read_text().splitlines()
+    line = next((line for line in lines if line.startswith("Pss:")), "Pss: 0 kB")
+    return int(line.split()[1]) / _KIB_PER_MIB
 
 
 @contextlib.contextmanager
@@ -132,7 +137,7 @@ def supervised_run(arguments: list[str], directory: Path) -> Iterator[MeasuredGr
             variables={"ROS_DOMAIN_ID": str(domain)},
             output=log,
         )
-        graph = MeasuredGraph(domain, lambda: _children(process.pid))
+        graph = MeasuredGraph(domain, lambda: {"supervisor": process.pid} | nodes_of(process.pid))
         try:
             yield graph
         finally:
@@ -142,14 +147,3 @@ def supervised_run(arguments: list[str], directory: Path) -> Iterator[MeasuredGr
                 process.wait(_STOP_LIMIT_S)
             except subprocess.TimeoutExpired:
                 process.kill()
-
-
-def _children(process_id: int) -> dict[str, int]:
-    """Return the supervisor and the nodes that it has started, by name."""
-    found = {"supervisor": process_id}
-    with contextlib.suppress(psutil.NoSuchProcess):
-        for child in psutil.Process(process_id).children():
-            module = next((word for word in child.cmdline() if word.endswith(".node")), None)
-            if module is not None:
-                found[module.removesuffix(".node")] = child.pid
-    return found

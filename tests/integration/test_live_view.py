@@ -62,7 +62,7 @@ def _watched(line: Sequence[str], port: int) -> Iterator["subprocess.Popen[str]"
 def _live_view_of(supervisor_id: int) -> psutil.Process:
     (found,) = (
         child
-        for child in psutil.Process(supervisor_id).children()
+        for child in psutil.Process(supervisor_id).children(recursive=True)
         if "experiment_manager.live.node" in child.cmdline()
     )
     return found

@@ -21,7 +21,7 @@ from experiment_manager.loop import make_loop
 from experiment_manager.protocol import make_protocol
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.supervision.domains import own_domain
-from experiment_manager.supervision.processes import MANAGER, PACKAGES, NodeProcesses
+from experiment_manager.supervision.processes import MANAGER, PACKAGES
 from eye_plant.episode import Episode
 from lockstep.configuration import build
 from lockstep.errors import InputError
@@ -30,6 +30,7 @@ from lockstep.state_file import read_state
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import period_ns, to_ns
 from tests.stress.fuzzer import IMAGE_TOPICS, VECTOR_NAMES, Hostility
+from tests.stress.lone_nodes import LoneNodes
 
 NODES = tuple(package for package in PACKAGES if package != MANAGER)
 _RUN = "fuzzed"
@@ -163,7 +164,7 @@ class FuzzedGraph:
         """
         with (
             own_domain() as domain,
-            NodeProcesses(self._config_file, domain, logs, {}, NODES) as processes,
+            LoneNodes(NODES, self._config_file, domain, logs) as processes,
         ):
             context = Context()
             context.init(domain_id=domain)
@@ -233,7 +234,7 @@ class _Attack:
         self,
         driver: _Driver,
         executor: SingleThreadedExecutor,
-        processes: NodeProcesses,
+        processes: LoneNodes,
         period_ns: int,
     ) -> None:
         self._driver = driver

@@ -1,5 +1,6 @@
 """Runs that are disturbed on purpose: nodes killed or stopped, and what the bag then holds."""
 
+import contextlib
 import os
 import signal
 import time
@@ -7,6 +8,7 @@ from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
 import numpy as np
+import psutil
 
 from experiment_manager.bag.reader import Bag
 from experiment_manager.measures.results import RESULTS_FILE, read_results
@@ -109,18 +111,12 @@ class SupervisedRun:
 def nodes_of(supervisor_id: int) -> dict[str, int]:
     """Return the process ids of a supervisor's nodes, by package."""
     found: dict[str, int] = {}
-    try:
-        children = Path(f"/proc/{supervisor_id}/task/{supervisor_id}/children").read_text()
-    except FileNotFoundError:
-        return found
-    for child in children.split():
-        try:
-            words = Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")
-        except (FileNotFoundError, ProcessLookupError):
-            continue
-        for package in PACKAGES:
-            if f"{package}.node".encode() in words:
-                found[package] = int(child)
+    with contextlib.suppress(psutil.NoSuchProcess):
+        # The nursery between them lives as long as the supervisor.
+        for child in psutil.Process(supervisor_id).children(recursive=True):
+            with contextlib.suppress(psutil.NoSuchProcess, psutil.ZombieProcess):
+                words = child.cmdline()
+                found |= {p: child.pid for p in PACKAGES if f"{p}.node" in words}
     return found
 
 

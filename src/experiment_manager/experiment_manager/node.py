@@ -16,6 +16,7 @@ from experiment_manager.node_presence import Presence
 from experiment_manager.node_recorder import Recorder
 from experiment_manager.node_requests import LEARNERS, PLANT, Requests
 from experiment_manager.run.run_directory import Run
+from experiment_manager.supervision.own_process import give_back_blocks_of
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, FAULT_TEXT
 from lockstep.node.diagnostics import Diagnostics
@@ -23,9 +24,15 @@ from lockstep.node.process import run_node
 from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, Arguments
 from lockstep.node.ros_parameters import declare_config
 from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.stamps import NS_PER_S
 from lockstep.wire.topics import PARAMETER_CHANGES
 
+# Until the nodes have met, somebody is waiting.
+_START_PERIOD_S = 0.05
 _WATCH_PERIOD_S = 0.5
+# Pictures are kept for one episode in some hundreds; from the heap their memory would not come
+# back, a little more of it each time.
+_PICTURE_BYTES = 1 << 16
 
 
 class ExperimentManagerNode(Node):
@@ -57,8 +64,8 @@ class ExperimentManagerNode(Node):
         if self.config.supervised:
             self._recorder.checked_learners = self._requests.names
         self._next: Callable[[], None] = self._await_graph
-        self.create_timer(
-            _WATCH_PERIOD_S, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        self._watch_timer = self.create_timer(
+            _START_PERIOD_S, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
         self.get_logger().info(f"run {self.run.run_id} in {self.run.directory}")
 
@@ -98,6 +105,7 @@ class ExperimentManagerNode(Node):
 
     def _start_run(self) -> None:
         self._next = _nothing
+        self._watch_timer.timer_period_ns = round(_WATCH_PERIOD_S * NS_PER_S)
         self._recorder.sample_pictures()
         loaded = self.run.states_to_load(self._requests.learners)
         loads = [(name, "load", {"path": str(path)}) for name, path in loaded.items()]
@@ -261,6 +269,7 @@ def _nothing() -> None:
 
 def main() -> None:
     """Run the node until its run is over."""
+    give_back_blocks_of(_PICTURE_BYTES)
     sys.exit(run_node(ExperimentManagerNode))
 
 

@@ -129,6 +129,15 @@ def test_mean_rate_of_a_period_in_which_nothing_happens_is_the_settled_rate():
     np.testing.assert_allclose(state.mean_metabolic_rate_w, state.metabolic_rate_w, rtol=1e-6)
 
 
+def test_the_mean_rate_stays_that_of_the_state_s_own_period():
+    eyes = Oculomotor(MechanicsConfig())
+    eyes.step(eyes.activations_from(0.2, 0.0))
+    state, expected_w = eyes.state(), eyes.metabolic_trace().total_w.mean(axis=0)
+    eyes.step(eyes.activations_from(0.0, 0.1))
+    assert not np.array_equal(eyes.state().mean_metabolic_rate_w, expected_w)
+    np.testing.assert_array_equal(state.mean_metabolic_rate_w, expected_w)
+
+
 def test_moving_costs_work_and_heat_that_add_up_to_the_mean_rate():
     eyes = Oculomotor(MechanicsConfig())
     eyes.settle(eyes.activations_from(0.0, 0.05))

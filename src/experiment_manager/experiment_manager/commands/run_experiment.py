@@ -25,8 +25,11 @@ from experiment_manager.run.config_file import (
 )
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from experiment_manager.supervision.in_process import run_in_process
+from experiment_manager.supervision.live_view import PACKAGE as LIVE_VIEW
 from experiment_manager.supervision.live_view import Address
 from experiment_manager.supervision.node_neighbours import refuse_neighbours
+from experiment_manager.supervision.nursery import Nursery
+from experiment_manager.supervision.processes import PACKAGES
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import load_stimuli
@@ -184,22 +187,36 @@ def results_table(results: Mapping[str, Any], directory: Path, figure: Path | No
     )
 
 
+def _run(options: argparse.Namespace) -> tuple[Path, int]:
+    """Prepare the run and bring it to its end; return its directory and the exit code."""
+    if options.in_process:
+        directory = _announced(_prepare(options))
+        return directory, run_in_process(directory)
+    packages = [package for package in PACKAGES if package not in options.elsewhere]
+    if options.live is not None:
+        packages.append(LIVE_VIEW)
+    # Before anything that begins threads, as DDS does.
+    with Nursery(packages) as nursery:
+        domain = known_domain(options.elsewhere)
+        if domain is not None:
+            refuse_neighbours(domain, options.elsewhere)
+        directory = _announced(_prepare(options))
+        _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
+        return directory, Supervisor(directory, nursery, options.elsewhere, _live(options)).run()
+
+
+def _announced(directory: Path) -> Path:
+    print(f"run directory: {directory}")
+    print("\n".join(plan(read_configuration(directory / CONFIG_FILE))))
+    return directory
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one experiment; return the exit code."""
     try:
         options = arguments(argv)
         _check_in_process(options)
-        domain = known_domain(options.elsewhere)
-        if domain is not None and not options.in_process:
-            refuse_neighbours(domain, options.elsewhere)
-        directory = _prepare(options)
-        print(f"run directory: {directory}")
-        print("\n".join(plan(read_configuration(directory / CONFIG_FILE))))
-        if options.in_process:
-            code = run_in_process(directory)
-        else:
-            _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
-            code = Supervisor(directory, options.elsewhere, _live(options)).run()
+        directory, code = _run(options)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT

@@ -1,20 +1,17 @@
 """The live view of a run as a process that the run does not depend on."""
 
 import argparse
-import os
-import subprocess
 import sys
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from experiment_manager.live.config import LOCAL_HOST, PORT
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE
-from experiment_manager.supervision.processes import die_with
+from experiment_manager.supervision.nursery import NodeProcess, Nursery, stop
 
-_PATIENCE_S = 3.0
+PACKAGE = "experiment_manager.live"
 
 
 @dataclass(frozen=True)
@@ -42,10 +39,12 @@ class Address:
 class LiveView(AbstractContextManager["LiveView"]):
     """The node live_view in a domain; stopped when the block is left, and never waited for."""
 
-    def __init__(self, address: Address | None, domain: int, directory: Path) -> None:
+    def __init__(
+        self, nursery: Nursery, address: Address | None, domain: int, directory: Path
+    ) -> None:
         """address: None for none; directory: of the run."""
         self._log = directory / "logs" / "live_view.log"
-        self._process: subprocess.Popen[bytes] | None = None
+        self._process: NodeProcess | None = None
         if address is None:
             return
         coder = read_configuration(directory / CONFIG_FILE)["sparse_coder"]
@@ -55,22 +54,15 @@ class LiveView(AbstractContextManager["LiveView"]):
             "page_port": address.port + 1,
             "n_selections": coder["n_selections"],
         }
-        command = [sys.executable, "-m", "experiment_manager.live.node", "--ros-args"]
-        command += [word for name, value in given.items() for word in ("-p", f"{name}:={value}")]
+        arguments = [word for name, value in given.items() for word in ("-p", f"{name}:={value}")]
         with self._log.open("ab") as log:
-            self._process = subprocess.Popen(
-                command,
-                env=os.environ | {"ROS_DOMAIN_ID": str(domain), "PYTHONUNBUFFERED": "1"},
-                stdin=subprocess.DEVNULL,
-                stdout=log,
-                stderr=log,
-                start_new_session=True,
-                preexec_fn=partial(die_with, os.getpid()),  # noqa: PLW1509 (no threads yet)
+            self._process = nursery.start(
+                PACKAGE, ["--ros-args", *arguments], {"ROS_DOMAIN_ID": str(domain)}, log
             )
 
     def look(self) -> None:
         """Say so, once, when the process has ended by itself."""
-        if self._process is None or self._process.poll() is None:
+        if self._process is None or self._process.exit_code() is None:
             return
         self._process = None
         lines = self._log.read_text(errors="replace").splitlines()
@@ -79,11 +71,5 @@ class LiveView(AbstractContextManager["LiveView"]):
 
     def __exit__(self, *exception: object) -> None:
         """Stop the process."""
-        if self._process is None:
-            return
-        self._process.terminate()
-        try:
-            self._process.wait(_PATIENCE_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+        if self._process is not None:
+            stop([self._process])

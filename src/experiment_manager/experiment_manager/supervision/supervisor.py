@@ -15,6 +15,7 @@ from experiment_manager.supervision.live_view import Address, LiveView
 from experiment_manager.supervision.network import Network
 from experiment_manager.supervision.node_heartbeats import Heartbeats
 from experiment_manager.supervision.node_neighbours import addresses
+from experiment_manager.supervision.nursery import Nursery
 from experiment_manager.supervision.processes import MANAGER, PACKAGES, NodeProcesses
 from experiment_manager.supervision.shared_memory import remove_ports, remove_stale_segments
 from lockstep.durable_files import why_unwritable
@@ -42,14 +43,20 @@ class Supervisor:
     """Brings one run to its end: one attempt after another, each from the newest checkpoint."""
 
     def __init__(
-        self, directory: Path, elsewhere: Collection[str] = (), live: Address | None = None
+        self,
+        directory: Path,
+        nursery: Nursery,
+        elsewhere: Collection[str] = (),
+        live: Address | None = None,
     ) -> None:
         """directory: holds config.yaml, and whatever the run has done so far.
 
-        elsewhere: nodes that somebody else starts, in the domain of `known_domain`. What they lack
-        of signs of life the manager notices. live: where a live view listens, None for none.
+        nursery: starts the nodes; entered meanwhile. elsewhere: nodes that somebody else starts, in
+        the domain of `known_domain`; what they lack of signs of life the manager notices. live:
+        where a live view listens, None for none.
         """
         self._directory = directory
+        self._nursery = nursery
         self._elsewhere = frozenset(elsewhere)
         self._live = live
         self._packages = [package for package in PACKAGES if package not in elsewhere]
@@ -68,7 +75,10 @@ class Supervisor:
             with self._domain(frozenset(used_domains)) as domain:
                 used_domains.add(domain)
                 print(f"to listen from another terminal: export ROS_DOMAIN_ID={domain}")
-                code, fault = self._attempt(domain)
+                try:
+                    code, fault = self._attempt(domain)
+                except ConnectionError as gone:
+                    code, fault = EXIT_FAULT, str(gone)
                 remove_stale_segments()
                 if self._known_domain is None:
                     remove_ports(domain)
@@ -119,12 +129,11 @@ class Supervisor:
         if self._elsewhere:
             given["gap_s"] = str(self._gap_s())
         more = {MANAGER: [word for k, v in given.items() for word in ("-p", f"{k}:={v}")]}
-        config, logs = self._directory / CONFIG_FILE, self._directory / "logs"
-        network = Network(addresses())
+        directory, packages, network = self._directory, self._packages, Network(addresses())
         with (
-            NodeProcesses(config, domain, logs, more, self._packages) as processes,
-            Heartbeats(domain, self._packages) as heartbeats,
-            LiveView(self._live, domain, self._directory) as live_view,
+            NodeProcesses(self._nursery, directory, domain, more, packages) as processes,
+            Heartbeats(domain, packages) as heartbeats,
+            LiveView(self._nursery, self._live, domain, directory) as live_view,
         ):
             self._processes = processes
             while not (codes := processes.exit_codes()):
@@ -132,7 +141,7 @@ class Supervisor:
                 live_view.look()
                 if silent:
                     return EXIT_FAULT, f"{silent} gives no sign of life"
-                all_began = heartbeats.heard.issuperset(self._packages)
+                all_began = heartbeats.heard.issuperset(packages)
                 met = self._elsewhere <= heartbeats.heard
                 if self._elsewhere and network.is_back(addresses(), all_began=all_began, met=met):
                     return EXIT_NETWORK, None

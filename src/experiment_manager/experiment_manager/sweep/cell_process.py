@@ -4,7 +4,7 @@ import sys
 
 from experiment_manager.commands.run_experiment import main
 from experiment_manager.run.lasting_output import make_standard_streams_last
-from experiment_manager.supervision.processes import die_with
+from experiment_manager.supervision.own_process import die_with
 
 if __name__ == "__main__":
     parent, *line = sys.argv[1:]

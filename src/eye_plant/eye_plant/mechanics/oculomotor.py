@@ -1,5 +1,6 @@
 """The moving eyes: settle, step, read out. One `Oculomotor` owns one MuJoCo simulation."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import mujoco
@@ -24,7 +25,8 @@ class OculomotorState:
     eye_angles_rad, eye_velocities_rad_s: (2, 3), left and right eye by adduction, elevation,
     intorsion. The others are (12,) in MUSCLE_NAMES' order: activations; lengths_m and
     velocities_m_s of the whole path, shortening negative; forces_n, pull positive;
-    metabolic_rate_w as if settled, mean_metabolic_rate_w over the last control period.
+    metabolic_rate_w as if settled, mean_metabolic_rate_w over the last control period; few ask for
+    that one, so it is computed for them.
     """
 
     eye_angles_rad: Array
@@ -34,7 +36,12 @@ class OculomotorState:
     velocities_m_s: Array
     forces_n: Array
     metabolic_rate_w: Array
-    mean_metabolic_rate_w: Array
+    compute_mean_rate_w: Callable[[], Array]
+
+    @property
+    def mean_metabolic_rate_w(self) -> Array:
+        """Metabolic rate (12,) with transients and work, the mean over the last control period."""
+        return self.compute_mean_rate_w()
 
 
 class Oculomotor:
@@ -73,8 +80,7 @@ class Oculomotor:
         timestep_s = config.timestep_s or parameters.timestep_s
         self._n_substeps = max(1, round(period_s / timestep_s))
         self.model.opt.timestep = period_s / self._n_substeps
-        self._trace = np.empty((self._n_substeps, len(self._live), N_MUSCLES))
-        self._n_traced = 0
+        self._forget_trace()
         self.settle(self.tonic_activations)
 
     @property
@@ -103,7 +109,7 @@ class Oculomotor:
         """Forget everything and jump to the static equilibrium at activations (12,)."""
         self._equilibrium.solve(check_activations(activations))
         self.data.time = 0.0
-        self._n_traced = 0
+        self._forget_trace()
 
     def step(self, activations: Array) -> None:
         """Spend one control period on the way to the target activations (12,); ends settled.
@@ -113,17 +119,17 @@ class Oculomotor:
         """
         activations = check_activations(activations)
         self.data.ctrl[:] = activations
+        # A new one each time: states of before may still want theirs.
+        self._trace = np.empty((self._n_substeps, len(self._live), N_MUSCLES))
+        self._excitations = activations.copy()
         step_and_trace(self._addresses, self._trace, self._live)
         self._equilibrium.solve(activations, self._angles)
-        self._n_traced = self._n_substeps
 
     def state(self) -> OculomotorState:
         """Copies of the present state."""
         activations, lengths_m, velocities_m_s, forces_n = self._live
         settled_w = self.settled_metabolic_rate_w()
-        mean_w = settled_w
-        if self._n_traced:
-            mean_w = self.metabolic_trace().total_w.mean(axis=0)
+        trace, excitations = self._trace, self._excitations
         return OculomotorState(
             eye_angles_rad=self._angles.reshape(len(SIDES), len(AXES)).copy(),
             eye_velocities_rad_s=self._velocities.reshape(len(SIDES), len(AXES)).copy(),
@@ -132,7 +138,11 @@ class Oculomotor:
             velocities_m_s=velocities_m_s.copy(),
             forces_n=-forces_n,
             metabolic_rate_w=settled_w,
-            mean_metabolic_rate_w=mean_w,
+            compute_mean_rate_w=lambda: (
+                self._metabolic_terms(trace, excitations).total_w.mean(axis=0)
+                if len(trace)
+                else settled_w
+            ),
         )
 
     def settled_metabolic_rate_w(self) -> Array:
@@ -148,15 +158,21 @@ class Oculomotor:
         n_substeps = max(1, round(duration_s / self.model.opt.timestep))
         mujoco.mj_step(self.model, self.data, n_substeps)
         mujoco.mj_forward(self.model, self.data)
-        self._n_traced = 0
+        self._forget_trace()
 
     def metabolic_trace(self) -> MetabolicTerms:
         """Umberger's terms, (n, 12) each, over the n substeps of the last control period."""
-        traced = self._trace[: self._n_traced].swapaxes(0, 1)
-        activations, lengths_m, velocities_m_s, forces_n = traced
+        return self._metabolic_terms(self._trace, self._excitations)
+
+    def _metabolic_terms(self, trace: Array, excitations: Array) -> MetabolicTerms:
+        activations, lengths_m, velocities_m_s, forces_n = trace.swapaxes(0, 1)
         return self.musculature.metabolic_terms(
-            self.data.ctrl, activations, lengths_m, velocities_m_s, -forces_n
+            excitations, activations, lengths_m, velocities_m_s, -forces_n
         )
+
+    def _forget_trace(self) -> None:
+        self._trace = np.empty((0, len(self._live), N_MUSCLES))
+        self._excitations = self.tonic_activations
 
     def horizontal_metabolic_rate_w(self, rates_w: Array) -> float:
         """Return the part of rates_w (12,) that is charged: the four horizontal recti."""
