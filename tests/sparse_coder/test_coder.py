@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from lockstep.errors import InputError
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
+from sparse_coder.dictionary import learned_atoms
 
 Pair = tuple[NDArray[np.uint8], NDArray[np.uint8]]
 Pursuit = Callable[..., tuple[list[list[int]], NDArray[np.float64]]]
@@ -92,6 +93,19 @@ def test_dictionaries_come_to_rest_as_training_ends(stereo_pair: Pair) -> None:
         moved.append(float(np.abs(coder.atoms() - before).max()))
     assert min(moved[:4]) > 0.0
     assert moved[4:] == [0.0, 0.0]
+
+
+def test_a_step_at_rate_zero_would_leave_the_bits_of_normalised_atoms(stereo_pair: Pair) -> None:
+    # So a rested dictionary may be left alone: nobody can tell from the numbers.
+    coder = SparseCoder(SparseCoderConfig(n_bases=40))
+    for _ in range(3):
+        coder.learn(coder.encode(*stereo_pair))
+    encoding = coder.encode(*stereo_pair)
+    for atoms, patches, selections in zip(
+        coder.atoms(), encoding.patches, encoding.selections, strict=True
+    ):
+        same = learned_atoms(atoms, patches, selections, 0.0)
+        assert same.tobytes() == atoms.tobytes()
 
 
 def test_after_learning_equal_pictures_cost_less_than_shifted_ones(

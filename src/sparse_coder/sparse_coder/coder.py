@@ -85,13 +85,18 @@ class SparseCoder:
         return Encoding(np.stack(features), np.array(errors), patches, selections)
 
     def learn(self, encoding: Encoding) -> None:
-        """Move both dictionaries by one step towards the pictures of an encoding of theirs."""
+        """Move both dictionaries by one step towards the pictures of an encoding of theirs.
+
+        Dictionaries that have come to rest (D17) stay as they are.
+        """
         rate = self._learning_rate()
+        self.learning_steps += 1
+        if rate == 0.0:
+            return
         for dictionary, patches, selections in zip(
             self._dictionaries, encoding.patches, encoding.selections, strict=True
         ):
             dictionary.replace(learned_atoms(dictionary.atoms, patches, selections, rate))
-        self.learning_steps += 1
 
     def _learning_rate(self) -> float:
         config = self.config
