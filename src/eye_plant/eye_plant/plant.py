@@ -30,6 +30,7 @@ class EyePlant:
         stimuli: instead of those that the configuration asks for.
         """
         self._started_with = self.config = config
+        self._settings: Mapping[str, Any] = {}
         self.oculomotor = Oculomotor(config.mechanics)
         self._inverse = Inverse(config.mechanics)
         self._camera = StereoCamera(
@@ -58,15 +59,18 @@ class EyePlant:
         changes. Nothing is done where nothing changes. Raises InputError, having changed nothing,
         for settings that the plant cannot have.
         """
+        if settings == self._settings:
+            return
         config = changed(self._started_with, settings)
         if config == self.config:
+            self._settings = dict(settings)
             return
         if config.mechanics != self.config.mechanics:
             oculomotor, inverse = Oculomotor(config.mechanics), Inverse(config.mechanics)
             self.oculomotor, self._inverse = oculomotor, inverse
         if config.camera != self.config.camera:
             self._camera.reconfigure(config.camera)
-        self.config = config
+        self.config, self._settings = config, dict(settings)
         self._episode = None
 
     def begin(self, episode: Episode) -> Observation:
