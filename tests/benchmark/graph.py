@@ -4,6 +4,7 @@ The listener reads /diagnostics, one message a second from each node, and so dis
 """
 
 import contextlib
+import re
 import signal
 import subprocess
 import time
@@ -17,7 +18,6 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from experiment_manager.supervision.domains import own_domain
 from lockstep.node.diagnostics import TOPIC
 from lockstep.wire.qos import LOCKSTEP_QOS
 from tests.benchmark.samples import Sample
@@ -27,6 +27,8 @@ from tests.supervisor import start_supervisor
 # It answers each iteration once, so its count is the count of iterations.
 _COUNTING_NODE = "vergence_rl"
 _LIMIT_S = 600.0
+_POLL_S = 0.02
+_DOMAIN = re.compile(r"export ROS_DOMAIN_ID=(\d+)\n")
 _STOP_LIMIT_S = 30.0
 _KIB_PER_MIB = 1024.0
 
@@ -34,9 +36,11 @@ _KIB_PER_MIB = 1024.0
 class MeasuredGraph:
     """A running graph and what is heard of it. Process ids are looked up at each sample."""
 
-    def __init__(self, domain: int, process_ids: Callable[[], Mapping[str, int]]) -> None:
-        """process_ids: of the nodes that are running, by name."""
-        self._started_s = time.monotonic()
+    def __init__(
+        self, domain: int, process_ids: Callable[[], Mapping[str, int]], started_s: float
+    ) -> None:
+        """process_ids: of the nodes that run, by name; started_s: when, on the monotonic clock."""
+        self._started_s = started_s
         self.samples: list[Sample] = []
         self._first_episode_s: float | None = None
         self.peak_memory_mb: dict[str, float] = {}
@@ -131,19 +135,32 @@ def supervised_run(arguments: list[str], directory: Path) -> Iterator[MeasuredGr
 
     What it says goes to a file beside the directory.
     """
-    with own_domain() as domain, directory.with_suffix(".log").open("w") as log:
-        process = start_supervisor(
-            ["--out", str(directory), *arguments],
-            variables={"ROS_DOMAIN_ID": str(domain)},
-            output=log,
-        )
-        graph = MeasuredGraph(domain, lambda: {"supervisor": process.pid} | nodes_of(process.pid))
+    with directory.with_suffix(".log").open("w+") as log:
+        started_s = time.monotonic()
+        process = start_supervisor(["--out", str(directory), *arguments], output=log)
         try:
-            yield graph
+            graph = MeasuredGraph(
+                _domain_told(Path(log.name)),
+                lambda: {"supervisor": process.pid} | nodes_of(process.pid),
+                started_s,
+            )
+            try:
+                yield graph
+            finally:
+                graph.close()
         finally:
-            graph.close()
             process.send_signal(signal.SIGINT)
             try:
                 process.wait(_STOP_LIMIT_S)
             except subprocess.TimeoutExpired:
                 process.kill()
+
+
+def _domain_told(log: Path) -> int:
+    """Wait until a supervisor says in which domain it is; raises RuntimeError when it does not."""
+    end_s = time.monotonic() + _LIMIT_S
+    while (told := _DOMAIN.search(log.read_text())) is None:
+        time.sleep(_POLL_S)
+        if time.monotonic() > end_s:
+            raise RuntimeError(f"the supervisor named no domain in {_LIMIT_S:.0f} s")
+    return int(told[1])
