@@ -73,20 +73,21 @@ class Nursery:
 
     def exit_code(self, process_id: int) -> int | None:
         """Return how a node has ended, by a signal as its negative; None while it lives."""
-        self._channel.setblocking(False)
         try:
             while True:
-                self._hear()
+                self._hear(socket.MSG_DONTWAIT)
         except BlockingIOError:
             return self._codes.get(process_id)
         except ConnectionError:
             return self._codes.get(process_id, -signal.SIGKILL)
-        finally:
-            self._channel.setblocking(True)
 
-    def _hear(self) -> int | None:
+    def has_told_end_of(self, process_id: int) -> bool:
+        """Return whether a node is known to have ended; hears nothing, for signal handlers."""
+        return process_id in self._codes
+
+    def _hear(self, flags: int = 0) -> int | None:
         """Take one message; return the process id if it says that a node has started."""
-        message = self._channel.recv(_MAX_MESSAGE_BYTES)
+        message = self._channel.recv(_MAX_MESSAGE_BYTES, flags)
         if not message:
             raise ConnectionError(_GONE)
         process_id, code = json.loads(message)
@@ -108,8 +109,8 @@ class NodeProcess:
         return self.nursery.exit_code(self.process_id)
 
     def signal(self, number: signal.Signals) -> None:
-        """Send it a signal, unless it has ended."""
-        if self.exit_code() is None:
+        """Send it a signal, unless it is known to have ended. May be called in a signal handler."""
+        if not self.nursery.has_told_end_of(self.process_id):
             with contextlib.suppress(ProcessLookupError):
                 os.kill(self.process_id, number)
 
