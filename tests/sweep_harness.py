@@ -64,14 +64,15 @@ def process_of(run: Path) -> psutil.Process:
 
 
 def are_held_at_first_checkpoint(runs: Sequence[Path]) -> bool:
-    """Stop the process of each run that has a checkpoint; return whether that is all of them.
+    """Stop the process of each run that has a checkpoint; return whether all have stopped.
 
     What is done to the runs then cannot come after their end; goes_on_interrupted lets them go on.
+    A process stops when it next gets a core; a signal that comes before would be taken first.
     """
-    begun = [run for run in runs if any(run.glob("checkpoints/*/manifest.json"))]
-    for run in begun:
-        process_of(run).suspend()
-    return len(begun) == len(runs)
+    begun = [process_of(run) for run in runs if any(run.glob("checkpoints/*/manifest.json"))]
+    for process in begun:
+        process.suspend()
+    return [process.status() for process in begun] == [psutil.STATUS_STOPPED] * len(runs)
 
 
 def goes_on_interrupted(run: Path) -> bool:
