@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -26,77 +25,6 @@ from experiment_manager.report.reported_run import ReportedRun
 from eye_plant.mechanics.inverse import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
-
-
-@pytest.fixture(scope="module")
-def runs(run_directories: dict[str, Path]) -> list[ReportedRun]:
-    return [ReportedRun(directory) for directory in run_directories.values()]
-
-
-def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[ReportedRun]) -> None:
-    m, m_c = runs
-    groups = groups_of([m_c, m, m])
-    assert [group.model for group in groups] == ["M", "M_C"]
-    assert [len(group.runs) for group in groups] == [2, 1]
-    assert "2 runs" in groups[0].label
-    assert "0.08" in groups[1].label
-    assert groups[0].colour != groups[1].colour
-    assert groups[0].iterations == [0, 130, 270, 400]
-    assert len(groups[0].trials_at(130).trial) == 2 * 39
-
-
-def test_runs_with_other_settings_are_not_pooled(
-    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    run = runs[0]
-    other = ReportedRun(run.directory)
-    for own, free in (("mechanics.parameter_set: k17", "seed: 2"), ("seed: 3", "commit: abc")):
-        text = run.configuration.replace("commit: 0123abc", free).replace("seed: 1", "seed: 5")
-        monkeypatch.setattr(other, "configuration", text)
-        assert len(groups_of([run, other])) == 1, own
-    text = run.configuration.replace(
-        "mechanics.parameter_set: k17",
-        "mechanics.parameter_set: anatomical\n    stimuli.directory: /my/photos",
-    )
-    monkeypatch.setattr(other, "configuration", text)
-    first, second = groups_of([run, other])
-    assert first.label.endswith("parameter_set k17, 1 run")
-    assert first.name == "M, parameter_set k17"
-    assert second.label.endswith("photos stimuli, parameter_set anatomical, 1 run")
-    assert first.colour != second.colour
-
-
-def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(
-    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    run = runs[0]
-    other = ReportedRun(run.directory)
-    monkeypatch.setattr(
-        other,
-        "configuration",
-        run.configuration.replace(
-            "mechanics.parameter_set: k17",
-            "mechanics.parameter_set: anatomical\n    camera.roi_width_px: 128",
-        ),
-    )
-    for one, profile in ((run, "paper"), (other, "precise")):
-        document = yaml.safe_load(one.configuration)
-        document["/**/experiment_manager"] = {"ros__parameters": {"profile": profile}}
-        monkeypatch.setattr(one, "configuration", yaml.safe_dump(document))
-    first, second = groups_of([run, other])
-    assert first.label.endswith("$, profile paper, 1 run")
-    assert second.label.endswith("$, profile precise, 1 run")
-    assert second.name == "M, profile precise"
-    # Where runs of one profile differ, it does not say in what.
-    third = ReportedRun(run.directory)
-    text = other.configuration.replace("parameter_set: anatomical", "parameter_set: k17")
-    monkeypatch.setattr(third, "configuration", text)
-    names = [group.name for group in groups_of([run, other, third])]
-    assert names == [
-        "M, profile paper",
-        "M, profile precise, parameter_set anatomical",
-        "M, profile precise, parameter_set k17",
-    ]
 
 
 def _is_inside(text: Text, figure: Figure) -> bool:
