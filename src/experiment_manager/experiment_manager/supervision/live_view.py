@@ -42,7 +42,7 @@ class LiveView(AbstractContextManager["LiveView"]):
     def __init__(
         self, nursery: Nursery, address: Address | None, domain: int, directory: Path
     ) -> None:
-        """address: None for none; directory: of the run."""
+        """nursery: starts it; address: None for none; directory: of the run."""
         self._log = directory / "logs" / "live_view.log"
         self._process: NodeProcess | None = None
         if address is None:

@@ -20,7 +20,7 @@ class NodeProcesses:
         directory: Path,
         domain: int,
         more: Mapping[str, Sequence[str]],
-        packages: Sequence[str] = PACKAGES,
+        packages: Sequence[str],
     ) -> None:
         """Have the nursery start them; raises ConnectionError when it has ended.
 
