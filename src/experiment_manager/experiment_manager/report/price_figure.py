@@ -110,14 +110,23 @@ def _draw_trade(axes: Axes, groups: Sequence[Group]) -> None:
     rate_w = [float(np.median(_rates_w(group.last_trials))) for group in groups]
     error_deg = [float(np.median(_errors_deg(group.last_trials))) for group in groups]
     axes.plot(rate_w, error_deg, color="#2b8a3e", marker="o", ms=4)
-    for group, at in zip(groups, zip(rate_w, error_deg, strict=True), strict=True):
+    for i, group in enumerate(groups):
+        # By turns above and below: where energy is nearly all saved, points are close.
         axes.annotate(
-            f"{group.common.weight:g}", at, (4, 3), textcoords="offset points", fontsize=7
+            f"{group.common.weight:g}",
+            (rate_w[i], error_deg[i]),
+            (5, (-9, 4)[i % 2]),
+            textcoords="offset points",
+            fontsize=7,
         )
         for trials in _last_of_seeds(group) if len(group.runs) > 1 else ():
             medians = (np.median(_rates_w(trials)), np.median(_errors_deg(trials)))
             axes.plot(*medians, ".", color="0.3", ms=4)
-    axes.set(xlabel="metabolic rate $C$ / W", ylabel=ERROR_LABEL, ylim=(0, None))
+    axes.set(xlabel="metabolic rate $C$ / W", ylabel=ERROR_LABEL, yscale="log")
+    axes.yaxis.set_major_locator(mpl.ticker.LogLocator(subs=(1, 2, 5)))
+    axes.yaxis.set_minor_locator(mpl.ticker.NullLocator())
+    axes.yaxis.set_major_formatter(mpl.ticker.FormatStrFormatter("%g"))
+    axes.margins(y=0.15)
     axes.set_title(r"accuracy against watts, by $\lambda$", fontsize=9)
 
 
