@@ -1,5 +1,6 @@
 """The page of conditions, from a run and from runs whose every basis function is known."""
 
+import json
 import re
 import shutil
 from pathlib import Path
@@ -16,6 +17,7 @@ from experiment_manager.rearing.figures import (
     samples_figure,
 )
 from experiment_manager.rearing.gabor import gabor_patch
+from experiment_manager.rearing.measures_file import run_measures, write_measures
 from experiment_manager.rearing.page import condition_table, finished_runs
 from experiment_manager.rearing.reared_run import RearedRun
 from experiment_manager.rearing.reward_landscape import RewardLandscape
@@ -115,6 +117,32 @@ def test_the_command_makes_the_page_of_a_run(small_run, tmp_path, capsys):
     assert path.read_text().count("<img ") == 4
     assert "<td>paper</td>" in path.read_text()
     assert len(list((tmp_path / "figures").glob("rearing_*.png"))) == 4
+    (measures,) = json.loads((tmp_path / "rearing.json").read_text())["runs"]
+    assert measures["run"] == small_run.name
+    assert measures["condition"] == "paper"
+
+
+def test_measures_of_a_run_are_for_programs_to_read(tmp_path):
+    run = reared(right_eyes_share=0.0, seed=2)
+    measures = run_measures(run)
+    assert (measures["condition"], measures["model"], measures["seed"]) == ("normal", "M", 2)
+    assert measures["landscape"]["vergence_error_deg"] == [-1.0, 0.0, 1.0]
+    assert measures["landscape"]["reconstruction_error_coarse"] == [0.3, 0.1, 0.3]
+    assert measures["landscape"]["depth"] == pytest.approx(4 / 7, abs=1e-6)
+    for scale in ("coarse", "fine"):
+        # Four orientations, 45 deg apart; all atoms the left eye's, so that none tells a disparity.
+        assert measures[scale]["orientation_counts"] == [1, 0] * 4
+        assert measures[scale]["binocularity_counts"] == [4, 0, 0, 0, 0, 0, 0]
+        assert measures[scale]["preferred_disparities_deg"] == []
+
+
+def test_what_is_undefined_is_null_in_the_file(tmp_path):
+    run = reared()
+    run.landscape.reconstruction_error[0] = np.nan
+    write_measures(tmp_path / "rearing.json", [run])
+    (measures,) = json.loads((tmp_path / "rearing.json").read_text())["runs"]
+    assert measures["landscape"]["reconstruction_error_fine"] == [None, 0.1, 0.3]
+    assert measures["landscape"]["depth"] == pytest.approx(0.5)
 
 
 def test_a_sweep_stands_for_its_finished_runs_in_its_order(tmp_path):

@@ -62,8 +62,8 @@ def _parser() -> argparse.ArgumentParser:
         "--rearing",
         action="store_true",
         help="instead, rearing.html: the conditions of altered rearing beside one another, from"
-        " results.json and the newest checkpoint of each run (30 to 40 s a run); RUN may be a"
-        " sweep",
+        " results.json and the newest checkpoint of each run (30 to 40 s a run, one run a core);"
+        " RUN may be a sweep",
     )
     parser.add_argument(
         "--out",

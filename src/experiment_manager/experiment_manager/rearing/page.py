@@ -1,6 +1,9 @@
 """The page of conditions: what became of eyes that were reared differently."""
 
+import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 import matplotlib as mpl
@@ -17,6 +20,7 @@ from experiment_manager.rearing.figures import (
     landscapes_figure,
     samples_figure,
 )
+from experiment_manager.rearing.measures_file import MEASURES_FILE, write_measures
 from experiment_manager.rearing.published import PUBLISHED
 from experiment_manager.rearing.reared_run import RearedRun, read_reared_run
 from experiment_manager.report import page as report_page
@@ -64,14 +68,13 @@ _FIGURES: tuple[_Figure, ...] = (
 
 
 def write_rearing_page(directories: Sequence[Path], out: Path) -> Path:
-    """Write rearing.html and its figures into out; return the page's path.
+    """Write rearing.html, its figures and rearing.json into out; return the page's path.
 
     directories: of runs, and of sweeps, which stand for their finished runs. Runs of one profile
     and model are one condition, in the order given. Raises InputError for a directory that holds no
     finished run.
     """
-    found = [run for directory in directories for run in finished_runs(directory)]
-    runs = [read_reared_run(run) for run in tqdm(found, desc="measuring", unit="run")]
+    runs = _measured([run for directory in directories for run in finished_runs(directory)])
     conditions = _conditions(runs)
     parts = [
         report_page.heading("Conditions"),
@@ -94,6 +97,7 @@ def write_rearing_page(directories: Sequence[Path], out: Path) -> Path:
             figure = draw(conditions)
             save(figure, out / FIGURES / f"rearing_{name}.png")
             parts += [report_page.heading(title), report_page.picture(figure, caption)]
+    write_measures(out / MEASURES_FILE, runs)
     replace_file(out / REARING_FILE, report_page.page("Altered rearing", parts).encode())
     return out / REARING_FILE
 
@@ -111,6 +115,14 @@ def finished_runs(directory: Path) -> list[Path]:
     if not found:
         raise InputError(f"{directory}: expected a sweep with a finished run, found none")
     return found
+
+
+def _measured(directories: Sequence[Path]) -> list[RearedRun]:
+    """Measure runs, one a core."""
+    n_processes = min(len(directories), len(os.sched_getaffinity(0)))
+    with ProcessPoolExecutor(n_processes, get_context("spawn")) as processes:
+        measured = processes.map(read_reared_run, directories)
+        return list(tqdm(measured, desc="measuring", unit="run", total=len(directories)))
 
 
 def _conditions(runs: Sequence[RearedRun]) -> list[Condition]:
