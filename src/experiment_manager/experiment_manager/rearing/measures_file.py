@@ -1,5 +1,6 @@
 """rearing.json: what the page of conditions has measured in each run, for programs to read."""
 
+import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,17 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from experiment_manager.measures.results import write_document
 from experiment_manager.rearing.basis_functions import Tuning
 from experiment_manager.rearing.reared_run import RearedRun
 from experiment_manager.report.dictionary_figures import SCALES
+from lockstep.durable_files import replace_file
 
 MEASURES_FILE = "rearing.json"
 
 
 def write_measures(path: Path, runs: Sequence[RearedRun]) -> None:
-    """Write the measures of runs; raises OSError when the disk refuses."""
-    write_document(path, {"runs": [run_measures(run) for run in runs]})
+    """Write the measures of runs, a line for each; raises OSError when the disk refuses."""
+    lines = ",\n".join(json.dumps(run_measures(run), allow_nan=False) for run in runs)
+    replace_file(path, f'{{"runs": [\n{lines}\n]}}\n'.encode())
 
 
 def run_measures(run: RearedRun) -> dict[str, Any]:
