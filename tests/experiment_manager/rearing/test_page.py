@@ -122,9 +122,8 @@ def test_the_command_makes_the_page_of_a_run(small_run, tmp_path, capsys):
     assert measures["condition"] == "paper"
 
 
-def test_measures_of_a_run_are_for_programs_to_read(tmp_path):
-    run = reared(right_eyes_share=0.0, seed=2)
-    measures = run_measures(run)
+def test_measures_of_a_run_are_for_programs_to_read():
+    measures = run_measures(reared(right_eyes_share=0.0, seed=2))
     assert (measures["condition"], measures["model"], measures["seed"]) == ("normal", "M", 2)
     assert measures["landscape"]["vergence_error_deg"] == [-1.0, 0.0, 1.0]
     assert measures["landscape"]["reconstruction_error_coarse"] == [0.3, 0.1, 0.3]
