@@ -136,7 +136,7 @@ def test_what_a_cell_cannot_be_is_said_with_its_name(
         last.configuration("")
 
 
-@pytest.mark.parametrize("path", sorted(SWEEPS.glob("*.yaml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", sorted(SWEEPS.rglob("*.yaml")), ids=lambda path: path.stem)
 def test_the_sweeps_behind_the_results_can_be_read(path: Path) -> None:
     sweep = read_sweep(path)
     assert sweep.description
