@@ -1,6 +1,7 @@
 """Figures show the numbers of the bag: what is drawn is read back from the axes."""
 
 import copy
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from matplotlib.text import Text
 from experiment_manager.measures.metrics import PX_DEG, summary
 from experiment_manager.report.condition_figures import conditions_figure
 from experiment_manager.report.dictionary_figures import dictionary_figure, preference
-from experiment_manager.report.groups import groups_of
+from experiment_manager.report.groups import Group, groups_of
 from experiment_manager.report.motor_space_figure import MotorSpace, motor_space, motor_space_figure
 from experiment_manager.report.performance_figures import (
     box_figure,
@@ -52,12 +53,16 @@ def test_long_names_of_groups_are_not_cut_off(runs: list[ReportedRun]) -> None:
     assert left.x1 < right.x0
 
 
-def test_a_long_legend_leaves_a_figure_its_height(runs: list[ReportedRun]) -> None:
+@pytest.mark.filterwarnings("error:constrained_layout")
+@pytest.mark.parametrize("drawn", [performance_figure, box_figure])
+def test_a_long_legend_leaves_a_figure_its_height(
+    drawn: Callable[[Sequence[Group]], Figure], runs: list[ReportedRun]
+) -> None:
     groups = [
         replace(groups_of(runs)[0], label=f"{i}, {'a long setting 0.123456789, ' * 2}")
-        for i in range(20)
+        for i in range(40)
     ]
-    few, many = performance_figure(groups[:1]), performance_figure(groups)
+    few, many = drawn(groups[:1]), drawn(groups)
     for figure in (few, many):
         figure.draw_without_rendering()
     heights = [figure.axes[0].get_window_extent().height for figure in (few, many)]

@@ -9,6 +9,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -100,15 +101,16 @@ def add_legend(figure: Figure, handles: Sequence[Any]) -> None:
 
     The figure grows by what a long one needs.
     """
+    # Measured without the layout, which would find no room for the axes above a long legend.
+    renderer = FigureCanvasAgg(figure).get_renderer()
     for n_columns in (2, 1):
         legend = figure.legend(handles=handles, loc="outside lower center", ncols=n_columns)
-        figure.draw_without_rendering()
-        if n_columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
+        if n_columns == 1 or legend.get_window_extent(renderer).width <= figure.bbox.width:
             break
         legend.remove()
     for text in legend.get_texts():
         text.set_text(textwrap.fill(text.get_text(), _LONGEST_LINE))
-    needed = legend.get_window_extent().height / figure.dpi
+    needed = legend.get_window_extent(renderer).height / figure.dpi
     figure.set_figheight(figure.get_figheight() + max(0.0, needed - _LEGEND_HEIGHT))
 
 
