@@ -48,6 +48,7 @@ _FIXED = (
     "mechanics.eye_height_m",
     "mechanics.control_period_s",
     "camera.renderer",
+    "camera.texture_mipmaps",
     "camera.width_px",
     "camera.height_px",
     "camera.roi_width_px",

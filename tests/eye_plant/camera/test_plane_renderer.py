@@ -18,7 +18,7 @@ from eye_plant.stimuli.stimulus_set import StimulusSet
 EYE_HEIGHT_M = 1.7
 N_POSES = 200
 STIMULUS_SIZES_PX = ((1920, 1920), (1111, 700), (64, 64), (1, 1))  # width, height
-# Of ten settings, each with N_POSES random poses, distances and stimuli.
+# Of eleven settings, each with N_POSES random poses, distances and stimuli.
 SETTINGS: dict[str, dict[str, Any]] = {
     "as in the paper": {},
     "region of interest": {"roi_width_px": 128, "roi_height_px": 128},
@@ -30,6 +30,7 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "another lens": {"focal_length_px": 150.0, "width_px": 200, "height_px": 220}
     | {"roi_width_px": 200, "roi_height_px": 220},
     "a small plane": {"plane_size_m": 0.4},
+    "aliased": {"texture_mipmaps": False},
     "another landscape": {"landscape_distance_m": 12.0, "landscape_seed": 5},
 }
 

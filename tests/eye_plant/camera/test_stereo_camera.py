@@ -363,6 +363,18 @@ def test_magnification_moves_the_mark_away_from_the_centre(
     assert centroid_px(magnified[i_eye]) == pytest.approx(expected, abs=0.05)
 
 
+def test_without_mipmaps_a_far_plane_keeps_the_contrast_of_its_texels(
+    camera: StereoCamera, make_camera: Callable[..., StereoCamera]
+) -> None:
+    """At 6 m a pixel spans two of the noise's greys a side, or shows the one in its centre."""
+    view = POSITIONS_M, POSES["straight"], NOISE, 6.0
+    centre = np.s_[:, 80:160, 120:200]
+    smooth, aliased = (
+        c.render(*view)[centre].std() for c in (camera, make_camera(texture_mipmaps=False))
+    )
+    assert aliased > 2.0 * smooth
+
+
 @pytest.mark.parametrize("i_eye", [0, 1])
 def test_occlusion_blackens_one_eye(
     camera: StereoCamera, make_camera: Callable[..., StereoCamera], i_eye: int

@@ -46,6 +46,10 @@ class CameraConfig:
         240, "height of the region of interest", "px", least=2, multiple_of=2
     )
     plane_size_m: float = setting(3.0, "width and height of the textured plane", "m", above=0)
+    texture_mipmaps: bool = setting(
+        True,
+        "whether a plane far away is drawn from a smaller copy of its texture, or else aliased",
+    )
     landscape_distance_m: float = setting(
         9.1, "distance of the landscape behind the plane", "m", least=0.2, most=19
     )

@@ -42,7 +42,9 @@ class MujocoRenderer:
         """
         self._eye_height_m = eye_height_m
         self._offscreen = OffscreenContext(*_buffer_size_px(config, drawn_px))
-        self._textures = upload_pictures(self._offscreen.gl, stimuli)
+        self._textures = upload_pictures(
+            self._offscreen.gl, stimuli, with_mipmaps=config.texture_mipmaps
+        )
         self._upload_landscape(config.landscape_seed)
         self._set_up(config, drawn_px)
 
@@ -119,7 +121,9 @@ class MujocoRenderer:
         self._offscreen.close()
 
     def _upload_landscape(self, seed: int) -> None:
-        self._landscape_name = upload_channels(self._offscreen.gl, [landscape_picture(seed)])
+        self._landscape_name = upload_channels(
+            self._offscreen.gl, [landscape_picture(seed)], with_mipmaps=True
+        )
 
     def _draw(self, i_stimulus: int, distance_m: float) -> None:
         self._show(i_stimulus, distance_m)

@@ -9,7 +9,7 @@ from eye_plant.camera.landscape import landscape_picture
 from eye_plant.camera.mipmaps import wants_reduced
 from eye_plant.camera.ray_caster import cast_rays
 from eye_plant.camera.renderer import FAR_M, N_EYES, NEAR_M, View
-from eye_plant.camera.texels import Texture, texture_of, textures_of
+from eye_plant.camera.texels import Texture, aliased_textures, texture_of, textures_of
 
 
 class PlaneRenderer:
@@ -31,7 +31,9 @@ class PlaneRenderer:
         self._drawn_px = drawn_px
         self._eye_height_m = eye_height_m
         self._sizes_px = [max(stimulus.shape) for stimulus in stimuli]
-        self._textures = textures_of(stimuli)
+        self._textures = (
+            textures_of(stimuli) if config.texture_mipmaps else aliased_textures(stimuli)
+        )
         self._landscape = texture_of(landscape_picture(config.landscape_seed))
         self._pictures = self._empty()
 

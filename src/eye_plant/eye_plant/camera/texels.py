@@ -46,6 +46,12 @@ def textures_of(pictures: Sequence[np.ndarray]) -> list[tuple[Texture, Texture]]
         return list(pool.map(_both_textures, pictures))
 
 
+def aliased_textures(pictures: Sequence[np.ndarray]) -> list[tuple[Texture, Texture]]:
+    """Return each picture (height, width) uint8 as a texture without smaller copies, twice."""
+    nothing = np.empty(0, np.uint8)
+    return [(_texture(p.ravel(), nothing, 0, [p.shape]),) * 2 for p in pictures]
+
+
 def texture_of(picture: np.ndarray) -> Texture:
     """Return picture (height, width) uint8 as a texture."""
     levels = mipmap_levels(picture)

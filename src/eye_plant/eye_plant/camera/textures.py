@@ -22,7 +22,8 @@ _N_CHANNELS = 4
 class GreyTexture:
     """One picture in a channel of two mip-mapped textures, the second smaller by sqrt(2).
 
-    full, reduced: their OpenGL names; size_px: the longer side of the first; channel: 0 to 3.
+    full, reduced: their OpenGL names, the same without mip-maps; size_px: the longer side of
+    the first; channel: 0 to 3.
     """
 
     full: int
@@ -35,7 +36,9 @@ class GreyTexture:
         return self.reduced if wants_reduced(texels_per_pixel) else self.full
 
 
-def upload_pictures(gl: ModuleType, pictures: Sequence[np.ndarray]) -> list[GreyTexture]:
+def upload_pictures(
+    gl: ModuleType, pictures: Sequence[np.ndarray], *, with_mipmaps: bool
+) -> list[GreyTexture]:
     """Upload pictures (height, width) uint8 at both sizes; those of one size share textures."""
     uploaded: dict[int, GreyTexture] = {}
     numbers = sorted(range(len(pictures)), key=lambda i: pictures[i].shape)
@@ -44,9 +47,12 @@ def upload_pictures(gl: ModuleType, pictures: Sequence[np.ndarray]) -> list[Grey
         for start in range(0, len(alike), _N_CHANNELS):
             group = alike[start : start + _N_CHANNELS]
             full = [pictures[i] for i in group]
-            names = upload_channels(gl, full), upload_channels(gl, [reduced(p) for p in full])
+            name = upload_channels(gl, full, with_mipmaps=with_mipmaps)
+            smaller = name
+            if with_mipmaps:
+                smaller = upload_channels(gl, [reduced(p) for p in full], with_mipmaps=True)
             for channel, i in enumerate(group):
-                uploaded[i] = GreyTexture(*names, max(shape), channel)
+                uploaded[i] = GreyTexture(name, smaller, max(shape), channel)
     return [uploaded[i] for i in range(len(pictures))]
 
 
@@ -57,18 +63,19 @@ def show_channel(gl: ModuleType, name: int, channel: int) -> None:
     gl.glTexParameteri(gl.GL_TEXTURE_2D, gl.GL_TEXTURE_SWIZZLE_R, channels[channel])
 
 
-def upload_channels(gl: ModuleType, pictures: Sequence[np.ndarray]) -> int:
-    """Upload one to four pictures (height, width) uint8 of one size, with all mip-map levels.
+def upload_channels(gl: ModuleType, pictures: Sequence[np.ndarray], *, with_mipmaps: bool) -> int:
+    """Upload one to four pictures (height, width) uint8 of one size, mip-mapped or not.
 
     Return the OpenGL name of the texture; it shows the first of them, in red alone. Row 0 becomes
     the texture's top. Each level halves the one before by area averaging, here and not by the
     driver, so that it is the same on every machine. Sampled bilinearly from the nearest level,
     clamped at the edges.
     """
+    minifying = gl.GL_LINEAR_MIPMAP_NEAREST if with_mipmaps else gl.GL_LINEAR
     name = int(gl.glGenTextures(1))
     gl.glBindTexture(gl.GL_TEXTURE_2D, name)
     for parameter, value in (
-        (gl.GL_TEXTURE_MIN_FILTER, gl.GL_LINEAR_MIPMAP_NEAREST),
+        (gl.GL_TEXTURE_MIN_FILTER, minifying),
         (gl.GL_TEXTURE_MAG_FILTER, gl.GL_LINEAR),
         (gl.GL_TEXTURE_WRAP_S, gl.GL_CLAMP_TO_EDGE),
         (gl.GL_TEXTURE_WRAP_T, gl.GL_CLAMP_TO_EDGE),
@@ -76,7 +83,8 @@ def upload_channels(gl: ModuleType, pictures: Sequence[np.ndarray]) -> int:
     ):
         gl.glTexParameteri(gl.GL_TEXTURE_2D, parameter, value)
     gl.glPixelStorei(gl.GL_UNPACK_ALIGNMENT, 1)
-    for i_level, levels in enumerate(zip(*map(mipmap_levels, pictures), strict=True)):
+    chains = [mipmap_levels(p) if with_mipmaps else [p] for p in pictures]
+    for i_level, levels in enumerate(zip(*chains, strict=True)):
         height_px, width_px = levels[0].shape
         texels = np.zeros((height_px, width_px, _N_CHANNELS), np.uint8)
         for channel, level in enumerate(levels):
