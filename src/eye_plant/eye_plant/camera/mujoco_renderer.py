@@ -121,9 +121,7 @@ class MujocoRenderer:
         self._offscreen.close()
 
     def _upload_landscape(self, seed: int) -> None:
-        self._landscape_name = upload_channels(
-            self._offscreen.gl, [landscape_picture(seed)], with_mipmaps=True
-        )
+        self._landscape_name = upload_channels(self._offscreen.gl, [landscape_picture(seed)])
 
     def _draw(self, i_stimulus: int, distance_m: float) -> None:
         self._show(i_stimulus, distance_m)

@@ -50,7 +50,7 @@ def upload_pictures(
             name = upload_channels(gl, full, with_mipmaps=with_mipmaps)
             smaller = name
             if with_mipmaps:
-                smaller = upload_channels(gl, [reduced(p) for p in full], with_mipmaps=True)
+                smaller = upload_channels(gl, [reduced(p) for p in full])
             for channel, i in enumerate(group):
                 uploaded[i] = GreyTexture(name, smaller, max(shape), channel)
     return [uploaded[i] for i in range(len(pictures))]
@@ -63,7 +63,9 @@ def show_channel(gl: ModuleType, name: int, channel: int) -> None:
     gl.glTexParameteri(gl.GL_TEXTURE_2D, gl.GL_TEXTURE_SWIZZLE_R, channels[channel])
 
 
-def upload_channels(gl: ModuleType, pictures: Sequence[np.ndarray], *, with_mipmaps: bool) -> int:
+def upload_channels(
+    gl: ModuleType, pictures: Sequence[np.ndarray], *, with_mipmaps: bool = True
+) -> int:
     """Upload one to four pictures (height, width) uint8 of one size, mip-mapped or not.
 
     Return the OpenGL name of the texture; it shows the first of them, in red alone. Row 0 becomes
