@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -108,6 +109,15 @@ def test_lines_show_means_over_seeds():
     assert curve.get_ydata() == pytest.approx([2.0, 0.2])
     landscape = landscapes_figure(conditions).axes[0].lines[0]
     assert landscape.get_ydata() == pytest.approx([0.6, 0.2, 0.6])
+
+
+def test_a_bar_across_the_curve_marks_a_change_of_the_plant():
+    run = replace(reared(error_deg=0.02), changed_at=(1000,))
+    _, bars, *_ = curves_figure([("surgery", [run])]).axes[0].lines
+    assert bars.get_marker() == "|"
+    assert list(np.asarray(bars.get_xdata())) == [1.0]
+    # Half-way from 2 to 0.02 deg on a logarithmic axis.
+    assert bars.get_ydata() == pytest.approx([0.2])
 
 
 def test_the_command_makes_the_page_of_a_run(small_run, tmp_path, capsys):

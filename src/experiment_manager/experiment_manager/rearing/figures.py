@@ -22,7 +22,10 @@ _FLOOR_DEG = 0.01
 
 
 def curves_figure(conditions: Sequence[Condition]) -> Figure:
-    """Return the median |vergence error| of each test over training, mean over seeds."""
+    """Return the median |vergence error| of each test over training, mean over seeds.
+
+    A bar across a curve stands where the condition's schedule changes the plant.
+    """
     figure = new_figure(8.4, 4.4)
     axes = figure.subplots()
     for (label, runs), colour in _coloured(conditions):
@@ -34,6 +37,9 @@ def curves_figure(conditions: Sequence[Condition]) -> Figure:
         errors_deg = [[_error_deg(run, iteration) for iteration in iterations] for run in runs]
         shown = np.maximum(np.mean(errors_deg, axis=0), _FLOOR_DEG)
         axes.plot(np.array(iterations) / 1000.0, shown, "o-", ms=3, color=colour, label=label)
+        changed_at = np.array(runs[0].changed_at) / 1000.0
+        height = np.exp(np.interp(changed_at, np.array(iterations) / 1000.0, np.log(shown)))
+        axes.plot(changed_at, height, "|", ms=14, mew=1.5, color=colour)
     axes.axhline(PX_DEG, color="0.5", lw=0.7, ls=":")
     axes.set(xlabel="training iterations / 1000", ylabel=r"median $|\Delta\gamma|$ / deg")
     axes.set_yscale("log")

@@ -37,7 +37,9 @@ _FIGURES: tuple[_Figure, ...] = (
         "curves",
         "Learning",
         "Median |vergence error| after 20 iterations of a test trial, mean over seeds; the dotted"
-        " line is one pixel. The tests are made with the condition's own eyes and input.",
+        " line is one pixel, a bar across a curve a change of eyes or input by the schedule, from"
+        " which on the later tests have it, too. The tests are made with the condition's own eyes"
+        " and input.",
         curves_figure,
     ),
     (

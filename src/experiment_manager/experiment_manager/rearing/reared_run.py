@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiment_manager.measures.results import RESULTS_FILE, read_results
-from experiment_manager.plant_changes import read_schedule
+from experiment_manager.plant_changes import Schedule, read_schedule
 from experiment_manager.rearing.basis_functions import Tuning, tuning
 from experiment_manager.rearing.reward_landscape import RewardLandscape, reward_landscape
 from experiment_manager.run import checkpoint
@@ -37,7 +37,7 @@ class RearedRun:
 
     condition: its profile without the folder, or the directory's name; results: of results.json;
     atoms: both dictionaries, (2, n_bases, 128); tunings: coarse, fine; focal_length_px: of the
-    cameras.
+    cameras; changed_at: training iterations at which its schedule changes the plant.
     """
 
     directory: Path
@@ -47,6 +47,7 @@ class RearedRun:
     tunings: tuple[Tuning, ...]
     landscape: RewardLandscape
     focal_length_px: float
+    changed_at: tuple[int, ...] = ()
 
     @property
     def last_test(self) -> Mapping[str, Any]:
@@ -75,7 +76,8 @@ def read_reared_run(directory: Path) -> RearedRun:
     coder = SparseCoder(build(SparseCoderConfig, configuration["sparse_coder"]))
     coder.restore(read_state(found[1] / "sparse_coder.npz", "sparse_coder"))
     atoms = coder.atoms()
-    plant = _plant_at_the_end(configuration)
+    schedule = read_schedule(configuration["experiment_manager"]["schedule"])
+    plant = _plant_at_the_end(configuration, schedule)
     profile = configuration["experiment_manager"]["profile"]
     return RearedRun(
         directory=directory,
@@ -88,11 +90,11 @@ def read_reared_run(directory: Path) -> RearedRun:
         ),
         landscape=_landscape(plant, coder),
         focal_length_px=plant.camera.focal_length_px,
+        changed_at=tuple(change.at for change in schedule.changes),
     )
 
 
-def _plant_at_the_end(configuration: Configuration) -> EyePlantConfig:
-    schedule = read_schedule(configuration["experiment_manager"]["schedule"])
+def _plant_at_the_end(configuration: Configuration, schedule: Schedule) -> EyePlantConfig:
     plant = build(EyePlantConfig, configuration["eye_plant"])
     return changed(plant, schedule.settings(len(schedule.changes)))
 
