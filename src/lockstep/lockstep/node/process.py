@@ -1,5 +1,7 @@
 """A node as a process: start, spin, stop, and one clear line when it cannot start."""
 
+import errno
+import os
 import signal
 import sys
 from collections.abc import Callable
@@ -19,6 +21,8 @@ from lockstep.node.cores import share_two_cores
 from lockstep.node.executor import make_executor
 
 _ROS_ERRORS = (_rclpy.RCLError, _rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError)
+# How ROS words that the system is short of threads or memory: no fault of what the node was given.
+_SHORTAGES = tuple(os.strerror(code) for code in (errno.EAGAIN, errno.ENOMEM))
 
 
 def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) -> int:
@@ -29,7 +33,8 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
     SIGTERM ends the process; so does SIGINT, unless the node has an `interrupt` to call instead.
     The code is the node's `exit_code` if it has one, else 0; it is 2 when the node cannot start
     because of what it was given, and 6 when what it learns diverges: then the reason is the last
-    line on standard error.
+    line on standard error. Raises the error of a node that cannot start for want of threads or
+    memory: another attempt may find them.
     """
     try:
         unknown = remove_ros_args(arguments)[0 if arguments is not None else 1 :]
@@ -48,8 +53,10 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
     try:
         node = make_node()
     except (InputError, NameValidationException, *_ROS_ERRORS) as error:
-        print(f"error: {_in_one_line(error)}", file=sys.stderr)
         rclpy.try_shutdown()
+        if any(shortage in str(error) for shortage in _SHORTAGES):
+            raise
+        print(f"error: {_in_one_line(error)}", file=sys.stderr)
         return EXIT_BAD_INPUT
 
     share_two_cores(getattr(node, "core_of_two", 0), gives_way=getattr(node, "gives_way", False))
