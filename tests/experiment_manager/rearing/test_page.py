@@ -3,7 +3,6 @@
 import json
 import re
 import shutil
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -46,7 +45,7 @@ def atoms(right_eyes_share):
     return np.stack([h / np.linalg.norm(h) for h in halves])
 
 
-def reared(condition="normal", error_deg=0.1, right_eyes_share=1.0, seed=1):
+def reared(condition="normal", error_deg=0.1, right_eyes_share=1.0, seed=1, changed_at=()):
     both = np.stack([atoms(right_eyes_share)] * 2).astype(np.float32)
     test = {
         "iteration": 0,
@@ -66,6 +65,7 @@ def reared(condition="normal", error_deg=0.1, right_eyes_share=1.0, seed=1):
         tunings=tuple(tuning(both[i].astype(float), px) for i, px in enumerate(PX_PER_PIXEL)),
         landscape=RewardLandscape(ERRORS_DEG, valley, 0.5, np.full((2, 4), 0.25)),
         focal_length_px=257.34,
+        changed_at=changed_at,
     )
 
 
@@ -112,7 +112,7 @@ def test_lines_show_means_over_seeds():
 
 
 def test_a_bar_across_the_curve_marks_a_change_of_the_plant():
-    run = replace(reared(error_deg=0.02), changed_at=(1000,))
+    run = reared(error_deg=0.02, changed_at=(1000,))
     _, bars, *_ = curves_figure([("surgery", [run])]).axes[0].lines
     assert bars.get_marker() == "|"
     assert list(np.asarray(bars.get_xdata())) == [1.0]

@@ -47,7 +47,7 @@ class RearedRun:
     tunings: tuple[Tuning, ...]
     landscape: RewardLandscape
     focal_length_px: float
-    changed_at: tuple[int, ...] = ()
+    changed_at: tuple[int, ...]
 
     @property
     def last_test(self) -> Mapping[str, Any]:
