@@ -73,6 +73,21 @@ def test_the_share_of_the_cost_is_that_of_the_first_and_the_last_training_iterat
     assert RecordedRun(run.directory).cost_shares == (pytest.approx(first), pytest.approx(last))
 
 
+def test_results_are_not_written_before_the_run_has_ended(
+    run_directories: dict[str, Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    directory = Path(shutil.copytree(run_directories["M"], tmp_path / "run"))
+    monkeypatch.setattr(RecordedRun, "n_iterations", 500)
+    assert main([str(directory)]) == 0
+    assert "the run has not come to its end" in capsys.readouterr().out
+    assert main([str(directory), "--write"]) == 2
+    assert "expected a run that has come to its end" in capsys.readouterr().err
+    assert not (directory / "results.json").exists()
+
+
 def test_results_from_the_bag_agree_with_themselves(
     run_directories: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 
 from experiment_manager.commands.sweep import main
+from experiment_manager.run.config_file import configuration_text
+from experiment_manager.sweep.sweep_file import read_sweep
 from tests.sweep_harness import write_sweep
 
 
@@ -41,3 +43,29 @@ def test_the_directory_of_a_sweep_takes_no_other_stimuli(
     assert main([str(tmp_path), "--stimuli", str(pictures)]) == 2
     expected = f"error: {tmp_path}: expected no --out and no --stimuli: it has its own\n"
     assert capsys.readouterr().err == expected
+
+
+@pytest.mark.parametrize(
+    ("edit", "error"),
+    [
+        ({"iterations": 400}, "--iterations 400: the run to be resumed, DIR, has"),
+        ({"sparse_coder.n_bases": 16}, "--set sparse_coder.n_bases=16: the run to be resumed, DIR"),
+    ],
+)
+def test_what_a_run_has_begun_with_cannot_be_edited(
+    tmp_path: Path,
+    pictures: Path,
+    capsys: pytest.CaptureFixture[str],
+    *,
+    edit: dict[str, int],
+    error: str,
+) -> None:
+    sweep = write_sweep(tmp_path / "sweep.yaml", pictures, {"seed": [1, 2]})
+    first, _ = read_sweep(sweep).cells()
+    begun = tmp_path / first.name
+    begun.mkdir()
+    (begun / "config.yaml").write_text(configuration_text(first.configuration("")))
+    write_sweep(sweep, pictures, {"seed": [1, 2]}, **edit)
+    assert main([str(tmp_path)]) == 2
+    assert error.replace("DIR", str(begun)) in capsys.readouterr().err
+    assert sorted(path.name for path in tmp_path.iterdir()) == [begun.name, "sweep.yaml"]

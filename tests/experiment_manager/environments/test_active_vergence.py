@@ -223,6 +223,7 @@ def test_rendered_is_the_anaglyph_of_what_the_eyes_see(settings: dict[str, Any])
         ({"episode": -1}, "from 0 to 7, got -1"),
         ({"trial": 10**6}, "trial: expected a whole number from 0"),
         ({"episode": 0.5}, "got 0.5"),
+        ({"trial": "3"}, "got '3'"),
     ],
 )
 def test_bad_reset_options_are_one_error(
@@ -230,6 +231,11 @@ def test_bad_reset_options_are_one_error(
 ) -> None:
     with pytest.raises(InputError, match=message):
         bare.reset(seed=1, options=options)
+
+
+def test_a_trial_may_be_drawn_by_numpy(bare: VergenceEnvironment) -> None:
+    drawn, said = (bare.reset(seed=1, options={"trial": number}) for number in (np.int64(3), 3))
+    np.testing.assert_array_equal(drawn[0]["features"], said[0]["features"])
 
 
 @pytest.mark.parametrize(

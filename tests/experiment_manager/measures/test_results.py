@@ -82,9 +82,7 @@ def _keys(value: Any) -> set[str]:
     return set(value).union(*map(_keys, value.values())) if isinstance(value, dict) else set()
 
 
-@pytest.mark.parametrize(
-    "path", sorted(RESULTS.glob("*/results.json")), ids=lambda p: p.parent.name
-)
+@pytest.mark.parametrize("path", sorted(RESULTS.rglob("results.json")), ids=lambda p: p.parent.name)
 def test_results_that_are_kept_can_be_shown(path: Path) -> None:
     document = read_results(path)
     assert len(tables.tests_table(document["tests"]).splitlines()) == 1 + len(document["tests"])

@@ -189,6 +189,7 @@ def test_a_branch_goes_on_from_the_learners_of_another_run(run: Path, tmp_path: 
             "expected a checkpoint to begin from after 70 training iterations",
         ),
         (("--branch", "nowhere"), "expected the configuration of a run"),
+        (("--branch", "20240101"), "20240101/config.yaml: expected the configuration of a run"),
         (("--branch", "RUN", "--iterations", "30"), "expected 60 or more"),
         (
             ("--branch", "RUN", "--set", "sparse_coder.n_bases=7"),

@@ -25,12 +25,12 @@ def atom(left, right):
     return both / np.linalg.norm(both)
 
 
-def shifted_wave(shift_px, wave_angle_deg):
+def shifted_wave(shift_px, wave_angle_deg, wavelength_px=6.0):
     """Both eyes under one envelope, the left eye's wave moved right by shift_px."""
     along_px = shift_px * np.cos(np.radians(wave_angle_deg))
-    phase_rad = -2.0 * np.pi * along_px / 6.0
-    left, right = (half(wave_angle_deg=wave_angle_deg, phase_rad=p) for p in (phase_rad, 0.0))
-    return atom(left, right)
+    phase_rad = -2.0 * np.pi * along_px / wavelength_px
+    wave = {"wave_angle_deg": wave_angle_deg, "wavelength_px": wavelength_px}
+    return atom(*(half(**wave, phase_rad=p) for p in (phase_rad, 0.0)))
 
 
 @pytest.mark.parametrize("wave_angle_deg", [0.0, 30.0, -50.0])
@@ -51,6 +51,14 @@ def test_horizontal_stripes_and_monocular_atoms_tell_no_disparity():
     found = tuning(atoms, px_per_pixel=1.0)
     assert found.is_common_gabor.all()
     assert np.isnan(found.disparity_px).all()
+
+
+def test_a_shift_beyond_half_a_patch_is_no_preferred_disparity():
+    atoms = np.stack([shifted_wave(shift_px, 0.0, wavelength_px=14.0) for shift_px in (3.5, 5.0)])
+    found = tuning(atoms, px_per_pixel=1.0)
+    assert found.is_common_gabor.all()
+    assert found.disparity_px[0] == pytest.approx(3.5, abs=0.1)
+    assert np.isnan(found.disparity_px[1])
 
 
 def test_orientations_are_counted_around_horizontal_first():

@@ -13,7 +13,8 @@ from lockstep.state_file import read_state
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 
-LEARNED = Path(__file__).parents[3] / "results/M_generated/checkpoints/000027800/sparse_coder.npz"
+RESULTS = Path(__file__).parents[3] / "results"
+LEARNED = RESULTS / "paper_short/seed_1-model_M/checkpoints/000023120/sparse_coder.npz"
 
 
 @pytest.fixture(scope="module")

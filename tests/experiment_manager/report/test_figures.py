@@ -169,6 +169,7 @@ def test_conditions_show_the_median_of_their_trials(runs: list[ReportedRun]) -> 
 
 def test_encoding_is_binned_by_vergence_error(runs: list[ReportedRun]) -> None:
     figure = encoding_figure(groups_of(runs[:1]))
+    assert figure is not None
     (axes,) = figure.axes
     before, after = (np.asarray(line.get_ydata()) for line in axes.lines)
     at_deg = np.asarray(axes.lines[1].get_xdata())
@@ -179,6 +180,13 @@ def test_encoding_is_binned_by_vergence_error(runs: list[ReportedRun]) -> None:
     assert after[at_deg == 0.0] == pytest.approx(expected)
     # The fixture encodes better the less the error, once it has learned.
     assert after[at_deg == 0.0] < np.nanmin(before) - 0.1
+
+
+def test_there_is_no_encoding_of_too_few_observations(
+    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("experiment_manager.report.picture_figures._LEAST_PER_BIN", 10**6)
+    assert encoding_figure(groups_of(runs)) is None
 
 
 def test_an_anaglyph_is_red_for_the_left_eye_and_cyan_for_the_right() -> None:
@@ -266,7 +274,7 @@ def test_pictures_that_were_not_recorded_are_no_figure(
 def _priced(run: ReportedRun, weight: float, error_factor: float) -> ReportedRun:
     """The same run as if it had another lambda and other errors, but for the start."""
     other = copy.copy(run)
-    other._about = {**run._about, "metabolic_cost_weight": weight}
+    other.about = {**run.about, "metabolic_cost_weight": weight}
     factors = np.where(np.arange(21) > 0, error_factor, 1.0)
     other.trials = {
         at: replace(test, vergence_error_deg=test.vergence_error_deg * factors)

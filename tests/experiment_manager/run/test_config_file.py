@@ -11,7 +11,7 @@ from lockstep.errors import InputError
 ROOT = Path(__file__).parents[3]
 
 
-@pytest.mark.parametrize("config", sorted((ROOT / "results").glob("*/config.yaml")), ids=str)
+@pytest.mark.parametrize("config", sorted((ROOT / "results").rglob("config.yaml")), ids=str)
 def test_the_committed_runs_can_be_read(config: Path) -> None:
     configuration = read_configuration(config)
     n_iterations = configuration["experiment_manager"]["protocol.n_training_iterations"]
@@ -21,7 +21,7 @@ def test_the_committed_runs_can_be_read(config: Path) -> None:
 
 @pytest.mark.parametrize(("share", "is_read"), [(0.0, True), (0.2, False)])
 def test_what_is_gone_is_left_out_where_it_did_nothing(tmp_path, share, is_read):
-    old = ROOT / "results/M_generated/config.yaml"
+    old = ROOT / "results/paper/seed_1-model_M/config.yaml"
     document = yaml.safe_load(old.read_text())
     document["/**/vergence_rl"]["ros__parameters"]["wide_exploration_share"] = share
     path = tmp_path / "config.yaml"

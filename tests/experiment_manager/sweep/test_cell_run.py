@@ -10,8 +10,10 @@ import pytest
 
 from experiment_manager.run.config_file import configuration_text
 from experiment_manager.sweep.cell_run import CellRun, is_failure
+from experiment_manager.sweep.pool import Pool
 from experiment_manager.sweep.status import Status, status_of, table
 from experiment_manager.sweep.sweep_file import Cell
+from lockstep.exit_codes import EXIT_FAULT
 
 
 @pytest.fixture
@@ -78,6 +80,31 @@ def test_a_run_is_running_as_long_as_a_process_holds_its_log(run: CellRun) -> No
     finally:
         holder.communicate()
     assert status_of(run).state == "stopped"
+
+
+def test_a_run_is_done_until_it_is_made_longer(run: CellRun) -> None:
+    _begin(run)
+    was_done = [run.is_done]
+    results = {"model": "M", "seed": 1, "iterations": 200, "commit": "", "lambda": 0.0}
+    document = json.dumps(results | {"lambda_share": {}, "tests": []})
+    (run.directory / "results.json").write_text(document)
+    was_done.append(run.is_done)
+    config = run.directory / "config.yaml"
+    text = config.read_text()
+    config.write_text(text.replace("n_training_iterations: 200", "n_training_iterations: 300"))
+    was_done.append(run.is_done)
+    assert was_done == [False, True, False]
+
+
+def test_a_run_whose_log_cannot_be_written_fails_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "logs").write_text("in the way")
+    runs = [CellRun(tmp_path, Cell(name, ())) for name in ("seed_1", "seed_2")]
+    assert Pool(1).run(runs) == EXIT_FAULT
+    said = capsys.readouterr().err
+    for run in runs:
+        assert f"failed: {run.cell.name}: [Errno 17] File exists" in said
 
 
 @pytest.mark.parametrize(

@@ -73,6 +73,17 @@ def test_what_a_sweep_keeps_of_itself_reads_as_the_same(tmp_path: Path) -> None:
     assert yaml.safe_load(sweep.text())["description"] == "why"
 
 
+@pytest.mark.parametrize("name", ["stimuli", "eye_plant.stimuli.directory"])
+def test_directories_of_images_are_kept_absolute(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    on_axis = read(tmp_path, f"axes: {{{name}: [photos, '']}}")
+    assert on_axis.axes[name] == [str(tmp_path / "photos"), ""]
+    option = read(tmp_path, f"options: {{{name}: photos}}\naxes: {{seed: [1]}}")
+    assert option.options[name] == str(tmp_path / "photos")
+
+
 def test_every_option_is_one_of_run_experiment(tmp_path: Path) -> None:
     known = {word for action in parser()._actions for word in action.option_strings}
     assert {f"--{name}" for name in OPTIONS} <= known
@@ -103,6 +114,10 @@ def test_every_option_is_one_of_run_experiment(tmp_path: Path) -> None:
         ),
         ("axis: {seed: [1]}", "expected description, options, axes, got 'axis'"),
         ("axes: [seed]", "axes: expected names and values"),
+        (
+            "axes: {experiment_manager.run_id: [2024-01-01]}",
+            "experiment_manager.run_id: .*the date",
+        ),
         ("- axes", "expected a sweep with axes, got list"),
         ("axes: {seed: [1]", "expected a sweep as YAML"),
     ],

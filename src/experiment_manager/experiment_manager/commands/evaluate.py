@@ -159,13 +159,19 @@ def _evaluate(directory: Path, *, write: bool) -> int:
         )
     if write and begins_late:
         raise InputError(f"{directory}: expected the whole run in its bag, to write {path} from it")
+    if write and not _is_whole(run):
+        raise InputError(
+            f"{directory}: expected a run that has come to its end, to write {path} from its bag; "
+            f"launch_scripts/run_experiment.sh --resume {directory} goes on with it"
+        )
     if write:
         write_trials(directory, run.kept_trials())
         write_document(path, found)
         print(f"\nwritten: {path} and {KEPT_FILE} beside it")
         return 0
     if not path.exists():
-        print(f"\nThere is no {path} to compare with (--write makes one).")
+        hint = " (--write makes one)" if _is_whole(run) else ": the run has not come to its end"
+        print(f"\nThere is no {path} to compare with{hint}.")
         return 0
     expected = read_results(path)
     if begins_late:
@@ -180,6 +186,12 @@ def _evaluate(directory: Path, *, write: bool) -> int:
         return EXIT_DIFFERENT
     print(f"\nAll {sum(1 for _ in _entries(found))} entries of {path} follow from the bag.")
     return 0
+
+
+def _is_whole(run: RecordedRun) -> bool:
+    """Return whether the test at the end of training is in the bag, as long as the others."""
+    n_trials = {test.trials.training_iteration: len(test.trials.trial) for test in run.tests}
+    return n_trials.get(run.n_iterations, -1) == max(n_trials.values(), default=0)
 
 
 def _text(results: dict[str, Any]) -> str:

@@ -11,7 +11,7 @@ import yaml
 from experiment_manager.rearing.page import write_rearing_page
 from experiment_manager.report import page as report_page
 from experiment_manager.report.drawings import drawings
-from experiment_manager.report.groups import Group, groups_of
+from experiment_manager.report.groups import Group, groups_of, held_back
 from experiment_manager.report.performance_figures import FIGURES, STYLE, save
 from experiment_manager.report.reported_run import ReportedRun, runs_below
 from experiment_manager.report.tables import (
@@ -82,8 +82,10 @@ def _runs(paths: Sequence[Path]) -> list[ReportedRun]:
     """
     runs: list[ReportedRun] = []
     reasons: list[str] = []
-    directories = [directory for path in paths for directory in runs_below(path)]
-    for directory in directories:
+    directories = {
+        directory.resolve(): directory for path in paths for directory in runs_below(path)
+    }
+    for directory in directories.values():
         try:
             run = ReportedRun(directory)
             if not run.summaries:
@@ -92,6 +94,12 @@ def _runs(paths: Sequence[Path]) -> list[ReportedRun]:
             reasons.append(str(error))
         else:
             runs.append(run)
+    for run in held_back(runs):
+        runs.remove(run)
+        reasons.append(
+            f"{run.directory}: its last test is after {run.summaries[-1]['iteration']:,} "
+            f"iterations of {run.n_iterations:,}, where others that it is pooled with have ended"
+        )
     if not runs:
         raise InputError(reasons[0] if reasons else f"{paths[0]}: expected runs in the sweep")
     for reason in reasons:

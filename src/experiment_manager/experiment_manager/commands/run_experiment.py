@@ -179,7 +179,7 @@ def results_table(results: Mapping[str, Any], directory: Path, figure: Path | No
     """Return the tests of a results.json as text, and where everything lies."""
     return (
         f"\nmodel {results['model']}, seed {results['seed']}: "
-        "tests by training iteration, after 20 iterations of each trial\n\n"
+        "tests by training iteration, at the end of each trial\n\n"
         f"{tests_table(results['tests'])}\n\n"
         f"results: {directory / RESULTS_FILE}\n"
         f"figure:  {figure or 'none'}\n"

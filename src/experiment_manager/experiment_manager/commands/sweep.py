@@ -9,6 +9,9 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from experiment_manager.commands.run_experiment import source_commit
+from experiment_manager.measures.described_run import DescribedRun
+from experiment_manager.preparation.continuation import check_settings
+from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from experiment_manager.sweep import slurm
 from experiment_manager.sweep.cell_run import CellRun
@@ -104,8 +107,25 @@ def _load(config: StimuliConfig) -> None:
     load_stimuli(config)
 
 
+def _check_begun(run: CellRun) -> None:
+    """Raise InputError where the sweep says something else than a run was begun with."""
+    path = run.directory / CONFIG_FILE
+    try:
+        configuration = read_configuration(path)
+        was_extended = "extended_from" in DescribedRun(run.directory, path.read_text(), "").about
+    except (InputError, OSError):
+        return  # it has not begun, or will say itself what is wrong
+    options = run.cell.options()
+    options.share = None  # it was measured then
+    if was_extended:
+        options.iterations = options.tests = None
+    check_settings(options, run.directory, configuration)
+
+
 def _begin(directory: Path, sweep: Sweep) -> None:
     """Check all cells, and keep the sweep in its directory."""
+    for cell in sweep.cells():
+        _check_begun(CellRun(directory, cell))
     commit = source_commit()
     configurations = [cell.configuration(commit) for cell in sweep.cells()]
     print(f"{len(configurations)} runs in {directory}; preparing their stimuli")

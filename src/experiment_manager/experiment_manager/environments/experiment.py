@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -75,8 +76,13 @@ class Experiment:
         return self._episode("trial", number, self._n_training, self._protocol.n_trials)
 
     def _episode(self, name: str, number: int, first: int, count: int) -> Episode:
-        if not isinstance(number, int) or not 0 <= number < count:
-            raise InputError(f"{name}: expected a whole number from 0 to {count - 1}, got {number}")
+        expected = f"{name}: expected a whole number from 0 to {count - 1}, got {number!r}"
+        try:
+            number = operator.index(number)  # of NumPy, too
+        except TypeError as error:
+            raise InputError(expected) from error
+        if not 0 <= number < count:
+            raise InputError(expected)
         episode = self._protocol.episode(first + number)
         # In the graph the last observation has no pictures; an agent here is owed them.
         return dataclasses.replace(episode, n_iterations=episode.n_iterations + 1)

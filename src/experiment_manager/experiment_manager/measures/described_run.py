@@ -10,7 +10,10 @@ from lockstep.errors import InputError
 
 
 class DescribedRun:
-    """A run directory, and the configuration that the run was made with."""
+    """A run directory, and the configuration that the run was made with.
+
+    about: the section of config.yaml that says what the run is.
+    """
 
     def __init__(self, directory: Path, configuration: str, source: str) -> None:
         """configuration: text of config.yaml; source: of that text, for errors.
@@ -20,42 +23,42 @@ class DescribedRun:
         self.directory = Path(directory)
         self.name = self.directory.resolve().name
         self.configuration = configuration
-        self._about = _about(configuration, source)
+        self.about = _about(configuration, source)
 
     @property
     def model(self) -> str:
         """M or M_C."""
-        return str(self._about["model"])
+        return str(self.about["model"])
 
     @property
     def profile(self) -> str:
         """Named settings that the run began with, "" for none."""
-        return str(self._about.get("profile", ""))
+        return str(self.about.get("profile", ""))
 
     @property
     def seed(self) -> int:
         """Seed of the run."""
-        return int(self._about["seed"])
+        return int(self.about["seed"])
 
     @property
     def n_iterations(self) -> int:
         """Training iterations that the whole run has."""
-        return int(self._about["n_training_iterations"])
+        return int(self.about["n_training_iterations"])
 
     @property
     def metabolic_cost_weight(self) -> float:
         """Lambda, 1/W."""
-        return float(self._about["metabolic_cost_weight"])
+        return float(self.about["metabolic_cost_weight"])
 
     @property
     def commit(self) -> str:
         """Commit of the source."""
-        return str(self._about["commit"])
+        return str(self.about["commit"])
 
     @property
     def versions(self) -> tuple[str, ...]:
         """Libraries that the run was made with."""
-        return tuple(str(version) for version in self._about.get("versions", ()))
+        return tuple(str(version) for version in self.about.get("versions", ()))
 
     def parameters(self, node: str) -> dict[str, Any]:
         """Return all parameters of a node from the run's configuration, by dotted name."""

@@ -40,6 +40,19 @@ _LEARNERS = {"sparse_coder": SparseCoder, "vergence_rl": Agent}
 def check_resumable(options: argparse.Namespace, directory: Path) -> None:
     """Raise InputError unless a run can go on, and nothing on the command line contradicts it."""
     configuration = read_configuration(directory / CONFIG_FILE)
+    check_settings(options, directory, configuration)
+    newest = checkpoint.newest(directory / "checkpoints")
+    if newest is not None:
+        check_unchanged(directory, newest[0], configuration)
+
+
+def check_settings(
+    options: argparse.Namespace, directory: Path, configuration: Configuration
+) -> None:
+    """Raise InputError where a command line contradicts the configuration of a run that is there.
+
+    directory: of the run.
+    """
     _check_whole_run(options, directory, configuration)
     for target, given in given_settings(options).items():
         node, _, name = target.partition(".")
@@ -47,9 +60,6 @@ def check_resumable(options: argparse.Namespace, directory: Path) -> None:
         wanted = flatten(build(CONFIG_CLASSES[node], {**configuration[node], name: given.value}))
         if wanted[name] != found:
             raise _contradiction(given.by, directory, f"{target} = {found}")
-    newest = checkpoint.newest(directory / "checkpoints")
-    if newest is not None:
-        check_unchanged(directory, newest[0], configuration)
 
 
 def _check_whole_run(
@@ -149,11 +159,12 @@ def branch(text: str, given: Mapping[str, Given], commit: str) -> Branch:
 
     Raises InputError for a run, checkpoint or setting that cannot be used.
     """
-    name, at, iteration = text.rpartition("@")
-    source = Path(name if at and iteration.isdigit() else text).resolve()
+    name, at, word = text.rpartition("@")
+    iteration = int(word) if at and word.isdigit() else None
+    source = Path(text if iteration is None else name).resolve()
     before = read_configuration(source / CONFIG_FILE)
     protocol = make_protocol(build(ExperimentManagerConfig, before["experiment_manager"]))
-    trained, states = _chosen(source, protocol, int(iteration) if iteration.isdigit() else None)
+    trained, states = _chosen(source, protocol, iteration)
     settings: dict[str, Any] = {
         f"{node}.{parameter}": value
         for node, values in before.items()

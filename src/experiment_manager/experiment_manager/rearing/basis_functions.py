@@ -25,6 +25,8 @@ ORIENTATION_STEP_DEG = 22.5
 _LARGEST_TILT_DEG = 67.5
 # What is left of one eye in an atom of which the other has nearly all tells no disparity.
 _LARGEST_DOMINANCE = 0.85
+# Beyond half a patch too little of both eyes' halves overlaps to tell a match from chance.
+_LARGEST_SHIFT_PX = 4.0
 
 
 @dataclass(frozen=True)
@@ -97,14 +99,19 @@ def tuning(atoms: Array, px_per_pixel: float) -> Tuning:
     responses = np.abs((functions[every, dominant, None] * halves).sum(axis=2))
     residual = _residual_of_half(alone, halves)[every, dominant]
     dominance = _balance(np.linalg.norm(halves, axis=2))
-    told = common.is_good & (np.abs(dominance) < _LARGEST_DOMINANCE)
+    shift_px = preferred_disparity_px(common)
+    told = (
+        common.is_good
+        & (np.abs(dominance) < _LARGEST_DOMINANCE)
+        & (np.abs(shift_px) <= _LARGEST_SHIFT_PX)
+    )
     return Tuning(
         residual=residual,
         is_gabor=residual <= GOOD_RESIDUAL,
         is_common_gabor=common.is_good,
         orientation_deg=alone.orientation_deg.reshape(-1, 2)[every, dominant],
         binocularity=_balance(responses),
-        disparity_px=np.where(told, preferred_disparity_px(common), np.nan) * px_per_pixel,
+        disparity_px=np.where(told, shift_px, np.nan) * px_per_pixel,
     )
 
 

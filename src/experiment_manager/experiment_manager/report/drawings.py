@@ -118,7 +118,7 @@ def _drawings_from_bags(groups: Sequence[Group]) -> Iterator[Drawing]:
         "Reconstruction error against vergence error in the first and the last test: median and "
         "quartiles over all iterations, in bins of 0.25 deg.",
         lambda: encoding_figure(recorded) if recorded else None,
-        left_out,
+        left_out or "Too few observations in any bin.",
         left_out,
     )
     for number, group in enumerate(groups):

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
@@ -13,7 +12,14 @@ from experiment_manager.measures.metrics import summary
 from experiment_manager.measures.recorded_run import RecordedTest
 from experiment_manager.measures.trials import TestTrials, pooled
 from experiment_manager.report.reported_run import ReportedRun
-from experiment_manager.run.config_file import FREE_TO_CHANGE, RUN_SECTION
+from experiment_manager.run.config_file import (
+    CONFIG_CLASSES,
+    FREE_TO_CHANGE,
+    RUN_SECTION,
+    completed,
+    parameters_in,
+)
+from lockstep.errors import InputError
 
 # K17's colours: M blue, M_C green. Lightness tells further groups of a model apart.
 _COLOUR_MAPS = {"M": "Blues", "M_C": "Greens"}
@@ -36,7 +42,9 @@ _NO_SETTINGS = (
 )
 # Parts of a node's parameters: the manager has the plant's mechanics once more, and a run's plant
 # does not run freely.
-_NO_PARTS = (("/**/experiment_manager", "mechanics"), ("/**/eye_plant", "free_running"))
+_NO_PARTS = (("experiment_manager", "mechanics"), ("eye_plant", "free_running"))
+# Of what a run is, the course that settings do not show.
+_COURSE = ("branched_at_iteration", "extended_from")
 _MOST_SETTINGS_NAMED = 2
 
 
@@ -116,19 +124,45 @@ class Group:
 
 
 def groups_of(runs: Sequence[ReportedRun]) -> list[Group]:
-    """Return the runs by what they have in common, M before M_C, then by lambda."""
-    keys = [_key(run) for run in runs]
-    different = sorted(
-        dict.fromkeys(keys), key=lambda key: (key.model != "M", key.model, key.weight)
-    )
+    """Return the runs by what they have in common, M before M_C, then by lambda.
+
+    Raises InputError for runs that belong together and have no test in common.
+    """
+    by_key = _by_key(runs)
+    different = sorted(by_key, key=lambda key: (key.model != "M", key.model, key.weight))
     found = []
     for key in different:
-        members = tuple(run for run, its in zip(runs, keys, strict=True) if its == key)
+        members = tuple(by_key[key])
         same_model = [other for other in different if other.model == key.model]
         colour = _colour(key.model, same_model.index(key), len(same_model))
         own = _own_settings(key, same_model)
         name = ", ".join([key.model, *own])
-        found.append(Group(name, _label(key, own, len(members)), colour, key, members))
+        group = Group(name, _label(key, own, len(members)), colour, key, members)
+        if not group.iterations:
+            names = ", ".join(str(run.directory) for run in members)
+            raise InputError(f"{names}: expected a test after as many iterations in each, got none")
+        found.append(group)
+    return found
+
+
+def held_back(runs: Sequence[ReportedRun]) -> list[ReportedRun]:
+    """Return the unfinished runs that would be pooled with finished ones.
+
+    A group shows the tests that all its runs have made, so they would hold the others back.
+    """
+    return [
+        run
+        for members in _by_key(runs).values()
+        if any(member.is_finished for member in members)
+        for run in members
+        if not run.is_finished
+    ]
+
+
+def _by_key(runs: Sequence[ReportedRun]) -> dict[Common, list[ReportedRun]]:
+    found: dict[Common, list[ReportedRun]] = {}
+    for run in runs:
+        found.setdefault(_key(run), []).append(run)
     return found
 
 
@@ -138,15 +172,21 @@ def _colour(model: str, i: int, n: int) -> str:
 
 
 def _key(run: ReportedRun) -> Common:
-    document: dict[str, Any] = yaml.safe_load(run.configuration)
-    settings = frozenset(
-        (f"{section.removeprefix('/**/')}.{name}", str(value))
-        for section, content in document.items()
-        if section != RUN_SECTION
-        for name, value in content["ros__parameters"].items()
-        if name not in _NO_SETTINGS and (section, name.partition(".")[0]) not in _NO_PARTS
+    given = parameters_in(run.configuration)
+    if given.keys() >= CONFIG_CLASSES.keys():
+        given = completed(given)  # an earlier version lacks parameters that have come since
+    settings = {
+        (f"{node}.{name}", str(value))
+        for node, values in given.items()
+        for name, value in values.items()
+        if name not in _NO_SETTINGS and (node, name.partition(".")[0]) not in _NO_PARTS
+    }
+    course = {
+        (f"{RUN_SECTION}.{name}", str(run.about[name])) for name in _COURSE if name in run.about
+    }
+    return Common(
+        run.model, run.metabolic_cost_weight, run.n_iterations, frozenset(settings | course)
     )
-    return Common(run.model, run.metabolic_cost_weight, run.n_iterations, settings)
 
 
 def _label(key: Common, own: Sequence[str], n_runs: int) -> str:

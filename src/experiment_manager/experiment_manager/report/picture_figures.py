@@ -21,23 +21,26 @@ _LEAST_PER_BIN = 20
 _LEAST_START_ERROR_DEG = 0.5
 
 
-def encoding_figure(groups: Sequence[Group]) -> Figure:
+def encoding_figure(groups: Sequence[Group]) -> Figure | None:
     """Return reconstruction error against vergence error, in the first and in the last test.
 
     groups: of runs whose bags are there. Median and quartiles of E = E_c + E_f in bins of 0.25 deg,
-    over all iterations of all trials; bins of less than 20 are left out.
+    over all iterations of all trials; bins of less than 20 are left out. None where all are.
     """
     figure = new_figure(3.3 * len(groups) + 0.6, 3.4)
     panels = figure.subplots(1, len(groups), sharex=True, sharey=True, squeeze=False)[0]
+    is_drawn = False
     for axes, group in zip(panels, groups, strict=True):
         first, last = group.iterations[0], group.iterations[-1]
         for iteration, colour in {first: "0.5", last: group.colour}.items():
             tests = group.recorded_at(iteration)
-            _draw_binned(axes, tests, colour, f"after {iteration:,} iterations")
+            is_drawn |= _draw_binned(axes, tests, colour, f"after {iteration:,} iterations")
         axes.axvspan(-PX_DEG, PX_DEG, color="0.9", lw=0, zorder=0)
         axes.set_title(group.label, fontsize=9)
         axes.set_xlabel("vergence error / deg")
         axes.legend(loc="center", bbox_to_anchor=(0.5, 0.7), fontsize=8)
+    if not is_drawn:
+        return None
     # Before and after learning E differs by an order of magnitude; its dip must show in both.
     panels[0].set(ylabel="reconstruction error $E$", xlim=(-_RANGE_DEG, _RANGE_DEG), yscale="log")
     panels[0].yaxis.set_major_locator(FixedLocator((0.05, 0.1, 0.2, 0.5, 1.0)))
@@ -46,7 +49,8 @@ def encoding_figure(groups: Sequence[Group]) -> Figure:
     return figure
 
 
-def _draw_binned(axes: Axes, tests: Sequence[RecordedTest], colour: str, label: str) -> None:
+def _draw_binned(axes: Axes, tests: Sequence[RecordedTest], colour: str, label: str) -> bool:
+    """Draw the bins that have enough; return whether there is one."""
     error_deg = np.concatenate([t.trials.vergence_error_deg.ravel() for t in tests])
     encoding = np.concatenate([t.reconstruction_error.ravel() for t in tests])
     known = ~np.isnan(encoding)
@@ -63,6 +67,7 @@ def _draw_binned(axes: Axes, tests: Sequence[RecordedTest], colour: str, label: 
     at_deg, quartiles = bins[filled] * _BIN_DEG, quartiles[filled]
     axes.plot(at_deg, quartiles[:, 1], color=colour, marker=".", label=label)
     axes.fill_between(at_deg, quartiles[:, 0], quartiles[:, 2], color=colour, alpha=0.2, lw=0)
+    return bool(filled.any())
 
 
 @dataclass(frozen=True)

@@ -43,8 +43,8 @@ class ReportedRun(DescribedRun):
 
     @property
     def is_finished(self) -> bool:
-        """Whether the run has written its results."""
-        return self._results is not None
+        """Whether the test at the end of training has been made."""
+        return any(told["iteration"] >= self.n_iterations for told in self.summaries)
 
     @cached_property
     def summaries(self) -> list[dict[str, Any]]:

@@ -184,7 +184,7 @@ def bias_table(groups: Sequence[Group]) -> str:
 
 
 def iterations_table(groups: Sequence[Group]) -> str:
-    """Return each group's measures after 1, 2, 3 and 20 iterations of the last test."""
+    """Return each group's measures after 1, 2, 3 and all iterations of the last test's trials."""
     header = (
         "runs",
         "lambda / per W",
@@ -199,11 +199,9 @@ def iterations_table(groups: Sequence[Group]) -> str:
     rows = []
     for group in groups:
         whole = group.last_summary or {}
-        last = REPORTED_ITERATIONS[-1]
-        for k in REPORTED_ITERATIONS if whole else ():
-            told = whole if k == last else whole.get(f"after_{k}")
-            if told is None:
-                continue
+        last = group.last_trials.n_iterations if group.has_trials else REPORTED_ITERATIONS[-1]
+        early = {k: whole[f"after_{k}"] for k in REPORTED_ITERATIONS if f"after_{k}" in whole}
+        for k, told in (early | {last: whole}).items() if whole else ():
             rows.append(
                 (
                     group.name,

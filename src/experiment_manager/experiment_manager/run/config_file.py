@@ -100,15 +100,8 @@ def read_configuration(path: Path) -> Configuration:
     """
     try:
         document = yaml.safe_load(path.read_text())
-        given = {
-            node: _without_gone(node, document[f"/**/{node}"]["ros__parameters"])
-            for node in CONFIG_CLASSES
-        }
-        complete = _with_partners(given)
-        configuration = {
-            node: flatten(build(config_class, complete[node]))
-            for node, config_class in CONFIG_CLASSES.items()
-        }
+        given = {node: document[f"/**/{node}"]["ros__parameters"] for node in CONFIG_CLASSES}
+        configuration = completed(given)
         check_agreements(configuration)
         said = document.get(RUN_SECTION, {}).get("ros__parameters", {})
         _check_header(said, about(configuration))
@@ -117,6 +110,18 @@ def read_configuration(path: Path) -> Configuration:
     except (OSError, yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: expected the configuration of a run: {error}") from error
     return configuration
+
+
+def completed(given: Mapping[str, Mapping[str, Any]]) -> Configuration:
+    """Return all parameters of all nodes from those that a config.yaml of any version has.
+
+    Raises InputError for what no node has.
+    """
+    complete = _with_partners({node: _without_gone(node, given[node]) for node in CONFIG_CLASSES})
+    return {
+        node: flatten(build(config_class, complete[node]))
+        for node, config_class in CONFIG_CLASSES.items()
+    }
 
 
 def _without_gone(node: str, values: Mapping[str, Any]) -> dict[str, Any]:

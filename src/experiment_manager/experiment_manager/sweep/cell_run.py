@@ -13,8 +13,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO
 
+from experiment_manager.measures.described_run import DescribedRun
+from experiment_manager.measures.results import read_results
 from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
 from experiment_manager.sweep.sweep_file import Cell
+from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_FAULT, EXIT_INTERRUPTED
 
 # Who only looks whether a log is held holds it for a moment.
@@ -35,8 +38,13 @@ class CellRun:
 
     @property
     def is_done(self) -> bool:
-        """Whether the run has come to its end."""
-        return (self.directory / RESULTS_FILE).exists()
+        """Whether the run has come to its end, also after it was made longer."""
+        try:
+            results = read_results(self.directory / RESULTS_FILE)
+            text = (self.directory / CONFIG_FILE).read_text()
+        except (InputError, OSError):
+            return False
+        return results["iterations"] >= DescribedRun(self.directory, text, CONFIG_FILE).n_iterations
 
     @property
     def is_running(self) -> bool:

@@ -22,17 +22,23 @@ class Pool:
 
     def run(self, runs: Sequence[CellRun]) -> int:
         """Make the runs that are not done; return 0, 3 when some failed, 130 when stopped."""
-        failed: list[CellRun] = []
+        failed: dict[CellRun, str] = {}
         with ThreadPoolExecutor(self._jobs) as threads:
             futures = {threads.submit(self._make, run): run for run in runs}
             for n_done, future in enumerate(as_completed(futures), 1):
-                run, code = futures[future], future.result()
-                if code is not None and is_failure(code, interrupted=self._interrupts.count > 0):
-                    failed.append(run)
+                run = futures[future]
+                try:
+                    code = future.result()
+                except OSError as error:  # its log cannot be written: the others go on
+                    code, failed[run] = EXIT_FAULT, str(error)
+                else:
+                    interrupted = self._interrupts.count > 0
+                    if code is not None and is_failure(code, interrupted=interrupted):
+                        failed[run] = run.failure()
                 if not self._interrupts.count or run.is_done:
                     print(f"{n_done}/{len(futures)} {run.cell.name}: {_said(run, code)}")
-        for run in failed:
-            print(f"failed: {run.cell.name}: {run.failure()}; log: {run.log}", file=sys.stderr)
+        for run, reason in failed.items():
+            print(f"failed: {run.cell.name}: {reason}; log: {run.log}", file=sys.stderr)
         if self._interrupts.count:
             return EXIT_INTERRUPTED
         return EXIT_FAULT if failed else 0

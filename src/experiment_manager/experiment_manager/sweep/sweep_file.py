@@ -119,7 +119,7 @@ class Sweep:
             if name in OPTIONS:
                 words += [f"--{name}", _shown(value)]
             else:
-                words += ["--set", f"{name}={json.dumps(value)}"]
+                words += ["--set", f"{name}={_as_json(name, value)}"]
         return tuple(words)
 
     def text(self) -> str:
@@ -148,12 +148,21 @@ def read_sweep(path: Path, stimuli: Path | None = None) -> Sweep:
             raise InputError(f"{path}: {part}: expected names and values, got {names!r}")
     if stimuli is not None:
         options = options | {"stimuli": str(stimuli)}
-    if "stimuli" in options:  # the directory of the sweep may be used from elsewhere
-        options["stimuli"] = str(Path(str(options["stimuli"])).resolve())
+    # The directory of the sweep may be used from elsewhere.
+    for name in ("stimuli", "eye_plant.stimuli.directory"):
+        if name in options:
+            options[name] = _absolute(options[name])
+        if isinstance(axes.get(name), list):
+            axes[name] = [_absolute(value) for value in axes[name]]
     try:
         return Sweep(options, axes, str(document.get("description", "")))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
+
+
+def _absolute(directory: Any) -> Any:
+    """Return the absolute path of a directory; "" is that of generated stimuli."""
+    return str(Path(directory).resolve()) if isinstance(directory, str) and directory else directory
 
 
 def _check_name(part: str, name: str) -> None:
@@ -163,6 +172,17 @@ def _check_name(part: str, name: str) -> None:
         f"{part}: expected NODE.PARAMETER or one of {', '.join(OPTIONS)}, got {name!r}"
         + did_you_mean(name, (*OPTIONS, *CONFIG_CLASSES))
     )
+
+
+def _as_json(name: str, value: Any) -> str:
+    try:
+        return json.dumps(value)
+    except TypeError as error:  # YAML takes 2024-01-01 for a date
+        kind = type(value).__name__
+        raise InputError(
+            f"{name}: expected numbers, texts, lists or true and false, got the {kind} {value}; "
+            "a text may stand in quotes"
+        ) from error
 
 
 def _shown(value: Any) -> str:
