@@ -89,6 +89,10 @@ def test_a_parameter_that_an_earlier_version_lacks_tells_no_runs_apart(
     assert len(groups_of([run, other])) == 1
     monkeypatch.setattr(other, "configuration", text.replace(line, line.replace("true", "false")))
     assert len(groups_of([run, other])) == 2
+    later = text.replace(line, line + "    camera.not_yet: 1\n")
+    monkeypatch.setattr(other, "configuration", later)
+    _, second = groups_of([run, other])
+    assert second.name == "M, not_yet 1"
 
 
 @pytest.mark.parametrize("course", ["branched_at_iteration", "extended_from"])

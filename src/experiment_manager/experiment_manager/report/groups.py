@@ -1,5 +1,6 @@
 """Runs that belong together in a figure: those that differ in nothing but the seed."""
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -174,7 +175,9 @@ def _colour(model: str, i: int, n: int) -> str:
 def _key(run: ReportedRun) -> Common:
     given = parameters_in(run.configuration)
     if given.keys() >= CONFIG_CLASSES.keys():
-        given = completed(given)  # an earlier version lacks parameters that have come since
+        # An earlier version lacks parameters that have come since; a later one stays as it is.
+        with contextlib.suppress(InputError):
+            given = completed(given)
     settings = {
         (f"{node}.{name}", str(value))
         for node, values in given.items()

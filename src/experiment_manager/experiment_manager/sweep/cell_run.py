@@ -42,9 +42,10 @@ class CellRun:
         try:
             results = read_results(self.directory / RESULTS_FILE)
             text = (self.directory / CONFIG_FILE).read_text()
+            told = DescribedRun(self.directory, text, CONFIG_FILE)
         except (InputError, OSError):
             return False
-        return results["iterations"] >= DescribedRun(self.directory, text, CONFIG_FILE).n_iterations
+        return bool(results["iterations"] >= told.n_iterations)
 
     @property
     def is_running(self) -> bool:
