@@ -126,7 +126,9 @@ def test_the_last_observation_is_repeated_until_the_next_episode(bench: Bench) -
     bench.graph.spin_until(
         lambda: observation_numbers(bench, "ground_truth").count(47) > 2, "two repeats"
     )
-    last = [m for m in bench.outsider.heard["ground_truth"] if to_ns(m.header.stamp) >= 47]
+    last = [
+        m for m in bench.outsider.heard["ground_truth"] if to_ns(m.header.stamp) >= 47 * PERIOD_NS
+    ]
     assert last[-1] == last[-2] == last[-3]
     begin(bench, first_observation=48)
     bench.wait_distinct("left/image_raw", 4)

@@ -12,6 +12,7 @@ from eye_plant.node import EyePlantNode
 from lockstep.errors import InputError
 from lockstep.wire.topics import EYE_STATE_NAMES, PICTURES, PLANT_VECTORS
 from lockstep.wire.vectors import vector_message
+from tests.eye_plant.plant_bench import begin
 from tests.node_harness import Bench, ros_graph
 
 HEARD = dict.fromkeys(PLANT_VECTORS, JointState) | dict.fromkeys(PICTURES, Image)
@@ -59,6 +60,16 @@ def test_a_bad_command_is_refused_and_the_plant_goes_on(bench: Bench) -> None:
         status = bench.next_status()
     assert "expected activations in [0, 1], got [1.5]" in status["last_refused"]
     assert status["state"] == "free running"
+    n_heard = len(bench.outsider.heard["episode"])
+    bench.wait_heard("episode", n_heard + 2)
+
+
+def test_an_episode_beyond_all_stamps_is_refused_and_the_plant_goes_on(bench: Bench) -> None:
+    bench.wait_heard("episode", 1)
+    assert bench.request("start_run") == (True, "")
+    is_taken, reason = begin(bench, first_observation=2**62)
+    assert not is_taken
+    assert "expected stamps below 2^31 s" in reason
     n_heard = len(bench.outsider.heard["episode"])
     bench.wait_heard("episode", n_heard + 2)
 

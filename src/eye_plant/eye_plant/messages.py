@@ -89,7 +89,7 @@ def camera_info(config: CameraConfig, i_eye: int, baseline_m: float) -> CameraIn
     centres; the projection matrix names the baseline as for straight-ahead gaze (Tx = -F b for the
     right eye). A region of interest is announced as cameras do.
     """
-    focal_px = config.focal_length_px
+    focal_px = config.focal_length_px * config.magnifications[i_eye]
     cx, cy = (config.width_px - 1) / 2.0, (config.height_px - 1) / 2.0
     tx = -focal_px * baseline_m * i_eye
     info = CameraInfo(
