@@ -58,6 +58,14 @@ def test_anatomical_eyes_meet_the_protocol() -> None:
             ("eye_plant.mechanics.rest_adduction_deg=[25.0, -25.0]",),
             r"they look 2\d\.\d deg to the right",
         ),
+        (
+            (
+                "eye_plant.mechanics.parameter_set=anatomical",
+                "vergence_rl.medial_limits=[0.0, 0.6]",
+                "vergence_rl.lateral_limits=[0.0, 0.6]",
+            ),
+            r"expected muscles whose eyes have one rest at each pair of activations",
+        ),
     ],
 )
 def test_what_cannot_be_met_is_refused_with_the_limits(

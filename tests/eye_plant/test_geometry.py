@@ -9,7 +9,6 @@ from eye_plant.geometry import (
     desired_vergence_deg,
     disparity_px,
     fixation_distance_m,
-    vergence_error_deg,
 )
 from lockstep.errors import InputError
 
@@ -30,10 +29,6 @@ def test_desired_vergence_is_that_of_the_paper(distance_m: float, expected_deg: 
 def test_fixation_distance_inverts_desired_vergence(distance_m: float) -> None:
     vergence_deg = desired_vergence_deg(distance_m, BASELINE_M)
     assert fixation_distance_m(vergence_deg, BASELINE_M) == pytest.approx(distance_m, rel=1e-12)
-
-
-def test_vergence_error_is_positive_when_the_eyes_converge_too_little() -> None:
-    assert vergence_error_deg(6.41, 3.21) == pytest.approx(3.2)
 
 
 def test_disparity_of_one_and_three_degrees() -> None:

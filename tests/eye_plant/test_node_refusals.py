@@ -79,6 +79,19 @@ def test_a_command_for_the_future_is_refused(shared: Bench) -> None:
     )
 
 
+def test_other_eyes_amid_an_episode_are_refused(shared: Bench) -> None:
+    settings: dict[str, Any] = {"mechanics.rest_adduction_deg": [0.0, 5.0]}
+
+    def ask(first: int) -> None:
+        assert not shared.request("reconfigure", **settings)[0]
+
+    _refuses(
+        shared,
+        ask,
+        "reconfigure: expected between episodes, got amid one, at observation",
+    )
+
+
 def _refuses(bench: Bench, send: Callable[[int], None], reason: str) -> None:
     """Check that what is sent during the first observation is refused once and changes nothing."""
     first = next(_bases)

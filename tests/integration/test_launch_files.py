@@ -41,7 +41,6 @@ _STAND_INS = {
     "launch.substitutions": ("LaunchConfiguration",),
     "launch_ros": (),
     "launch_ros.actions": ("Node",),
-    "launch_ros.parameter_descriptions": ("ParameterValue",),
     "ament_index_python": (),
     "ament_index_python.packages": (),
 }
@@ -107,17 +106,37 @@ def _check_environment(entities: list[Any]) -> None:
 def test_the_plant_alone_runs_free() -> None:
     _, entities = _loaded(PLANT)
     _check_environment(entities)
-    (node,) = _of_kind(entities, "Node")
-    _check_node(node, "eye_plant")
-    own, given = node.options["parameters"]
-    assert own.arguments == ("params_file",)
-    assert given["free_running.rate_hz"].options == {"value_type": float}
-    defaults = {
+    own, ours = _plant_parameters(entities, _defaults(entities))
+    assert Path(own).is_file()
+    assert ours["free_running.rate_hz"] > 0.0
+
+
+def test_a_users_file_is_above_the_plants_own_and_below_the_arguments() -> None:
+    _, entities = _loaded(PLANT)
+    given = _defaults(entities) | {"params_file": "mine.yaml"}
+    _, _, last = _plant_parameters(entities, given)
+    assert last == "mine.yaml"
+    given |= {"rate_hz": "50", "parameter_set": "anatomical"}
+    assert _plant_parameters(entities, given)[2:] == [
+        "mine.yaml",
+        {"free_running.rate_hz": 50.0},
+        {"mechanics.parameter_set": "anatomical"},
+    ]
+
+
+def _defaults(entities: list[Any]) -> dict[str, str]:
+    return {
         a.arguments[0]: a.options["default_value"]
         for a in _of_kind(entities, "DeclareLaunchArgument")
     }
-    assert Path(defaults["params_file"]).is_file()
-    assert float(defaults["rate_hz"]) > 0.0
+
+
+def _plant_parameters(entities: list[Any], context: dict[str, str]) -> list[Any]:
+    (plant,) = _of_kind(entities, "OpaqueFunction")
+    (node,) = plant.options["function"](context)
+    _check_node(node, "eye_plant")
+    parameters: list[Any] = node.options["parameters"]
+    return parameters
 
 
 def test_the_graph_has_four_nodes_and_ends_with_the_manager() -> None:

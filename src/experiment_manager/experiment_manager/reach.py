@@ -16,6 +16,8 @@ from lockstep.errors import InputError
 
 # What is asked for may lie on the limit itself, and is solved for to a millionth of this.
 _TOLERANCE_DEG = 0.01
+# Of the line of pairs that give a vergence: both ends, and between them whether eyes come to it.
+_FRACTIONS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
 def check_reach(parameters: Mapping[str, Mapping[str, Any]]) -> None:
@@ -78,10 +80,13 @@ def _check_version(
     distance_m: float,
     plane_m: float,
 ) -> None:
-    """Look at both ends of the line of pairs that give the vergence; between them, version is."""
+    """Look at the line of pairs that give the vergence; version is greatest at one of its ends."""
     vergence_deg = desired_vergence_deg(distance_m, config.mechanics.baseline_m)
-    for fraction in (0.0, 1.0):
-        pair = inverse.activation_pair(vergence_deg, fraction, limits)
+    for fraction in _FRACTIONS:
+        try:
+            pair = inverse.activation_pair(vergence_deg, fraction, limits)
+        except InputError as error:
+            raise InputError(f"mechanics: {error}") from error
         left_deg, right_deg = inverse.adduction_deg(*pair)
         version_deg = (left_deg - right_deg) / 2.0
         most_deg = math.degrees(math.atan(plane_m / 2.0 / distance_m))

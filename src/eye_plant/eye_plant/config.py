@@ -11,7 +11,7 @@ from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
 
-# Beyond it, a period is shorter than the plant's time step.
+# No machine draws more pictures in time.
 MAX_RATE_HZ = 1000
 
 

@@ -34,14 +34,6 @@ def fixation_distance_m(vergence_deg: float, baseline_m: float) -> float:
     return baseline_m / (2.0 * math.tan(math.radians(vergence_deg) / 2.0))
 
 
-def vergence_error_deg(desired_deg: float, vergence_deg: float) -> float:
-    """Return desired minus actual vergence (K17 eq. 7): positive when the eyes converge too little.
-
-    desired_deg, vergence_deg: angles in degrees.
-    """
-    return desired_deg - vergence_deg
-
-
 def disparity_px(vergence_error_deg: float, focal_length_px: float) -> float:
     """Return how far right the plane's centre lies in the left picture relative to the right one.
 

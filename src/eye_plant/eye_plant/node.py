@@ -16,7 +16,7 @@ from eye_plant.plant import EyePlant
 from lockstep.errors import InputError
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.process import run_node
-from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, RequestServer
+from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, RequestServer, expect_none
 from lockstep.node.ros_parameters import declare_config
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import period_ns, stamp_of
@@ -75,17 +75,22 @@ class EyePlantNode(Node):
         )
 
     def _start_run(self, arguments: dict[str, Any]) -> None:
-        if arguments:
-            raise InputError(f"{START_RUN}: expected no arguments, got {', '.join(arguments)}")
+        expect_none(START_RUN, arguments)
         self._observation = None
         self._reconfigure({})
 
     def _reconfigure(self, arguments: dict[str, Any]) -> None:
         """Take over other settings for the episodes to come; {} are those of the start."""
+        if self._observation is not None and self._plant.is_waiting:
+            raise InputError(
+                f"{RECONFIGURE}: expected between episodes, got amid one, at observation "
+                f"{self._observation.number}"
+            )
         self._plant.reconfigure(arguments)
         self._publisher.reconfigure(self._plant.config)
 
     def _end_run(self, arguments: dict[str, Any]) -> None:
+        expect_none(END_RUN, arguments)
         self._observation = None
 
     def _begin(self, arguments: dict[str, Any]) -> None:

@@ -1,5 +1,7 @@
 """The plant as an instrument: commands act on arrival, observations come at a fixed rate."""
 
+from functools import partial
+
 import numpy as np
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -12,7 +14,7 @@ from eye_plant.node_publisher import ObservationPublisher
 from eye_plant.plant import EyePlant
 from lockstep.errors import InputError
 from lockstep.node.diagnostics import Diagnostics
-from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer
+from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer, expect_none
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import MAX_STAMP_NS, period_ns, stamp_of
 from lockstep.wire.topics import TEST
@@ -61,7 +63,13 @@ class FreeRunning:
         )
         node.create_subscription(JointState, "muscle_command", self._command, LOCKSTEP_QOS)
         self._requests = RequestServer(
-            node, diagnostics, {START_RUN: _nothing, "episode": self._begin, END_RUN: _nothing}
+            node,
+            diagnostics,
+            {
+                START_RUN: partial(expect_none, START_RUN),
+                "episode": self._begin,
+                END_RUN: partial(expect_none, END_RUN),
+            },
         )
         node.create_timer(
             self._period_s, self._advance, clock=Clock(clock_type=ClockType.STEADY_TIME)
@@ -90,7 +98,3 @@ class FreeRunning:
         self._diagnostics.count()
         if self._plant.is_waiting:
             self._observation = self._plant.advance(self._targets, self._period_s)
-
-
-def _nothing(arguments: Arguments) -> None:
-    pass

@@ -46,7 +46,7 @@ class GroundTruth:
 
     @property
     def vergence_error_deg(self) -> float:
-        """Desired minus actual vergence (K17 eq. 7)."""
+        """Desired minus actual vergence (K17 eq. 7): positive when the eyes converge too little."""
         return self.desired_vergence_deg - self.vergence_deg
 
 

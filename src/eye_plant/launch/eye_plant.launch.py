@@ -4,49 +4,60 @@ ros2 launch eye_plant eye_plant.launch.py rate_hz:=100.0 parameter_set:=anatomic
 """
 
 from pathlib import Path
+from typing import Any
 
 from ament_index_python.packages import get_package_share_directory
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, SetEnvironmentVariable
+from launch import LaunchContext, LaunchDescription
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
-from launch_ros.parameter_descriptions import ParameterValue
 
 from lockstep.node.launch_environment import launch_environment
 
+RATE_HZ = 100.0
+
 
 def generate_launch_description() -> LaunchDescription:
-    """Return the node with its parameter file; arguments win."""
+    """Return the node: above its own parameter file the user's, above both the arguments."""
     variables = launch_environment(Path(get_package_share_directory("lockstep")))
-    config = Path(get_package_share_directory("eye_plant")) / "config" / "eye_plant.yaml"
     return LaunchDescription(
         [
             DeclareLaunchArgument("namespace", default_value="", description="of the node"),
             DeclareLaunchArgument(
-                "rate_hz", default_value="100.0", description="observations a second"
+                "rate_hz", default_value="", description=f"observations a second; {RATE_HZ:g}"
             ),
             DeclareLaunchArgument(
-                "parameter_set", default_value="k17", description="k17 or anatomical"
+                "parameter_set", default_value="", description="k17 or anatomical; k17"
             ),
             DeclareLaunchArgument(
-                "params_file", default_value=str(config), description="of all its parameters"
+                "params_file", default_value="", description="above the node's own file"
             ),
             *(SetEnvironmentVariable(name, value) for name, value in variables.items()),
-            Node(
-                package="eye_plant",
-                executable="node",
-                name="eye_plant",
-                namespace=LaunchConfiguration("namespace"),
-                output="screen",
-                parameters=[
-                    LaunchConfiguration("params_file"),
-                    {
-                        "free_running.rate_hz": ParameterValue(
-                            LaunchConfiguration("rate_hz"), value_type=float
-                        ),
-                        "mechanics.parameter_set": LaunchConfiguration("parameter_set"),
-                    },
-                ],
-            ),
+            OpaqueFunction(function=_plant),
         ]
     )
+
+
+def _plant(context: LaunchContext) -> list[Node]:
+    given = {
+        name: LaunchConfiguration(name).perform(context)
+        for name in ("namespace", "rate_hz", "parameter_set", "params_file")
+    }
+    own = Path(get_package_share_directory("eye_plant")) / "config" / "eye_plant.yaml"
+    parameters: list[str | dict[str, Any]] = [str(own), {"free_running.rate_hz": RATE_HZ}]
+    if given["params_file"]:
+        parameters.append(given["params_file"])
+    if given["rate_hz"]:
+        parameters.append({"free_running.rate_hz": float(given["rate_hz"])})
+    if given["parameter_set"]:
+        parameters.append({"mechanics.parameter_set": given["parameter_set"]})
+    return [
+        Node(
+            package="eye_plant",
+            executable="node",
+            name="eye_plant",
+            namespace=given["namespace"],
+            output="screen",
+            parameters=parameters,
+        )
+    ]

@@ -1,12 +1,12 @@
 """A learner's state on disk: named arrays in one file that is there whole or not at all."""
 
-import contextlib
-import os
+import io
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
+from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
 
 _VERSION = 1
@@ -18,17 +18,12 @@ def write_state(path: Path, kind: str, state: Mapping[str, np.ndarray]) -> None:
 
     Raises InputError when the place cannot be written.
     """
-    temporary = path.with_name(path.name + ".part")
+    content = io.BytesIO()
     arrays = {_KIND: np.array(kind), _FORMAT: np.array(_VERSION), **state}
+    np.savez_compressed(content, allow_pickle=False, **arrays)
     try:
-        with temporary.open("wb") as file:
-            np.savez_compressed(file, allow_pickle=False, **arrays)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
+        replace_file(path, content.getvalue())
     except OSError as error:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
         raise InputError(f"state file {path}: cannot be written: {error}") from error
 
 

@@ -8,9 +8,12 @@ from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.inverse import Inverse
 from eye_plant.mechanics.muscles import MUSCLE_NAMES
 from eye_plant.mechanics.oculomotor import MechanicsConfig, Oculomotor
+from lockstep.errors import InputError
 
 LIMITS = ((0.0, 0.2), (0.0, 0.1))
 BASELINE_M = 0.056
+SINGULAR_STRENGTH = (1.0, 2.0, 0.0, 0.1, 0.01, 2.0, 2.0, 0.1, 1.0, 2.0, 1.0, 0.0)
+SINGULAR_RECESSION_MM = (6.0, 0.0, -6.0, 6.0, 0.0, 8.0, 0.0, 0.0, -6.0, -8.0, -8.0, 6.0)
 
 
 @pytest.fixture(scope="module", params=["k17", "anatomical"])
@@ -69,7 +72,7 @@ def test_the_optimum_is_the_least_cost_along_the_line(config, inverse):
         best = inverse.optimal(wanted_deg)
         rates_w = []
         for fraction in np.linspace(0.0, 1.0, 21):
-            pair = inverse.activation_pair(wanted_deg, fraction, ((0.0, 0.6), (0.0, 0.6)))
+            pair = inverse.activation_pair(wanted_deg, fraction, ((0.0, 0.3), (0.0, 0.3)))
             eyes.settle(eyes.activations_from(*pair))
             rates_w.append(eyes.horizontal_metabolic_rate_w(eyes.state().metabolic_rate_w))
         assert best.metabolic_rate_w == pytest.approx(min(rates_w), rel=1e-6)
@@ -115,6 +118,45 @@ def test_eyes_without_medial_recti_still_have_pairs():
     assert low[1] == pytest.approx(high[1], abs=1e-6)
     assert (low[0], high[0]) == (0.0, 0.2)
     assert inverse.vergence_deg(*high) == pytest.approx(-2.0, abs=1e-5)
+
+
+def test_pairs_of_muscles_after_any_surgery_are_right_or_refused():
+    generator = np.random.default_rng(1)
+    n_right = n_refused = 0
+    for _ in range(40):
+        config = MechanicsConfig(
+            parameter_set=str(generator.choice(["k17", "anatomical"])),
+            strength=tuple(generator.choice([0.0, 0.01, 0.1, 1.0, 2.0], len(MUSCLE_NAMES))),
+            recession_mm=tuple(generator.choice([-8.0, -6.0, 0.0, 6.0, 8.0], len(MUSCLE_NAMES))),
+        )
+        inverse = Inverse(config)
+        low_deg, high_deg = inverse.vergence_range_deg(LIMITS)
+        for wanted_deg in generator.uniform(max(low_deg, 0.1), max(high_deg, 0.2), 4):
+            try:
+                pair = inverse.activation_pair(wanted_deg, generator.uniform(), LIMITS)
+            except InputError:
+                n_refused += 1
+                continue
+            assert settled_vergence_deg(config, *pair) == pytest.approx(wanted_deg, abs=2e-3)
+            n_right += 1
+    assert n_right > n_refused > 0
+
+
+def test_pairs_at_which_eyes_may_rest_in_two_ways_are_refused():
+    inverse = Inverse(MechanicsConfig(parameter_set="anatomical"))
+    with pytest.raises(InputError, match=r"vergence of 1 deg with medial 0\.49 and lateral 0\.54"):
+        inverse.activation_pair(1.0, 0.9, ((0.0, 0.6), (0.0, 0.6)))
+
+
+def test_muscles_whose_stiffness_has_no_inverse_stop_no_search():
+    # Found by chance: on the way to its equilibrium the right eye's stiffness gets singular.
+    config = MechanicsConfig(
+        parameter_set="anatomical",
+        strength=SINGULAR_STRENGTH,
+        recession_mm=SINGULAR_RECESSION_MM,
+    )
+    vergence_deg = Inverse(config).vergence_deg(0.0625, 0.0)
+    assert np.isfinite(vergence_deg)
 
 
 @pytest.mark.skipif(

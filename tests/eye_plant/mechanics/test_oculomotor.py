@@ -160,6 +160,23 @@ def test_free_running_eyes_are_under_way_before_they_arrive():
     assert state.velocities_m_s[0] < 0.0 < state.velocities_m_s[1]
 
 
+@pytest.mark.parametrize("parameter_set", SETS)
+@pytest.mark.parametrize("duration_s", [1e-3, 5e-3, 1.0 / 60.0, 0.1])
+def test_free_running_eyes_spend_the_time_that_is_asked_for(parameter_set, duration_s):
+    eyes, used = eyes_with(parameter_set=parameter_set), eyes_with(parameter_set=parameter_set)
+    activations = eyes.activations_from(0.3, 0.0)
+    for _ in range(3):
+        eyes.advance(activations, duration_s)
+    assert eyes.data.time == pytest.approx(3 * duration_s, rel=1e-12)
+    # And leave the steps of the lockstep as they are.
+    eyes.settle(used.tonic_activations)
+    for each in (eyes, used):
+        each.step(activations)
+    np.testing.assert_array_equal(
+        eyes.state().mean_metabolic_rate_w, used.state().mean_metabolic_rate_w
+    )
+
+
 def test_a_scaled_timestep_and_period_are_kept():
     eyes = eyes_with(control_period_s=0.1, timestep_s=0.002)
     assert eyes.control_period_s == pytest.approx(0.1)

@@ -1,9 +1,10 @@
 """Generated stimuli, their cache, and directories of the user's own pictures."""
 
+import errno
 import os
 import shutil
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import cv2
 import numpy as np
@@ -160,6 +161,26 @@ def test_a_cut_off_cache_file_is_made_again(tmp_path: Path) -> None:
 def test_nothing_but_pictures_is_left_in_the_cache(tmp_path: Path) -> None:
     load_stimuli(small(tmp_path))
     assert len([path for path in tmp_path.rglob("*") if path.is_file()]) == 6
+
+
+def test_pictures_of_another_library_are_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    load_stimuli(small(tmp_path))
+    monkeypatch.setattr(cv2, "__version__", "another")
+    load_stimuli(small(tmp_path))
+    assert len(list(tmp_path.rglob("training_0000.npy"))) == 2
+
+
+def test_a_failed_write_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fill_the_disk(file: IO[bytes], array: np.ndarray) -> None:
+        file.write(b"a part")
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(np, "save", fill_the_disk)
+    with pytest.raises(InputError, match="No space left on device"):
+        load_stimuli(small(tmp_path))
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
 
 
 def test_the_user_cache_is_the_default(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -42,7 +42,9 @@ def test_a_row_is_written_with_its_bound_in_words():
 def test_validation_writes_its_rows_and_fails_when_a_bound_does(
     tmp_path, monkeypatch, value, status
 ):
-    monkeypatch.setattr(validation, "measure", lambda: iter([Row("a", value, "deg", high=0.15)]))
+    monkeypatch.setattr(
+        validation, "measure", lambda maps: iter([Row("a", value, "deg", high=0.15)])
+    )
     monkeypatch.setattr(validation, "draw_page", lambda path, maps: None)
     assert validation.main(["--out", str(tmp_path / "new")]) == status
     (row,) = json.loads((tmp_path / "new" / "plant_validation.json").read_text())
@@ -71,10 +73,24 @@ def test_maps_are_optional_but_a_wrong_path_is_named(monkeypatch, tmp_path):
     monkeypatch.setenv("ABV_OPENEYESIM_MAPS", str(tmp_path / "no.csv"))
     with pytest.raises(ValueError, match="expected the name of a file"):
         load_maps()
-    (tmp_path / "short.csv").write_text("a,b,c,d\n1,2,3,4\n")
-    monkeypatch.setenv("ABV_OPENEYESIM_MAPS", str(tmp_path / "short.csv"))
-    with pytest.raises(ValueError, match="expected 121 rows"):
-        load_maps()
+    for text in ("a,b,c,d\n1,2,3,4\n", "a,b,c,d\n1,2,3,four\n", "a\n1,2\n3\n"):
+        (tmp_path / "wrong.csv").write_text(text)
+        monkeypatch.setenv("ABV_OPENEYESIM_MAPS", str(tmp_path / "wrong.csv"))
+        with pytest.raises(ValueError, match=r"wrong\.csv: expected 121 rows"):
+            load_maps()
+
+
+def test_validation_says_in_a_line_what_it_cannot_use(monkeypatch, tmp_path, capsys):
+    monkeypatch.setenv("ABV_OPENEYESIM_MAPS", str(tmp_path / "no.csv"))
+    with pytest.raises(SystemExit) as maps:
+        validation.main(["--out", str(tmp_path / "out")])
+    (tmp_path / "file").write_text("")
+    with pytest.raises(SystemExit) as out:
+        validation.main(["--out", str(tmp_path / "file")])
+    assert maps.value.code == out.value.code == 2
+    told = capsys.readouterr().err
+    assert "ABV_OPENEYESIM_MAPS: expected the name of a file" in told
+    assert f"--out: expected a directory to write to, got {tmp_path / 'file'}" in told
 
 
 def test_a_saccade_is_measured_between_its_threshold_crossings():

@@ -81,6 +81,12 @@ def test_the_same_request_again_is_acknowledged_and_done_once(
     assert len(servant.done) == 4
 
 
+def test_a_run_begins_anew_however_often_it_is_asked_for(servant: Servant, bench: Bench) -> None:
+    for _ in range(2):
+        assert bench.request(START_RUN) == (True, "")
+    assert servant.done == [(START_RUN, {})] * 2
+
+
 def test_another_run_is_refused_until_the_first_one_ends(servant: Servant, bench: Bench) -> None:
     bench.request(START_RUN)
     reason = f"expected a request of run {bench.RUN}, got one of run other"

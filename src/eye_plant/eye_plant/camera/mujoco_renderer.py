@@ -8,7 +8,7 @@ import numpy as np
 from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.framebuffer import GreyFramebuffer
 from eye_plant.camera.landscape import landscape_picture
-from eye_plant.camera.offscreen import OffscreenContext
+from eye_plant.camera.offscreen import GraphicsError, OffscreenContext
 from eye_plant.camera.renderer import N_EYES, View
 from eye_plant.camera.scene import (
     LANDSCAPE_GEOM,
@@ -63,7 +63,7 @@ class MujocoRenderer:
         self._viewport = mujoco.MjrRect(0, 0, N_EYES * config.width_px, config.height_px)
         buffer_size_px = _buffer_size_px(config, drawn_px)
         model = build_scene_model(config, self._eye_height_m, buffer_size_px)
-        self._renderer = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)
+        self._renderer = _context(model, buffer_size_px)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._renderer)
         self._framebuffer = GreyFramebuffer(
             self._offscreen.gl, self._renderer.offFBO, *buffer_size_px
@@ -82,11 +82,6 @@ class MujocoRenderer:
         self._renderer.texture[:] = self._own_textures
         self._framebuffer.delete()
         self._renderer.free()
-
-    @property
-    def name(self) -> str:
-        """The device or software that draws, as OpenGL names it."""
-        return self._offscreen.renderer
 
     def start(self, view: View) -> None:
         """Let the graphics hardware, or the threads that stand in for it, begin to draw."""
@@ -185,6 +180,16 @@ class MujocoRenderer:
         )
         upright = rows[::-1]  # OpenGL's row 0 is at the bottom
         return np.stack((upright[:, :width_px], upright[:, span_px - width_px :]))
+
+
+def _context(model: mujoco.MjModel, buffer_size_px: tuple[int, int]) -> mujoco.MjrContext:
+    try:
+        return mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)
+    except mujoco.FatalError as error:
+        raise GraphicsError(
+            f"camera: expected pictures that OpenGL here can draw, both in a buffer; of "
+            f"{buffer_size_px[0]} x {buffer_size_px[1]} pixels it says: {error}"
+        ) from error
 
 
 def _buffer_size_px(config: CameraConfig, drawn_px: tuple[int, int]) -> tuple[int, int]:

@@ -23,7 +23,7 @@ _INSTALL = (
 
 
 class GraphicsError(InputError):
-    """No picture can be drawn on this machine: the message says what to install."""
+    """No picture can be drawn on this machine: the message says why, or what to install."""
 
 
 def choose_backend() -> str:
@@ -65,11 +65,6 @@ class OffscreenContext:
                 f"({type(error).__name__}: {error}): {_INSTALL}; "
                 f"MUJOCO_GL chooses between {' and '.join(_BACKENDS)}"
             ) from error
-
-    @property
-    def renderer(self) -> str:
-        """The name of the device or software that draws."""
-        return str(self.gl.glGetString(self.gl.GL_RENDERER).decode())
 
     def make_current(self) -> None:
         """Make this context the calling thread's; quick when it already is."""

@@ -44,11 +44,6 @@ class PlaneRenderer:
         self._config, self._drawn_px = config, drawn_px
         self._pictures = self._empty()
 
-    @property
-    def name(self) -> str:
-        """What draws."""
-        return "ray caster of the plane"
-
     def start(self, view: View) -> None:
         """Draw the view."""
         self._pictures = self._empty()

@@ -38,10 +38,6 @@ class Renderer(Protocol):
     pixels in a smaller part.
     """
 
-    @property
-    def name(self) -> str:
-        """What draws: a device or a piece of software."""
-
     def reconfigure(self, config: CameraConfig, drawn_px: tuple[int, int]) -> None:
         """Draw as another configuration has it, and another part of the picture; stimuli stay."""
 

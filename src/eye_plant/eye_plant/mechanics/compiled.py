@@ -99,12 +99,15 @@ def _probe_stiffness(model_and_data, forces, angles, torque, stiffness):  # type
 
 @njit(cache=True, nogil=True)
 def _solve(matrix, right):  # type: ignore[no-untyped-def]
-    """Return the solution of three equations, by Cramer's rule."""
+    """Return the solution of three equations, by Cramer's rule; zeros where there is none."""
     a, b, c = matrix[:, 0], matrix[:, 1], matrix[:, 2]
     across = np.empty(3)
     solution = np.empty(3)
     _cross(b, c, across)
     determinant = a[0] * across[0] + a[1] * across[1] + a[2] * across[2]
+    if determinant == 0.0:
+        solution[:] = 0.0
+        return solution
     solution[0] = (right[0] * across[0] + right[1] * across[1] + right[2] * across[2]) / determinant
     _cross(right, c, across)
     solution[1] = (a[0] * across[0] + a[1] * across[1] + a[2] * across[2]) / determinant

@@ -22,6 +22,8 @@ Pair = tuple[float, float]
 FULL_RANGE: Limits = ((0.0, 1.0), (0.0, 1.0))
 
 _TOLERANCE_DEG = 1e-7
+# Far below what is measured, and far above rounding.
+_ACCEPTED_DEG = 1e-3
 _MAX_ITERATIONS = 80
 # Along an edge of the limits: between two of them the vergence is so straight that two or three
 # evaluations find a root.
@@ -76,7 +78,9 @@ class Inverse:
         fraction in [0, 1]: 0 is the end of least activation, equal differences are equal
         distances along the line's chord, so a uniform fraction is uniform on the line.
         limits: ((lowest, highest) medial, (lowest, highest) lateral).
-        Raises InputError when no pair inside the limits gives the vergence.
+        Raises InputError when no pair inside the limits gives the vergence, or when eyes that come
+        from straight ahead come to rest elsewhere with it: muscles that all pull hard, or such as
+        no surgeon leaves, may have two equilibria.
         """
         if not 0.0 <= fraction <= 1.0:
             raise InputError(f"fraction: expected 0 to 1, got {fraction}")
@@ -85,12 +89,20 @@ class Inverse:
         medial, lateral = (a + fraction * (b - a) for a, b in zip(low, high, strict=True))
         # The line is nearly straight: keep the coordinate that runs farther, mend the other.
         if abs(high[0] - low[0]) >= abs(high[1] - low[1]):
-            return medial, self._mend(
+            lateral = self._mend(
                 lambda a: self._vergence_deg(medial, a) - vergence_deg, lateral, limits[1]
             )
-        return self._mend(
-            lambda a: self._vergence_deg(a, lateral) - vergence_deg, medial, limits[0]
-        ), lateral
+        else:
+            medial = self._mend(
+                lambda a: self._vergence_deg(a, lateral) - vergence_deg, medial, limits[0]
+            )
+        if abs(self.vergence_deg(medial, lateral) - vergence_deg) > _ACCEPTED_DEG:
+            raise InputError(
+                f"expected muscles whose eyes have one rest at each pair of activations; to a "
+                f"vergence of {vergence_deg:g} deg with medial {medial:.3g} and lateral "
+                f"{lateral:.3g} those from straight ahead do not come"
+            )
+        return medial, lateral
 
     def check(self, vergence_deg: float) -> None:
         """Raise InputError unless some pair of activations gives the vergence; quick."""
@@ -128,7 +140,10 @@ class Inverse:
         activations, vergences_deg = self._sampled(pair, interval)
         errors_deg = vergences_deg - vergence_deg
         # The line's end lies between the first two neighbours on either side of it.
-        i = int(np.argmax(errors_deg[:-1] * errors_deg[1:] <= 0.0))
+        is_between = (errors_deg[:-1] * errors_deg[1:] <= 0.0) & (np.diff(errors_deg) != 0.0)
+        if not is_between.any():
+            raise _no_pair(vergence_deg, limits)
+        i = int(np.argmax(is_between))
         self._start_rad = None
         return pair(
             _root(
@@ -161,23 +176,31 @@ class Inverse:
             low, high = (self._corner_deg(pair(a)) - vergence_deg for a in interval)
             if low * high <= 0.0 and low != high:
                 return pair, interval
-        raise InputError(
-            f"no medial activation in {limits[0]} with a lateral one in {limits[1]} gives a "
-            f"vergence of {vergence_deg:g} deg"
-        )
+        raise _no_pair(vergence_deg, limits)
 
     def _mend(self, error_deg: Callable[[float], float], guess: float, interval: Pair) -> float:
         """Bring a guess near a root to it by secants, inside the interval."""
         before, after = guess, guess + (1e-3 if guess < sum(interval) / 2.0 else -1e-3)
         error_before, error_after = error_deg(before), error_deg(after)
         for _ in range(_MAX_ITERATIONS):
-            if abs(error_before) < _TOLERANCE_DEG or error_before == error_after:
+            if (
+                abs(error_before) < _TOLERANCE_DEG
+                or error_before == error_after
+                or before == after  # twice at an end of the interval
+            ):
                 break
             slope = (error_after - error_before) / (after - before)
             after, error_after = before, error_before
             before = min(max(before - error_before / slope, interval[0]), interval[1])
             error_before = error_deg(before)
         return before
+
+
+def _no_pair(vergence_deg: float, limits: Limits) -> InputError:
+    return InputError(
+        f"no medial activation in {limits[0]} with a lateral one in {limits[1]} gives a "
+        f"vergence of {vergence_deg:g} deg"
+    )
 
 
 def _root(function: Callable[[float], float], interval: Pair, values: Pair) -> float:

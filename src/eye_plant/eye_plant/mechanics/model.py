@@ -158,7 +158,10 @@ def _add_eye(spec: mujoco.MjSpec, config: MechanicsConfig, i_side: int) -> None:
 def receded_insertion_m(
     muscle: MuscleParameters, orbit: OrbitParameters, recession_mm: float
 ) -> Point:
-    """The insertion moved along the globe toward the pulley, by an arc of recession_mm."""
+    """Return the insertion (forward, nasal, up) in m, moved toward the pulley along the globe.
+
+    recession_mm: length of the arc; below 0 away from the pulley (a resection).
+    """
     insertion, pulley = np.array(muscle.insertion_m), np.array(muscle.pulley_m)
     radius = float(np.linalg.norm(insertion))
     toward = pulley - insertion * (pulley @ insertion) / radius**2

@@ -1,5 +1,6 @@
 """The moving eyes: settle, step, read out. One `Oculomotor` owns one MuJoCo simulation."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -16,6 +17,9 @@ from eye_plant.mechanics.musculature import Musculature
 from lockstep.errors import InputError
 
 Array = NDArray[np.float64]
+
+# Of a quotient of two durations, so that three periods of 0.1 s are not four steps.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -77,8 +81,8 @@ class Oculomotor:
         self._positions_m, self._rotations = self.data.xpos, self.data.xmat
         parameters = config.parameters
         period_s = config.period_s
-        timestep_s = config.timestep_s or parameters.timestep_s
-        self._n_substeps = max(1, round(period_s / timestep_s))
+        self._timestep_s = config.timestep_s or parameters.timestep_s
+        self._n_substeps = max(1, round(period_s / self._timestep_s))
         self.model.opt.timestep = period_s / self._n_substeps
         self._forget_trace()
         self.settle(self.tonic_activations)
@@ -152,12 +156,16 @@ class Oculomotor:
     def advance(self, activations: Array, duration_s: float) -> None:
         """Simulate towards the target activations (12,) without waiting for the eyes to settle.
 
-        Takes the whole number of time steps nearest to duration_s, at least one.
+        duration_s, above 0, is met exactly: by the fewest equal time steps that are none of them
+        longer than the configured one.
         """
         self.data.ctrl[:] = check_activations(activations)
-        n_substeps = max(1, round(duration_s / self.model.opt.timestep))
+        own_timestep_s = self.model.opt.timestep
+        n_substeps = max(1, math.ceil(duration_s / self._timestep_s * (1.0 - _ROUNDING)))
+        self.model.opt.timestep = duration_s / n_substeps
         mujoco.mj_step(self.model, self.data, n_substeps)
         mujoco.mj_forward(self.model, self.data)
+        self.model.opt.timestep = own_timestep_s
         self._forget_trace()
 
     def metabolic_trace(self) -> MetabolicTerms:

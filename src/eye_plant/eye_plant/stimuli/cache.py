@@ -1,14 +1,17 @@
 """Generated stimuli on disk: drawn once, afterwards mapped into memory as they are."""
 
 import hashlib
+import inspect
 import os
-import tempfile
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 from eye_plant.stimuli import generator as stimulus_generator
+from eye_plant.stimuli import noise
 from lockstep.errors import InputError
 
 
@@ -42,8 +45,9 @@ def _set_directory(cache_directory: str, seed: int, size_px: int) -> Path:
     else:
         user_cache = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
         root = Path(user_cache).expanduser() / "active_binocular_vision" / "stimuli"
-    source = Path(stimulus_generator.__file__).read_bytes()
-    version = hashlib.blake2b(source, digest_size=8).hexdigest()
+    sources = (inspect.getsource(module).encode() for module in (stimulus_generator, noise))
+    libraries = f"{np.__version__} {cv2.__version__}".encode()
+    version = hashlib.blake2b(b"".join([*sources, libraries]), digest_size=8).hexdigest()
     return root / f"{version}-seed{seed}-{size_px}px"
 
 
@@ -69,6 +73,12 @@ def map_array(path: Path, shape: tuple[int, ...]) -> np.ndarray | None:
 
 def write_array(path: Path, array: np.ndarray) -> None:
     """Write the file by one rename, so that nobody finds a part of it; raises OSError."""
-    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".", delete=False) as file:
-        np.save(file, array)
-    os.replace(file.name, path)
+    # Another thread's or process's part is not this one's; the mode is that of any new file.
+    part = path.with_name(f".{path.name}.{os.getpid()}-{threading.get_ident()}")
+    try:
+        with part.open("wb") as file:
+            np.save(file, array)
+        part.replace(path)
+    except OSError:
+        part.unlink(missing_ok=True)
+        raise

@@ -16,21 +16,22 @@ from eye_plant.validation.dynamic_checks import (
     saccades,
     step_time_row,
 )
-from eye_plant.validation.openeyesim import MAPS_VARIABLE, load_maps
+from eye_plant.validation.openeyesim import MAPS_VARIABLE, Maps, load_maps
 from eye_plant.validation.page import draw_page
 from eye_plant.validation.row import Row
 from eye_plant.validation.static_checks import anatomical_tension_rows, k17_rows, shared_rows
 from lockstep.command_line import CommandLine
+from lockstep.errors import InputError
 
 JSON_NAME = "plant_validation.json"
 PAGE_NAME = "plant_validation.png"
 
 
-def measure() -> Iterator[Row]:
-    """Every row of the validation, one after another."""
+def measure(maps: Maps | None) -> Iterator[Row]:
+    """Every row of the validation, one after another; maps: of OpenEyeSim, if there."""
     for parameter_set in PARAMETER_SETS:
         yield step_time_row(parameter_set)
-    yield from k17_rows(load_maps())
+    yield from k17_rows(maps)
     for parameter_set in PARAMETER_SETS:
         yield from shared_rows(parameter_set)
         yield energy_row(parameter_set)
@@ -49,15 +50,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--out", type=Path, default=Path("plant_validation"), help="directory")
     out: Path = parser.parse_args(arguments).out
-    out.mkdir(parents=True, exist_ok=True)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        maps = load_maps()
+    except OSError as error:
+        parser.error(f"--out: expected a directory to write to, got {out} ({error})")
+    except InputError as error:
+        parser.error(str(error))
     rows = []
-    for row in measure():
+    for row in measure(maps):
         rows.append(row)
         verdict = {True: "ok", False: "FAILS", None: "not measured"}[row.ok]
         value = f"{row.value:.4g} {row.unit}" if row.ok is not None else "-"
         print(f"{verdict:>12}  {row.name}: {value} ({row.bound})", flush=True)
     (out / JSON_NAME).write_text(json.dumps([row.as_dict() for row in rows], indent=1) + "\n")
-    draw_page(out / PAGE_NAME, load_maps())
+    draw_page(out / PAGE_NAME, maps)
     print(f"wrote {out / JSON_NAME} and {out / PAGE_NAME}")
     return int(any(row.ok is False for row in rows))
 

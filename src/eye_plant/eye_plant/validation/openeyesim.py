@@ -52,14 +52,20 @@ class Maps:
 
 
 def load_maps() -> Maps | None:
-    """Read the maps that the environment names, None when it names none."""
+    """Read the maps that the environment names, None when it names none.
+
+    Raises InputError for a file that does not hold 121 rows of four numbers below its header.
+    """
     path = os.environ.get(MAPS_VARIABLE, "")
     if not path:
         return None
     if not Path(path).is_file():
         raise InputError(f"{MAPS_VARIABLE}: expected the name of a file, got {path!r}")
-    with open(path, newline="") as file:
-        rows = np.array([[float(entry) for entry in row] for row in list(csv.reader(file))[1:]])
+    try:
+        with open(path, newline="") as file:
+            rows = np.array([[float(entry) for entry in row] for row in list(csv.reader(file))[1:]])
+    except (OSError, ValueError, csv.Error) as error:
+        raise InputError(f"{path}: expected {N_GRID**2} rows of 4 numbers: {error}") from error
     if rows.shape != (N_GRID**2, 4):
         raise InputError(f"{path}: expected 121 rows of 4 numbers, got shape {rows.shape}")
     return Maps(rows[:, 2].reshape(N_GRID, N_GRID), rows[:, 3].reshape(N_GRID, N_GRID))

@@ -27,8 +27,8 @@ def passive_energy_j(config: MechanicsConfig, duration_s: float) -> Array:
     model.dof_damping[:] = 0.0
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
     stiffness_n_m = max(k1 + 3.0 * k3 for k1, _, k3 in parameters.orbit.stiffness_n_m)
-    frequency_hz = math.sqrt(stiffness_n_m / parameters.orbit.globe_inertia_kg_m2)
-    n_steps = math.ceil(duration_s * frequency_hz * _STEPS_PER_RADIAN / _N_SAMPLES)
+    frequency_rad_s = math.sqrt(stiffness_n_m / parameters.orbit.globe_inertia_kg_m2)
+    n_steps = math.ceil(duration_s * frequency_rad_s * _STEPS_PER_RADIAN / _N_SAMPLES)
     model.opt.timestep = duration_s / (n_steps * _N_SAMPLES)
     data = mujoco.MjData(model)
     data.qpos[:] = _START_RAD

@@ -15,7 +15,7 @@ from lockstep.errors import InputError
 from lockstep.node.answer_once import AnswerOnce, Verdict
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.gather import Gather
-from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer
+from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer, expect_none
 from lockstep.node.ros_parameters import declare_config
 from lockstep.state_file import read_state, write_state
 from lockstep.wire.images import ImageReader
@@ -121,12 +121,12 @@ class LearnerNode(Node):
             self.diagnostics.count()
 
     def _start_run(self, arguments: Arguments) -> None:
-        _expect_none(START_RUN, arguments)
+        expect_none(START_RUN, arguments)
         self._forget_observations()
         self.learner = self.make_learner()
 
     def _end_run(self, arguments: Arguments) -> None:
-        _expect_none(END_RUN, arguments)
+        expect_none(END_RUN, arguments)
         self._forget_observations()
 
     def _forget_observations(self) -> None:
@@ -147,11 +147,6 @@ class LearnerNode(Node):
 
     def _state_of_learning(self) -> dict[str, str]:
         return {"learning_steps": str(self.learner.learning_steps)}
-
-
-def _expect_none(kind: str, arguments: Arguments) -> None:
-    if arguments:
-        raise InputError(f"{kind}: expected no arguments, got {', '.join(arguments)}")
 
 
 def _path_of(arguments: Arguments) -> Path:

@@ -2,8 +2,8 @@
 
 A request is a set of named values: `run_id`, `request` (its kind) and its arguments. It either
 takes effect as a whole or is refused with the reason. The same request again is acknowledged again
-without a second effect; another run's is refused. So a requester may repeat itself until it hears
-an answer.
+without a second effect, but for `start_run`, whose effect twice is that of once; another run's is
+refused. So a requester may repeat itself until it hears an answer.
 """
 
 from collections.abc import Callable, Mapping
@@ -70,7 +70,8 @@ class RequestServer:
     def _handle(self, arguments: Arguments) -> None:
         # As text, since True == 1 == 1.0 in Python.
         text = repr(arguments)
-        if text == self._last_accepted:
+        # A run begins anew however often it is asked for: its requester may itself have done so.
+        if text == self._last_accepted and arguments["request"] != START_RUN:
             return
         kind, run_id = arguments.get("request"), arguments.get("run_id")
         if not isinstance(run_id, str) or not run_id:
@@ -102,6 +103,12 @@ def _arguments_of(request: SetParametersAtomically.Request) -> Arguments:
             raise InputError(f"expected each name once, got {parameter.name} twice")
         arguments[parameter.name] = list(value) if is_list else value
     return arguments
+
+
+def expect_none(kind: str, arguments: Arguments) -> None:
+    """Raise InputError for any arguments of a request that takes none."""
+    if arguments:
+        raise InputError(f"{kind}: expected no arguments, got {', '.join(arguments)}")
 
 
 class RequestClient:
