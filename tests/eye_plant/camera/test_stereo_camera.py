@@ -11,6 +11,7 @@ import pytest
 from scipy.ndimage import gaussian_filter
 
 from eye_plant.camera.config import RENDERERS, CameraConfig
+from eye_plant.camera.offscreen import GraphicsError
 from eye_plant.camera.stereo_camera import StereoCamera
 from eye_plant.geometry import desired_vergence_deg, disparity_px
 from eye_plant.stimuli.stimulus_set import StimulusSet
@@ -299,6 +300,12 @@ def test_a_configuration_that_cannot_be_drawn_is_refused(
 ) -> None:
     with pytest.raises(InputError, match=message):
         replace(CameraConfig(), **changes)
+
+
+def test_pictures_too_large_for_the_graphics_are_refused() -> None:
+    grey = np.zeros((8, 8), np.uint8)
+    with pytest.raises(GraphicsError, match="expected pictures that OpenGL here can draw"):
+        StereoCamera(CameraConfig(width_px=40_000), StimulusSet((grey,), (grey,)))
 
 
 # --- region of interest

@@ -46,7 +46,11 @@ class MujocoRenderer:
             self._offscreen.gl, stimuli, with_mipmaps=config.texture_mipmaps
         )
         self._upload_landscape(config.landscape_seed)
-        self._set_up(config, drawn_px)
+        try:
+            self._set_up(config, drawn_px)
+        except GraphicsError:
+            self._offscreen.close()
+            raise
 
     def reconfigure(self, config: CameraConfig, drawn_px: tuple[int, int]) -> None:
         """Draw as another configuration has it; the stimuli stay in the graphics memory."""
