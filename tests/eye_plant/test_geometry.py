@@ -10,6 +10,7 @@ from eye_plant.geometry import (
     disparity_px,
     fixation_distance_m,
 )
+from eye_plant.observation import GroundTruth
 from lockstep.errors import InputError
 
 BASELINE_M = 0.056
@@ -29,6 +30,17 @@ def test_desired_vergence_is_that_of_the_paper(distance_m: float, expected_deg: 
 def test_fixation_distance_inverts_desired_vergence(distance_m: float) -> None:
     vergence_deg = desired_vergence_deg(distance_m, BASELINE_M)
     assert fixation_distance_m(vergence_deg, BASELINE_M) == pytest.approx(distance_m, rel=1e-12)
+
+
+def test_vergence_error_is_positive_when_the_eyes_converge_too_little() -> None:
+    truth = GroundTruth(
+        adduction_deg=(1.6, 1.61),
+        desired_vergence_deg=6.41,
+        metabolic_rate_w=0.0,
+        initial_metabolic_rate_w=0.0,
+        optimal_metabolic_rate_w=0.0,
+    )
+    assert truth.vergence_error_deg == pytest.approx(3.2)
 
 
 def test_disparity_of_one_and_three_degrees() -> None:

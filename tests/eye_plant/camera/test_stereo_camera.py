@@ -11,7 +11,6 @@ import pytest
 from scipy.ndimage import gaussian_filter
 
 from eye_plant.camera.config import RENDERERS, CameraConfig
-from eye_plant.camera.offscreen import GraphicsError
 from eye_plant.camera.stereo_camera import StereoCamera
 from eye_plant.geometry import desired_vergence_deg, disparity_px
 from eye_plant.stimuli.stimulus_set import StimulusSet
@@ -273,39 +272,6 @@ def test_eyes_behind_the_plane_are_refused(camera: StereoCamera) -> None:
 def test_what_is_no_rotation_is_refused(camera: StereoCamera, factor: float) -> None:
     with pytest.raises(InputError, match="eye_rotations: expected rotation matrices"):
         camera.render(POSITIONS_M, factor * POSES["straight"], 0, 1.0)
-
-
-@pytest.mark.parametrize(
-    "stimulus", [np.zeros((8, 8, 3), np.uint8), np.zeros((8, 8)), np.zeros((0, 8), np.uint8)]
-)
-def test_a_stimulus_of_another_kind_is_refused(stimulus: np.ndarray) -> None:
-    grey = np.zeros((8, 8), np.uint8)
-    with pytest.raises(InputError, match="stimulus 1: expected a grey picture"):
-        StereoCamera(CameraConfig(), StimulusSet((grey,), (stimulus,)))
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"renderer": "vulkan"}, r"renderer: expected mujoco or plane, got 'vulkan'"),
-        ({"roi_width_px": 322}, r"roi_width_px: expected width_px, 320, or less, got 322"),
-        ({"roi_height_px": 127}, r"roi_height_px: expected a multiple of 2, 2 px or more, got 127"),
-        ({"focal_length_px": float("nan")}, r"focal_length_px: expected more than 0 px, got nan"),
-        ({"left_magnification": 0.0}, r"left_magnification: expected more than 0, got 0.0"),
-        ({"right_blur_px": -1.0}, r"right_blur_px: expected 0 px or more, got -1"),
-    ],
-)
-def test_a_configuration_that_cannot_be_drawn_is_refused(
-    changes: dict[str, Any], message: str
-) -> None:
-    with pytest.raises(InputError, match=message):
-        replace(CameraConfig(), **changes)
-
-
-def test_pictures_too_large_for_the_graphics_are_refused() -> None:
-    grey = np.zeros((8, 8), np.uint8)
-    with pytest.raises(GraphicsError, match="expected pictures that OpenGL here can draw"):
-        StereoCamera(CameraConfig(width_px=40_000), StimulusSet((grey,), (grey,)))
 
 
 # --- region of interest

@@ -68,11 +68,14 @@ def test_a_call_does_not_depend_on_earlier_ones(config, inverse):
 
 def test_the_optimum_is_the_least_cost_along_the_line(config, inverse):
     eyes = Oculomotor(config)
+    # Anatomical eyes have two equilibria where both muscles pull harder.
+    most = {"k17": 0.6, "anatomical": 0.3}[config.parameter_set]
+    limits = ((0.0, most), (0.0, most))
     for wanted_deg in (0.535, 1.0, 6.41):
         best = inverse.optimal(wanted_deg)
         rates_w = []
         for fraction in np.linspace(0.0, 1.0, 21):
-            pair = inverse.activation_pair(wanted_deg, fraction, ((0.0, 0.3), (0.0, 0.3)))
+            pair = inverse.activation_pair(wanted_deg, fraction, limits)
             eyes.settle(eyes.activations_from(*pair))
             rates_w.append(eyes.horizontal_metabolic_rate_w(eyes.state().metabolic_rate_w))
         assert best.metabolic_rate_w == pytest.approx(min(rates_w), rel=1e-6)
