@@ -23,8 +23,9 @@ def uses_ros(module: Path) -> bool:
 
 def may_use_ros(module: Path) -> bool:
     in_package = module.relative_to(SRC).parts[1:]
-    is_shared = in_package[0] == "lockstep" and in_package[1] in ("wire", "node")
-    return is_shared or module.stem in ("node", "messages") or module.stem.startswith("node_")
+    is_shared = in_package[0] == "lockstep" and in_package[1] == "wire"
+    is_node = "node" in (*in_package[1:-1], module.stem) or module.stem.startswith("node_")
+    return is_shared or is_node or module.stem == "messages"
 
 
 def test_ros_is_imported_only_where_the_name_says_so() -> None:
