@@ -13,12 +13,13 @@ from eye_plant.camera.config import CameraConfig
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.mechanics.model import MechanicsConfig
-from eye_plant.mechanics.muscles import MUSCLE_NAMES
 from eye_plant.mechanics.oculomotor import Oculomotor
+from lockstep.command_space import MUSCLE_NAMES
 from lockstep.configuration import build
 from lockstep.settings import declarations
-from lockstep.wire.topics import ACTOR_CRITIC_NAMES, HORIZONTAL_RECTI, TEST, TRAINING
+from lockstep.wire.topics import TEST, TRAINING
 from lockstep.wire.vectors import Vector, VectorReader
+from tests.pair import ACTOR_CRITIC_NAMES, HORIZONTAL_RECTI, pair_activations
 from tests.test_interfaces import PAGE, VECTORS, quoted, table
 from vergence_rl.config import VergenceRlConfig
 
@@ -112,8 +113,7 @@ def _episode(number: int, phase: int) -> Episode:
         training_iteration=N_ITERATIONS * min(number, 2),
         stimulus=number,
         object_distance_m=1.0 + number,
-        medial_rectus=0.04,
-        lateral_rectus=0.02,
+        activations=pair_activations(0.04, 0.02),
         n_iterations=N_ITERATIONS,
         first_observation=(N_ITERATIONS + 1) * number,
     )

@@ -9,11 +9,12 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, ReliabilityPolicy
 
 from experiment_manager.node.requests import _SERVICE_WAIT_S, PLANT_WAIT_S
 from eye_plant.episode import Episode
-from eye_plant.mechanics.muscles import MUSCLE_NAMES
+from lockstep.command_space import MUSCLE_NAMES
 from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, RequestClient
 from lockstep.wire import topics
 from lockstep.wire.qos import LOCKSTEP_QOS, QUEUE_DEPTH
 from tests.node_harness import ros_graph
+from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
 from vergence_rl.node import VergenceRlNode
 
 PAGE = (Path(__file__).parents[1] / "docs" / "interfaces.md").read_text()
@@ -22,8 +23,8 @@ VECTORS = {
     "ground_truth": topics.GROUND_TRUTH_NAMES[len(topics.EPISODE_NAMES) :],
     "eye_states": topics.EYE_STATE_NAMES,
     "reward": topics.REWARD_NAMES,
-    "muscle_command": topics.COMMAND_NAMES,
-    "actor_critic": topics.ACTOR_CRITIC_NAMES,
+    "muscle_command": COMMAND_NAMES,
+    "actor_critic": ACTOR_CRITIC_NAMES,
 }
 
 

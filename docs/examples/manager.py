@@ -42,8 +42,7 @@ class Manager(Node):
             episode=number,
             training_iteration=number * N_ITERATIONS,
             object_distance_m=1.0 + number / 2.0,
-            medial_rectus=0.05,
-            lateral_rectus=0.02,
+            activations=2 * [0.05, 0.02, 0.0, 0.0, 0.0, 0.0],
             n_iterations=N_ITERATIONS,
             first_observation=number * (N_ITERATIONS + 1),
         )

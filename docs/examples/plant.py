@@ -38,7 +38,7 @@ class Plant(Node):
         asked = {p.name: parameter_value_to_python(p.value) for p in request.parameters}
         if asked["request"] == "episode" and asked != self.asked:
             self.asked, self.i = asked, 0
-            self.pair = asked["medial_rectus"], asked["lateral_rectus"]
+            self.pair = tuple(asked["activations"][:2])  # the left eye's; both have the same
             self.publish()
         response.result.successful = True
         return response

@@ -8,9 +8,10 @@ from rclpy.serialization import serialize_message
 from experiment_manager.bag.reader import read_vectors
 from experiment_manager.bag.writer import BagWriter
 from lockstep.errors import InputError
-from lockstep.wire.topics import COMMAND_NAMES, REWARD_NAMES, TOPIC_TYPES
+from lockstep.wire.topics import REWARD_NAMES, TOPIC_TYPES
 from lockstep.wire.vectors import vector_message
 from tests.benchmark.messages import hop_times_ms, recording_ms
+from tests.pair import COMMAND_NAMES
 
 
 def _bag(directory: Path, n_commands: int) -> Path:

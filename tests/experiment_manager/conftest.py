@@ -284,7 +284,7 @@ def small_run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
         "experiment_manager.pictures_every_n_episodes": "1",
         "experiment_manager.pictures_every_n_trials": "1",
         "eye_plant.stimuli.size_px": str(STIMULUS_PX),
-        "vergence_rl.output_initial_width": "0.1",
+        "vergence_rl.cacla.output_initial_width": "0.1",
     }
     line = ["--iterations", "60", "--tests", "0,30", "--stimuli", str(pictures)]
     for name, value in settings.items():

@@ -58,7 +58,11 @@ def training() -> tuple[np.ndarray, np.ndarray]:
     ends = []
     for episode in _protocol().training_episodes():
         *answered, last = loop.run_episode(episode)
-        errors = [step.answer.reconstruction_error.sum() for step in answered if step.answer]
+        errors = [
+            step.answer.percept.encoding.reconstruction_error.sum()
+            for step in answered
+            if step.answer
+        ]
         ends.append((abs(last.observation.truth.vergence_error_deg), np.mean(errors)))
     loop.plant.close()
     final_error_deg, reconstruction_error = np.array(ends).T

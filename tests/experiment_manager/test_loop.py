@@ -9,6 +9,7 @@ from experiment_manager.loop import make_loop
 from eye_plant.episode import Episode
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.wire.topics import TRAINING
+from tests.pair import pair_activations
 
 
 def learned(eye_plant: dict[str, Any]) -> tuple[list[tuple[int, ...]], dict[str, np.ndarray]]:
@@ -28,8 +29,7 @@ def learned(eye_plant: dict[str, Any]) -> tuple[list[tuple[int, ...]], dict[str,
             training_iteration=5 * number,
             stimulus=0,
             object_distance_m=distance_m,
-            medial_rectus=0.05,
-            lateral_rectus=0.02,
+            activations=pair_activations(0.05, 0.02),
             n_iterations=5,
             first_observation=6 * number,
         )

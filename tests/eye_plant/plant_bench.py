@@ -15,6 +15,7 @@ from lockstep.wire.topics import (
 )
 from lockstep.wire.vectors import vector_message
 from tests.node_harness import Bench
+from tests.pair import pair_activations
 
 PERIOD_NS = period_ns(MechanicsConfig().period_s)
 HEARD = {
@@ -29,8 +30,7 @@ EPISODE = Episode(
     training_iteration=40,
     stimulus=1,
     object_distance_m=1.5,
-    medial_rectus=0.05,
-    lateral_rectus=0.02,
+    activations=pair_activations(0.05, 0.02),
     n_iterations=3,
     first_observation=44,
 )

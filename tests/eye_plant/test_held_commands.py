@@ -9,7 +9,8 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimulusSet
-from lockstep.wire.topics import HORIZONTAL_RECTI, TRAINING
+from lockstep.wire.topics import TRAINING
+from tests.pair import HORIZONTAL_RECTI, pair_activations
 
 EPISODE = Episode(
     phase=TRAINING,
@@ -19,8 +20,7 @@ EPISODE = Episode(
     training_iteration=0,
     stimulus=0,
     object_distance_m=2.0,
-    medial_rectus=0.05,
-    lateral_rectus=0.02,
+    activations=pair_activations(0.05, 0.02),
     n_iterations=5,
     first_observation=0,
 )

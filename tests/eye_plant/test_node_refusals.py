@@ -117,7 +117,7 @@ def _refuses(bench: Bench, send: Callable[[int], None], reason: str) -> None:
 
 def _vergence_after_first_command() -> float:
     oculomotor = Oculomotor(MechanicsConfig())
-    oculomotor.settle(oculomotor.activations_from(EPISODE.medial_rectus, EPISODE.lateral_rectus))
+    oculomotor.settle(oculomotor.activations_from(EPISODE.activations[0], EPISODE.activations[1]))
     oculomotor.step(oculomotor.activations_from(*COMMANDS[0]))
     return float(np.degrees(oculomotor.state().eye_angles_rad[:, 0].sum()))
 
@@ -133,8 +133,9 @@ def _vergence_after_first_command() -> float:
         ({"object_distance_m": math.nan}, "object_distance_m: expected more than 0 m, got nan"),
         ({"object_distance_m": 1e9}, "object_distance_m: expected"),
         ({"object_distance_m": 1e-9}, "object_distance_m: expected"),
-        ({"medial_rectus": 1.5}, "medial_rectus: expected 0 to 1, got 1.5"),
-        ({"lateral_rectus": math.nan}, "lateral_rectus: expected 0 to 1, got nan"),
+        ({"activations": [1.5] * 12}, "activations: expected 12 numbers, each 0 to 1, got [1.5,"),
+        ({"activations": [math.nan] * 12}, "activations: expected 12 numbers, each 0 to 1, got"),
+        ({"activations": [0.1] * 6}, "activations: expected 12 numbers, each 0 to 1, got [0.1,"),
         ({"n_iterations": 0}, "n_iterations: expected 1 or more, got 0"),
         ({"first_observation": -1}, "first_observation: expected 0 or more, got -1"),
         ({"first_observation": 2**62}, "expected stamps below 2^31 s"),

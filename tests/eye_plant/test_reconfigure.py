@@ -10,6 +10,7 @@ from eye_plant.stimuli.stereograms import random_dot_stereograms
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.configuration import build
 from lockstep.errors import InputError
+from tests.pair import pair_activations
 
 ALTERED = {
     "mechanics.rest_adduction_deg": [0.0, 2.0],
@@ -43,8 +44,7 @@ def seen(plant, stimulus=0):
         training_iteration=0,
         stimulus=stimulus,
         object_distance_m=1.0,
-        medial_rectus=0.04,
-        lateral_rectus=0.01,
+        activations=pair_activations(0.04, 0.01),
         n_iterations=2,
         first_observation=0,
     )

@@ -13,8 +13,8 @@ SETTINGS = (
     "experiment_manager.checkpoint_period_s=1e9",  # the first one alone, at the start
     "sparse_coder.n_bases=32",
     "vergence_rl.n_features=64",
-    "vergence_rl.critic_learning_rate=1e6",
-    "vergence_rl.critic_step_limit=1e9",
+    "vergence_rl.cacla.critic_learning_rate=1e6",
+    "vergence_rl.cacla.critic_step_limit=1e9",
 )
 
 

@@ -11,9 +11,7 @@ from rosbags.highlevel import AnyReader
 
 from experiment_manager.bag.reader import Bag
 from lockstep.wire.topics import (
-    ACTOR_CRITIC_NAMES,
     CODER_VECTORS,
-    COMMAND_NAMES,
     GROUND_TRUTH_NAMES,
     LEARNER_VECTORS,
     PICTURES,
@@ -22,6 +20,7 @@ from lockstep.wire.topics import (
     TOPIC_TYPES,
 )
 from tests.graph_harness import OracleRun, small_run, stacked, vectors
+from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
 from tests.supervisor import finished, start_supervisor
 
 N_TRAINING, N_TRIALS = 200, 8
@@ -54,10 +53,7 @@ def test_the_graph_computes_what_the_loop_in_one_process_does(run: Path) -> None
         expected["angles"].append(observation.state.eye_angles_rad.ravel())
         if answer is None or observation.pictures is None:
             continue
-        n_learned = oracle.coder.learning_steps - int(observation.episode.phase == 0)
-        expected["reward"].append(
-            (*answer.reconstruction_error, answer.metabolic_rate_w, answer.reward, n_learned)
-        )
+        expected["reward"].append(answer.percept.reward_values())
         decision = answer.decision
         expected["muscle_command"].append(decision.command)
         expected["actor_critic"].append(
@@ -74,7 +70,10 @@ def test_the_graph_computes_what_the_loop_in_one_process_does(run: Path) -> None
         stamp_ns = observation.number * period_ns
         if stamp_ns in recorded["features"]:
             n_compared += 1
-            assert recorded["features"][stamp_ns].tobytes() == answer.features.tobytes()
+            assert (
+                recorded["features"][stamp_ns].tobytes()
+                == answer.percept.encoding.features.tobytes()
+            )
             for topic, picture in zip(PICTURES, observation.pictures, strict=True):
                 assert recorded[topic][stamp_ns].tobytes() == picture.tobytes()
     got = vectors(run)

@@ -15,7 +15,7 @@ from experiment_manager.commands.evaluate import main as evaluate
 from experiment_manager.commands.report import main as report
 from experiment_manager.run.config_file import CONFIG_CLASSES, read_configuration
 from lockstep.wire.qos import LOCKSTEP_QOS
-from lockstep.wire.topics import ACTOR_CRITIC_NAMES, LEARNER_VECTORS
+from lockstep.wire.topics import LEARNER_VECTORS
 from lockstep.wire.vectors import VectorPublisher, vector_message
 from tests.graph_harness import (
     NodeProcess,
@@ -26,6 +26,7 @@ from tests.graph_harness import (
     write_configuration,
 )
 from tests.node_harness import Graph, ros_graph
+from tests.pair import ACTOR_CRITIC_NAMES
 from tests.supervisor import finished, start_supervisor
 
 N_TRAINING = 20
@@ -152,8 +153,8 @@ def test_all_parameters_of_all_nodes_are_written_down(
     [
         (
             "vergence_rl",
-            "medial_limits:=[0.0, 0.15]",
-            "expected vergence_rl.medial_limits, which is [0.0, 0.15], got [0.0, 0.2]",
+            "highest_activations:=[0.15, 0.1]",
+            "expected vergence_rl.highest_activations, which is [0.15, 0.1], got [0.2, 0.1]",
         ),
         (
             "eye_plant",
@@ -179,9 +180,9 @@ def test_nodes_that_are_not_as_the_run_began_do_not_go_on(
     run.mkdir()
     (run / "config.yaml").write_bytes(config_file.read_bytes())
     for name in ("eye_plant", "sparse_coder", "vergence_rl"):
-        start(name, *(("-p", "discount:=0.4") if name == "vergence_rl" else ()))
+        start(name, *(("-p", "cacla.discount:=0.4") if name == "vergence_rl" else ()))
     output = start("experiment_manager", *_in_run(run)).finished(code=2)
-    assert "vergence_rl.discount was 0.3, is 0.4" in output.splitlines()[-1]
+    assert "vergence_rl.cacla.discount was 0.3, is 0.4" in output.splitlines()[-1]
 
 
 @pytest.mark.parametrize("package", CONFIG_CLASSES)
@@ -214,7 +215,7 @@ def test_what_ros_cannot_parse_stops_a_node_with_one_line(
     [
         ("eye_plant", "camera.width_px:=wide", "camera.width_px: expected an integer, got 'wide'"),
         ("sparse_coder", "n_bases:=0", "n_bases: expected 1 or more, got 0"),
-        ("vergence_rl", "discount:=fast", "discount: expected a number, got 'fast'"),
+        ("vergence_rl", "cacla.discount:=fast", "discount: expected a number, got 'fast'"),
         ("experiment_manager", "model:=X", "model: expected M or M_C, got 'X'"),
     ],
 )

@@ -166,7 +166,7 @@ def test_a_directory_that_holds_something_else_is_refused(
 
 
 def test_a_cell_that_cannot_be_keeps_all_from_starting(pictures: Path, tmp_path: Path) -> None:
-    path = write_sweep(tmp_path / "bad.yaml", pictures, {"vergence_rl.discount": [0.3, 2.0]})
+    path = write_sweep(tmp_path / "bad.yaml", pictures, {"vergence_rl.cacla.discount": [0.3, 2.0]})
     output = finished(start_sweep(path, "--out", tmp_path / "sweep"), code=2)
     assert output.count("error: ") == 1
     assert "error: discount_2.0: " in output

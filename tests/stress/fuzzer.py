@@ -11,13 +11,9 @@ from rcl_interfaces.msg import Parameter, ParameterValue
 from sensor_msgs.msg import Image, JointState
 
 from lockstep.wire.stamps import to_time
-from lockstep.wire.topics import (
-    COMMAND_NAMES,
-    EPISODE_NAMES,
-    HORIZONTAL_RECTI,
-    REWARD_NAMES,
-)
+from lockstep.wire.topics import EPISODE_NAMES, REWARD_NAMES
 from lockstep.wire.vectors import vector_message
+from tests.pair import COMMAND_NAMES, HORIZONTAL_RECTI
 
 # What nodes take in. Nobody but their publisher may write these; we do.
 VECTOR_NAMES: dict[str, Sequence[str]] = {

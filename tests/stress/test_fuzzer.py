@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from eye_plant.commands import target_activations
-from eye_plant.mechanics.muscles import MUSCLE_NAMES
+from lockstep.command_space import COMMAND_SPACES, MUSCLE_NAMES, PAIR
 from lockstep.errors import InputError
 from lockstep.wire.stamps import checked_ns
-from lockstep.wire.topics import EPISODE_NAMES, HORIZONTAL_RECTI, PICTURES
+from lockstep.wire.topics import EPISODE_NAMES, PICTURES
 from lockstep.wire.vectors import values_of, whole_values_of
 from sparse_coder.messages import picture_of
+from tests.pair import HORIZONTAL_RECTI
 from tests.stress.fuzzer import Hostility
 from vergence_rl.messages import activations_of, features_of
 
@@ -42,6 +43,10 @@ def _picture(message: Any) -> None:
         raise InputError("the coder looks at the size")
 
 
+def _activations(message: Any) -> None:
+    activations_of(message, COMMAND_SPACES[PAIR])
+
+
 def _features(message: Any) -> None:
     if features_of(message).shape[1] != 32:
         raise InputError("the agent looks at the size")
@@ -49,7 +54,7 @@ def _features(message: Any) -> None:
 
 DOORS: dict[str, tuple[Callable[[Any], Any], ...]] = {
     "episode": (_episode,),
-    "muscle_activations": (activations_of, _rates),
+    "muscle_activations": (_activations, _rates),
     "reward": (_reward,),
     "muscle_command": (_command,),
     "features": (_features,),

@@ -8,18 +8,27 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from lockstep.configuration import build
 from lockstep.errors import DivergenceError, InputError
 from lockstep.randomness import generator
-from vergence_rl.agent import Agent, Decision
+from vergence_rl.agent import Agent
+from vergence_rl.cacla.config import CaclaConfig
 from vergence_rl.config import VergenceRlConfig
+from vergence_rl.learning_rule import Decision
 
 CONFIG = VergenceRlConfig(
-    n_features=6, n_hidden=4, n_training_iterations=300, hidden_initial_width=0.5
+    n_features=6,
+    n_training_iterations=300,
+    cacla=CaclaConfig(n_hidden=4, hidden_initial_width=0.5),
 )
 MID = np.array([0.1, 0.05])
 
 
-WIDE = dataclasses.replace(CONFIG, feature_exponent=0.5, exploration_variance=2.5e-4)
+def with_cacla(config: VergenceRlConfig, **settings: Any) -> VergenceRlConfig:
+    return dataclasses.replace(config, cacla=dataclasses.replace(config.cacla, **settings))
+
+
+WIDE = with_cacla(dataclasses.replace(CONFIG, feature_exponent=0.5), exploration_variance=2.5e-4)
 
 
 class SlowAgent:
@@ -48,9 +57,9 @@ class SlowAgent:
             delta = self.learn(s, r, 0.5 * (1 - now / self.config.n_training_iterations))
         action = self.w2 @ np.tanh(self.w1 @ s)
         draw = generator(self.config.seed, "exploration", now)
-        executed = action + draw.normal(0.0, math.sqrt(self.config.exploration_variance), 2)
+        executed = action + draw.normal(0.0, math.sqrt(self.config.cacla.exploration_variance), 2)
         copied = executed
-        if self.config.copies_clipped_action:
+        if self.config.cacla.copies_clipped_action:
             copied = np.minimum(np.maximum(activations + executed, 0), [0.2, 0.1]) - activations
         self.last = (s, copied)
         return executed, delta
@@ -88,9 +97,7 @@ def train(agent: Agent, first: int, n: int, episode_length: int = 10) -> list[De
     ]
 
 
-@pytest.mark.parametrize(
-    "config", [CONFIG, dataclasses.replace(CONFIG, copies_clipped_action=False), WIDE]
-)
+@pytest.mark.parametrize("config", [CONFIG, with_cacla(CONFIG, copies_clipped_action=False), WIDE])
 def test_agrees_with_a_slow_agent_over_many_episodes(config: VergenceRlConfig) -> None:
     agent = Agent(config)
     slow = SlowAgent(agent.state(), config)
@@ -193,7 +200,8 @@ def test_a_test_episode_changes_nothing_and_has_no_noise() -> None:
 
 def test_noise_is_a_function_of_seed_and_training_iteration() -> None:
     def noise(seed: int, now: int, variance: float = 1e-5) -> NDArray[np.float64]:
-        agent = Agent(VergenceRlConfig(seed=seed, n_features=6, exploration_variance=variance))
+        config = VergenceRlConfig(seed=seed, n_features=6)
+        agent = Agent(with_cacla(config, exploration_variance=variance))
         features = np.ones(6)
         noisy = agent.observe(features, MID, 0.0, 0, now, learning=False, exploration=True)
         calm = agent.observe(features, MID, 0.0, 0, now, learning=False, exploration=False)
@@ -208,7 +216,7 @@ def test_noise_is_a_function_of_seed_and_training_iteration() -> None:
 
 
 def test_commands_stay_within_their_limits_and_actions_do_not() -> None:
-    agent = Agent(VergenceRlConfig(n_features=6, exploration_variance=1.0))
+    agent = Agent(with_cacla(VergenceRlConfig(n_features=6), exploration_variance=1.0))
     lowest, highest = np.zeros(2), np.array([0.2, 0.1])
     decisions = [
         agent.observe(np.ones(6), MID, 0.0, 0, now, learning=False, exploration=True)
@@ -225,8 +233,8 @@ def test_what_an_action_beyond_the_limits_teaches(
     copies_clipped_action: bool, share_left: float
 ) -> None:
     # Both muscles are silent and the actor relaxes them further, unchanged by any noise.
-    config = VergenceRlConfig(
-        n_features=6,
+    config = with_cacla(
+        VergenceRlConfig(n_features=6),
         n_hidden=1,
         exploration_variance=0.0,
         weight_shrinkage=0.0,
@@ -311,7 +319,13 @@ def test_a_bad_state_is_refused_and_changes_nothing(
         (np.ones((2, 4)), MID, 0.0, 1, r"features: expected 6, got shape \(2, 4\)"),
         (np.full(6, np.nan), MID, 0.0, 1, "features and activations: expected finite"),
         (np.ones(6), np.array([0.1, np.inf]), 0.0, 1, "features and activations: expected finite"),
-        (np.ones(6), np.ones(3), 0.0, 1, r"activations: expected medial and lateral, got .*\(3,\)"),
+        (
+            np.ones(6),
+            np.ones(3),
+            0.0,
+            1,
+            r"activations: expected medial_rectus, lateral_rectus, got .*\(3,\)",
+        ),
         (np.ones(6), MID, math.nan, 1, "reward: expected a finite number, got nan"),
         (np.ones(6), MID, 0.0, -1, "iteration: expected 0 or more, got -1"),
     ],
@@ -343,13 +357,13 @@ def test_a_bad_observation_is_refused_and_changes_nothing(
 def test_divergence_ends_learning_with_iteration_and_quantity(
     settings: dict[str, Any], quantity: str
 ) -> None:
-    agent = Agent(dataclasses.replace(CONFIG, **settings))
+    agent = Agent(with_cacla(CONFIG, **settings))
     message = rf"diverged in training iteration (\d+): ({quantity}) is .*, expected 100 at most"
     with pytest.raises(DivergenceError, match=message) as error:
         train(agent, 0, 300)
     # Whatever was answered before was sane.
     (iteration,) = re.findall(r"iteration (\d+)", str(error.value))
-    before = train(Agent(dataclasses.replace(CONFIG, **settings)), 0, int(iteration))
+    before = train(Agent(with_cacla(CONFIG, **settings)), 0, int(iteration))
     assert max(np.abs(d.action).max() for d in before) <= 101
     assert all(math.isfinite(d.value) for d in before)
 
@@ -369,18 +383,31 @@ def test_weights_that_are_no_numbers_never_become_an_answer(name: str) -> None:
     ("settings", "message"),
     [
         ({"n_training_iterations": 0}, "n_training_iterations: expected 1 or more, got 0"),
-        ({"n_hidden": 0}, "n_hidden: expected 1 or more"),
-        ({"discount": 1.0}, "discount: expected 0 or more, less than 1, got 1.0"),
-        ({"exploration_variance": -1.0}, "exploration_variance: expected 0 or more"),
-        ({"actor_learning_rate": math.nan}, "actor_learning_rate: expected 0 or more, got nan"),
+        ({"cacla.n_hidden": 0}, "cacla.n_hidden: expected 1 or more"),
+        ({"cacla.discount": 1.0}, "cacla.discount: expected 0 or more, less than 1, got 1.0"),
+        ({"cacla.exploration_variance": -1.0}, "cacla.exploration_variance: expected 0 or more"),
+        ({"cacla.actor_learning_rate": math.nan}, "rate: expected 0 or more, got nan"),
         ({"state_standard_deviation": 0.0}, "state_standard_deviation: expected more than 0"),
-        ({"medial_limits": (0.2, 0.1)}, "medial_limits: expected .lowest, highest., each 0 to 1"),
-        ({"lateral_limits": (0.0, 1.1)}, "lateral_limits: expected .lowest, highest., each 0 to 1"),
-        ({"lateral_limits": (0.1,)}, "lateral_limits: expected .lowest, highest., each 0 to 1"),
+        ({"lowest_activations": (0.3,)}, "expected 0.3 or more for medial_rectus, .*, got 0.2"),
+        ({"highest_activations": (0.2, 1.1)}, "highest_activations: expected 0 to 1, got"),
+        ({"highest_activations": (0.2,) * 3}, "expected 2 entries, of medial_rectus, lateral_"),
+        ({"command_space": "legs"}, "command_space: expected pair, got 'legs'"),
         ({"learning_rule": "sarsa"}, "learning_rule: expected cacla or hindsight, got 'sarsa'"),
-        ({"regression_period": 15}, r"regression_period: expected a multiple of 10 .*, got 15"),
+        (
+            {"learning_rule": "hindsight", "hindsight.regression_period": 15},
+            r"hindsight.regression_period: expected a multiple of 10 .*, got 15",
+        ),
+        (
+            {"learning_rule": "hindsight", "iterations_per_episode": 1},
+            "iterations_per_episode: expected 2 or more, whose rewards",
+        ),
     ],
 )
 def test_bad_settings_are_refused(settings: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        VergenceRlConfig(**settings)
+        build(VergenceRlConfig, settings)
+
+
+def test_settings_of_the_other_rule_do_not_matter() -> None:
+    settings = {"iterations_per_episode": 8, "hindsight.regression_period": 100}
+    assert build(VergenceRlConfig, settings).iterations_per_episode == 8

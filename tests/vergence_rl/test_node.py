@@ -10,27 +10,22 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import Image, JointState
 
+from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.state_file import write_state
 from lockstep.wire.stamps import to_time
-from lockstep.wire.topics import (
-    ACTOR_CRITIC_NAMES,
-    COMMAND_NAMES,
-    EPISODE_NAMES,
-    HORIZONTAL_RECTI,
-    REWARD_NAMES,
-    TEST,
-    TRAINING,
-)
+from lockstep.wire.topics import EPISODE_NAMES, REWARD_NAMES, TEST, TRAINING
 from lockstep.wire.vectors import vector_message
 from tests.node_harness import Bench, Graph, ros_graph
-from vergence_rl.agent import Agent, Decision
+from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES, HORIZONTAL_RECTI
+from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
+from vergence_rl.learning_rule import Decision
 from vergence_rl.node import INPUTS, VergenceRlNode
 
 N_BASES = 8
-SMALL = {"n_features": 2 * N_BASES, "n_training_iterations": 100, "n_hidden": 4}
-CONFIG = VergenceRlConfig(n_features=2 * N_BASES, n_training_iterations=100, n_hidden=4)
+SMALL = {"n_features": 2 * N_BASES, "n_training_iterations": 100, "cacla.n_hidden": 4}
+CONFIG = build(VergenceRlConfig, SMALL)
 ANSWERS = {"muscle_command": JointState, "actor_critic": JointState}
 ACTIVATIONS = (0.02, 0.04, 0.04, 0.06)  # medial and lateral rectus, left then right
 
@@ -186,7 +181,7 @@ def test_a_bad_state_is_refused_and_changes_nothing(
 ) -> None:
     path = tmp_path / "state.npz"
     n_hidden = 5 if damage == "of another size" else 4
-    config = VergenceRlConfig(n_features=16, n_training_iterations=100, n_hidden=n_hidden, seed=9)
+    config = build(VergenceRlConfig, SMALL | {"cacla.n_hidden": n_hidden, "seed": 9})
     state = Agent(config).state()
     if damage == "not finite":
         state["critic"][3] = math.nan
@@ -290,8 +285,8 @@ def test_it_never_hears_the_ground_truth(bench: Bench) -> None:
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
-        ({"discount": 1.0}, "discount: expected"),
-        ({"discount": "high"}, "discount: expected a number, got 'high'"),
+        ({"cacla.discount": 1.0}, "discount: expected"),
+        ({"cacla.discount": "high"}, "discount: expected a number, got 'high'"),
         ({"medial_limits": [0.2, 0.1]}, "medial_limits: expected .lowest, highest., each 0 to 1"),
         ({"gamma": 0.3}, "unknown parameter gamma"),
     ],

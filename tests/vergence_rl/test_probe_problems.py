@@ -6,23 +6,27 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vergence_rl.agent import Agent, Decision
+from lockstep.configuration import build
+from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
+from vergence_rl.learning_rule import Decision
 
 MID = np.array([0.1, 0.05])
 
 
 def config(**settings: Any) -> VergenceRlConfig:
     """A small agent with a state large enough to learn in a few hundred steps."""
-    return VergenceRlConfig(
-        n_features=2,
-        n_hidden=8,
-        n_training_iterations=6000,
-        state_standard_deviation=0.5,
-        bias_input=0.5,
-        hidden_initial_width=0.5,
-        output_initial_width=0.1,
-        **settings,
+    small = {
+        "n_features": 2,
+        "n_training_iterations": 6000,
+        "state_standard_deviation": 0.5,
+        "bias_input": 0.5,
+        "cacla.n_hidden": 8,
+        "cacla.hidden_initial_width": 0.5,
+        "cacla.output_initial_width": 0.1,
+    }
+    return build(
+        VergenceRlConfig, small | {f"cacla.{name}": value for name, value in settings.items()}
     )
 
 

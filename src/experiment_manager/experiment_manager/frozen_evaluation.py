@@ -15,7 +15,6 @@ from experiment_manager.experiment.plant_changes import read_schedule
 from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.loop import InProcessLoop, make_loop
 from experiment_manager.measures.metrics import test_summary
-from experiment_manager.measures.trials import mean_of_both_eyes
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
 from eye_plant.config import EyePlantConfig, changed
@@ -30,7 +29,7 @@ from eye_plant.stimuli.stimulus_set import (
 )
 from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
-from lockstep.wire.topics import HORIZONTAL_RECTI, TEST
+from lockstep.wire.topics import TEST
 
 # How many random-dot stereograms are shown unless told otherwise.
 _N_STEREOGRAMS = 10
@@ -191,9 +190,5 @@ def _trial(loop: InProcessLoop, episode: Episode, n_training: int) -> list[tuple
     # This plant holds test pictures alone, so they are counted from 0.
     shown = dataclasses.replace(episode, stimulus=episode.stimulus - n_training)
     observations = [step.observation for step in loop.run_episode(shown, learning=False)]
-    names = loop.plant.oculomotor.muscle_names
-    recti = [names.index(name) for name in HORIZONTAL_RECTI]
-    return [
-        (*o.ground_truth_values(), *mean_of_both_eyes(o.state.activations[recti]))
-        for o in observations
-    ]
+    space = loop.plant.config.space
+    return [(*o.ground_truth_values(), *space.from_all(o.state.activations)) for o in observations]

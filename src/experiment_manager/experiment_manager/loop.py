@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.observation import Observation
@@ -15,28 +13,24 @@ from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.state_file import read_state, write_state
-from lockstep.wire.topics import COMMAND_NAMES, HORIZONTAL_RECTI, TRAINING
-from sparse_coder.coder import Encoding, SparseCoder
+from lockstep.wire.topics import TRAINING
+from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
-from sparse_coder.reward import reward
-from vergence_rl.agent import Agent, Decision
+from sparse_coder.perception import Percept, perceive
+from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
+from vergence_rl.learning_rule import Decision
 
 
 @dataclass(frozen=True)
 class Answer:
     """What the learners made of one observation.
 
-    features: (2, n_bases) float32; reconstruction_error: (2,) coarse, fine; coder_learning_steps,
-    agent_learning_steps: as each counts them in its answer.
+    agent_learning_steps: as the agent counts them in its answer.
     """
 
-    features: np.ndarray
-    reconstruction_error: np.ndarray
-    metabolic_rate_w: float
-    reward: float
+    percept: Percept
     decision: Decision
-    coder_learning_steps: int
     agent_learning_steps: int
 
 
@@ -48,53 +42,23 @@ class Step:
     answer: Answer | None
 
 
-@dataclass(frozen=True)
-class Percept:
-    """What the sparse coder makes of one observation, and what it is worth.
-
-    activations: (2,) of medial and lateral rectus, the mean of both eyes.
-    """
-
-    encoding: Encoding
-    metabolic_rate_w: float
-    reward: float
-    activations: np.ndarray
-
-
-class Perception:
-    """The sparse coder before the plant: all that an agent gets to know."""
-
-    def __init__(self, plant: EyePlant, coder: SparseCoder, metabolic_cost_weight: float) -> None:
-        """metabolic_cost_weight: lambda of K17 eq. 5, 1/W."""
-        self._coder = coder
-        self._weight = metabolic_cost_weight
-        names = plant.oculomotor.muscle_names
-        self._recti = [names.index(name) for name in HORIZONTAL_RECTI]
-
-    def perceive(self, observation: Observation, *, learning: bool) -> Percept:
-        """Encode an observation with pictures; learning: the dictionaries move afterwards."""
-        assert observation.pictures is not None
-        encoding = self._coder.encode(*observation.pictures)
-        state = observation.state
-        metabolic_rate_w = float(state.metabolic_rate_w[self._recti].sum())
-        reward_t = reward(encoding.reconstruction_error, metabolic_rate_w, self._weight)
-        if learning:
-            self._coder.learn(encoding)
-        activations = state.activations[self._recti].reshape(2, 2).mean(axis=0)
-        return Percept(encoding, metabolic_rate_w, reward_t, activations)
+def perceived(coder: SparseCoder, observation: Observation) -> Percept:
+    """Return what the coder makes of an observation with pictures."""
+    assert observation.pictures is not None
+    charged_w = observation.state.metabolic_rate_w[coder.config.space.indices]
+    left, right = observation.pictures
+    return perceive(coder, left, right, charged_w)
 
 
 class InProcessLoop:
     """Plant, coder and agent, called in the order in which the graph's messages call them."""
 
-    def __init__(
-        self, plant: EyePlant, coder: SparseCoder, agent: Agent, metabolic_cost_weight: float
-    ) -> None:
-        """metabolic_cost_weight: lambda of K17 eq. 5, 1/W."""
+    def __init__(self, plant: EyePlant, coder: SparseCoder, agent: Agent) -> None:
+        """All three must have the same command space."""
         self.plant = plant
         self.coder = coder
         self.agent = agent
-        self._perception = Perception(plant, coder, metabolic_cost_weight)
+        self._space = agent.config.space
 
     @property
     def learners(self) -> dict[str, SparseCoder | Agent]:
@@ -125,31 +89,24 @@ class InProcessLoop:
             answer = self._answer(observation, learning and in_training, in_training)
             yield Step(observation, answer)
             observation = self.plant.execute(
-                self.plant.targets(COMMAND_NAMES, answer.decision.command)
+                self.plant.targets(self._space.names, answer.decision.command)
             )
         yield Step(observation, None)
 
     def _answer(self, observation: Observation, learning: bool, exploration: bool) -> Answer:
-        coder_learning_steps = self.coder.learning_steps
-        percept = self._perception.perceive(observation, learning=learning)
+        percept = perceived(self.coder, observation)
+        if learning:
+            self.coder.learn(percept.encoding)
         decision = self.agent.observe(
             percept.encoding.features,
-            percept.activations,
+            self._space.from_all(observation.state.activations),
             percept.reward,
             observation.iteration,
             observation.training_iteration,
             learning=learning,
             exploration=exploration,
         )
-        return Answer(
-            percept.encoding.features,
-            percept.encoding.reconstruction_error,
-            percept.metabolic_rate_w,
-            percept.reward,
-            decision,
-            coder_learning_steps,
-            self.agent.learning_steps,
-        )
+        return Answer(percept, decision, self.agent.learning_steps)
 
 
 def make_loop(
@@ -160,10 +117,8 @@ def make_loop(
     stimuli: instead of those that the plant's parameters ask for. Raises InputError for whatever a
     node would refuse.
     """
-    coder = build(SparseCoderConfig, parameters["sparse_coder"])
     return InProcessLoop(
         EyePlant(build(EyePlantConfig, parameters["eye_plant"]), stimuli),
-        SparseCoder(coder),
+        SparseCoder(build(SparseCoderConfig, parameters["sparse_coder"])),
         Agent(build(VergenceRlConfig, parameters["vergence_rl"])),
-        coder.metabolic_cost_weight,
     )

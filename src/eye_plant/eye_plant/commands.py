@@ -5,8 +5,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from lockstep.command_space import SIDES
 from lockstep.errors import InputError
-from lockstep.wire.topics import SIDES
 
 
 def target_activations(

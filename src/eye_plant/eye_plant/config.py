@@ -7,6 +7,7 @@ from typing import Any
 from eye_plant.camera.config import CameraConfig
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig
+from lockstep.command_space import COMMAND_SPACES, PAIR, CommandSpace
 from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
@@ -36,10 +37,24 @@ class FreeRunningConfig:
 class EyePlantConfig:
     """Settings of the plant: each field's own fields are ROS parameters, mechanics.* and so on."""
 
+    command_space: str = setting(
+        PAIR,
+        "which muscles a command moves, whose metabolic rate the ground truth states",
+        choices=tuple(COMMAND_SPACES),
+    )
     mechanics: MechanicsConfig = field(default_factory=MechanicsConfig)
     camera: CameraConfig = field(default_factory=CameraConfig)
     stimuli: StimuliConfig = field(default_factory=StimuliConfig)
     free_running: FreeRunningConfig = field(default_factory=FreeRunningConfig)
+
+    def __post_init__(self) -> None:
+        """Refuse values out of range."""
+        check_settings(self)
+
+    @property
+    def space(self) -> CommandSpace:
+        """The command space that was chosen."""
+        return COMMAND_SPACES[self.command_space]
 
 
 # What a run is built on: sizes and stamps of messages, the pictures, who draws them.

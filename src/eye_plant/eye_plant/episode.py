@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from lockstep.command_space import MUSCLE_NAMES
 from lockstep.configuration import typed
 from lockstep.errors import InputError
 from lockstep.settings import REQUIRED, check_settings, setting
@@ -14,7 +15,7 @@ from lockstep.wire.topics import TEST, TRAINING
 
 @dataclass(frozen=True)
 class Episode:
-    """A plane at one distance with one stimulus, and the eyes' first muscle activations.
+    """A plane at one distance with one stimulus, and the eyes' first activations.
 
     Raises InputError for values out of range.
     """
@@ -30,11 +31,12 @@ class Episode:
         REQUIRED, "number of the stimulus, training stimuli first, then test stimuli", least=0
     )
     object_distance_m: float = setting(REQUIRED, "distance of the plane", "m", above=0)
-    medial_rectus: float = setting(
-        REQUIRED, "first activation of both eyes' medial rectus", least=0, most=1
-    )
-    lateral_rectus: float = setting(
-        REQUIRED, "first activation of both eyes' lateral rectus", least=0, most=1
+    activations: tuple[float, ...] = setting(
+        REQUIRED,
+        "first activations of the twelve muscles, in the order of muscle_activations",
+        least=0,
+        most=1,
+        n_entries=len(MUSCLE_NAMES),
     )
     n_iterations: int = setting(REQUIRED, "iterations of the episode", least=1)
     first_observation: int = setting(

@@ -7,8 +7,8 @@ from sensor_msgs.msg import CameraInfo, Image
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.config import EyePlantConfig
-from eye_plant.mechanics.muscles import MUSCLE_NAMES
 from eye_plant.observation import Observation
+from lockstep.command_space import MUSCLE_NAMES, SIDES
 from lockstep.wire.cdr import StampedBytes, clock_bytes
 from lockstep.wire.images import ImageBytes
 from lockstep.wire.padding import serialized
@@ -18,7 +18,6 @@ from lockstep.wire.topics import (
     EYE_STATE_NAMES,
     GROUND_TRUTH_NAMES,
     PICTURES,
-    SIDES,
 )
 from lockstep.wire.vectors import VectorBytes
 

@@ -45,7 +45,6 @@ class FreeRunning:
         self._period_s = 1.0 / free.rate_hz
         self._period_ns = period_ns(self._period_s)
         self._targets: np.ndarray = plant.oculomotor.tonic_activations
-        medial, lateral = self._targets[:2]
         self._observation = plant.begin(
             Episode(
                 phase=TEST,
@@ -55,8 +54,7 @@ class FreeRunning:
                 training_iteration=0,
                 stimulus=free.stimulus,
                 object_distance_m=free.object_distance_m,
-                medial_rectus=float(medial),
-                lateral_rectus=float(lateral),
+                activations=tuple(self._targets.tolist()),
                 n_iterations=MAX_STAMP_NS // self._period_ns,
                 first_observation=0,
             )
@@ -79,9 +77,7 @@ class FreeRunning:
         episode = Episode.from_arguments(arguments)
         stamp_of(episode.first_observation + episode.n_iterations, self._period_ns)
         self._observation = self._plant.begin(episode)
-        self._targets = self._plant.oculomotor.activations_from(
-            episode.medial_rectus, episode.lateral_rectus
-        )
+        self._targets = np.array(episode.activations)
 
     def _command(self, message: JointState) -> None:
         try:

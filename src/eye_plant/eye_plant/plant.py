@@ -88,21 +88,19 @@ class EyePlant:
         self._inverse.check(desired_deg)
         self._episode, self._iteration = episode, 0
         self._desired_deg = desired_deg
-        self._held_activations = self.oculomotor.activations_from(
-            episode.medial_rectus, episode.lateral_rectus
-        )
+        self._held_activations = np.array(episode.activations)
         self.oculomotor.settle(self._held_activations)
         self._start_drawing(episode)
         self._optimal_rate_w = self._inverse.optimal(desired_deg).metabolic_rate_w
         state = self.oculomotor.state()
-        self._initial_rate_w = self.oculomotor.horizontal_metabolic_rate_w(state.metabolic_rate_w)
+        self._initial_rate_w = self._charged_rate_w(state)
         return self._observe(episode, state)
 
     def targets(self, names: Sequence[str], values: np.ndarray) -> np.ndarray:
         """Return the target activations (12,) of a command; see `target_activations`.
 
         Muscles that it does not name hold what they were last told, at first in an episode its
-        initial activations and, but for the horizontal recti, their tonic level.
+        first activations.
         """
         return target_activations(
             names, values, self.oculomotor.muscle_names, self._held_activations
@@ -151,12 +149,15 @@ class EyePlant:
         truth = GroundTruth(
             adduction_deg=(left_deg, right_deg),
             desired_vergence_deg=self._desired_deg,
-            metabolic_rate_w=self.oculomotor.horizontal_metabolic_rate_w(state.metabolic_rate_w),
+            metabolic_rate_w=self._charged_rate_w(state),
             initial_metabolic_rate_w=self._initial_rate_w,
             optimal_metabolic_rate_w=self._optimal_rate_w,
         )
         pictures = self._camera.finish() if self.is_waiting else None
         return Observation(episode, self._iteration, pictures, state, truth)
+
+    def _charged_rate_w(self, state: OculomotorState) -> float:
+        return float(state.metabolic_rate_w[self.config.space.indices].sum())
 
     def close(self) -> None:
         """Release the camera's graphics context."""

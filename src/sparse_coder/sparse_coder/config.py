@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from lockstep.command_space import COMMAND_SPACES, PAIR, CommandSpace
 from lockstep.settings import check_settings, setting
 
 
@@ -28,6 +29,11 @@ class SparseCoderConfig:
         above=0,
         most=1,
     )
+    command_space: str = setting(
+        PAIR,
+        "which muscles a command moves, whose metabolic rate is charged",
+        choices=tuple(COMMAND_SPACES),
+    )
     metabolic_cost_weight: float = setting(
         0.0, "lambda of K17 eq. 5, the price of energy in the reward, 0 in model M", "1/W", least=0
     )
@@ -35,3 +41,8 @@ class SparseCoderConfig:
     def __post_init__(self) -> None:
         """Refuse values out of range."""
         check_settings(self)
+
+    @property
+    def space(self) -> CommandSpace:
+        """The command space that was chosen."""
+        return COMMAND_SPACES[self.command_space]

@@ -10,12 +10,12 @@ from sensor_msgs.msg import Image, JointState
 from lockstep.node.learner_node import LearnerNode
 from lockstep.node.process import run_node
 from lockstep.wire.images import ImagePublisher
-from lockstep.wire.topics import BASIS_FUNCTIONS, HORIZONTAL_RECTI, PICTURES, REWARD_NAMES, TRAINING
+from lockstep.wire.topics import BASIS_FUNCTIONS, PICTURES, REWARD_NAMES, TRAINING
 from lockstep.wire.vectors import VectorPublisher, values_of, whole_values_of
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.messages import basis_functions_message, features_message, picture_of
-from sparse_coder.reward import reward
+from sparse_coder.perception import perceive
 
 # Half a megabyte each time, for people to look at.
 _BASIS_FUNCTIONS_PERIOD_S = 1.0
@@ -48,19 +48,17 @@ class SparseCoderNode(LearnerNode):
         left, right = (picture_of(observation[topic], topic) for topic in PICTURES)
         (phase,) = whole_values_of(observation["episode"], ("phase",), "episode")
         rates_w = values_of(
-            observation["muscle_activations"], HORIZONTAL_RECTI, "muscle_activations", "effort"
+            observation["muscle_activations"],
+            self.config.space.muscle_names,
+            "muscle_activations",
+            "effort",
         )
-        metabolic_rate_w = float(rates_w.sum())
-        encoding = self.learner.encode(left, right)
-        errors = encoding.reconstruction_error
-        reward_t = reward(errors, metabolic_rate_w, self.config.metabolic_cost_weight)
-        self._reward.publish(
-            stamp_ns, (*errors, metabolic_rate_w, reward_t, self.learner.learning_steps)
-        )
-        self._features.publish(stamp_ns, encoding.features)
+        percept = perceive(self.learner, left, right, rates_w)
+        self._reward.publish(stamp_ns, percept.reward_values())
+        self._features.publish(stamp_ns, percept.encoding.features)
         self._show_basis_functions(stamp_ns)
         if phase == TRAINING:
-            self.learner.learn(encoding)
+            self.learner.learn(percept.encoding)
 
     def _show_basis_functions(self, stamp_ns: int) -> None:
         """Publish those that have made this answer, now and then, while someone subscribes."""

@@ -13,8 +13,8 @@ def reward(
 ) -> float:
     """Return r = -E - lambda C (K17 eq. 5), where E is the sum of both scales' errors.
 
-    reconstruction_error: (n_scales,); metabolic_rate_w: C, the settled rate of the four
-    horizontal recti at the current activations; metabolic_cost_weight: lambda in 1/W.
+    reconstruction_error: (n_scales,); metabolic_rate_w: C, the settled rate of the
+    muscles that are charged, at the current activations; metabolic_cost_weight: lambda in 1/W.
     Raises InputError for a rate that is not finite or is negative.
     """
     if not (math.isfinite(metabolic_rate_w) and metabolic_rate_w >= 0.0):

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,10 +9,10 @@ from numpy.typing import NDArray
 
 from lockstep.errors import DivergenceError, InputError
 from lockstep.randomness import generator
-from vergence_rl.cacla_rule import CaclaRule
-from vergence_rl.config import N_MUSCLES, VergenceRlConfig
-from vergence_rl.hindsight_rule import HindsightRule
-from vergence_rl.learning_rule import LearningRule, Moment
+from vergence_rl.cacla.rule import CaclaRule
+from vergence_rl.config import VergenceRlConfig
+from vergence_rl.hindsight.rule import HindsightRule
+from vergence_rl.learning_rule import Decision, LearningRule, Observation
 from vergence_rl.normalizer import (
     RunningStatistics,
     empty_statistics,
@@ -23,31 +22,7 @@ from vergence_rl.normalizer import (
 
 # Rewards are about -0.2 and activations end at 1: whatever is a hundred times that has run away.
 _SANE = {"value": 100.0, "td_error": 100.0, "action": 100.0}
-_RULES: dict[str, type[CaclaRule] | type[HindsightRule]] = {
-    "cacla": CaclaRule,
-    "hindsight": HindsightRule,
-}
-
-
-@dataclass(frozen=True)
-class Decision:
-    """The answer to one observation.
-
-    command: (n_muscles,) target activations of medial and lateral rectus, within their limits;
-    action: (n_muscles,) executed change of activation, noise included, before the limits. What
-    follows is the learning rule's opinion. By CACLA, value: V(s_t), and td_error: delta_t, by the
-    weights before this observation's update; actor_learning_rate: beta_t; critic_learning_rate:
-    alpha, unbounded. By hindsight, see `HindsightRule`. td_error is NaN where there is nothing to
-    learn from; td_variance: its running variance.
-    """
-
-    command: NDArray[np.float64]
-    action: NDArray[np.float64]
-    value: float
-    td_error: float
-    td_variance: float
-    actor_learning_rate: float
-    critic_learning_rate: float
+_RULES: dict[str, Any] = {"cacla": CaclaRule, "hindsight": HindsightRule}
 
 
 class Agent:
@@ -56,9 +31,10 @@ class Agent:
     def __init__(self, config: VergenceRlConfig) -> None:
         """Start with the weights of the seed."""
         self.config = config
-        self._rule: LearningRule = _RULES[config.learning_rule](config)
+        rule = _RULES[config.learning_rule]
+        self._rule: LearningRule = rule(config.rule_config, config.task)
         self._statistics = empty_statistics(
-            config.n_features + N_MUSCLES, config.initial_squared_deviation
+            config.n_features + config.n_muscles, config.initial_squared_deviation
         )
 
     @property
@@ -89,33 +65,19 @@ class Agent:
         entries = self._checked_entries(features, activations, reward, iteration)
         if learning:
             self._statistics = updated_statistics(self._statistics, entries)
-        before, state = entries[-N_MUSCLES:], self._state_vector(entries)
-        moment = Moment(iteration, training_iteration, state, before, reward)
-        opinion = self._rule.learn(moment) if learning else self._rule.judge(moment)
-        action = self._rule.action(state)
-        _check_sanity(
+        observation = Observation(
+            iteration,
             training_iteration,
-            {
-                "value": opinion.value,
-                "td_error": opinion.td_error,
-                "action": float(np.abs(action).max()),
-            },
+            self._state_vector(entries),
+            entries[-self.config.n_muscles :],
+            reward,
         )
-        if exploration:
-            draw = generator(self.config.seed, "exploration", training_iteration)
-            action = action + self._rule.noise(draw)
-        command = self._rule.command(before + action)
-        if learning:
-            self._rule.acted(moment, action, command)
-        return Decision(
-            command,
-            action,
-            opinion.value,
-            opinion.td_error,
-            opinion.td_variance,
-            opinion.actor_learning_rate,
-            opinion.critic_learning_rate,
+        draw = (
+            generator(self.config.seed, "exploration", training_iteration) if exploration else None
         )
+        decision = self._rule.step(observation, learning=learning, draw=draw)
+        _check_sanity(training_iteration, decision)
+        return decision
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all that learning has changed, for restore at an episode's start, as copies."""
@@ -150,9 +112,10 @@ class Agent:
         n_features = self.config.n_features
         if np.size(features) != n_features:
             raise InputError(f"features: expected {n_features}, got shape {np.shape(features)}")
-        if np.shape(activations) != (N_MUSCLES,):
+        if np.shape(activations) != (self.config.n_muscles,):
             raise InputError(
-                f"activations: expected medial and lateral, got shape {np.shape(activations)}"
+                f"activations: expected {', '.join(self.config.space.names)}, got shape "
+                f"{np.shape(activations)}"
             )
         powers = np.ravel(features).astype(np.float64)
         if self.config.feature_exponent != 1.0:
@@ -171,8 +134,10 @@ class Agent:
         return np.append(standard, self.config.bias_input)
 
 
-def _check_sanity(training_iteration: int, quantities: Mapping[str, float]) -> None:
+def _check_sanity(training_iteration: int, decision: Decision) -> None:
     """Raise DivergenceError for a quantity beyond its limit; weights that are not show in them."""
+    largest_action = float(np.abs(decision.action).max())
+    quantities = {"value": decision.value, "td_error": decision.td_error, "action": largest_action}
     for name, quantity in quantities.items():
         limit = _SANE[name]
         if name == "td_error" and math.isnan(quantity):

@@ -1,4 +1,8 @@
-"""What a learning rule has to do for the agent, whichever rule it is."""
+"""What a learning rule is to the agent, whichever rule it is.
+
+A third rule is a configuration and a rule in a folder of their own. The rule goes into the table
+of `agent.py`, its configuration becomes a field of `VergenceRlConfig`, both under the rule's name.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,22 +11,47 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+Floats = NDArray[np.float64]
+
 
 @dataclass(frozen=True)
-class Moment:
+class Task:
+    """What a rule must know of the agent that it serves.
+
+    lowest, highest: (n_muscles,) limits of the activations that are commanded.
+    """
+
+    seed: int
+    n_state: int
+    lowest: Floats
+    highest: Floats
+    n_training_iterations: int
+    iterations_per_episode: int
+    initial_td_variance: float
+    td_variance_rate: float
+
+    @property
+    def n_muscles(self) -> int:
+        """Activations that are commanded."""
+        return len(self.lowest)
+
+
+@dataclass(frozen=True)
+class Observation:
     """One observation as a rule sees it.
 
     iteration: within the episode, from 0; training_iteration: training iterations before this one;
-    state: s, (n_state,); activations: x, (n_muscles,); reward: r_t, of now.
+    state: s, (n_state,); activations: x, (n_muscles,) those that are commanded; reward: r_t, of
+    now.
     """
 
     iteration: int
     training_iteration: int
-    state: NDArray[np.float64]
-    activations: NDArray[np.float64]
+    state: Floats
+    activations: Floats
     reward: float
 
-    def follows(self, other: "Moment") -> bool:
+    def follows(self, other: "Observation") -> bool:
         """Whether this is the next iteration of the same training episode."""
         steps = (
             self.iteration - other.iteration,
@@ -32,9 +61,17 @@ class Moment:
 
 
 @dataclass(frozen=True)
-class Opinion:
-    """What a rule reports of a moment; each rule says what it means by it."""
+class Decision:
+    """The answer to one observation.
 
+    command: (n_muscles,) target activations within their limits; action: (n_muscles,) change of
+    activation, exploration included, before the limits. The other numbers are what the rule
+    reports of itself; each rule says what it means by them. td_error is NaN where there is nothing
+    to learn from.
+    """
+
+    command: Floats
+    action: Floats
     value: float
     td_error: float
     td_variance: float
@@ -47,25 +84,14 @@ class LearningRule(Protocol):
 
     learning_steps: int
 
-    def learn(self, moment: Moment) -> Opinion:
-        """Learn from a moment of training."""
+    def step(
+        self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
+    ) -> Decision:
+        """Answer an observation.
 
-    def judge(self, moment: Moment) -> Opinion:
-        """Say the same of a moment of a test, and learn nothing, from the next one either."""
-
-    def action(self, state: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the change of activations in a state, (n_muscles,), without exploration."""
-
-    def noise(self, draw: np.random.Generator) -> NDArray[np.float64]:
-        """Return the exploration to add to an action, (n_muscles,)."""
-
-    def command(self, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the activations within their limits that come nearest those wanted."""
-
-    def acted(
-        self, moment: Moment, action: NDArray[np.float64], command: NDArray[np.float64]
-    ) -> None:
-        """Note the action with its noise, and the command, that answered a moment of training."""
+        learning: learn first from the episode so far, and later from this answer; without it
+        nothing is learned from either. draw: the source of exploration, None for none.
+        """
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all that learning has changed, as copies."""

@@ -3,11 +3,11 @@
 import numpy as np
 from sensor_msgs.msg import Image, JointState
 
+from lockstep.command_space import CommandSpace
 from lockstep.errors import InputError
 from lockstep.wire.images import Picture
-from lockstep.wire.topics import HORIZONTAL_RECTI
 from lockstep.wire.vectors import Vector, values_of
-from vergence_rl.agent import Decision
+from vergence_rl.learning_rule import Decision
 
 _SCALES = 2
 
@@ -35,22 +35,21 @@ def features_of(message: Image | Picture) -> np.ndarray:
     return features
 
 
-def activations_of(message: JointState | Vector) -> np.ndarray:
-    """Return the activations (2,) of medial and lateral rectus, the mean of both eyes.
+def activations_of(message: JointState | Vector, space: CommandSpace) -> np.ndarray:
+    """Return the activations (n_names,) that commands of the space set.
 
     Raises InputError as `values_of`, and for an activation out of [0, 1].
     """
-    values = values_of(message, HORIZONTAL_RECTI, "muscle_activations")
+    values = values_of(message, space.muscle_names, "muscle_activations")
     if not ((values >= 0.0) & (values <= 1.0)).all():
         raise InputError(
             f"muscle_activations: expected activations in [0, 1], got {values.tolist()}"
         )
-    mean: np.ndarray = values.reshape(2, 2).mean(axis=0)
-    return mean
+    return space.from_muscles(values)
 
 
 def actor_critic_values(decision: Decision, learning_steps: int) -> tuple[float, ...]:
-    """Return the values of lockstep.wire.topics.ACTOR_CRITIC_NAMES."""
+    """Return the values of lockstep.wire.topics.actor_critic_names."""
     return (
         decision.value,
         decision.td_error,

@@ -11,7 +11,7 @@ from sensor_msgs.msg import Image, JointState
 
 from lockstep.node.learner_node import LearnerNode
 from lockstep.node.process import run_node
-from lockstep.wire.topics import ACTOR_CRITIC_NAMES, COMMAND_NAMES, TRAINING
+from lockstep.wire.topics import TRAINING, actor_critic_names
 from lockstep.wire.vectors import VectorPublisher, values_of, whole_values_of
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
@@ -32,8 +32,10 @@ class VergenceRlNode(LearnerNode):
     def __init__(self, **kwargs: Any) -> None:
         """Set up actor and critic; raises InputError for a bad configuration."""
         super().__init__("vergence_rl", VergenceRlConfig, INPUTS, **kwargs)
-        self._command = VectorPublisher(self, "muscle_command", COMMAND_NAMES)
-        self._actor_critic = VectorPublisher(self, "actor_critic", ACTOR_CRITIC_NAMES)
+        self._command = VectorPublisher(self, "muscle_command", self.config.space.names)
+        self._actor_critic = VectorPublisher(
+            self, "actor_critic", actor_critic_names(self.config.space)
+        )
 
     def make_learner(self) -> Agent:
         """Return an agent with the weights of its seed."""
@@ -46,7 +48,7 @@ class VergenceRlNode(LearnerNode):
         phase, iteration, training_iteration = whole_values_of(
             observation["episode"], _EPISODE, "episode"
         )
-        activations = activations_of(observation["muscle_activations"])
+        activations = activations_of(observation["muscle_activations"], self.config.space)
         in_training = phase == TRAINING
         decision = self.learner.observe(
             features,

@@ -13,16 +13,9 @@ import pytest
 
 from experiment_manager.bag.reader import Bag
 from experiment_manager.commands import inspect_bag
-from eye_plant.mechanics.muscles import MUSCLE_NAMES
-from lockstep.wire.topics import (
-    ACTOR_CRITIC_NAMES,
-    COMMAND_NAMES,
-    GROUND_TRUTH_NAMES,
-    IMAGE,
-    REWARD_NAMES,
-    TOPIC_TYPES,
-    VECTOR,
-)
+from lockstep.command_space import MUSCLE_NAMES
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, IMAGE, REWARD_NAMES, TOPIC_TYPES, VECTOR
+from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
 
 DOCS = Path(__file__).parents[3] / "docs"
 NAMES = {

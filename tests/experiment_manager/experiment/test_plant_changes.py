@@ -88,7 +88,10 @@ def test_a_schedule_comes_back_from_its_text():
             "at 10: .*got 'eye_plant.camera.left_blurr_px'; did you mean "
             "eye_plant.camera.left_blur_px",
         ),
-        ([entry(**{"vergence_rl.discount": 0.1})], "a parameter of the plant that may change"),
+        (
+            [entry(**{"vergence_rl.cacla.discount": 0.1})],
+            "a parameter of the plant that may change",
+        ),
         ([entry(**{"eye_plant.camera.width_px": 64})], "got 'eye_plant.camera.width_px'"),
         ([entry(**{"eye_plant.mechanics.parameter_set": "k17"})], "that may change"),
     ],
@@ -140,7 +143,7 @@ def test_each_episode_starts_from_what_the_eyes_of_its_stage_can_do():
         at = episode.training_iteration
         expected = sum(at >= a if episode.phase == TRAINING else at > a for a in (50, 80))
         assert protocol.segment(place).stage == expected
-        assert episode.medial_rectus == pytest.approx(0.01 * expected)
+        assert episode.activations[0] == pytest.approx(0.01 * expected)
 
 
 def test_stages_change_neither_numbers_nor_draws_of_episodes():
@@ -155,7 +158,7 @@ def test_stages_change_neither_numbers_nor_draws_of_episodes():
             after.episode,
         )
         assert before.object_distance_m == after.object_distance_m
-        assert before.lateral_rectus == after.lateral_rectus
+        assert before.activations[1] == after.activations[1]
 
 
 def test_the_run_draws_activations_for_the_mechanics_in_force():

@@ -64,14 +64,14 @@ def test_the_plane_and_the_first_gaze_have_distances_of_their_own() -> None:
     protocol = _protocol(object_distance_m=(1.0, 1.0), fixation_distance_m=(3.0, 3.0))
     trained = [e for e in map(protocol.episode, range(len(protocol))) if e.phase == TRAINING]
     assert {episode.object_distance_m for episode in trained} == {1.0}
-    assert [episode.medial_rectus for episode in trained] == pytest.approx(
+    assert [episode.activations[0] for episode in trained] == pytest.approx(
         [0.010694] * 12, rel=1e-4
     )
     # Drawn from one range they are drawn apart: knowing one tells nothing of the other.
     both = _protocol(n_training_iterations=10_000, test_iterations=(10_000,))
     training = list(both.training_episodes())
     gamma_deg = [math.degrees(2 * math.atan(0.028 / e.object_distance_m)) for e in training]
-    first_gaze_deg = [100.0 * e.medial_rectus for e in training]
+    first_gaze_deg = [100.0 * e.activations[0] for e in training]
     assert abs(np.corrcoef(gamma_deg, first_gaze_deg)[0, 1]) < 0.1
 
 
@@ -129,7 +129,7 @@ def test_trials_are_the_same_in_each_test_but_for_their_numbers() -> None:
     firsts = [segment.first for segment in protocol.segments if segment.i_test >= 0]
     for trial in range(protocol.n_trials):
         shown = {
-            (e.stimulus, e.object_distance_m, e.medial_rectus, e.lateral_rectus)
+            (e.stimulus, e.object_distance_m, e.activations[0], e.activations[1])
             for e in (protocol.episode(first + trial) for first in firsts)
         }
         assert len(shown) == 1
@@ -138,7 +138,7 @@ def test_trials_are_the_same_in_each_test_but_for_their_numbers() -> None:
 def test_trials_cover_stimuli_times_conditions() -> None:
     protocol = _protocol()
     trials = [protocol.episode(place) for place in range(protocol.n_trials)]
-    starts = {(e.stimulus, e.object_distance_m, round(e.medial_rectus, 9)) for e in trials}
+    starts = {(e.stimulus, e.object_distance_m, round(e.activations[0], 9)) for e in trials}
     assert len(starts) == 2 * 39
     # Test stimuli are counted behind the 5 training stimuli.
     assert {e.stimulus for e in trials} == {5, 6}
@@ -150,7 +150,7 @@ def test_trials_start_with_the_error_of_their_condition() -> None:
         episode = protocol.episode(trial)
         desired_deg = {0.5: 6.410, 1.0: 3.208, 2.0: 1.604, 3.0: 1.070, 4.0: 0.802, 5.0: 0.642}
         wanted = desired_deg.get(condition.object_distance_m, 0.535)
-        assert episode.medial_rectus * 100.0 == pytest.approx(
+        assert episode.activations[0] * 100.0 == pytest.approx(
             wanted - condition.start_error_deg, abs=1e-3
         )
 
@@ -163,7 +163,7 @@ def test_training_draws_stay_in_their_ranges_and_differ() -> None:
     assert 0.5 <= min(distances_m) < 0.6
     assert 5.9 < max(distances_m) <= 6.0
     assert {e.stimulus for e in drawn} == {0, 1, 2, 3, 4}
-    assert len({(e.object_distance_m, e.medial_rectus, e.lateral_rectus) for e in drawn}) == 500
+    assert len({(e.object_distance_m, e.activations[0], e.activations[1]) for e in drawn}) == 500
 
 
 def test_vergence_drawn_evenly_is_as_often_near_as_far() -> None:
@@ -177,7 +177,7 @@ def test_vergence_drawn_evenly_is_as_often_near_as_far() -> None:
     assert 5.5 < max(distances_m) <= 6.0
     assert np.median(distances_m) == pytest.approx(0.924, rel=0.05)
     # The stand-in for the inverse tells the vergence that was asked for.
-    vergence_deg = np.array([100.0 * e.medial_rectus for e in drawn])
+    vergence_deg = np.array([100.0 * e.activations[0] for e in drawn])
     assert np.histogram(vergence_deg, bins=4, range=(0.535, 6.410))[0].tolist() == pytest.approx(
         [500] * 4, rel=0.12
     )
@@ -198,7 +198,7 @@ def test_more_tests_do_not_change_what_is_trained() -> None:
     def trained(protocol: Protocol) -> list[tuple[object, ...]]:
         episodes = (protocol.episode(place) for place in range(len(protocol)))
         return [
-            (e.episode, e.stimulus, e.object_distance_m, e.medial_rectus, e.lateral_rectus)
+            (e.episode, e.stimulus, e.object_distance_m, e.activations[0], e.activations[1])
             for e in episodes
             if e.phase == TRAINING
         ]
@@ -229,7 +229,7 @@ def test_places_beyond_the_ends(place: int) -> None:
         ),
         ({"object_distance_m": (2.0, 1.0)}, "object_distance_m: expected [lowest, highest]"),
         ({"fixation_distance_m": (0.0, 1.0)}, "fixation_distance_m: expected [lowest, highest]"),
-        ({"medial_rectus_limits": (-0.1, 0.2)}, "medial_rectus_limits: expected [lowest, highest]"),
+        ({"lowest_activations": (-0.1,)}, "lowest_activations: expected 0 to 1, got [-0.1]"),
         (
             {"object_distance_m": (0.5, float("nan"))},
             "object_distance_m: expected [lowest, highest]",

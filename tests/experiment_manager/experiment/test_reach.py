@@ -9,7 +9,7 @@ import pytest
 from experiment_manager.commands.run_experiment import main as run_experiment
 from experiment_manager.preparation.command_line import arguments
 from experiment_manager.preparation.configuration import configuration_of
-from eye_plant.mechanics.muscles import MUSCLE_NAMES
+from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError
 
 _PROTOCOL = "experiment_manager.protocol"
@@ -51,7 +51,7 @@ def test_anatomical_eyes_meet_the_protocol() -> None:
             r"these reach -\d\.\d\d to 0\.96 deg",
         ),
         (
-            ("vergence_rl.medial_limits=[0.0, 0.05]",),
+            ("vergence_rl.highest_activations=[0.05, 0.1]",),
             r"with medial activations in \[0\.0, 0\.05\] and lateral ones in \[0\.0, 0\.1\]",
         ),
         (
@@ -61,8 +61,7 @@ def test_anatomical_eyes_meet_the_protocol() -> None:
         (
             (
                 "eye_plant.mechanics.parameter_set=anatomical",
-                "vergence_rl.medial_limits=[0.0, 0.6]",
-                "vergence_rl.lateral_limits=[0.0, 0.6]",
+                "vergence_rl.highest_activations=[0.6]",
             ),
             r"expected muscles whose eyes have one rest at each pair of activations",
         ),

@@ -26,10 +26,9 @@ from experiment_manager.live.view import (
     compared,
     open_server,
 )
-from eye_plant.mechanics.muscles import MUSCLE_NAMES
+from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError
 from lockstep.wire.topics import (
-    ACTOR_CRITIC_NAMES,
     BASIS_FUNCTIONS,
     EYE_STATE_NAMES,
     GROUND_TRUTH_NAMES,
@@ -40,6 +39,7 @@ from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.reconstruction import believed_windows, seen_windows
 from tests.foxglove_client import FoxgloveClient
+from tests.pair import ACTOR_CRITIC_NAMES
 
 NAMES = {
     "ground_truth": GROUND_TRUTH_NAMES,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from experiment_manager.measures.metrics import PX_DEG, cost_share, summary, test_summary
-from experiment_manager.measures.trials import TRIAL_NAMES, mean_of_both_eyes, pooled, split_tests
+from experiment_manager.measures.trials import TRIAL_NAMES, pooled, split_tests
 from lockstep.errors import InputError
 from lockstep.wire.topics import TEST, TRAINING
 
@@ -205,11 +205,6 @@ def test_the_authors_test_set_stops_at_2_deg_and_leaves_out_0() -> None:
         "without_zero_start_error",
         "authors_test_set",
     }
-
-
-def test_activations_are_the_mean_of_both_eyes() -> None:
-    # left medial, left lateral, right medial, right lateral
-    assert mean_of_both_eyes(np.array([0.1, 0.02, 0.3, 0.06])).tolist() == [0.2, 0.04]
 
 
 def test_pooled_trials_are_those_of_all_runs() -> None:

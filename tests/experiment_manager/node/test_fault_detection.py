@@ -18,6 +18,7 @@ from eye_plant.episode import Episode
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_UNWRITABLE
 from lockstep.wire.topics import TEST, TRAINING
+from tests.pair import pair_activations
 
 PERIOD_NS = 200_000_000
 
@@ -32,8 +33,7 @@ def _record(phase: int) -> EpisodeRecord:
         training_iteration=30,
         stimulus=0,
         object_distance_m=1.0,
-        medial_rectus=0.0,
-        lateral_rectus=0.0,
+        activations=pair_activations(0.0, 0.0),
         n_iterations=10,
         first_observation=100,
     )

@@ -152,8 +152,8 @@ def test_what_two_nodes_must_know_agrees_by_default(agreement: Agreement) -> Non
     [
         ("sparse_coder.n_bases=100", "vergence_rl.n_features=200"),
         ("vergence_rl.n_features=200", "sparse_coder.n_bases=100"),
-        ("vergence_rl.medial_limits=[0.0, 0.3]", f"{_PROTOCOL}.medial_rectus_limits=[0.0, 0.3]"),
-        (f"{_PROTOCOL}.lateral_rectus_limits=[0.0, 0.2]", "vergence_rl.lateral_limits=[0.0, 0.2]"),
+        ("vergence_rl.lowest_activations=[0.01]", f"{_PROTOCOL}.lowest_activations=[0.01]"),
+        (f"{_PROTOCOL}.highest_activations=[0.2]", "vergence_rl.highest_activations=[0.2]"),
         (f"{_PROTOCOL}.n_training_iterations=500", "vergence_rl.n_training_iterations=500"),
         ("vergence_rl.n_training_iterations=500", f"{_PROTOCOL}.n_training_iterations=500"),
         ("experiment_manager.mechanics.baseline_m=0.06", "eye_plant.mechanics.baseline_m=0.06"),
@@ -199,17 +199,17 @@ def test_what_two_nodes_must_know_is_not_said_in_two_ways(
 def test_set_reads_values_as_yaml_does() -> None:
     configuration = _configuration(
         "--set",
-        "vergence_rl.discount=0.5",
+        "vergence_rl.cacla.discount=0.5",
         "--set",
-        "vergence_rl.exploration_variance=2e-5",
+        "vergence_rl.cacla.exploration_variance=2e-5",
         "--set",
-        "vergence_rl.medial_limits=[0.0, 0.3]",
+        "vergence_rl.highest_activations=[0.3, 0.1]",
         "--set",
         "eye_plant.mechanics.parameter_set=anatomical",
     )
-    assert configuration["vergence_rl"]["discount"] == 0.5
-    assert configuration["vergence_rl"]["exploration_variance"] == 2e-5
-    assert configuration["vergence_rl"]["medial_limits"] == [0.0, 0.3]
+    assert configuration["vergence_rl"]["cacla.discount"] == 0.5
+    assert configuration["vergence_rl"]["cacla.exploration_variance"] == 2e-5
+    assert configuration["vergence_rl"]["highest_activations"] == [0.3, 0.1]
     assert configuration["experiment_manager"]["mechanics.parameter_set"] == "anatomical"
 
 
@@ -243,13 +243,16 @@ def test_set_reads_values_as_yaml_does() -> None:
         ),
         (("--test-stimuli", "0"), "n_stimuli_per_test: expected 1 or more, got 0"),
         (
-            ("--set", "vergence_rl.discont=0.5"),
-            "vergence_rl: unknown parameter discont: did you mean discount?",
+            ("--set", "vergence_rl.cacla.discont=0.5"),
+            "vergence_rl: unknown parameter cacla.discont: did you mean cacla.discount?",
         ),
         (("--set", "eye_plant.width_px=9"), "did you mean camera.width_px or "),
         (("--set", "vergence.discount=1"), "got 'vergence.discount=1'; did you mean vergence_rl?"),
-        (("--set", "vergence_rl.discount=fast"), "discount: expected a number, got 'fast'"),
-        (("--set", "vergence_rl.discount=[1"), "--set vergence_rl.discount=[1: expected a value"),
+        (("--set", "vergence_rl.cacla.discount=fast"), "discount: expected a number, got 'fast'"),
+        (
+            ("--set", "vergence_rl.cacla.discount=[1"),
+            "--set vergence_rl.cacla.discount=[1: expected a value",
+        ),
         (("--set", "vergence=1"), "--set: expected NODE.PARAMETER=VALUE with a node of eye_plant"),
         (("--set", "retina.gain=1"), "--set: expected NODE.PARAMETER=VALUE with a node of"),
         (("--lambda", "-1"), "metabolic_cost_weight: expected 0 or more"),
@@ -335,7 +338,7 @@ def test_a_config_yaml_with_an_unknown_parameter_is_refused(tmp_path: Path) -> N
     path = tmp_path / "config.yaml"
     text = configuration_text(_configuration())
     path.write_text(text.replace("discount:", "discont:"))
-    with pytest.raises(InputError, match=r"config\.yaml: unknown parameter discont"):
+    with pytest.raises(InputError, match=r"config\.yaml: unknown parameter cacla.discont"):
         read_configuration(path)
 
 

@@ -53,7 +53,10 @@ def _edit(run: Path, old: str, new: str) -> None:
         (("--iterations", "500"), "--iterations 500: .*n_training_iterations = 60,"),
         (("--model", "M_C"), "--model M_C: .* experiment_manager.model = M,"),
         (("--lambda", "0.2"), "--lambda 0.2: .* sparse_coder.metabolic_cost_weight = 0.0,"),
-        (("--set", "vergence_rl.discount=0.5"), "discount=0.5: .* vergence_rl.discount = 0.3,"),
+        (
+            ("--set", "vergence_rl.cacla.discount=0.5"),
+            "discount=0.5: .* vergence_rl.cacla.discount = 0.3,",
+        ),
         (("--set", "eye_plant.camera.renderer=plane"), ".* eye_plant.camera.renderer = mujoco,"),
         (("--out", "elsewhere"), "--out elsewhere: "),
         (("--stimuli", "/pictures"), "--stimuli /pictures: .* eye_plant.stimuli.directory = "),
@@ -73,14 +76,14 @@ def test_a_resumed_run_keeps_its_settings(
 
 def test_settings_that_a_run_has_may_be_said_again(run: Path) -> None:
     line = ["--seed", "1", "--iterations", "60", "--model", "M", "--lambda", "0", "--tests", "0,30"]
-    line += ["--set", "vergence_rl.discount=0.3", "--profile", "paper", "--out", str(run)]
+    line += ["--set", "vergence_rl.cacla.discount=0.3", "--profile", "paper", "--out", str(run)]
     assert run_experiment(["--in-process", "--resume", str(run), *line]) == 0
 
 
 @pytest.mark.parametrize(
     ("old", "new", "names"),
     [
-        ("discount: 0.3", "discount: 0.4", ("vergence_rl.discount was 0.3, is 0.4",)),
+        ("discount: 0.3", "discount: 0.4", ("vergence_rl.cacla.discount was 0.3, is 0.4",)),
         (
             "camera.left_blur_px: 0.0",
             "camera.left_blur_px: 1.0",
@@ -160,7 +163,7 @@ def test_extending_needs_a_run(refused: Refused) -> None:
 def test_a_branch_goes_on_from_the_learners_of_another_run(run: Path, tmp_path: Path) -> None:
     out = tmp_path / "branch"
     line = ["--branch", f"{run}@60", "--iterations", "100", "--out", str(out)]
-    line += ["--set", "vergence_rl.discount=0.5", "--seed", "4"]
+    line += ["--set", "vergence_rl.cacla.discount=0.5", "--seed", "4"]
     finished(start_supervisor(line))
     _, states = checkpoint.everyone(run / "checkpoints")[-1]
     oracle = OracleRun(out / "config.yaml")
@@ -173,7 +176,7 @@ def test_a_branch_goes_on_from_the_learners_of_another_run(run: Path, tmp_path: 
     )
     about = yaml.safe_load(recorded.configuration)["run"]["ros__parameters"]
     assert (about["branched_from"], about["branched_at_iteration"]) == (str(run), 60)
-    assert recorded.parameters("vergence_rl")["discount"] == 0.5
+    assert recorded.parameters("vergence_rl")["cacla.discount"] == 0.5
     assert recorded.seed == 4
     assert evaluate([str(out)]) == 0
     results = json.loads((out / "results.json").read_text())

@@ -25,7 +25,12 @@ def _line(pictures: Path, *more: str) -> list[str]:
     # An actor that does not learn acts the same whatever its reward.
     return [
         *("--model", "M_C", "--iterations", "40", "--tests", "20", "--stimuli", str(pictures)),
-        *("--set", "eye_plant.stimuli.size_px=64", "--set", "vergence_rl.actor_learning_rate=0.0"),
+        *(
+            "--set",
+            "eye_plant.stimuli.size_px=64",
+            "--set",
+            "vergence_rl.cacla.actor_learning_rate=0.0",
+        ),
         *more,
     ]
 
@@ -54,8 +59,8 @@ def test_the_rewards_of_a_run_have_the_share(pictures: Path) -> None:
         if episode.phase == 0:
             for step in loop.run_episode(episode):
                 if step.answer is not None:
-                    reward += step.answer.reward
-                    cost += weight * step.answer.metabolic_rate_w
+                    reward += step.answer.percept.reward
+                    cost += weight * step.answer.percept.metabolic_rate_w
     loop.plant.close()
     assert cost / -reward == pytest.approx(0.3, rel=1e-9)
 

@@ -52,7 +52,7 @@ def test_a_name_is_no_path(name: str) -> None:
 def test_what_a_profile_may_hold() -> None:
     text = """
     description: One eye covered from 100 on.
-    settings: {vergence_rl: {discount: 0.5}}
+    settings: {vergence_rl: {cacla.discount: 0.5}}
     schedule:
     - {at: 100, set: {eye_plant.camera.left_occluded: true}}
     - {at: 200, set: {eye_plant.camera.left_occluded: false}}
@@ -60,7 +60,7 @@ def test_what_a_profile_may_hold() -> None:
     assert parse_profile("covered", text) == Profile(
         "covered",
         "One eye covered from 100 on.",
-        {"vergence_rl": {"discount": 0.5}},
+        {"vergence_rl": {"cacla.discount": 0.5}},
         Schedule(
             (
                 Change(100, {"eye_plant.camera.left_occluded": True}),

@@ -14,6 +14,7 @@ from experiment_manager.run.episode_record import (
 )
 from eye_plant.episode import Episode
 from lockstep.wire.topics import TEST, TOPIC_TYPES, TRAINING
+from tests.pair import pair_activations
 
 PERIOD_NS = 100_000_000
 PLANT = ("episode", "muscle_states", "muscle_activations", "eye_states", "ground_truth")
@@ -29,8 +30,7 @@ def _episode(phase: int = TRAINING, number: int = 3, n_iterations: int = 2) -> E
         training_iteration=30,
         stimulus=0,
         object_distance_m=1.0,
-        medial_rectus=0.1,
-        lateral_rectus=0.0,
+        activations=pair_activations(0.1, 0.0),
         n_iterations=n_iterations,
         first_observation=40,
     )

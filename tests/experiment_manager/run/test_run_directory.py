@@ -20,7 +20,8 @@ from experiment_manager.run.run_directory import Run
 from lockstep.configuration import flatten
 from lockstep.errors import InputError
 from lockstep.state_file import write_state
-from lockstep.wire.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, REWARD_NAMES, TRAINING
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TRAINING
+from tests.pair import HORIZONTAL_RECTI
 from tests.supervisor import finished, start_supervisor
 
 PERIOD_NS = 100_000_000

@@ -22,7 +22,7 @@ def test_each_combination_is_a_run_named_after_its_values(tmp_path: Path) -> Non
     sweep = read(
         tmp_path,
         "options: {profile: paper, iterations: 1e5, sparse_coder.n_bases: 32}\n"
-        "axes: {model: [M, M_C], vergence_rl.discount: [0.3, 1e-5]}\n",
+        "axes: {model: [M, M_C], vergence_rl.cacla.discount: [0.3, 1e-5]}\n",
     )
     cells = {cell.name: cell.line for cell in sweep.cells()}
     assert [*cells] == [
@@ -33,7 +33,7 @@ def test_each_combination_is_a_run_named_after_its_values(tmp_path: Path) -> Non
     ]
     assert cells["model_M_C-discount_0.3"] == (
         *("--profile", "paper", "--iterations", "1e5", "--set", "sparse_coder.n_bases=32"),
-        *("--model", "M_C", "--set", "vergence_rl.discount=0.3"),
+        *("--model", "M_C", "--set", "vergence_rl.cacla.discount=0.3"),
     )
 
 
@@ -41,13 +41,13 @@ def test_a_cell_is_configured_as_its_command_line_says(tmp_path: Path, pictures:
     sweep = read(
         tmp_path,
         "options: {iterations: 100, tests: [0, 50], test-stimuli: 1, eye_plant.stimuli.size_px: 64}"
-        "\naxes: {lambda: [0, 0.5], model: [M_C], vergence_rl.discount: [1e-5]}\n",
+        "\naxes: {lambda: [0, 0.5], model: [M_C], vergence_rl.cacla.discount: [1e-5]}\n",
         pictures,
     )
     free, priced = (cell.configuration("0123abc") for cell in sweep.cells())
     assert free["sparse_coder"]["metabolic_cost_weight"] == 0.0
     assert priced["sparse_coder"]["metabolic_cost_weight"] == 0.5
-    assert priced["vergence_rl"]["discount"] == 1e-5
+    assert priced["vergence_rl"]["cacla.discount"] == 1e-5
     manager = priced["experiment_manager"]
     assert manager["protocol.test_iterations"] == [0, 50]
     assert manager["commit"] == "0123abc"
@@ -138,8 +138,8 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
         ("model: [M, X]", "model_X: argument --model: invalid choice: 'X'"),
         ("seed: [1, one]", "seed_one: argument --seed: expected a whole number, got 'one'"),
         ("model: [M], lambda: [0.1]", "model_M-lambda_0.1: .*expected 0 with model M"),
-        ("vergence_rl.discont: [0.1]", "discont_0.1: .*discount"),
-        ("vergence_rl.discount: [2.0]", "discount_2.0: "),
+        ("vergence_rl.cacla.discont: [0.1]", "discont_0.1: .*discount"),
+        ("vergence_rl.cacla.discount: [2.0]", "discount_2.0: "),
     ],
 )
 def test_what_a_cell_cannot_be_is_said_with_its_name(

@@ -11,8 +11,9 @@ import pytest
 from eye_plant.export.__main__ import export, main
 from eye_plant.export.comparison import gaze_map_deg, simulated_map_deg
 from eye_plant.mechanics.model import MechanicsConfig
-from eye_plant.mechanics.muscles import MUSCLE_NAMES, N_MUSCLES
+from eye_plant.mechanics.muscles import N_MUSCLES
 from eye_plant.mechanics.oculomotor import Oculomotor
+from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError
 
 SETS = ("k17", "anatomical")

@@ -6,8 +6,8 @@ import pytest
 
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.inverse import Inverse
-from eye_plant.mechanics.muscles import MUSCLE_NAMES
 from eye_plant.mechanics.oculomotor import MechanicsConfig, Oculomotor
+from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError
 
 LIMITS = ((0.0, 0.2), (0.0, 0.1))

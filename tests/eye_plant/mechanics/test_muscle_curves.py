@@ -4,7 +4,7 @@ import pytest
 
 from eye_plant.mechanics.model import MechanicsConfig, build_spec
 from eye_plant.mechanics.muscle_curves import force_length, force_velocity, passive_force_length
-from eye_plant.mechanics.muscles import MUSCLE_NAMES
+from lockstep.command_space import MUSCLE_NAMES
 
 SHORTEST, LONGEST, STIFFNESS, GAIN = 0.4, 1.7, 0.6, 1.3
 

@@ -60,16 +60,6 @@ def test_ground_truth_is_the_names_of_episode_and_its_own() -> None:
     assert set(topics.GROUND_TRUTH_NAMES[n_shared:]) == TRUTH_ALONE
 
 
-def test_left_before_right_and_medial_before_lateral() -> None:
-    assert topics.HORIZONTAL_RECTI == (
-        "left_medial_rectus",
-        "left_lateral_rectus",
-        "right_medial_rectus",
-        "right_lateral_rectus",
-    )
-    assert topics.COMMAND_NAMES == ("medial_rectus", "lateral_rectus")
-
-
 def test_each_vector_of_the_table_has_one_publisher() -> None:
     learning = (*topics.PLANT_VECTORS, *topics.CODER_VECTORS, *topics.LEARNER_VECTORS)
     vectors = (*learning, "parameter_changes")

@@ -16,9 +16,10 @@ from experiment_manager.measures.metrics import (
     summary,
 )
 from experiment_manager.measures.results import results_document
-from experiment_manager.measures.trials import TestTrials, mean_of_both_eyes, split_tests
+from experiment_manager.measures.trials import TestTrials, split_tests
 from experiment_manager.run.described_run import DescribedRun
-from lockstep.wire.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, TRAINING
+from lockstep.command_space import COMMAND_SPACES, PAIR
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, TRAINING
 
 # The error of a single episode says how hard it was; a median over some says what was learned.
 _MOST_CURVE_BINS = 100
@@ -171,9 +172,9 @@ def trial_rows(truth: VectorTable, activations: VectorTable | None) -> np.ndarra
     """Return ground truth and activations by TRIAL_NAMES: (n, len(TRIAL_NAMES)), nan for gaps."""
     both = np.full((len(truth.stamps_ns), 2), np.nan)
     if activations is not None and len(activations.stamps_ns):
-        # In HORIZONTAL_RECTI's order: left medial, left lateral, right medial, right lateral.
-        recti = np.stack([activations.column(name) for name in HORIZONTAL_RECTI], axis=1)
-        both = _at_stamps(activations, mean_of_both_eyes(recti), truth.stamps_ns)
+        space = COMMAND_SPACES[PAIR]
+        values = np.stack([activations.column(name) for name in space.muscle_names], axis=1)
+        both = _at_stamps(activations, space.from_muscles(values), truth.stamps_ns)
     columns = [truth.column(name) for name in GROUND_TRUTH_NAMES]
     return np.concatenate([np.stack(columns, axis=1), both], axis=1)
 

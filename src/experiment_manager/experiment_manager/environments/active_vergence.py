@@ -14,11 +14,13 @@ from gymnasium.spaces import Box, Dict
 
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.environments.experiment import Experiment, make_experiment
-from experiment_manager.loop import Percept, Perception
+from experiment_manager.loop import perceived
 from eye_plant.episode import Episode
 from eye_plant.observation import Observation
 from lockstep.errors import InputError
-from lockstep.wire.topics import COMMAND_NAMES, GROUND_TRUTH_NAMES, TRAINING
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, TRAINING
+from sparse_coder.coder import SparseCoder
+from sparse_coder.perception import Percept
 
 Pictures = np.ndarray
 _RESET_OPTIONS = ("episode", "trial")
@@ -69,17 +71,18 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         self._experiment: Experiment = make_experiment(model, settings or {}, coder_state)
         self._coder_learns = coder_learns
         self._plant = self._experiment.plant
+        self._space = self._experiment.space
         self._lowest, self._highest = self._experiment.activation_limits
         whole = 2.0 ** np.ceil(np.log2(self._highest - self._lowest))
         self.action_scale = whole if action_scale is None else np.full_like(whole, action_scale)
-        self.action_space = Box(-1.0, 1.0, (len(COMMAND_NAMES),), np.float64)
+        self.action_space = Box(-1.0, 1.0, (len(self._space.names),), np.float64)
         activations = Box(self._lowest, self._highest, dtype=np.float64)
         self.observation_space = Dict({**self._senses(), "activations": activations})
-        self._perception: Perception | None = None
+        self._coder: SparseCoder | None = None
         self._episode: Episode | None = None
         self._next_episode = 0
         self._pictures: Pictures | None = None
-        self._activations = np.full(len(COMMAND_NAMES), math.nan)
+        self._activations = np.full(len(self._space.names), math.nan)
 
     def _senses(self) -> dict[str, Box]:
         """Return the spaces of what an agent is given of the pictures."""
@@ -94,10 +97,10 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
     ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
         """Begin an episode; raises InputError for an option that is none."""
         super().reset(seed=seed)
-        if seed is None and self._perception is None:
+        if seed is None and self._coder is None:
             seed = int(self.np_random.integers(_LARGEST_SEED))
         if seed is not None:
-            self._perception = self._experiment.start(seed)
+            self._coder = self._experiment.start(seed)
             self._next_episode = 0
         episode = self._chosen(options or {})
         self._episode = episode
@@ -129,7 +132,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
             raise InputError(f"action: expected two finite numbers, got {action.tolist()}")
         change = self.action_scale * np.clip(action, -1.0, 1.0)
         command = np.clip(self._activations + change, self._lowest, self._highest)
-        observation = self._plant.execute(self._plant.targets(COMMAND_NAMES, command))
+        observation = self._plant.execute(self._plant.targets(self._space.names, command))
         observed, reward, info = self._observe(observation)
         truncated = self._is_last(observation)
         if truncated:
@@ -143,17 +146,16 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
     def _observe(
         self, observation: Observation
     ) -> tuple[dict[str, np.ndarray], float, dict[str, Any]]:
-        assert self._perception is not None
+        assert self._coder is not None
         assert observation.pictures is not None
         in_training = observation.episode.phase == TRAINING
-        percept = self._perception.perceive(
-            observation,
-            learning=self._coder_learns and in_training and not self._is_last(observation),
-        )
+        percept = perceived(self._coder, observation)
+        if self._coder_learns and in_training and not self._is_last(observation):
+            self._coder.learn(percept.encoding)
         self._pictures = observation.pictures.copy()
-        self._activations = percept.activations
+        self._activations = self._space.from_all(observation.state.activations)
         observed = self._sensed(self._pictures, percept)
-        observed["activations"] = percept.activations.copy()
+        observed["activations"] = self._activations.copy()
         truth = observation.ground_truth_values()
         coarse, fine = percept.encoding.reconstruction_error
         info = {

@@ -12,13 +12,13 @@ import numpy as np
 
 from experiment_manager.experiment.config import MODELS, ExperimentManagerConfig
 from experiment_manager.experiment.protocol import Protocol, make_protocol
-from experiment_manager.loop import Perception
 from experiment_manager.preparation.command_line import arguments
 from experiment_manager.preparation.configuration import configuration_of
 from eye_plant.camera.config import CameraConfig
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.plant import EyePlant
+from lockstep.command_space import CommandSpace
 from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.state_file import read_state
@@ -51,17 +51,21 @@ class Experiment:
     @property
     def activation_limits(self) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest activations, (n_muscles,) each."""
-        agent = self._settings.agent
-        lowest, highest = np.array([agent.medial_limits, agent.lateral_limits]).T
-        return lowest, highest
+        task = self._settings.agent.task
+        return task.lowest, task.highest
 
-    def start(self, seed: int) -> Perception:
-        """Begin the experiment of a seed; return its coder's view of the plant."""
+    @property
+    def space(self) -> CommandSpace:
+        """What an action moves."""
+        return self._settings.agent.space
+
+    def start(self, seed: int) -> SparseCoder:
+        """Begin the experiment of a seed; return its coder."""
         coder = SparseCoder(dataclasses.replace(self._settings.coder, seed=seed))
         if self._coder_state is not None:
             coder.restore(self._coder_state)
         self._protocol = make_protocol(dataclasses.replace(self._settings.manager, seed=seed))
-        return Perception(self.plant, coder, self._settings.coder.metabolic_cost_weight)
+        return coder
 
     def training_episode(self, number: int) -> Episode:
         """Return a training episode; raises InputError when the experiment has no such."""

@@ -54,8 +54,14 @@ AGREEMENTS = (
     ),
     # A row of features for the coarse scale and one for the fine scale.
     Agreement("sparse_coder.n_bases", "vergence_rl.n_features", factor=2),
-    Agreement("vergence_rl.medial_limits", "experiment_manager.protocol.medial_rectus_limits"),
-    Agreement("vergence_rl.lateral_limits", "experiment_manager.protocol.lateral_rectus_limits"),
+    *(
+        Agreement(f"vergence_rl.{name}", f"experiment_manager.protocol.{name}")
+        for name in ("command_space", "lowest_activations", "highest_activations")
+    ),
+    *(
+        Agreement("vergence_rl.command_space", f"{node}.command_space")
+        for node in ("eye_plant", "sparse_coder")
+    ),
     *(
         Agreement(f"eye_plant.mechanics.{name}", f"experiment_manager.mechanics.{name}")
         for name in flatten(MechanicsConfig())

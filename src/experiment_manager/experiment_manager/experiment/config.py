@@ -4,10 +4,18 @@ from dataclasses import dataclass, field
 
 from experiment_manager.experiment.plant_changes import check_places, read_schedule
 from eye_plant.config import EyePlantConfig
+from eye_plant.mechanics.inverse import Limits, pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
+from lockstep.command_space import (
+    COMMAND_SPACES,
+    HIGHEST_ACTIVATIONS,
+    LOWEST_ACTIVATIONS,
+    PAIR,
+    CommandSpace,
+    activation_limits,
+)
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
-from lockstep.wire.topics import LATERAL_LIMITS, MEDIAL_LIMITS
 
 MODELS = ("M", "M_C")
 
@@ -69,24 +77,26 @@ class ProtocolConfig:
     least_start_error_deg: int = setting(
         -3, "least vergence error with which a test trial starts", "deg", most=0
     )
-    medial_rectus_limits: tuple[float, ...] = setting(
-        MEDIAL_LIMITS,
-        "limits of the medial rectus' activation as an episode begins",
-        least=0,
-        most=1,
-        is_interval=True,
+    command_space: str = setting(
+        PAIR, "which muscles a command moves", choices=tuple(COMMAND_SPACES)
     )
-    lateral_rectus_limits: tuple[float, ...] = setting(
-        LATERAL_LIMITS,
-        "limits of the lateral rectus' activation as an episode begins",
+    lowest_activations: tuple[float, ...] = setting(
+        LOWEST_ACTIVATIONS,
+        "least activation of each command as an episode begins, or one for all",
         least=0,
         most=1,
-        is_interval=True,
+    )
+    highest_activations: tuple[float, ...] = setting(
+        HIGHEST_ACTIVATIONS,
+        "largest activation of each command as an episode begins, or one for all",
+        least=0,
+        most=1,
     )
 
     def __post_init__(self) -> None:
         """Refuse values out of range, and numbers that do not fit together."""
         check_settings(self)
+        activation_limits(self.space, self.lowest_activations, self.highest_activations)
         if self.n_training_iterations % self.iterations_per_episode:
             raise InputError(
                 f"n_training_iterations: expected a multiple of {self.iterations_per_episode} "
@@ -102,6 +112,17 @@ class ProtocolConfig:
                 f"n_stimuli_per_test: expected {self.n_test_stimuli} or less, "
                 f"got {self.n_stimuli_per_test}"
             )
+
+    @property
+    def space(self) -> CommandSpace:
+        """The command space that was chosen."""
+        return COMMAND_SPACES[self.command_space]
+
+    @property
+    def pair_limits(self) -> Limits:
+        """((lowest, highest) medial, (lowest, highest) lateral) first activations."""
+        limits = activation_limits(self.space, self.lowest_activations, self.highest_activations)
+        return pair_limits(limits.lowest, limits.highest)
 
 
 def bounds(values: tuple[float, ...]) -> tuple[float, float]:

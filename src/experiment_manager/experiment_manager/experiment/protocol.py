@@ -31,7 +31,7 @@ from lockstep.errors import InputError
 from lockstep.randomness import generator
 from lockstep.wire.topics import TEST, TRAINING
 
-ActivationPair = Callable[[float, float], tuple[float, float]]
+FirstActivations = Callable[[float, float], tuple[float, ...]]
 
 
 @dataclass(frozen=True)
@@ -61,12 +61,12 @@ class Segment:
 class Eyes:
     """What the protocol must know of the eyes, as they are from training iteration `at` on.
 
-    activation_pair: (vergence_deg, fraction in [0, 1]) -> (medial, lateral) activations.
+    activations: (vergence_deg, fraction in [0, 1]) -> those of the twelve muscles.
     """
 
     at: int
     baseline_m: float
-    activation_pair: ActivationPair
+    activations: FirstActivations
 
 
 def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ...]:
@@ -229,7 +229,7 @@ class Protocol:
             self._distance_m(draw, bounds(ends_m), eyes.baseline_m)
             for ends_m in (config.object_distance_m, config.fixation_distance_m)
         )
-        medial, lateral = eyes.activation_pair(
+        activations = eyes.activations(
             desired_vergence_deg(fixation_distance_m, eyes.baseline_m), float(draw.random())
         )
         return Episode(
@@ -240,8 +240,7 @@ class Protocol:
             training_iteration=number * config.iterations_per_episode,
             stimulus=stimulus,
             object_distance_m=object_distance_m,
-            medial_rectus=medial,
-            lateral_rectus=lateral,
+            activations=activations,
             n_iterations=config.iterations_per_episode,
             first_observation=segment.first_observation
             + offset * (config.iterations_per_episode + 1),
@@ -274,7 +273,7 @@ class Protocol:
             - condition.start_error_deg
         )
         fraction = float(generator(self._seed, "trial", trial).random())
-        medial, lateral = eyes.activation_pair(vergence_deg, fraction)
+        activations = eyes.activations(vergence_deg, fraction)
         return Episode(
             phase=TEST,
             test=segment.i_test,
@@ -283,8 +282,7 @@ class Protocol:
             training_iteration=segment.training_iteration,
             stimulus=config.n_training_stimuli + i_stimulus,
             object_distance_m=condition.object_distance_m,
-            medial_rectus=medial,
-            lateral_rectus=lateral,
+            activations=activations,
             n_iterations=config.iterations_per_trial,
             first_observation=segment.first_observation + trial * (config.iterations_per_trial + 1),
         )
@@ -292,10 +290,7 @@ class Protocol:
 
 def make_protocol(config: ExperimentManagerConfig) -> Protocol:
     """Return the sequence of episodes of a configuration."""
-    limits = (
-        bounds(config.protocol.medial_rectus_limits),
-        bounds(config.protocol.lateral_rectus_limits),
-    )
+    limits = config.protocol.pair_limits
     schedule = read_schedule(config.schedule)
     plant = EyePlantConfig(mechanics=config.mechanics)
     eyes = [_eyes(at, its.mechanics, limits) for at, its in stages_of(schedule, plant)]
@@ -307,5 +302,5 @@ def _eyes(at: int, mechanics: MechanicsConfig, limits: Limits) -> Eyes:
     return Eyes(
         at,
         mechanics.baseline_m,
-        lambda vergence_deg, fraction: inverse.activation_pair(vergence_deg, fraction, limits),
+        lambda vergence_deg, fraction: inverse.activations(vergence_deg, fraction, limits),
     )

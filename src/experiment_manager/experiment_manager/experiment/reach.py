@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from experiment_manager.experiment.config import ExperimentManagerConfig, bounds
+from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import read_schedule, stages_of
 from experiment_manager.experiment.protocol import conditions
 from eye_plant.config import EyePlantConfig
@@ -39,10 +39,7 @@ def check_reach(parameters: Mapping[str, Mapping[str, Any]]) -> None:
 def _check_eyes(config: ExperimentManagerConfig, plant: EyePlantConfig) -> None:
     plane_m = plant.camera.plane_size_m
     inverse = Inverse(config.mechanics)
-    limits = (
-        bounds(config.protocol.medial_rectus_limits),
-        bounds(config.protocol.lateral_rectus_limits),
-    )
+    limits = config.protocol.pair_limits
     _check_vergence(config, inverse, limits)
     for distance_m in _distances_m(config):
         _check_version(config, inverse, limits, distance_m, plane_m)

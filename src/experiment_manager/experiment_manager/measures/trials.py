@@ -5,22 +5,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.errors import InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, TEST
 
-# What is kept of each observation of a test: ground truth, and the activations of the horizontal
-# recti, mean of both eyes, which share a name with the command for both.
-TRIAL_NAMES = (*GROUND_TRUTH_NAMES, "medial_rectus", "lateral_rectus")
+# What is kept of each observation of a test: ground truth, and the activations that commands set.
+TRIAL_NAMES = (*GROUND_TRUTH_NAMES, *COMMAND_SPACES[PAIR].names)
 # Where the start costs what the optimum costs, the share saved (eq. 8) divides by nothing.
 LEAST_COST_RANGE_W = 0.01
 
 _COLUMN = {name: i for i, name in enumerate(TRIAL_NAMES)}
-
-
-def mean_of_both_eyes(recti: np.ndarray) -> np.ndarray:
-    """Return activations (..., 2) medial, lateral from those of HORIZONTAL_RECTI (..., 4)."""
-    both: np.ndarray = (recti[..., :2] + recti[..., 2:]) / 2.0
-    return both
 
 
 @dataclass(frozen=True)

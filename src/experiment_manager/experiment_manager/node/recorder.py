@@ -25,7 +25,6 @@ from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import NS_PER_S, period_ns
 from lockstep.wire.topics import (
     GROUND_TRUTH_NAMES,
-    HORIZONTAL_RECTI,
     REWARD_NAMES,
     TEST,
     TOPIC_TYPES,
@@ -173,7 +172,7 @@ class Recorder:
             is_last = stamp_ns == record.last_ns
             self._run.add_truth(values_of(vector, GROUND_TRUTH_NAMES, topic), is_last=is_last)
         elif topic == "muscle_activations":
-            values = values_of(vector, HORIZONTAL_RECTI, topic)
+            values = values_of(vector, self._config.protocol.space.muscle_names, topic)
             self._run.add_activations(record.episode, values)
         else:
             self._measure_learner(topic, vector, record, stamp_ns)

@@ -53,8 +53,9 @@ def first_iterations(parameters: Parameters) -> FirstIterations:
                     break
                 loop.plant.reconfigure(protocol.plant_settings(episode))
                 answers = [step.answer for step in loop.run_episode(episode)]
-                error += sum(float(a.reconstruction_error.sum()) for a in answers if a)
-                cost_w += sum(a.metabolic_rate_w for a in answers if a)
+                percepts = [answer.percept for answer in answers if answer]
+                error += sum(float(p.encoding.reconstruction_error.sum()) for p in percepts)
+                cost_w += sum(p.metabolic_rate_w for p in percepts)
                 bar.update(episode.n_iterations)
     finally:
         loop.plant.close()

@@ -18,7 +18,7 @@ from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.node.interrupts import Interrupts
 from lockstep.wire.stamps import period_ns, stamp_of
-from lockstep.wire.topics import HORIZONTAL_RECTI, TEST
+from lockstep.wire.topics import TEST
 
 
 class InProcessRun:
@@ -41,8 +41,7 @@ class InProcessRun:
         plant = build(EyePlantConfig, configuration["eye_plant"])
         self._period_ns = period_ns(plant.mechanics.period_s)
         self._loop = make_loop(configuration)
-        names = self._loop.plant.oculomotor.muscle_names
-        self._recti = [names.index(name) for name in HORIZONTAL_RECTI]
+        self._space = plant.space
         self._messages = StepMessages(plant, self._loop.coder.config.n_bases)
         self._run = Run(self._config)
         self._loop.restore(self._run.states_to_load([*self._loop.learners]))
@@ -97,10 +96,9 @@ class InProcessRun:
         truth = _finite("ground_truth", observation.ground_truth_values())
         self._run.add_truth(truth, is_last=answer is None)
         if episode.phase == TEST:
-            self._run.add_activations(episode, observation.state.activations[self._recti])
+            self._run.add_activations(episode, observation.state.activations[self._space.indices])
         if answer is not None:
-            coded = (*answer.reconstruction_error, answer.metabolic_rate_w, answer.reward)
-            values = _finite("reward", (*coded, answer.coder_learning_steps))
+            values = _finite("reward", answer.percept.reward_values())
             self._run.add_reward(episode, observation.iteration, values)
 
     def _checkpoint(self) -> None:

@@ -7,7 +7,8 @@ import numpy as np
 
 from experiment_manager.measures.kept_trials import KeptTrials, with_test
 from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, only_test, summary
-from experiment_manager.measures.trials import TRIAL_NAMES, mean_of_both_eyes
+from experiment_manager.measures.trials import TRIAL_NAMES
+from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.errors import InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
 
@@ -27,6 +28,7 @@ class Progress:
     def __init__(self, n_training_iterations: int) -> None:
         """n_training_iterations: of the whole run."""
         self._n_training_iterations = n_training_iterations
+        self._space = COMMAND_SPACES[PAIR]
         self.tests: list[dict[str, Any]] = []
         self.kept_trials: KeptTrials | None = None
         # Of float64. A test has ten thousands of rows: as lists of numbers they would be 20 MB.
@@ -45,13 +47,14 @@ class Progress:
         elif is_last:
             self._running_errors_deg.append(abs(float(values[_TRUTH["vergence_error_deg"]])))
 
-    def add_activations(self, phase: int, recti: np.ndarray) -> None:
-        """Add one observation's activations (4,) of lockstep.wire.topics.HORIZONTAL_RECTI.
+    def add_activations(self, phase: int, activations: np.ndarray) -> None:
+        """Add one observation's activations, (n_muscles,) of the muscles that are commanded.
 
         Of an observation, they may come before or after its ground truth.
         """
         if phase == TEST:
-            self._activation_bytes += mean_of_both_eyes(recti.astype(np.float64)).tobytes()
+            means = self._space.from_muscles(activations.astype(np.float64))
+            self._activation_bytes += means.tobytes()
 
     def add_reward(self, phase: int, training_iteration: int, values: np.ndarray) -> None:
         """Add one observation's reward."""

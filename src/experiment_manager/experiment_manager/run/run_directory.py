@@ -130,9 +130,9 @@ class Run:
         """Count one observation's ground truth, (n_names,) of lockstep.wire.topics."""
         self.progress.add_truth(values, is_last)
 
-    def add_activations(self, episode: Episode, recti: np.ndarray) -> None:
-        """Count one observation's activations, (4,) of lockstep.wire.topics.HORIZONTAL_RECTI."""
-        self.progress.add_activations(episode.phase, recti)
+    def add_activations(self, episode: Episode, activations: np.ndarray) -> None:
+        """Count one observation's activations, (n_muscles,) of the muscles that are commanded."""
+        self.progress.add_activations(episode.phase, activations)
 
     def add_reward(self, episode: Episode, iteration: int, values: np.ndarray) -> None:
         """Count one observation's reward, (n_names,) of lockstep.wire.topics."""

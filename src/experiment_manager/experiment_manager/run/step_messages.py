@@ -6,7 +6,7 @@ from experiment_manager.loop import Step
 from eye_plant.config import EyePlantConfig
 from eye_plant.messages import ObservationMessages
 from lockstep.wire.images import ImageBytes
-from lockstep.wire.topics import ACTOR_CRITIC_NAMES, COMMAND_NAMES, REWARD_NAMES
+from lockstep.wire.topics import REWARD_NAMES, actor_critic_names
 from lockstep.wire.vectors import VectorBytes
 from sparse_coder.messages import features_message
 from vergence_rl.messages import actor_critic_values
@@ -21,8 +21,8 @@ class StepMessages:
         """Lay out the messages; n_bases: of each scale's dictionary."""
         self._observation = ObservationMessages(plant)
         self._reward = VectorBytes(REWARD_NAMES)
-        self._command = VectorBytes(COMMAND_NAMES)
-        self._actor_critic = VectorBytes(ACTOR_CRITIC_NAMES)
+        self._command = VectorBytes(plant.space.names)
+        self._actor_critic = VectorBytes(actor_critic_names(plant.space))
         self._features = ImageBytes(features_message(n_bases))
 
     def small(self, stamp_ns: int, step: Step) -> Iterator[tuple[str, bytes]]:
@@ -31,8 +31,7 @@ class StepMessages:
         answer = step.answer
         if answer is None:
             return
-        coded = (*answer.reconstruction_error, answer.metabolic_rate_w, answer.reward)
-        yield "reward", self._reward.of(stamp_ns, (*coded, answer.coder_learning_steps))
+        yield "reward", self._reward.of(stamp_ns, answer.percept.reward_values())
         yield "muscle_command", self._command.of(stamp_ns, answer.decision.command)
         thought = actor_critic_values(answer.decision, answer.agent_learning_steps)
         yield "actor_critic", self._actor_critic.of(stamp_ns, thought)
@@ -45,7 +44,7 @@ class StepMessages:
         its = self._observation
         for topic, message in (*its.pictures(stamp_ns, pictures), *its.camera_infos(stamp_ns)):
             yield topic, _as_received(message)
-        yield "features", self._features.of(stamp_ns, answer.features)
+        yield "features", self._features.of(stamp_ns, answer.percept.encoding.features)
 
 
 def _as_received(message: bytes) -> bytes:

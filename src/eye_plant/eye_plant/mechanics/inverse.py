@@ -6,7 +6,7 @@ vergence form a line in the plane of the two.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,13 @@ from lockstep.errors import InputError
 
 Limits = tuple[tuple[float, float], tuple[float, float]]
 Pair = tuple[float, float]
+
+
+def pair_limits(lowest: Sequence[float], highest: Sequence[float]) -> Limits:
+    """Return ((lowest, highest) medial, (lowest, highest) lateral)."""
+    medial, lateral = zip(lowest, highest, strict=True)
+    return medial, lateral
+
 
 FULL_RANGE: Limits = ((0.0, 1.0), (0.0, 1.0))
 
@@ -103,6 +110,13 @@ class Inverse:
                 f"{lateral:.3g} those from straight ahead do not come"
             )
         return medial, lateral
+
+    def activations(
+        self, vergence_deg: float, fraction: float, limits: Limits
+    ) -> tuple[float, ...]:
+        """Return the activations (12,) of `activation_pair`, the other muscles at tonic level."""
+        pair = self.activation_pair(vergence_deg, fraction, limits)
+        return tuple(self._eyes.activations_from(*pair).tolist())
 
     def check(self, vergence_deg: float) -> None:
         """Raise InputError unless some pair of activations gives the vergence; quick."""

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from eye_plant.mechanics.muscles import MUSCLE_NAMES, MUSCLES, N_MUSCLES, SIDES
+from eye_plant.mechanics.muscles import N_MUSCLES
 from eye_plant.mechanics.parameter_sets import PARAMETER_SETS
 from eye_plant.mechanics.parameters import MuscleParameters, OrbitParameters, ParameterSet, Point
+from lockstep.command_space import MUSCLE_NAMES, MUSCLES, SIDES
 from lockstep.settings import check_settings, setting
 
 AXES = ("adduction", "elevation", "intorsion")

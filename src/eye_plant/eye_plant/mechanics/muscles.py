@@ -1,17 +1,9 @@
-"""The twelve eye muscles: their names and order."""
+"""Positions among the twelve eye muscles, in the order of lockstep.command_space."""
 
 import numpy as np
 
-SIDES = ("left", "right")
-MUSCLES = (
-    "medial_rectus",
-    "lateral_rectus",
-    "superior_rectus",
-    "inferior_rectus",
-    "superior_oblique",
-    "inferior_oblique",
-)
-MUSCLE_NAMES = tuple(f"{side}_{muscle}" for side in SIDES for muscle in MUSCLES)
+from lockstep.command_space import MUSCLE_NAMES
+
 N_MUSCLES = len(MUSCLE_NAMES)
 
 # Positions of the horizontal recti among the twelve, left before right.

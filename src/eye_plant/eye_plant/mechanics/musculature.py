@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from eye_plant.mechanics.metabolics import MetabolicTerms, metabolic_terms, settled_rate_w
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.muscle_curves import force_length, passive_force_length
-from eye_plant.mechanics.muscles import MUSCLES, SIDES
+from lockstep.command_space import MUSCLES, SIDES
 
 Array = NDArray[np.float64]
 

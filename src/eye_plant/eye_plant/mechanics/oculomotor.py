@@ -12,8 +12,9 @@ from eye_plant.mechanics.compiled import addresses_of, step_and_trace
 from eye_plant.mechanics.equilibrium import Equilibrium
 from eye_plant.mechanics.metabolics import MetabolicTerms
 from eye_plant.mechanics.model import AXES, MechanicsConfig, build_spec
-from eye_plant.mechanics.muscles import HORIZONTAL, LATERAL, MEDIAL, MUSCLE_NAMES, N_MUSCLES, SIDES
+from eye_plant.mechanics.muscles import HORIZONTAL, LATERAL, MEDIAL, N_MUSCLES
 from eye_plant.mechanics.musculature import Musculature
+from lockstep.command_space import MUSCLE_NAMES, SIDES
 from lockstep.errors import InputError
 
 Array = NDArray[np.float64]

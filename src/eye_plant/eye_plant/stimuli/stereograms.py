@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from eye_plant.stimuli.directory import choose_test_files, read_picture, size_of_picture
+from lockstep.command_space import SIDES
 from lockstep.errors import InputError
 from lockstep.randomness import generator
 
@@ -15,7 +16,6 @@ _DARK, _BRIGHT = 32, 224
 # ours: of a plane of 3 m, +-0.4 of the eyes' baseline: dots that fuse at 0.7 to 1.7 times the
 # plane's distance.
 _LARGEST_PARALLAX = 0.0075
-_SIDES = ("left", "right")
 
 
 @dataclass(frozen=True)
@@ -76,12 +76,12 @@ def read_stereograms(
     pairs: dict[str, dict[str, Path]] = {}
     for path in choose_test_files(directory, seed):
         name, _, side = path.stem.rpartition("_")
-        if side not in _SIDES or not name:
+        if side not in SIDES or not name:
             raise InputError(f"{path}: expected a name that ends in _left or _right")
         pairs.setdefault(name, {})[side] = path
     found = []
     for name, pair in list(pairs.items())[:n_most]:
-        if missing := set(_SIDES) - set(pair):
+        if missing := set(SIDES) - set(pair):
             raise InputError(f"{directory}: expected {name}_{missing.pop()} beside the other eye's")
         sizes_px = {side: size_of_picture(path) for side, path in pair.items()}
         if sizes_px["left"] != sizes_px["right"]:
@@ -89,7 +89,7 @@ def read_stereograms(
                 f"{pair['right']}: expected a picture of {_size(sizes_px['left'])} px, as the left "
                 f"eye's, got {_size(sizes_px['right'])} px"
             )
-        left, right = (read_picture(pair[side], size_px, smallest_px) for side in _SIDES)
+        left, right = (read_picture(pair[side], size_px, smallest_px) for side in SIDES)
         found.append(Stereogram(left, right))
     return tuple(found)
 

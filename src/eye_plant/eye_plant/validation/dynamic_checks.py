@@ -9,16 +9,16 @@ import numpy as np
 from eye_plant.camera.offscreen import GraphicsError
 from eye_plant.camera.stereo_camera import CameraConfig, StereoCamera
 from eye_plant.geometry import desired_vergence_deg, disparity_px
-from eye_plant.mechanics.inverse import Inverse
+from eye_plant.mechanics.inverse import Inverse, pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from eye_plant.validation.passive_energy import passive_energy_j
 from eye_plant.validation.row import Row
 from eye_plant.validation.saccades import PULSES, Saccade, holding_pair, make_saccade
-from lockstep.wire.topics import LATERAL_LIMITS, MEDIAL_LIMITS
+from lockstep.command_space import HIGHEST_ACTIVATIONS, LOWEST_ACTIVATIONS
 
-LIMITS = (MEDIAL_LIMITS, LATERAL_LIMITS)
+LIMITS = pair_limits(LOWEST_ACTIVATIONS, HIGHEST_ACTIVATIONS)
 STEP_BOUND_MS = {"k17": 1.0, "anatomical": 3.0}
 DISTANCES_M = (0.5, 1.0, 2.0, 4.0, 6.0)
 ERRORS_DEG = (-3.0, -1.0, 0.0, 1.0, 3.0)

@@ -10,11 +10,11 @@ from matplotlib.figure import Figure
 from eye_plant.mechanics.inverse import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.muscle_curves import force_length, force_velocity, passive_force_length
-from eye_plant.mechanics.muscles import MUSCLES
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.validation.dynamic_checks import saccades
 from eye_plant.validation.openeyesim import Maps, power_law_w
 from eye_plant.validation.static_checks import pulling_directions
+from lockstep.command_space import MUSCLES
 
 LEVELS_DEG = np.arange(-35.0, 36.0, 5.0)
 

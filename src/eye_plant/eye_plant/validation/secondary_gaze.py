@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eye_plant.mechanics.model import MechanicsConfig
-from eye_plant.mechanics.muscles import MUSCLES
 from eye_plant.mechanics.oculomotor import Oculomotor
+from lockstep.command_space import MUSCLES
 
 Array = NDArray[np.float64]
 

@@ -7,18 +7,17 @@ import mujoco
 import numpy as np
 
 from eye_plant.geometry import desired_vergence_deg
-from eye_plant.mechanics.inverse import Inverse
+from eye_plant.mechanics.inverse import Inverse, pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
-from eye_plant.mechanics.muscles import MUSCLES
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.mechanics.parameters import GRAM_FORCE_N
 from eye_plant.validation.openeyesim import SINGLE_MUSCLE_POINTS, Maps, power_law_w
 from eye_plant.validation.row import Row
 from eye_plant.validation.saccades import holding_pair
 from eye_plant.validation.secondary_gaze import worst_torsion_deg
-from lockstep.wire.topics import LATERAL_LIMITS, MEDIAL_LIMITS
+from lockstep.command_space import HIGHEST_ACTIVATIONS, LOWEST_ACTIVATIONS, MUSCLES
 
-LIMITS = (MEDIAL_LIMITS, LATERAL_LIMITS)
+LIMITS = pair_limits(LOWEST_ACTIVATIONS, HIGHEST_ACTIVATIONS)
 FIELD_DEG = 45.0
 
 # Signs of adduction, elevation, intorsion that each muscle gives an eye looking straight ahead;

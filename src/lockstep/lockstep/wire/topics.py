@@ -3,9 +3,9 @@
 Names are relative to the namespace of the nodes, unless they start with "/".
 """
 
-TRAINING, TEST = 0, 1
+from lockstep.command_space import SIDES, CommandSpace
 
-SIDES = ("left", "right")
+TRAINING, TEST = 0, 1
 
 EPISODE_NAMES = (
     "phase",
@@ -33,9 +33,6 @@ GROUND_TRUTH_NAMES = (
 EYE_STATE_NAMES = tuple(
     f"{side}_{angle}" for side in SIDES for angle in ("adduction", "elevation", "torsion")
 )
-HORIZONTAL_RECTI = tuple(
-    f"{side}_{muscle}" for side in SIDES for muscle in ("medial_rectus", "lateral_rectus")
-)
 REWARD_NAMES = (
     "reconstruction_error_coarse",
     "reconstruction_error_fine",
@@ -43,19 +40,20 @@ REWARD_NAMES = (
     "reward",
     "learning_steps",
 )
-COMMAND_NAMES = ("medial_rectus", "lateral_rectus")
-# K17's restriction of both activations, throughout: its code restricts the initial draw only (D5).
-MEDIAL_LIMITS, LATERAL_LIMITS = (0.0, 0.2), (0.0, 0.1)
-ACTOR_CRITIC_NAMES = (
-    "value",
-    "td_error",
-    "td_variance",
-    "actor_learning_rate",
-    "critic_learning_rate",
-    "medial_rectus_action",
-    "lateral_rectus_action",
-    "learning_steps",
-)
+
+
+def actor_critic_names(space: CommandSpace) -> tuple[str, ...]:
+    """Return the names of the topic actor_critic, with an action for each command."""
+    return (
+        "value",
+        "td_error",
+        "td_variance",
+        "actor_learning_rate",
+        "critic_learning_rate",
+        *(f"{name}_action" for name in space.names),
+        "learning_steps",
+    )
+
 
 VECTOR = "sensor_msgs/msg/JointState"
 IMAGE = "sensor_msgs/msg/Image"

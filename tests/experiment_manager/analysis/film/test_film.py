@@ -10,7 +10,8 @@ from PIL import Image
 
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.commands.inspect_bag import main
-from lockstep.wire.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, PICTURES, TEST, TRAINING
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TEST, TRAINING
+from tests.pair import HORIZONTAL_RECTI
 
 PERIOD_NS = 100_000_000
 VECTOR, IMAGE = "sensor_msgs/msg/JointState", "sensor_msgs/msg/Image"

@@ -7,7 +7,8 @@ import numpy as np
 
 from experiment_manager.analysis.pictured_episodes import PicturedEpisodes, pictured_episodes
 from experiment_manager.bag.reader import Bag
-from lockstep.wire.topics import HORIZONTAL_RECTI, PICTURES, TEST
+from lockstep.command_space import COMMAND_SPACES, PAIR
+from lockstep.wire.topics import PICTURES, TEST
 
 SCENES_PER_STAGE = 3
 # What comes later is rest.
@@ -122,8 +123,9 @@ def _scene(bag: Bag, pictured: PicturedEpisodes, episode: Episode, caption: str)
     stamps_ns = [s for s in wanted.tolist() if all(s in pair for pair in pairs)][:MOST_ITERATIONS]
     rows = truth.at(np.array(stamps_ns))
     muscles = bag.vectors("muscle_activations")["muscle_activations"]
-    values = np.stack([muscles.column(name) for name in HORIZONTAL_RECTI], axis=1)
-    of_scene = values[muscles.at(np.array(stamps_ns))].reshape(-1, 2, 2).mean(axis=1)
+    space = COMMAND_SPACES[PAIR]
+    values = np.stack([muscles.column(name) for name in space.muscle_names], axis=1)
+    of_scene = space.from_muscles(values[muscles.at(np.array(stamps_ns))])
     return Scene(
         caption,
         np.stack([[pair[s] for pair in pairs] for s in stamps_ns]),

@@ -96,7 +96,6 @@ def _look(
     plant: EyePlant, stimulus: int, distance_m: float, activations: tuple[float, float]
 ) -> Observation:
     """Return what the eyes see that are held at the activations of (medial, lateral) recti."""
-    medial, lateral = activations
     return plant.begin(
         Episode(
             phase=TEST,
@@ -106,8 +105,7 @@ def _look(
             training_iteration=0,
             stimulus=stimulus,
             object_distance_m=distance_m,
-            medial_rectus=medial,
-            lateral_rectus=lateral,
+            activations=tuple(plant.oculomotor.activations_from(*activations).tolist()),
             n_iterations=1,
             first_observation=0,
         )

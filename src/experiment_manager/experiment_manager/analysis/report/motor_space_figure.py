@@ -17,7 +17,7 @@ from experiment_manager.measures.trials import TestTrials
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.wire.topics import LATERAL_LIMITS, MEDIAL_LIMITS
+from lockstep.command_space import HIGHEST_ACTIVATIONS
 
 # Start errors whose paths are drawn, where a test has them (of K17's -3 to 3 deg).
 _START_ERRORS_DEG = (-3.0, -1.0, 1.0, 3.0)
@@ -26,7 +26,7 @@ _ENDS: dict[str, dict[str, Any]] = {
     "M": {"marker": "o", "ms": 8, "mfc": "white"},
     "M_C": {"marker": "D", "ms": 4},
 }
-_MEDIAL_LIMIT, _LATERAL_LIMIT = MEDIAL_LIMITS[1], LATERAL_LIMITS[1]
+_MEDIAL_LIMIT, _LATERAL_LIMIT = HIGHEST_ACTIVATIONS
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from vergence_rl.limits import freed_targets, within_limits
+from vergence_rl.hindsight.limits import freed_targets, within_limits
 
 LOWEST, HIGHEST = np.zeros(2), np.array([0.2, 0.1])
 # Both muscles together are ten times as free as one against the other.

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from vergence_rl.hindsight import (
+from vergence_rl.hindsight.regression import (
     Sums,
     first_sums,
     kept_share,

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from vergence_rl.cacla import actor_step, n_updates
-from vergence_rl.networks import ActorOutput, ActorWeights, actor
+from vergence_rl.cacla.actor_step import actor_step, n_updates
+from vergence_rl.cacla.networks import ActorOutput, ActorWeights, actor
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 
-from vergence_rl.networks import ActorWeights, actor, uniform_weights
+from vergence_rl.cacla.networks import ActorWeights, actor, uniform_weights
 
 
 def test_actor_is_hand_computed() -> None:

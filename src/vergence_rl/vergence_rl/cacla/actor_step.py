@@ -9,7 +9,7 @@ import numpy as np
 from numba import float64, njit, void
 from numpy.typing import NDArray
 
-from vergence_rl.networks import ActorOutput, ActorWeights
+from vergence_rl.cacla.networks import ActorOutput, ActorWeights
 
 
 def n_updates(delta_t: float, variance_t: float) -> int:

@@ -7,17 +7,17 @@ from numpy.typing import NDArray
 
 from lockstep.errors import DivergenceError, InputError
 from lockstep.randomness import generator
-from vergence_rl.agent import Agent, Decision
+from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
-from vergence_rl.hindsight import root_of
+from vergence_rl.hindsight.config import HindsightConfig
+from vergence_rl.hindsight.regression import root_of
+from vergence_rl.learning_rule import Decision
 
 CONFIG = VergenceRlConfig(
     learning_rule="hindsight",
     n_features=6,
     iterations_per_episode=5,
-    regression_period=20,
-    least_memory=60.0,
-    exploration_variance=2.5e-4,
+    hindsight=HindsightConfig(regression_period=20, least_memory=60.0),
 )
 HIGHEST = np.array([0.2, 0.1])
 Floats = NDArray[np.float64]
@@ -30,8 +30,8 @@ class SlowRule:
         self.config = config
         n_state = config.n_features + 3
         self.actor = np.zeros((2, n_state))
-        self.covariance = config.exploration_variance * np.eye(2)
-        self.prior = config.least_memory
+        self.covariance = config.hindsight.exploration_variance * np.eye(2)
+        self.prior = config.hindsight.least_memory
         self.kept: list[tuple[Floats, Floats, float]] = []  # state, target, weight
         self.episode: list[tuple[Floats, Floats, float]] = []  # state, place, reward
 
@@ -80,7 +80,7 @@ class SlowRule:
         aims = np.concatenate([root * targets, np.zeros((n_state, 2))])
         self.actor = np.linalg.lstsq(rows, aims, rcond=None)[0].T
         left = root * (targets - states @ self.actor.T)
-        first = self.prior * self.config.exploration_variance * np.eye(2)
+        first = self.prior * self.config.hindsight.exploration_variance * np.eye(2)
         self.covariance = (left.T @ left + first) / (weights.sum() + self.prior)
 
 
@@ -130,7 +130,7 @@ def test_agrees_with_a_slow_rule_that_keeps_all_visits() -> None:
 
 def trained_on_gazes(price: float) -> Agent:
     """The gaze is medial - lateral; a cue says which is best, and activation has its price."""
-    config = VergenceRlConfig(learning_rule="hindsight", n_features=2, exploration_variance=2.5e-4)
+    config = VergenceRlConfig(learning_rule="hindsight", n_features=2)
     agent, draw = Agent(config), np.random.default_rng(1)
     for episode in range(600):
         gaze, place = draw.uniform(-0.05, 0.1), draw.uniform(0.0, HIGHEST)
@@ -163,7 +163,8 @@ def test_two_muscles_learn_a_gaze_and_to_relax_if_that_pays() -> None:
 
 
 def test_noise_that_does_not_follow_residuals_stays_as_it_began() -> None:
-    agent = Agent(dataclasses.replace(CONFIG, exploration_follows_residuals=False))
+    still = dataclasses.replace(CONFIG.hindsight, exploration_follows_residuals=False)
+    agent = Agent(dataclasses.replace(CONFIG, hindsight=still))
     for now, decision in enumerate(train(agent, 0, 60)):
         # With the same width in both muscles, one does not make up for the other.
         wanted = experience(now)[1] + decision.action

@@ -1,0 +1,114 @@
+"""Which muscles a command moves, and within which limits: the spaces that a configuration chooses.
+
+The plant has twelve muscles. A command names activations; each is that of one muscle, or the same
+for the muscle of that name in both eyes.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lockstep.errors import InputError
+
+SIDES = ("left", "right")
+MUSCLES = (
+    "medial_rectus",
+    "lateral_rectus",
+    "superior_rectus",
+    "inferior_rectus",
+    "superior_oblique",
+    "inferior_oblique",
+)
+MUSCLE_NAMES = tuple(f"{side}_{muscle}" for side in SIDES for muscle in MUSCLES)
+
+# Of the pair. K17's restriction of both activations, throughout: its code restricts the initial
+# draw only (D5).
+LOWEST_ACTIVATIONS, HIGHEST_ACTIVATIONS = (0.0, 0.0), (0.2, 0.1)
+
+
+@dataclass(frozen=True)
+class CommandSpace:
+    """Names of the activations that a command sets, of muscles or of pairs of them."""
+
+    names: tuple[str, ...]
+
+    @cached_property
+    def muscle_names(self) -> tuple[str, ...]:
+        """The muscles that are commanded, in the order of MUSCLE_NAMES."""
+        commanded = {muscle for name in self.names for muscle in _muscles_of(name)}
+        return tuple(muscle for muscle in MUSCLE_NAMES if muscle in commanded)
+
+    @cached_property
+    def indices(self) -> NDArray[np.intp]:
+        """Positions of muscle_names among MUSCLE_NAMES."""
+        return np.array([MUSCLE_NAMES.index(muscle) for muscle in self.muscle_names])
+
+    @cached_property
+    def _members(self) -> NDArray[np.intp]:
+        """For each name the positions of its muscles among muscle_names."""
+        return np.array(
+            [[self.muscle_names.index(muscle) for muscle in _muscles_of(n)] for n in self.names]
+        )
+
+    def from_muscles(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return (..., n_names) from values (..., n_muscles) of muscle_names.
+
+        Of muscles that share a name it is the mean.
+        """
+        means: NDArray[np.float64] = values[..., self._members].mean(axis=-1)
+        return means
+
+    def from_all(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return (..., n_names) from values (..., 12) of MUSCLE_NAMES."""
+        return self.from_muscles(values[..., self.indices])
+
+
+@dataclass(frozen=True)
+class Limits:
+    """The least and the largest activation of each command."""
+
+    lowest: tuple[float, ...]
+    highest: tuple[float, ...]
+
+
+def _muscles_of(name: str) -> tuple[str, ...]:
+    return (name,) if name in MUSCLE_NAMES else tuple(f"{side}_{name}" for side in SIDES)
+
+
+def activation_limits(
+    space: CommandSpace, lowest: Sequence[float], highest: Sequence[float]
+) -> Limits:
+    """Return the limits of each command; lowest, highest: one entry a command, or one for all.
+
+    Raises InputError for another number of entries, and where the least exceeds the largest.
+    """
+    limits = Limits(
+        _one_each("lowest_activations", lowest, space),
+        _one_each("highest_activations", highest, space),
+    )
+    for name, low, high in zip(space.names, limits.lowest, limits.highest, strict=True):
+        if low > high:
+            raise InputError(
+                f"highest_activations: expected {low} or more for {name}, the least one, got {high}"
+            )
+    return limits
+
+
+def _one_each(parameter: str, values: Sequence[float], space: CommandSpace) -> tuple[float, ...]:
+    n_names = len(space.names)
+    if len(values) not in (1, n_names):
+        raise InputError(
+            f"{parameter}: expected {n_names} entries, of {', '.join(space.names)}, or one for "
+            f"all, got {list(values)}"
+        )
+    return tuple(values) if len(values) == n_names else (values[0],) * n_names
+
+
+PAIR = "pair"
+COMMAND_SPACES = {
+    # Both eyes alike, as in K17.
+    PAIR: CommandSpace(("medial_rectus", "lateral_rectus")),
+}

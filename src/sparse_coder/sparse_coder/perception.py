@@ -1,0 +1,47 @@
+"""What an observation is worth: the one step that the node and every loop in one process share."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sparse_coder.coder import Encoding, SparseCoder
+from sparse_coder.reward import reward
+
+
+@dataclass(frozen=True)
+class Percept:
+    """What the coder makes of an observation.
+
+    metabolic_rate_w: C, of the muscles that are charged; learning_steps: of the coder, before it
+    learns from this.
+    """
+
+    encoding: Encoding
+    metabolic_rate_w: float
+    reward: float
+    learning_steps: int
+
+    def reward_values(self) -> tuple[float, ...]:
+        """Return the values of lockstep.wire.topics.REWARD_NAMES."""
+        errors = self.encoding.reconstruction_error.tolist()
+        return (*errors, self.metabolic_rate_w, self.reward, self.learning_steps)
+
+
+def perceive(
+    coder: SparseCoder,
+    left: NDArray[np.uint8],
+    right: NDArray[np.uint8],
+    metabolic_rates_w: NDArray[np.float64],
+) -> Percept:
+    """Encode both pictures and weigh the code's error against the price of energy.
+
+    left, right: (height_px, width_px); metabolic_rates_w: (n_muscles,) settled rates of the muscles
+    that are charged. Raises InputError for pictures and rates that cannot be.
+    """
+    encoding = coder.encode(left, right)
+    metabolic_rate_w = float(metabolic_rates_w.sum())
+    reward_t = reward(
+        encoding.reconstruction_error, metabolic_rate_w, coder.config.metabolic_cost_weight
+    )
+    return Percept(encoding, metabolic_rate_w, reward_t, coder.learning_steps)

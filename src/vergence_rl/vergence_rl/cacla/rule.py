@@ -1,0 +1,136 @@
+"""CACLA+VAR as a learning rule: a linear critic, and an actor that copies what did better."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lockstep.randomness import generator
+from vergence_rl.cacla.actor_step import actor_step, n_updates
+from vergence_rl.cacla.config import CaclaConfig
+from vergence_rl.cacla.networks import ActorOutput, ActorWeights, actor, uniform_weights
+from vergence_rl.learning_rule import Decision, Floats, Observation, Task
+from vergence_rl.td import (
+    bounded_rate,
+    critic_step,
+    declining_rate,
+    td_error,
+    td_variance,
+    value,
+)
+
+
+@dataclass(frozen=True)
+class _Experience:
+    """What the next observation of the episode needs of this one to learn.
+
+    copied: (n_muscles,) action that the actor is to copy, should it have done well.
+    """
+
+    observation: Observation
+    output: ActorOutput
+    copied: Floats
+
+
+class CaclaRule:
+    """Owns the critic's and the actor's weights and the variance of the TD error.
+
+    In its decisions, value is V(s_t) and td_error delta_t, both by the weights before this
+    observation's update; actor_learning_rate is beta_t, critic_learning_rate alpha, unbounded.
+    """
+
+    def __init__(self, config: CaclaConfig, task: Task) -> None:
+        """Start with random weights, a function of the seed."""
+        self._config, self._task = config, task
+        self.learning_steps = 0
+        n_state, n_hidden = task.n_state, config.n_hidden
+        critic_width = config.critic_initial_width or 1.0 / n_state
+        hidden_width = config.hidden_initial_width or 1.0 / (n_state * n_hidden)
+        draw = generator(task.seed, "weights", 0)
+        self._critic = uniform_weights(draw, (n_state,), critic_width)
+        self._actor = ActorWeights(
+            uniform_weights(draw, (n_hidden, n_state), hidden_width),
+            uniform_weights(draw, (task.n_muscles, n_hidden), config.output_initial_width),
+        )
+        self._td_variance = task.initial_td_variance
+        self._last: _Experience | None = None
+
+    def step(
+        self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
+    ) -> Decision:
+        """Learn from the last action of the episode, if there is one, then act."""
+        value_t, delta = value(self._critic, observation.state), math.nan
+        if learning and self._last is not None and observation.follows(self._last.observation):
+            delta = self._learn(self._last, observation, value_t)
+        output = actor(self._actor, observation.state)
+        action = output.action
+        if draw is not None:
+            action = action + self._noise(draw, len(action))
+        command = np.clip(observation.activations + action, self._task.lowest, self._task.highest)
+        # What the limits have left of the action is what the actor may copy (D14).
+        change = command - observation.activations
+        copied = change if self._config.copies_clipped_action else action
+        self._last = _Experience(observation, output, copied) if learning else None
+        return Decision(
+            command,
+            action,
+            value_t,
+            delta,
+            self._td_variance,
+            self._rate(observation),
+            self._config.critic_learning_rate,
+        )
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return weights and variance, as copies."""
+        return {
+            "actor_hidden": self._actor.hidden.copy(),
+            "actor_output": self._actor.output.copy(),
+            "critic": self._critic.copy(),
+            "learning_steps": np.array(self.learning_steps),
+            "td_variance": np.array(self._td_variance),
+        }
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Continue from what state returned, with the next episode."""
+        self._actor = ActorWeights(state["actor_hidden"].copy(), state["actor_output"].copy())
+        self._critic = state["critic"].copy()
+        self.learning_steps = int(state["learning_steps"])
+        self._td_variance = float(state["td_variance"])
+        self._last = None
+
+    def _noise(self, draw: np.random.Generator, n_muscles: int) -> Floats:
+        """Return Gaussian noise, of the same width throughout (K17 II)."""
+        return draw.normal(0.0, math.sqrt(self._config.exploration_variance), n_muscles)
+
+    def _learn(self, last: _Experience, observation: Observation, value_t: float) -> float:
+        """Update critic and actor for the last state and action; return the TD error."""
+        config, state_tm1 = self._config, last.observation.state
+        value_tm1 = value(self._critic, state_tm1)
+        delta = td_error(observation.reward, config.discount, value_t, value_tm1)
+        alpha = bounded_rate(config.critic_learning_rate, state_tm1, config.critic_step_limit)
+        self._critic = critic_step(self._critic, state_tm1, delta, alpha)
+        self._td_variance = td_variance(self._td_variance, delta, self._task.td_variance_rate)
+        n = n_updates(delta, self._td_variance)
+        if n > 0:
+            rate = self._rate(observation)
+            self._actor = actor_step(
+                self._actor,
+                state_tm1,
+                last.output,
+                last.copied,
+                rate=rate * n,
+                shrinkage=rate * config.weight_shrinkage,
+            )
+        self.learning_steps += 1
+        return delta
+
+    def _rate(self, observation: Observation) -> float:
+        return declining_rate(
+            self._config.actor_learning_rate,
+            observation.training_iteration,
+            self._task.n_training_iterations,
+        )

@@ -1,0 +1,61 @@
+"""Settings of hindsight regression (D12, D16)."""
+
+from dataclasses import dataclass
+
+from lockstep.errors import InputError
+from lockstep.settings import check_settings, setting
+
+
+@dataclass(frozen=True)
+class HindsightConfig:
+    """Settings of regression and exploration. Raises InputError for a value out of range."""
+
+    exploration_variance: float = setting(
+        2.5e-4,
+        "variance of the noise on each action until residuals are known, or throughout (D16)",
+        least=0,
+    )
+    exploration_follows_residuals: bool = setting(
+        True,
+        "whether the noise takes the covariance of what the regression leaves, and commands come as"
+        " near their limits as it measures; otherwise the noise stays as it began (D16)",
+    )
+    target_scale: float = setting(
+        0.005,
+        "change of activation at which a target counts half in the regression",
+        above=0,
+    )
+    ridge_share: float = setting(
+        0.01,
+        "penalty of the regression's weights, as a share of the mean square of a state's entry",
+        above=0,
+    )
+    memory_share: float = setting(
+        0.5,
+        "iterations after which the regression has forgotten all but 1 / e, as a share of those"
+        " so far",
+        above=0,
+    )
+    least_memory: float = setting(1000.0, "the least of these iterations", above=0)
+    regression_period: int = setting(
+        100,
+        "iterations from one solution of the regression to the next, whole episodes",
+        least=1,
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of range."""
+        check_settings(self)
+
+    def check_fits(self, iterations_per_episode: int) -> None:
+        """Raise InputError unless whole episodes of two iterations or more fit a period."""
+        if iterations_per_episode < 2:
+            raise InputError(
+                "iterations_per_episode: expected 2 or more, whose rewards hindsight regression "
+                f"compares, got {iterations_per_episode}"
+            )
+        if self.regression_period % iterations_per_episode:
+            raise InputError(
+                f"hindsight.regression_period: expected a multiple of {iterations_per_episode} "
+                f"(iterations per episode), got {self.regression_period}"
+            )

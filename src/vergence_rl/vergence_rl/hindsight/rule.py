@@ -1,0 +1,138 @@
+"""Hindsight regression as a learning rule: it collects an episode, then learns from all of it."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vergence_rl.hindsight.config import HindsightConfig
+from vergence_rl.hindsight.limits import freed_targets, within_limits
+from vergence_rl.hindsight.regression import (
+    Sums,
+    first_sums,
+    kept_share,
+    nearness,
+    regressed_actor,
+    residual_covariance,
+    root_of,
+)
+from vergence_rl.learning_rule import Decision, Observation, Task
+from vergence_rl.td import td_variance
+
+
+class HindsightRule:
+    """Owns the sums of the regression, the actor that was last solved from them, and its residuals.
+
+    In its decisions, value is the largest reward of the episode so far (in a test, the reward), and
+    td_error by how much the reward exceeds the largest one before it: above zero, these are the
+    best activations by now. actor_learning_rate is the share of the sums that an episode replaces.
+    """
+
+    def __init__(self, config: HindsightConfig, task: Task) -> None:
+        """Start with an actor that does nothing, and wide noise."""
+        self._config, self._task = config, task
+        self._limits = task.lowest, task.highest
+        variance = config.exploration_variance
+        self.learning_steps = 0
+        self._weights = np.zeros((task.n_muscles, task.n_state))
+        self._sums = first_sums(task.n_state, task.n_muscles, variance, config.least_memory)
+        self._covariance = variance * np.eye(task.n_muscles)
+        self._td_variance = task.initial_td_variance
+        self._visits: list[Observation] = []
+
+    def step(
+        self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
+    ) -> Decision:
+        """Collect the observation, learn from the episode if it is its last one, then act."""
+        value, delta = observation.reward, math.nan
+        if learning:
+            value, delta = self._collect(observation)
+        else:
+            self._visits.clear()
+        action = self._weights @ observation.state
+        if draw is not None:
+            # Of the residuals' covariance (D16).
+            noise = draw.normal(0.0, 1.0, len(action))
+            action = action + root_of(self._covariance) @ noise
+        wanted = observation.activations + action
+        return Decision(
+            within_limits(wanted, self._covariance, *self._limits),
+            action,
+            value,
+            delta,
+            self._td_variance,
+            1.0 - self._kept_share(observation.training_iteration),
+            0.0,
+        )
+
+    def _collect(self, observation: Observation) -> tuple[float, float]:
+        """Return the largest reward of the episode, and by how much the last exceeds the others."""
+        visits = self._visits
+        if visits and observation.follows(visits[-1]):
+            self.learning_steps += 1
+        else:
+            visits.clear()
+        delta = math.nan
+        if visits:
+            delta = observation.reward - max(visit.reward for visit in visits)
+            rate = self._task.td_variance_rate
+            self._td_variance = td_variance(self._td_variance, delta, rate)
+        visits.append(observation)
+        if len(visits) == self._task.iterations_per_episode == observation.iteration + 1:
+            self._learn_from_episode(observation.training_iteration + 1)
+        return max(visit.reward for visit in visits), delta
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return actor, sums and residuals, as copies; of symmetric squares the upper triangle."""
+        return {
+            "actor": self._weights.copy(),
+            "covariance": self._covariance.copy(),
+            "learning_steps": np.array(self.learning_steps),
+            "sum_products": self._sums.products.copy(),
+            "sum_squares": self._sums.squares[np.triu_indices(self._task.n_state)],
+            "sum_targets": self._sums.targets.copy(),
+            "sum_weight": np.array(self._sums.weight),
+            "td_variance": np.array(self._td_variance),
+        }
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Continue from what state returned, with the next episode."""
+        n_state = self._task.n_state
+        squares = np.zeros((n_state, n_state))
+        squares[np.triu_indices(n_state)] = state["sum_squares"]
+        squares += np.triu(squares, 1).T
+        self._sums = Sums(
+            float(state["sum_weight"]),
+            squares,
+            state["sum_products"].copy(),
+            state["sum_targets"].copy(),
+        )
+        self._weights = state["actor"].copy()
+        self._covariance = state["covariance"].copy()
+        self.learning_steps = int(state["learning_steps"])
+        self._td_variance = float(state["td_variance"])
+        self._visits.clear()
+
+    def _learn_from_episode(self, n_seen: int) -> None:
+        """Add an episode's visits to the sums, and now and then solve the regression.
+
+        n_seen: training iterations by now.
+        """
+        config = self._config
+        states = np.array([visit.state for visit in self._visits])
+        visited = np.array([visit.activations for visit in self._visits])
+        best = visited[np.argmax([visit.reward for visit in self._visits])]
+        wanted = visited + states @ self._weights.T
+        targets = freed_targets(best, wanted, self._covariance, *self._limits) - visited
+        weights = nearness(best - visited, config.target_scale)
+        self._sums.add(states, targets, weights, kept=self._kept_share(n_seen))
+        if n_seen % config.regression_period == 0:
+            self._weights = regressed_actor(self._sums, config.ridge_share)
+            if config.exploration_follows_residuals:
+                self._covariance = residual_covariance(self._sums, self._weights)
+
+    def _kept_share(self, n_seen: int) -> float:
+        memory = max(self._config.least_memory, self._config.memory_share * n_seen)
+        return kept_share(self._task.iterations_per_episode, memory)

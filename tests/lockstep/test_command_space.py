@@ -1,0 +1,65 @@
+import re
+
+import numpy as np
+import pytest
+
+from lockstep.command_space import (
+    COMMAND_SPACES,
+    MUSCLE_NAMES,
+    PAIR,
+    CommandSpace,
+    activation_limits,
+)
+from lockstep.errors import InputError
+
+PAIR_OF_RECTI = COMMAND_SPACES[PAIR]
+
+
+def test_the_pair_commands_both_eyes_left_before_right() -> None:
+    assert PAIR_OF_RECTI.names == ("medial_rectus", "lateral_rectus")
+    assert PAIR_OF_RECTI.muscle_names == (
+        "left_medial_rectus",
+        "left_lateral_rectus",
+        "right_medial_rectus",
+        "right_lateral_rectus",
+    )
+    assert PAIR_OF_RECTI.indices.tolist() == [0, 1, 6, 7]
+
+
+def test_muscles_that_share_a_command_are_averaged() -> None:
+    values = np.array([0.1, 0.02, 0.3, 0.06])
+    assert PAIR_OF_RECTI.from_muscles(values).tolist() == [0.2, 0.04]
+    two = PAIR_OF_RECTI.from_muscles(np.stack([values, 2.0 * values]))
+    assert two.tolist() == [[0.2, 0.04], [0.4, 0.08]]
+
+
+def test_a_space_of_single_muscles_keeps_its_own_order() -> None:
+    space = CommandSpace(("right_medial_rectus", "left_superior_oblique"))
+    assert space.muscle_names == ("left_superior_oblique", "right_medial_rectus")
+    assert space.from_muscles(np.array([0.1, 0.2])).tolist() == [0.2, 0.1]
+    assert space.from_all(np.arange(12.0)).tolist() == [6.0, 4.0]
+
+
+def test_all_twelve_muscles_are_themselves() -> None:
+    space = CommandSpace(MUSCLE_NAMES)
+    assert space.from_all(np.arange(12.0)).tolist() == list(range(12))
+
+
+def test_one_limit_holds_for_all_commands() -> None:
+    limits = activation_limits(PAIR_OF_RECTI, [0.01], [0.2, 0.1])
+    assert (limits.lowest, limits.highest) == ((0.01, 0.01), (0.2, 0.1))
+
+
+@pytest.mark.parametrize(
+    ("lowest", "highest", "message"),
+    [
+        ([0.0] * 3, [0.2], "lowest_activations: expected 2 entries, of medial_rectus, lateral_"),
+        ([0.0], [], "highest_activations: expected 2 entries"),
+        ([0.0, 0.15], [0.2, 0.1], "expected 0.15 or more for lateral_rectus, the least one, got"),
+    ],
+)
+def test_limits_that_do_not_fit_are_refused(
+    lowest: list[float], highest: list[float], message: str
+) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        activation_limits(PAIR_OF_RECTI, lowest, highest)
