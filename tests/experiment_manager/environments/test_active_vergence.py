@@ -74,10 +74,11 @@ def configuration(settings: dict[str, Any]) -> Configuration:
     return configuration_of(arguments(line), "")
 
 
+@pytest.mark.parametrize("rule", ["cacla", "hindsight"])
 def test_our_agent_learns_the_same_numbers_as_in_the_loop(
-    bare: VergenceEnvironment, settings: dict[str, Any]
+    bare: VergenceEnvironment, settings: dict[str, Any], rule: str
 ) -> None:
-    parameters = configuration(settings)
+    parameters = configuration(settings | {"vergence_rl.learning_rule": rule})
     loop = make_loop(parameters)
     protocol = make_protocol(build(ExperimentManagerConfig, parameters["experiment_manager"]))
     expected_deg = []
