@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from experiment_manager.bag.reader import Bag
+from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.measures.pictured_episodes import PicturedEpisodes, pictured_episodes
 from lockstep.wire.topics import HORIZONTAL_RECTI, PICTURES, TEST
 
@@ -46,9 +46,10 @@ def scenes(bag: Bag) -> list[Scene]:
     Raises InputError for a bag without pictures.
     """
     pictured = pictured_episodes(bag)
+    muscles = bag.vectors("muscle_activations")["muscle_activations"]
     stages = chosen_stages(_episodes(pictured))
     return [
-        _scene(bag, pictured, episode, caption)
+        _scene(bag, pictured, muscles, episode, caption)
         for caption, episodes in stages
         for episode in episodes
     ]
@@ -115,13 +116,14 @@ def _spread(episodes: Sequence[Episode]) -> list[Episode]:
     return [episodes[place] for place in places]
 
 
-def _scene(bag: Bag, pictured: PicturedEpisodes, episode: Episode, caption: str) -> Scene:
+def _scene(
+    bag: Bag, pictured: PicturedEpisodes, muscles: VectorTable, episode: Episode, caption: str
+) -> Scene:
     truth = pictured.truth
     wanted = truth.stamps_ns[pictured.rows[episode.i_episode]]
     pairs = [dict(bag.images(topic, wanted.tolist())) for topic in PICTURES]
     stamps_ns = [s for s in wanted.tolist() if all(s in pair for pair in pairs)][:MOST_ITERATIONS]
     rows = truth.at(np.array(stamps_ns))
-    muscles = bag.vectors("muscle_activations")["muscle_activations"]
     values = np.stack([muscles.column(name) for name in HORIZONTAL_RECTI], axis=1)
     of_scene = values[muscles.at(np.array(stamps_ns))].reshape(-1, 2, 2).mean(axis=1)
     return Scene(
