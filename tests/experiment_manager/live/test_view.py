@@ -3,7 +3,7 @@
 import json
 import re
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -157,11 +157,15 @@ def test_a_bag_without_pictures_cannot_be_played(make_bag: Any, server: ViewServ
         Player(Bag(bag), View(server, n_selections=10))
 
 
-def test_a_bag_with_a_broken_configuration_has_a_coder_of_the_default_size(tmp_path: Path) -> None:
+def test_a_bag_with_a_broken_configuration_has_a_coder_of_the_default_size(
+    tmp_path: Path, vector_bytes: Callable[..., bytes]
+) -> None:
     vector = "sensor_msgs/msg/JointState"
     with BagWriter(
         tmp_path / "bag", {"ground_truth": vector}, {}, configuration="sparse_coder: [1"
     ) as writer:
+        truth = vector_bytes(GROUND_TRUTH_NAMES, (0.0,) * len(GROUND_TRUTH_NAMES), 0)
+        writer.write("ground_truth", truth, 0)
         writer.commit()
     # The configuration is read before the pictures are looked for.
     with pytest.raises(InputError, match="expected pictures of both eyes"):
