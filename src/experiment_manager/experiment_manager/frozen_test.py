@@ -12,6 +12,7 @@ from tqdm import tqdm
 
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.loop import InProcessLoop, make_loop
+from experiment_manager.measures.criteria import criteria_of
 from experiment_manager.measures.metrics import test_summary
 from experiment_manager.measures.trials import mean_of_both_eyes
 from experiment_manager.plant_changes import read_schedule
@@ -71,7 +72,9 @@ class FrozenTest:
         manager = build(ExperimentManagerConfig, found["experiment_manager"])
         trained = make_protocol(manager).training_iterations_before(place)
         configuration, manager = _at_age(found, trained, self.settings)
-        shown = self._shown(build(EyePlantConfig, configuration["eye_plant"]).stimuli, manager)
+        plant = build(EyePlantConfig, configuration["eye_plant"])
+        criteria = criteria_of(plant.camera.focal_length_px, plant.mechanics)
+        shown = self._shown(plant.stimuli, manager)
         n_stimuli = len(shown.all) + len(shown.stereograms)
         protocol = _test_protocol(manager, trained, n_stimuli)
         loop = make_loop(configuration, shown)
@@ -96,7 +99,7 @@ class FrozenTest:
             "settings": dict(self.settings),
             "stimuli": self.shown,
             "n_stimuli": n_stimuli,
-            "tests": [test_summary(rows)],
+            "tests": [test_summary(rows, manager.protocol.iterations_per_trial, criteria)],
         }
 
     @property

@@ -15,7 +15,7 @@ from experiment_manager.bag.repair import repair_bag
 from experiment_manager.film.film import FRAMES_PER_S, film
 from experiment_manager.live.play import play
 from experiment_manager.measures.metrics import summary
-from experiment_manager.measures.recorded_run import trial_rows
+from experiment_manager.measures.recorded_run import test_settings_of, trial_rows
 from experiment_manager.measures.tables import tests_table, text_table
 from experiment_manager.measures.trials import split_tests
 from experiment_manager.run.lasting_output import make_standard_streams_last
@@ -166,10 +166,13 @@ def _learning_curve(bag: Bag) -> str:
     truth = tables["ground_truth"]
     if not len(truth.stamps_ns):
         return ""
-    tests = split_tests(trial_rows(truth, tables.get("muscle_activations")))
-    return (
-        tests_table([summary(test) for test in tests]) if tests else "No complete trial of a test."
-    )
+    settings = test_settings_of(bag)
+    rows = trial_rows(truth, tables.get("muscle_activations"))
+    summaries = [
+        summary(test, settings.criteria(test.training_iteration))
+        for test in split_tests(rows, settings.iterations_per_trial)
+    ]
+    return tests_table(summaries) if summaries else "No complete trial of a test."
 
 
 def _print_repairs(path: Path) -> None:

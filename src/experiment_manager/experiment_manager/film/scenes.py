@@ -7,6 +7,7 @@ import numpy as np
 
 from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.measures.pictured_episodes import PicturedEpisodes, pictured_episodes
+from experiment_manager.measures.recorded_run import test_settings_of
 from lockstep.wire.topics import HORIZONTAL_RECTI, PICTURES, TEST
 
 SCENES_PER_STAGE = 3
@@ -20,13 +21,14 @@ class Scene:
     """The first iterations of an episode, n of them.
 
     pictures: (n, 2, height, width) uint8; error_deg: (n,) vergence error; activations: (n, 2) of
-    medial and lateral rectus, the mean of both eyes.
+    medial and lateral rectus, the mean of both eyes; px_deg: visual angle of a pixel.
     """
 
     caption: str
     pictures: np.ndarray
     error_deg: np.ndarray
     activations: np.ndarray
+    px_deg: float
 
 
 @dataclass(frozen=True)
@@ -131,4 +133,5 @@ def _scene(
         np.stack([[pair[s] for pair in pairs] for s in stamps_ns]),
         truth.column("vergence_error_deg")[rows],
         of_scene,
+        test_settings_of(bag).criteria(episode.training_iteration).px_deg,
     )
