@@ -37,8 +37,8 @@ def test_each_stage_of_a_schedule_has_its_own() -> None:
     before, smaller, turned = (settings.criteria(n) for n in (100, 200, 201))
     assert before == TestSettings.of({}).criteria(0), "the test at the change is before it"
     assert smaller.px_deg == pytest.approx(0.11133, abs=1e-5)
-    # Turned in by 10 deg more, relaxed eyes look at 0.29 m; all that is tested is farther off.
-    assert turned.lateral_is_silent_up_to_m < turned.medial_is_silent_from_m < 0.31
+    # Relaxed eyes that are turned in look at something nearer than all that is tested.
+    assert turned.lateral_is_silent_up_to_m < turned.medial_is_silent_from_m < 0.5
 
 
 def test_the_configuration_of_a_run_says_how_it_is_tested() -> None:

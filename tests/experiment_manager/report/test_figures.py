@@ -11,6 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from experiment_manager.anaglyph import anaglyph
 from experiment_manager.measures.metrics import summary
 from experiment_manager.report.condition_figures import conditions_figure
 from experiment_manager.report.dictionary_figures import dictionary_figure, preference
@@ -21,7 +22,7 @@ from experiment_manager.report.performance_figures import (
     learning_curve,
     performance_figure,
 )
-from experiment_manager.report.picture_figures import anaglyph, anaglyph_figure, encoding_figure
+from experiment_manager.report.picture_figures import anaglyph_figure, encoding_figure
 from experiment_manager.report.price_figure import over_prices, price_figure
 from experiment_manager.report.reported_run import ReportedRun
 from eye_plant.mechanics.inverse import Inverse

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from experiment_manager.anaglyph import anaglyph
 from experiment_manager.film.scenes import MOST_ITERATIONS, Scene
-from experiment_manager.report.picture_figures import anaglyph
 
 _DPI = 100
 _CAPTION_PX = 28

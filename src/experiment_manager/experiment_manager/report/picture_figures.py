@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullFormatter
 
+from experiment_manager.anaglyph import anaglyph
 from experiment_manager.measures.recorded_run import RecordedRun, RecordedTest
 from experiment_manager.report.groups import Group
 from experiment_manager.report.performance_figures import new_figure
@@ -97,11 +98,6 @@ def recorded_trials(run: RecordedRun, test: RecordedTest) -> list[RecordedTrial]
     ends_ns = test.stamps_ns[:, [0, -2]]
     known = np.isin(ends_ns, both).all(axis=1)
     return [RecordedTrial(test, int(i)) for i in np.flatnonzero(known)]
-
-
-def anaglyph(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return (height, width, 3) uint8: the left picture in red, the right one in cyan."""
-    return np.stack([left, right, right], axis=-1)
 
 
 def anaglyph_figure(run: RecordedRun) -> Figure | None:
