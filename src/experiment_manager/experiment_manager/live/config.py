@@ -1,34 +1,11 @@
 """Settings of the live view, and where it listens."""
 
-import argparse
 from dataclasses import dataclass
 
 from lockstep.settings import check_settings, setting
 
 LOCAL_HOST = "127.0.0.1"
 PORT = 8765
-
-
-@dataclass(frozen=True)
-class Address:
-    """Where the live view listens; its page is on the next port."""
-
-    host: str = LOCAL_HOST
-    port: int = PORT
-
-    @classmethod
-    def of(cls, text: str) -> "Address":
-        """Return the address that HOST, HOST:PORT or :PORT names; for argparse."""
-        host, _, port = text.partition(":")
-        if port and not (port.isdigit() and 0 < int(port) < 65535):
-            raise argparse.ArgumentTypeError(
-                f"expected HOST:PORT with a port from 1 to 65534, got {text!r}"
-            )
-        return cls(host or LOCAL_HOST, int(port or PORT))
-
-    def __str__(self) -> str:
-        """Return HOST:PORT."""
-        return f"{self.host}:{self.port}"
 
 
 @dataclass(frozen=True)

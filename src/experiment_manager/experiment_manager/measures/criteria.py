@@ -8,8 +8,8 @@ from typing import Any
 
 import yaml
 
-from experiment_manager.config import ProtocolConfig
-from experiment_manager.plant_changes import Schedule, read_schedule
+from experiment_manager.experiment.config import ProtocolConfig
+from experiment_manager.experiment.plant_changes import Schedule, read_schedule
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.geometry import degrees_per_px, fixation_distance_m
 from eye_plant.mechanics.inverse import Inverse

@@ -4,8 +4,8 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from experiment_manager.config import MODELS
-from experiment_manager.live.config import Address
+from experiment_manager.experiment.config import MODELS
+from experiment_manager.live.address import Address
 from experiment_manager.preparation.profiles import profile_names
 from lockstep.command_line import CommandLine
 

@@ -4,7 +4,7 @@ import sys
 from contextlib import AbstractContextManager
 from pathlib import Path
 
-from experiment_manager.live.config import Address
+from experiment_manager.live.address import Address
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.supervision.nursery import NodeProcess, Nursery, stop
 
