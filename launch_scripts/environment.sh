@@ -33,7 +33,7 @@ without_other_ros() { # a colon-separated list of folders, less those of another
 # Names what numba compiles. A cached function that calls one of another file does not notice when that one changes, and
 # crashes: so other sources have a cache of their own.
 compiled_sources() {
-  find "$root/src" -name '*.py' -exec grep -l numba {} + 2>/dev/null | LC_ALL=C sort | xargs -r cat | sha256sum | cut -c 1-16
+  find "$root/src" -name '*.py' -exec grep -lZ numba {} + 2>/dev/null | LC_ALL=C sort -z | xargs -0r cat | sha256sum | cut -c 1-16
 }
 
 export_variables() {

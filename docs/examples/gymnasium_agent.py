@@ -22,7 +22,7 @@ def train(environment: gymnasium.Env, agent: Agent, n_episodes: int, seed: int) 
     errors_deg = []
     for i_episode in range(n_episodes):
         observed, info = environment.reset(seed=seed if i_episode == 0 else None)
-        reward, truncated = 0.0, False  # nothing is learned from an episode's first reward
+        reward, truncated = info["reward"], False
         while not truncated:
             truth = info["ground_truth"]  # for its count of iterations
             decision = agent.observe(

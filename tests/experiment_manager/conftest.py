@@ -11,7 +11,6 @@ import yaml
 from rosbags.typesys import Stores, get_typestore
 
 from experiment_manager.bag.writer import BagWriter
-from experiment_manager.measures.metrics import PX_DEG
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES
 from tests.made_once import made_once
 from tests.supervisor import finished, start_supervisor
@@ -246,7 +245,7 @@ class SyntheticRun:
         parts = [half, half, cost_w, -2 * half - weight * cost_w, float(self._observation)]
         self._writer.write("reward", _vector_bytes(REWARD_NAMES, parts, stamp_ns), stamp_ns)
         if values["phase"] == 1 and values["trial"] % 10 == 0:
-            shift_px = error_deg / PX_DEG / 2
+            shift_px = error_deg / 0.2226 / 2
             for side, sign in (("left", 1), ("right", -1)):
                 moved = np.roll(self._picture, round(sign * shift_px), axis=1)
                 picture = _image_bytes(moved[:, 80:400], stamp_ns)

@@ -121,6 +121,16 @@ def test_a_waiting_plant_repeats_its_observation_bit_for_bit(graph: Graph, bench
     assert late[0] == bench.outsider.heard["episode"][0]
 
 
+def test_the_state_says_whether_an_episode_is_under_way(bench: Bench) -> None:
+    assert bench.next_status()["state"] == "waiting for an episode"
+    assert begin(bench) == (True, "")
+    assert bench.next_status()["state"] == "in an episode"
+    for i, command in enumerate(COMMANDS):
+        send_command(bench, 44 + i, command)
+        bench.wait_distinct("eye_states", i + 2)
+    assert bench.next_status()["state"] == "between episodes"
+
+
 def test_the_last_observation_is_repeated_until_the_next_episode(bench: Bench) -> None:
     run_episode(bench)
     bench.graph.spin_until(

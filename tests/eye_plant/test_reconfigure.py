@@ -1,8 +1,10 @@
 """A plant that is changed between two episodes is as one that was made so."""
 
+import mujoco
 import numpy as np
 import pytest
 
+from eye_plant.camera.offscreen import GraphicsError
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.episode import Episode
 from eye_plant.plant import EyePlant
@@ -80,6 +82,27 @@ def test_a_refused_change_leaves_the_plant_as_it_was(plain, stimuli):
         with pytest.raises(InputError, match=message):
             plant.reconfigure(settings)
     assert seen(plant) == before
+    plant.close()
+
+
+@pytest.mark.parametrize("mechanics", [{}, {"mechanics.baseline_m": 0.062}])
+def test_a_change_that_cannot_be_drawn_leaves_the_plant_as_it_was(
+    stimuli, mechanics, monkeypatch: pytest.MonkeyPatch
+):
+    plant = made(build(EyePlantConfig, {"camera.renderer": "mujoco"}), stimuli)
+    before = seen(plant)
+
+    def refuse(*_: object) -> None:
+        raise mujoco.FatalError("out of memory")
+
+    with monkeypatch.context() as broken:
+        broken.setattr(mujoco, "MjrContext", refuse)
+        with pytest.raises(GraphicsError, match="out of memory"):
+            plant.reconfigure({**mechanics, "camera.left_magnification": 1.1})
+    plant.reconfigure({})
+    assert seen(plant) == before
+    plant.reconfigure(ALTERED)
+    assert seen(plant) != before
     plant.close()
 
 

@@ -302,8 +302,10 @@ def test_script_can_be_started(path: str) -> None:
     assert os.access(ROOT / path, os.X_OK)
 
 
-def test_changed_sources_have_a_numba_cache_of_their_own(tmp_path: Path) -> None:
-    checkout = Checkout(tmp_path)
+@pytest.mark.parametrize("folder", ["plain", "with a blank"])
+def test_changed_sources_have_a_numba_cache_of_their_own(tmp_path: Path, folder: str) -> None:
+    (tmp_path / folder).mkdir()
+    checkout = Checkout(tmp_path / folder)
     source = checkout.root / "src" / "coder.py"
     source.parent.mkdir()
     named = []
@@ -318,6 +320,7 @@ def test_changed_sources_have_a_numba_cache_of_their_own(tmp_path: Path) -> None
             text=True,
             check=True,
         )
+        assert not done.stderr
         named.append(done.stdout.strip())
     assert named[0] == named[2] != named[1]
     assert all(name.startswith(f"{checkout.root}/.venv/numba_cache/") for name in named)

@@ -1,4 +1,4 @@
-"""Both eyes' pictures in one."""
+"""Both eyes' pictures in one, for red and cyan glasses."""
 
 import numpy as np
 

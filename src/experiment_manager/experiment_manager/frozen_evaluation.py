@@ -14,6 +14,7 @@ from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import read_schedule
 from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.loop import InProcessLoop, make_loop
+from experiment_manager.measures.criteria import criteria_of
 from experiment_manager.measures.metrics import test_summary
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
@@ -70,7 +71,9 @@ class FrozenTest:
         manager = build(ExperimentManagerConfig, found["experiment_manager"])
         trained = make_protocol(manager).training_iterations_before(place)
         configuration, manager = _at_age(found, trained, self.settings)
-        shown = self._shown(build(EyePlantConfig, configuration["eye_plant"]).stimuli, manager)
+        plant = build(EyePlantConfig, configuration["eye_plant"])
+        criteria = criteria_of(plant.camera.focal_length_px, plant.mechanics)
+        shown = self._shown(plant.stimuli, manager)
         n_stimuli = len(shown.all) + len(shown.stereograms)
         protocol = _test_protocol(manager, trained, n_stimuli)
         loop = make_loop(configuration, shown)
@@ -95,7 +98,7 @@ class FrozenTest:
             "settings": dict(self.settings),
             "stimuli": self.shown,
             "n_stimuli": n_stimuli,
-            "tests": [test_summary(rows)],
+            "tests": [test_summary(rows, manager.protocol.iterations_per_trial, criteria)],
         }
 
     @property

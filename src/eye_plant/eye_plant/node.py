@@ -136,7 +136,8 @@ class EyePlantNode(Node):
     def _state_of_run(self) -> dict[str, str]:
         if self._observation is None:
             return {"state": "waiting for an episode"}
-        return {"state": "in an episode", "observation": str(self._observation.number)}
+        state = "in an episode" if self._plant.is_waiting else "between episodes"
+        return {"state": state, "observation": str(self._observation.number)}
 
     def destroy_node(self) -> None:
         """Release the graphics context with the node."""

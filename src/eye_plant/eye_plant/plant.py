@@ -65,11 +65,13 @@ class EyePlant:
         if config == self.config:
             self._settings = dict(settings)
             return
+        oculomotor, inverse = self.oculomotor, self._inverse
         if config.mechanics != self.config.mechanics:
             oculomotor, inverse = Oculomotor(config.mechanics), Inverse(config.mechanics)
-            self.oculomotor, self._inverse = oculomotor, inverse
         if config.camera != self.config.camera:
             self._camera.reconfigure(config.camera)
+        # Nothing is refused from here on.
+        self.oculomotor, self._inverse = oculomotor, inverse
         self.config, self._settings = config, dict(settings)
         self._episode = None
 

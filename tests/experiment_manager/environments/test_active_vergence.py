@@ -1,6 +1,8 @@
 """The Gymnasium environments: Gymnasium's own checks, and the in-process loop as the oracle."""
 
 import importlib.util
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -63,6 +65,19 @@ def bare(settings: dict[str, Any]) -> Iterator[VergenceEnvironment]:
     made.close()
 
 
+def test_an_environment_needs_neither_ros_nor_reports(settings: dict[str, Any]) -> None:
+    drawn = settings | {"eye_plant.camera.renderer": "plane"}
+    make = f"gymnasium.make({IDS[1]!r}, model='M_C', settings={drawn!r}).reset(seed=1)"
+    program = f"import sys, gymnasium, experiment_manager.environments; {make}; print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    loaded = {name.partition(".")[0] for name in done.stdout.split()}
+    assert {"gymnasium", "sparse_coder"} <= loaded
+    assert not loaded & {"rclpy", "rpyutils", "sensor_msgs", "builtin_interfaces"}
+    assert not loaded & {"matplotlib", "mcap"}
+
+
 @pytest.mark.filterwarnings("ignore:.*:UserWarning")
 def test_gymnasiums_own_checks_pass(environment: gymnasium.Env) -> None:
     check_env(environment.unwrapped)
@@ -74,10 +89,11 @@ def configuration(settings: dict[str, Any]) -> Configuration:
     return configuration_of(arguments(line), "")
 
 
+@pytest.mark.parametrize("rule", ["cacla", "hindsight"])
 def test_our_agent_learns_the_same_numbers_as_in_the_loop(
-    bare: VergenceEnvironment, settings: dict[str, Any]
+    bare: VergenceEnvironment, settings: dict[str, Any], rule: str
 ) -> None:
-    parameters = configuration(settings)
+    parameters = configuration(settings | {"vergence_rl.learning_rule": rule})
     loop = make_loop(parameters)
     protocol = make_protocol(build(ExperimentManagerConfig, parameters["experiment_manager"]))
     expected_deg = []

@@ -99,3 +99,21 @@ def test_the_eyes_of_each_stage_must_meet_the_protocol() -> None:
         f"experiment_manager.schedule={change}",
         f"{_PROTOCOL}.least_start_error_deg=-2",
     )
+
+
+def _eyes_of(baseline_m: float, at: int) -> str:
+    change = f"[{{at: {at}, set: {{eye_plant.mechanics.baseline_m: {baseline_m}}}}}]"
+    return f"experiment_manager.schedule={change}"
+
+
+def test_the_trials_that_are_made_are_checked_not_those_of_another_baseline() -> None:
+    only_near = [f"{_PROTOCOL}.{name}_distance_m=[0.5, 0.5]" for name in ("object", "fixation")]
+    only_near += [f"{_PROTOCOL}.test_distances_m=[0.5]"]
+    # At 0.5 m eyes 56 mm apart converge by 6.41 deg, and the tests begin with errors up to 6 deg.
+    # With 70.5 mm it is 8.07 deg. A trial that begins with 8 deg would ask for 0.07 deg, but those
+    # of 56 mm ask for 0.41 deg at least; lateral recti up to 0.008 give 0.32 deg.
+    only_near.append("vergence_rl.lateral_limits=[0.0, 0.008]")
+    _check(*only_near, _eyes_of(0.0705, 100))
+    # With 30 mm it is 3.44 deg: -2.56 deg at the start of a trial of 6 deg.
+    with pytest.raises(InputError, match=r"schedule, at 100: .* from -2\.56 to "):
+        _check(*only_near, _eyes_of(0.03, 100))

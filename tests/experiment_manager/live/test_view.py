@@ -3,15 +3,16 @@
 import json
 import re
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from experiment_manager.analysis.play import Player
+from experiment_manager.analysis.play import Player, play
 from experiment_manager.bag.reader import Bag
+from experiment_manager.bag.writer import BagWriter
 from experiment_manager.live import server as server_module
 from experiment_manager.live.page import LAYOUT, Page
 from experiment_manager.live.server import ViewServer, why_unavailable
@@ -154,6 +155,21 @@ def test_a_bag_without_pictures_cannot_be_played(make_bag: Any, server: ViewServ
     bag = make_bag({"/ground_truth": (GROUND_TRUTH_NAMES, np.zeros((3, len(GROUND_TRUTH_NAMES))))})
     with pytest.raises(InputError, match="expected pictures of both eyes, it has none"):
         Player(Bag(bag), View(server, n_selections=10))
+
+
+def test_a_bag_with_a_broken_configuration_has_a_coder_of_the_default_size(
+    tmp_path: Path, vector_bytes: Callable[..., bytes]
+) -> None:
+    vector = "sensor_msgs/msg/JointState"
+    with BagWriter(
+        tmp_path / "bag", {"ground_truth": vector}, {}, configuration="sparse_coder: [1"
+    ) as writer:
+        truth = vector_bytes(GROUND_TRUTH_NAMES, (0.0,) * len(GROUND_TRUTH_NAMES), 0)
+        writer.write("ground_truth", truth, 0)
+        writer.commit()
+    # The configuration is read before the pictures are looked for.
+    with pytest.raises(InputError, match="expected pictures of both eyes"):
+        play(tmp_path / "bag", "127.0.0.1", 0, 1.0)
 
 
 def test_a_port_in_use_is_one_error(server: ViewServer) -> None:

@@ -1,11 +1,13 @@
 """What a run keeps of its trials: small, and enough for what is drawn of it."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from experiment_manager.measures.criteria import TestSettings
 from experiment_manager.measures.kept_trials import (
     KEPT_FILE,
     KeptTrials,
@@ -15,16 +17,20 @@ from experiment_manager.measures.kept_trials import (
     with_test,
     write_trials,
 )
-from experiment_manager.measures.metrics import summary
+from experiment_manager.measures.metrics import summary as summary_of
 from experiment_manager.measures.trials import TestTrials
 from lockstep.errors import InputError
 
 N_TRIALS, N = 12, 20
 
 
-def _test(training_iteration: int, n_trials: int = N_TRIALS) -> TestTrials:
-    """Trials of four stimuli that begin alike in every test and then go their way."""
-    draw, start = np.random.default_rng(training_iteration), np.random.default_rng(0)
+def summary(trials: TestTrials) -> dict[str, Any]:
+    return summary_of(trials, TestSettings.of({}).criteria(0))
+
+
+def _test(training_iteration: int, n_trials: int = N_TRIALS, eyes: int = 0) -> TestTrials:
+    """Trials of four stimuli that begin alike in every test of the same eyes; then they differ."""
+    draw, start = np.random.default_rng(training_iteration), np.random.default_rng(eyes)
     error_deg, rate_w = draw.normal(size=(2, n_trials, N + 1))
     activations = draw.random((n_trials, N + 1, 2)) / 10
     error_deg[:, 0], rate_w[:, 0] = start.normal(size=(2, n_trials))
@@ -72,6 +78,23 @@ def test_the_last_test_has_its_measures_and_the_others_their_ends(tmp_path: Path
     assert set(told.values()) == {None}, "not kept of an earlier test"
 
 
+def test_tests_of_other_eyes_have_their_own_starts_and_optima(tmp_path: Path) -> None:
+    tests = [_test(0, eyes=1), _test(500, eyes=1), _test(600, eyes=2), _test(1000, eyes=2)]
+    tests = [replace(test, object_distance_m=tests[0].object_distance_m) for test in tests]
+    for n_tests in (2, 3, 4):
+        write_trials(tmp_path, _kept(*tests[:n_tests]))
+        found = read_trials(tmp_path)
+        assert len(found) == n_tests
+        for before, after in zip(tests, found, strict=False):
+            told, expected = summary(after), summary(before)
+            for name in ("median_delta_cost_w", "median_cost_reduction"):
+                assert told[name] == pytest.approx(expected[name], rel=1e-4)
+            starts_deg = before.vergence_error_deg[:, 0]
+            assert np.allclose(after.vergence_error_deg[:, 0], starts_deg, rtol=1e-6)
+    assert _kept(*tests).began_otherwise.tolist() == [0, 1]
+    assert not set(arrays_of(_kept(*tests[:2]))) & {"began_otherwise", "started_with"}
+
+
 def test_the_paths_of_the_first_stimulus_are_whole(tmp_path: Path) -> None:
     test = _test(0)
     write_trials(tmp_path, _kept(test))
@@ -105,6 +128,11 @@ def test_what_is_no_trials_is_refused(tmp_path: Path) -> None:
         from_arrays({"trial": arrays["trial"]})
     with pytest.raises(InputError, match=r"rate_w: expected shape \(12, 5\), got \(11, 5\)"):
         from_arrays(arrays | {"rate_w": arrays["rate_w"][1:]})
+    others = arrays_of(_kept(_test(0, eyes=1), _test(500)))
+    with pytest.raises(InputError, match=r"started_with: expected shape \(1, 3, 12\), got \(0, "):
+        from_arrays(others | {"started_with": others["started_with"][1:]})
+    with pytest.raises(InputError, match=r"expected activations, .*, got .*began_otherwise"):
+        from_arrays(arrays | {"began_otherwise": others["began_otherwise"]})
     (tmp_path / KEPT_FILE).write_bytes(b"PK")
     with pytest.raises(InputError, match=r"trials\.npz: expected a state of trials_of_run"):
         read_trials(tmp_path)

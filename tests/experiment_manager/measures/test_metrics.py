@@ -5,12 +5,29 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiment_manager.measures.metrics import PX_DEG, cost_share, summary, test_summary
+from experiment_manager.measures import metrics
+from experiment_manager.measures.criteria import Criteria
+from experiment_manager.measures.metrics import cost_share
 from experiment_manager.measures.trials import TRIAL_NAMES, pooled, split_tests
 from lockstep.errors import InputError
 from lockstep.wire.topics import TEST, TRAINING
 
+CRITERIA = Criteria(
+    px_deg=0.22264,
+    silent_activation=0.005,
+    lateral_is_silent_up_to_m=2.0,
+    medial_is_silent_from_m=4.0,
+)
 PLACE = {name: i for i, name in enumerate(TRIAL_NAMES)}
+
+
+def test_summary(rows: np.ndarray) -> dict[str, Any]:
+    """Return the summary of rows whose longest trial is whole."""
+    n_iterations = int(rows[:, PLACE["iteration"]].max()) if rows.ndim == 2 else 0
+    return metrics.test_summary(rows, n_iterations, CRITERIA)
+
+
+test_summary.__test__ = False  # type: ignore[attr-defined]
 
 
 def _row(**values: float) -> list[float]:
@@ -143,7 +160,6 @@ def test_each_eye_by_hand() -> None:
 
 
 def test_shares_of_errors_by_hand() -> None:
-    assert pytest.approx(0.22264, abs=1e-5) == PX_DEG
     finals_deg = [0.0, 0.2226, -0.2227, 0.99, 1.0, -1.01, 7.0]
     rows = [_trial([-1.0, e], [1.0, 1.0], trial=i) for i, e in enumerate(finals_deg)]
     result = test_summary(np.concatenate(rows))
@@ -208,19 +224,19 @@ def test_the_authors_test_set_stops_at_2_deg_and_leaves_out_0() -> None:
 
 
 def test_pooled_trials_are_those_of_all_runs() -> None:
-    (one,) = split_tests(np.array(_trial([1.0, 0.5], [1.0, 1.0])))
-    (other,) = split_tests(np.array(_trial([2.0, 0.1], [1.0, 2.0])))
+    (one,) = split_tests(np.array(_trial([1.0, 0.5], [1.0, 1.0])), 1)
+    (other,) = split_tests(np.array(_trial([2.0, 0.1], [1.0, 2.0])), 1)
     both = pooled([one, other])
     assert both.vergence_error_deg.tolist() == [[1.0, 0.5], [2.0, 0.1]]
     assert both.training_iteration == 500
-    assert summary(both)["n_trials"] == 2
+    assert metrics.summary(both, CRITERIA)["n_trials"] == 2
 
 
 def test_tests_are_split_and_training_is_ignored() -> None:
     training = [_row(phase=TRAINING, test=-1, trial=-1, iteration=i) for i in range(11)]
     first = _trial([1.0, 0.5], [1.0, 1.0], test=0, trial=0, training_iteration=0)
     second = _trial([1.0, 0.2], [1.0, 1.0], test=1, trial=0, training_iteration=50_000)
-    tests = split_tests(np.array(training + first + training + training + second))
+    tests = split_tests(np.array(training + first + training + training + second), 1)
     assert [test.training_iteration for test in tests] == [0, 50_000]
     assert [float(test.vergence_error_deg[0, 1]) for test in tests] == [0.5, 0.2]
     assert tests[1].rows.tolist() == [[35, 36]]
@@ -230,10 +246,41 @@ def test_broken_trials_are_left_out_and_the_last_repetition_counts() -> None:
     whole = [_trial([1.0, e, e], [1.0] * 3, trial=t) for t, e in ((0, 0.1), (1, 0.2), (2, 0.3))]
     again = _trial([1.0, 0.7, 0.9], [1.0] * 3, trial=1)
     rows = whole[0] + whole[1][:2] + again + whole[2][:1] + whole[2] + whole[0][:2]
-    (trials,) = split_tests(np.array(rows))
+    (trials,) = split_tests(np.array(rows), 2)
     assert trials.trial.tolist() == [0, 1, 2]
     assert trials.vergence_error_deg[:, 2].tolist() == [0.1, 0.9, 0.3]
-    assert summary(trials)["n_trials"] == 3
+    assert metrics.summary(trials, CRITERIA)["n_trials"] == 3
+
+
+def test_of_a_test_that_ended_in_its_first_trial_nothing_counts() -> None:
+    part = np.array(_trial([1.0, 0.5, 0.3], [1.0] * 3))
+    assert len(split_tests(part, 2)) == 1
+    assert split_tests(part, 20) == []
+    with pytest.raises(InputError, match="expected the rows of one test, got those of 0"):
+        metrics.test_summary(part, 20, CRITERIA)
+
+
+def test_what_counts_is_that_of_the_runs_own_eyes_and_cameras() -> None:
+    # Twice the pixels per degree, a higher floor, eyes that rest on something nearer.
+    other = Criteria(0.11132, 0.01, 0.5, 1.0)
+    ends = [(0.5, 0.07, 0.009, 0.2), (2.0, 0.009, 0.1, 0.1)]
+    rows = np.concatenate(
+        [
+            _trial(
+                [-1.0, error_deg],
+                [1.0, 1.0],
+                trial=i,
+                object_distance_m=distance_m,
+                medial_rectus=medial,
+                lateral_rectus=lateral,
+            )
+            for i, (distance_m, medial, lateral, error_deg) in enumerate(ends)
+        ]
+    )
+    ours, theirs = (metrics.test_summary(rows, 1, criteria) for criteria in (CRITERIA, other))
+    assert (ours["share_within_1_px"], theirs["share_within_1_px"]) == (1.0, 0.5)
+    assert ours["share_right_muscle_silent"] == 0.0
+    assert theirs["share_right_muscle_silent"] == 1.0
 
 
 def test_one_test_is_expected() -> None:

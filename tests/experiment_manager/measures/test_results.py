@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from experiment_manager.measures import tables
+from experiment_manager.measures.criteria import TestSettings
 from experiment_manager.measures.metrics import test_summary
 from experiment_manager.measures.results import read_results, results_document, write_results
 from experiment_manager.measures.trials import TRIAL_NAMES
@@ -72,7 +73,9 @@ def test_every_key_of_a_result_is_in_the_document() -> None:
     for iteration, row in enumerate(rows):
         row[TRIAL_NAMES.index("phase")] = TEST
         row[TRIAL_NAMES.index("iteration")] = iteration
-    document = results_document(**(VALUES | {"tests": [test_summary(np.array(rows))]}))
+    document = results_document(
+        **(VALUES | {"tests": [test_summary(np.array(rows), 4, TestSettings.of({}).criteria(0))]})
+    )
     assert not _keys(document) - set(re.findall(r"`([a-z_A-Z0-9]+)`", text)) - {"0"}
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image, JointState
 
 from experiment_manager.bag.reader import Bag
@@ -189,6 +190,30 @@ def test_a_second_publisher_is_a_fault(
     VectorPublisher(learner, "reward", REWARD_NAMES)
     assert _finished(graph, manager) == EXIT_FAULT
     assert "expected one publisher per topic, found more on reward" in capfd.readouterr().err
+
+
+def test_a_message_without_a_stamp_is_a_fault(
+    graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    plant, coder, _ = nodes
+    coder.is_mute = True
+    clock = plant.create_publisher(Clock, "/clock", LOCKSTEP_QOS)
+    manager = _start(graph, tmp_path / "run")
+    graph.spin_until(lambda: plant.episodes and clock.get_subscription_count(), "an episode")
+    clock.publish(b"\x00\x01\x00\x00")
+    assert _finished(graph, manager) == EXIT_FAULT
+    assert "expected a message with a header, got 4 bytes" in capfd.readouterr().err
+
+
+def test_answers_to_the_last_observation_are_not_recorded(
+    graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path
+) -> None:
+    nodes[1].answers_all = True
+    manager = _start(graph, tmp_path / "run")
+    assert _finished(graph, manager) == 0
+    tables = Bag(tmp_path / "run" / "bag").vectors("reward", "actor_critic", "muscle_command")
+    for table in tables.values():
+        assert len(table.stamps_ns) == N_OBSERVATIONS - 4
 
 
 def test_an_interrupt_ends_the_run_after_the_episode_and_it_can_be_resumed(

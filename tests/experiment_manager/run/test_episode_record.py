@@ -83,6 +83,22 @@ def test_complete_with_the_very_last_message() -> None:
     assert record.missing() == ""
 
 
+def test_nobody_is_to_answer_the_last_observation() -> None:
+    record = EpisodeRecord(_episode(), PERIOD_NS)
+    for topic in PLANT:
+        assert record.expects(topic, 42 * PERIOD_NS)
+    for topic in ANSWERS:
+        assert record.expects(topic, 41 * PERIOD_NS)
+        assert not record.expects(topic, 42 * PERIOD_NS)
+
+
+def test_one_message_too_many_does_not_stand_for_a_missing_one() -> None:
+    record = EpisodeRecord(_episode(), PERIOD_NS)
+    for topic in (*[t for t in PLANT for _ in range(3)], *[t for t in ANSWERS for _ in range(2)]):
+        record.count("reward" if topic == "eye_states" else topic)
+    assert not record.is_complete
+
+
 def test_missing_messages_are_named() -> None:
     record = EpisodeRecord(_episode(), PERIOD_NS)
     for topic in PLANT:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from experiment_manager.measures.criteria import TestSettings
 from experiment_manager.measures.kept_trials import arrays_of
 from experiment_manager.measures.trials import TRIAL_NAMES
 from experiment_manager.run.progress import Progress
@@ -18,6 +19,9 @@ ACTIVATIONS = np.array([0.1, 0.02, 0.1, 0.02])
 def _truth(**values: float) -> np.ndarray:
     assert set(values) <= set(GROUND_TRUTH_NAMES)
     return np.array([values.get(name, 0.0) for name in GROUND_TRUTH_NAMES])
+
+
+CRITERIA = TestSettings.of({}).criteria(0)
 
 
 def _reward(coarse: float, fine: float, cost_w: float) -> np.ndarray:
@@ -47,7 +51,7 @@ def _add_test(progress: Progress, finals_deg: list[float]) -> dict[str, Any]:
         for i, row in enumerate(rows):
             progress.add_truth(row, is_last=i == 20)
             progress.add_activations(TEST, ACTIVATIONS)
-    return progress.end_test()
+    return progress.end_test(20, CRITERIA)
 
 
 def test_a_test_is_summed_up_after_iteration_20() -> None:
@@ -128,7 +132,7 @@ def test_a_checkpoint_amid_a_test_carries_everything() -> None:
             progress.add_truth(row, is_last=False)
             progress.add_activations(TEST, ACTIVATIONS)
         progress.add_reward(TRAINING, 51, _reward(0.1, 0.2, 0.3))
-        progress.end_test()
+        progress.end_test(20, CRITERIA)
         ends.append(
             (
                 progress.tests,

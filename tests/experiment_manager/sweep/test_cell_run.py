@@ -143,17 +143,22 @@ def test_which_ends_are_failures(code: int, failed: bool, failed_when_interrupte
     assert is_failure(code, interrupted=True) == failed_when_interrupted
 
 
+_NO_TRIAL = {"median_abs_vergence_error_deg": None}
+
+
 def test_the_table_has_a_row_for_each_run_and_their_sums() -> None:
     last_test = {"median_abs_vergence_error_deg": 0.0852, "iteration": 1000}
     statuses = [
         Status("seed_1", "running", 36_000, 1_000_000, 50.0, last_test),
         Status("seed_10", "waiting"),
         Status("seed_2", "waiting"),
+        Status("seed_3", "done", 40, 40, last_test={**last_test, **_NO_TRIAL}),
     ]
     assert table(statuses).splitlines() == [
         "run      state    iterations        it/s  time left  last test",
         "seed_1   running  36000 of 1000000  50    5:21 h     0.085 deg at 1000",
         "seed_10  waiting",
         "seed_2   waiting",
-        "1 running, 2 waiting",
+        "seed_3   done     40 of 40                           no trial at 1000",
+        "1 running, 2 waiting, 1 done",
     ]

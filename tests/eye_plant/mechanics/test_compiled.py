@@ -26,8 +26,8 @@ def test_the_trace_is_that_of_single_steps(model: mujoco.MjModel) -> None:
     )
     step_and_trace(addresses_of(model, compiled), trace, live)
     for activations, lengths_m, velocities_m_s, forces_n in trace:
-        mujoco.mj_step(model, plain)
         np.testing.assert_array_equal(activations, plain.act)
+        mujoco.mj_step(model, plain)
         np.testing.assert_array_equal(lengths_m, plain.actuator_length)
         np.testing.assert_array_equal(velocities_m_s, plain.actuator_velocity)
         np.testing.assert_array_equal(forces_n, plain.actuator_force)

@@ -138,6 +138,21 @@ def test_the_mean_rate_stays_that_of_the_state_s_own_period():
     np.testing.assert_array_equal(state.mean_metabolic_rate_w, expected_w)
 
 
+def test_the_trace_begins_with_the_muscles_at_rest_and_charges_what_they_still_hold():
+    """By hand: a = 0.2, u = 0 and no motion, so A = 0.1 (Umberger 2003, eq. 6) and heat ~ A^0.6."""
+    eyes = Oculomotor(MechanicsConfig())
+    eyes.settle(eyes.activations_from(0.2, 0.0))
+    settled_w = eyes.state().metabolic_rate_w[0]
+    eyes.step(eyes.activations_from(0.0, 0.0))
+    terms = eyes.metabolic_trace()
+    assert terms.activation_maintenance_w[0, 0] == pytest.approx(0.5**0.6 * settled_w)
+    assert terms.work_w[0, 0] == pytest.approx(0.0, abs=1e-12)
+    # One step of a time constant later a = 0.2 / e: the heat is less by e^-0.6.
+    assert eyes.model.opt.timestep == pytest.approx(0.01)
+    later = terms.activation_maintenance_w[1, 0] / terms.activation_maintenance_w[0, 0]
+    assert later == pytest.approx(np.exp(-0.6))
+
+
 def test_moving_costs_work_and_heat_that_add_up_to_the_mean_rate():
     eyes = Oculomotor(MechanicsConfig())
     eyes.settle(eyes.activations_from(0.0, 0.05))

@@ -14,7 +14,8 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.messages import camera_info
-from lockstep.wire.cdr import StampedBytes, clock_bytes
+from lockstep.errors import InputError
+from lockstep.wire.cdr import StampedBytes, clock_bytes, stamp_of
 from lockstep.wire.images import ImagePublisher
 from lockstep.wire.padding import serialized
 from lockstep.wire.stamps import to_time
@@ -147,6 +148,12 @@ def test_a_message_without_numbers_changes_its_stamp_alone() -> None:
     assert deserialize_message(filled, CameraInfo) == message
     read = store.deserialize_cdr(filled, "sensor_msgs/msg/CameraInfo")
     assert filled == bytes(store.serialize_cdr(read, "sensor_msgs/msg/CameraInfo"))
+
+
+@pytest.mark.parametrize("n_bytes", [0, 1, 4, 11])
+def test_a_message_too_short_for_a_stamp_is_refused(n_bytes: int) -> None:
+    with pytest.raises(InputError, match=f"expected a message with a header, got {n_bytes} bytes"):
+        stamp_of(clock_bytes(1)[:n_bytes])
 
 
 def test_a_clock_is_the_clock_that_was_meant() -> None:

@@ -85,7 +85,7 @@ def _n_selections(bag: Bag) -> int:
     try:
         document = yaml.safe_load(bag.attachment(CONFIGURATION_ATTACHMENT))
         return int(document["/**/sparse_coder"]["ros__parameters"]["n_selections"])
-    except (InputError, KeyError, TypeError):
+    except (InputError, yaml.YAMLError, KeyError, TypeError, ValueError):
         return 10
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
 from experiment_manager.bag.reader import Bag, VectorTable
+from experiment_manager.measures.criteria import TestSettings
 from experiment_manager.measures.kept_trials import KeptTrials, with_test
 from experiment_manager.measures.metrics import (
     SHARE_ITERATIONS,
@@ -19,6 +20,7 @@ from experiment_manager.measures.results import results_document
 from experiment_manager.measures.trials import TestTrials, split_tests
 from experiment_manager.run.described_run import DescribedRun
 from lockstep.command_space import COMMAND_SPACES, PAIR
+from lockstep.errors import InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, TRAINING
 
 # The error of a single episode says how hard it was; a median over some says what was learned.
@@ -107,8 +109,15 @@ class RecordedRun(DescribedRun):
             metabolic_cost_weight=self.metabolic_cost_weight,
             cost_share_first=first,
             cost_share_last=last,
-            tests=[summary(test.trials) for test in self.tests],
+            tests=self.summaries(),
         )
+
+    def summaries(self) -> list[dict[str, Any]]:
+        """Return the measures of each test, as in results.json."""
+        return [
+            summary(trials, self.test_settings.criteria(trials.training_iteration))
+            for trials in (test.trials for test in self.tests)
+        ]
 
     def kept_trials(self) -> KeptTrials | None:
         """Return what trials.npz holds, from the bag alone; None without a test."""
@@ -125,7 +134,7 @@ class RecordedRun(DescribedRun):
         rows = trial_rows(truth, tables["muscle_activations"])
         recorded = tuple(
             _recorded(trials, truth, tables["reward"])
-            for trials in split_tests(rows)
+            for trials in split_tests(rows, self.test_settings.iterations_per_trial)
             if trials.trial[0] == 0
         )
         return _Measures(
@@ -154,6 +163,18 @@ class RecordedRun(DescribedRun):
 
         n = self.n_iterations
         return share(0, SHARE_ITERATIONS), share(max(0, n - SHARE_ITERATIONS), n)
+
+
+def test_settings_of(bag: Bag) -> TestSettings:
+    """Return how the run of a bag was tested; of a bag without its configuration, the defaults."""
+    try:
+        text = bag.attachment(CONFIGURATION_ATTACHMENT).decode()
+    except InputError:
+        text = ""
+    return TestSettings.of_configuration(text)
+
+
+test_settings_of.__test__ = False  # type: ignore[attr-defined]
 
 
 def _sum_in_order(values: np.ndarray) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 
 from experiment_manager.analysis.film.film import FRAMES_PER_S, film
 from experiment_manager.analysis.play import play
-from experiment_manager.analysis.recorded_run import trial_rows
+from experiment_manager.analysis.recorded_run import test_settings_of, trial_rows
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT, RUN_METADATA
 from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.repair import repair_bag
@@ -166,10 +166,13 @@ def _learning_curve(bag: Bag) -> str:
     truth = tables["ground_truth"]
     if not len(truth.stamps_ns):
         return ""
-    tests = split_tests(trial_rows(truth, tables.get("muscle_activations")))
-    return (
-        tests_table([summary(test) for test in tests]) if tests else "No complete trial of a test."
-    )
+    settings = test_settings_of(bag)
+    rows = trial_rows(truth, tables.get("muscle_activations"))
+    summaries = [
+        summary(test, settings.criteria(test.training_iteration))
+        for test in split_tests(rows, settings.iterations_per_trial)
+    ]
+    return tests_table(summaries) if summaries else "No complete trial of a test."
 
 
 def _print_repairs(path: Path) -> None:

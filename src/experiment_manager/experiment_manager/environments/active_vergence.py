@@ -35,7 +35,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
     away, and that scaling rounds nothing. Activations are kept within the limits, as the agent's.
     Reward: -E - lambda C of the observation that the action led to (K17 eq. 5).
     info: "ground_truth", by the names of that topic, from which no agent should learn, since no eye
-    can see it; reconstruction_error_coarse, _fine.
+    can see it; reconstruction_error_coarse, _fine; "reward" of what is observed, also at the start.
 
     The coder learns from each observation of a training episode but the last, which in the graph
     is not drawn. `reset(seed=)` starts the experiment of that seed from nothing, the coder too.
@@ -163,6 +163,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
             "ground_truth": dict(zip(GROUND_TRUTH_NAMES, truth, strict=True)),
             "reconstruction_error_coarse": float(coarse),
             "reconstruction_error_fine": float(fine),
+            "reward": percept.reward,
         }
         return observed, percept.reward, info
 

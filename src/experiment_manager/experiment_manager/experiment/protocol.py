@@ -95,7 +95,10 @@ class Protocol:
         eyes: Sequence[Eyes],
         schedule: Schedule = NO_CHANGES,
     ) -> None:
-        """eyes: one entry per stage of the schedule, the first one at 0."""
+        """eyes: one entry per stage of the schedule, the first one at 0.
+
+        All tests have the same trials, so that they compare: the first stage's conditions.
+        """
         self.config = config
         self._schedule = schedule
         self._seed = seed

@@ -1,13 +1,13 @@
 """Whether eyes with these muscles can do what a protocol asks, found out before anything starts."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import read_schedule, stages_of
-from experiment_manager.experiment.protocol import conditions
+from experiment_manager.experiment.protocol import Condition, conditions
 from eye_plant.config import EyePlantConfig
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.inverse import Inverse, Limits
@@ -29,18 +29,21 @@ def check_reach(parameters: Mapping[str, Mapping[str, Any]]) -> None:
     """
     manager = build(ExperimentManagerConfig, parameters["experiment_manager"])
     started_with = build(EyePlantConfig, parameters["eye_plant"])
+    tested = conditions(manager.protocol, started_with.mechanics.baseline_m)
     for at, plant in stages_of(read_schedule(manager.schedule), started_with):
         try:
-            _check_eyes(replace(manager, mechanics=plant.mechanics, schedule=""), plant)
+            _check_eyes(replace(manager, mechanics=plant.mechanics, schedule=""), plant, tested)
         except InputError as error:
             raise InputError(f"schedule, at {at}: {error}" if at else str(error)) from error
 
 
-def _check_eyes(config: ExperimentManagerConfig, plant: EyePlantConfig) -> None:
+def _check_eyes(
+    config: ExperimentManagerConfig, plant: EyePlantConfig, tested: Sequence[Condition]
+) -> None:
     plane_m = plant.camera.plane_size_m
     inverse = Inverse(config.mechanics)
     limits = config.protocol.pair_limits
-    _check_vergence(config, inverse, limits)
+    _check_vergence(config, inverse, limits, tested)
     for distance_m in _distances_m(config):
         _check_version(config, inverse, limits, distance_m, plane_m)
 
@@ -50,7 +53,9 @@ def _distances_m(config: ExperimentManagerConfig) -> list[float]:
     return sorted({*protocol.object_distance_m, *protocol.test_distances_m})
 
 
-def _check_vergence(config: ExperimentManagerConfig, inverse: Inverse, limits: Limits) -> None:
+def _check_vergence(
+    config: ExperimentManagerConfig, inverse: Inverse, limits: Limits, tested: Sequence[Condition]
+) -> None:
     baseline_m = config.mechanics.baseline_m
     asked_deg = [
         desired_vergence_deg(distance_m, baseline_m)
@@ -58,7 +63,7 @@ def _check_vergence(config: ExperimentManagerConfig, inverse: Inverse, limits: L
     ]
     asked_deg += [
         desired_vergence_deg(condition.object_distance_m, baseline_m) - condition.start_error_deg
-        for condition in conditions(config.protocol, baseline_m)
+        for condition in tested
     ]
     least_deg, most_deg = inverse.vergence_range_deg(limits)
     if least_deg > min(asked_deg) + _TOLERANCE_DEG or most_deg < max(asked_deg) - _TOLERANCE_DEG:

@@ -1,4 +1,4 @@
-"""Settings of the live view."""
+"""Settings of the live view, and where it listens."""
 
 from dataclasses import dataclass
 

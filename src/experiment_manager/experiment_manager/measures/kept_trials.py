@@ -16,18 +16,25 @@ from lockstep.state_file import read_state, write_state
 
 KEPT_FILE = "trials.npz"
 _KIND = "trials_of_run"
+# What trials.npz has only where some test began otherwise than the last one.
+OTHER_STARTS = ("began_otherwise", "started_with")
 
 
 @dataclass(frozen=True)
 class KeptTrials:
     """Trials of the tests that have the same trials as the last one; float32 where not whole.
 
+    A trial begins and has its optimum in each test as in the last one, as long as the eyes stay as
+    they are; of the tests in which they were others, this is kept apart.
+
     training_iteration: (n_tests,); final_error_deg, final_rate_w: (n_tests, n_trials), signed error
     and metabolic rate after the last iteration. Of the last test: trial, stimulus,
     object_distance_m, optimal_rate_w: (n_trials,); iteration: (k,) those that are kept of each
     trial, 0 is the start; error_deg, rate_w: (n_trials, k); activations: (n_trials, k, 2) of medial
     and lateral rectus, mean of both eyes; path: (m,) indices of the trials of the first stimulus;
-    path_activations: (m, n_iterations + 1, 2).
+    path_activations: (m, n_iterations + 1, 2). began_otherwise: (j,) indices of the tests that
+    began otherwise than the last one; started_with: (j, 3, n_trials) their error, rate and optimal
+    rate at the start.
     """
 
     training_iteration: np.ndarray
@@ -43,23 +50,30 @@ class KeptTrials:
     activations: np.ndarray
     path: np.ndarray
     path_activations: np.ndarray
+    began_otherwise: np.ndarray
+    started_with: np.ndarray
+
+    def starts(self) -> np.ndarray:
+        """Return error, rate and optimal rate at the start of each test, (n_tests, 3, n_trials)."""
+        last = np.stack([self.error_deg[:, 0], self.rate_w[:, 0], self.optimal_rate_w])
+        starts = np.repeat(last[None], len(self.training_iteration), axis=0)
+        starts[self.began_otherwise] = self.started_with
+        return starts
 
     def tests(self) -> list[TestTrials]:
-        """Return the tests in order, with nan for what is not kept.
-
-        Of all but the last one, the starts are those of the last: each test begins alike.
-        """
+        """Return the tests in order, with nan for what is not kept."""
         n_trials, n = len(self.trial), int(self.iteration[-1])
+        starts = self.starts()
         found = []
         for i, training_iteration in enumerate(self.training_iteration):
             error_deg, rate_w = (np.full((n_trials, n + 1), np.nan) for _ in range(2))
             activations = np.full((n_trials, n + 1, 2), np.nan)
             is_last = i == len(self.training_iteration) - 1
-            kept = slice(None) if is_last else slice(0, 1)
-            error_deg[:, self.iteration[kept]] = self.error_deg[:, kept]
-            rate_w[:, self.iteration[kept]] = self.rate_w[:, kept]
+            error_deg[:, 0], rate_w[:, 0], optimal_rate_w = starts[i]
             error_deg[:, n], rate_w[:, n] = self.final_error_deg[i], self.final_rate_w[i]
             if is_last:
+                error_deg[:, self.iteration] = self.error_deg
+                rate_w[:, self.iteration] = self.rate_w
                 activations[:, self.iteration] = self.activations
                 activations[self.path] = self.path_activations
             found.append(
@@ -72,7 +86,7 @@ class KeptTrials:
                     version_deg=np.full((n_trials, n + 1), np.nan),
                     deviations_deg=np.full((n_trials, n + 1, 2), np.nan),
                     metabolic_rate_w=rate_w,
-                    optimal_metabolic_rate_w=self.optimal_rate_w.astype(np.float64),
+                    optimal_metabolic_rate_w=optimal_rate_w.astype(np.float64),
                     activations=activations,
                     rows=np.zeros((n_trials, n + 1), dtype=int),
                 )
@@ -86,11 +100,14 @@ def with_test(kept: KeptTrials | None, trials: TestTrials) -> KeptTrials:
     iteration = np.array(sorted({0, n, *(k for k in REPORTED_ITERATIONS if k < n)}))
     final_error_deg = _small(trials.vergence_error_deg[None, :, n])
     final_rate_w = _small(trials.metabolic_rate_w[None, :, n])
+    starts = _starts(trials)
     training_iteration = np.array([trials.training_iteration])
     if kept is not None and np.array_equal(kept.trial, trials.trial):
         training_iteration = np.append(kept.training_iteration, training_iteration)
         final_error_deg = np.concatenate([kept.final_error_deg, final_error_deg])
         final_rate_w = np.concatenate([kept.final_rate_w, final_rate_w])
+        starts = np.concatenate([kept.starts(), starts])
+    began_otherwise = np.flatnonzero((starts != starts[-1]).any(axis=(1, 2)))
     path = np.flatnonzero(trials.stimulus == trials.stimulus.min())
     return KeptTrials(
         training_iteration=training_iteration,
@@ -106,7 +123,16 @@ def with_test(kept: KeptTrials | None, trials: TestTrials) -> KeptTrials:
         activations=_small(trials.activations[:, iteration]),
         path=path,
         path_activations=_small(trials.activations[path]),
+        began_otherwise=began_otherwise,
+        started_with=starts[began_otherwise],
     )
+
+
+def _starts(trials: TestTrials) -> np.ndarray:
+    """Return error, rate and optimal rate at the start, (1, 3, n_trials)."""
+    optimal_w = trials.optimal_metabolic_rate_w
+    start = [trials.vergence_error_deg[:, 0], trials.metabolic_rate_w[:, 0], optimal_w]
+    return _small(np.stack(start)[None])
 
 
 def _small(values: np.ndarray) -> np.ndarray:
@@ -114,8 +140,11 @@ def _small(values: np.ndarray) -> np.ndarray:
 
 
 def arrays_of(kept: KeptTrials | None) -> dict[str, np.ndarray]:
-    """Return what is kept by name, nothing for None."""
-    return {} if kept is None else dict(vars(kept))
+    """Return what is kept by name, nothing for None; OTHER_STARTS only where there are some."""
+    if kept is None:
+        return {}
+    left_out = () if len(kept.began_otherwise) else OTHER_STARTS
+    return {name: values for name, values in vars(kept).items() if name not in left_out}
 
 
 def from_arrays(arrays: Mapping[str, np.ndarray]) -> KeptTrials | None:
@@ -123,20 +152,27 @@ def from_arrays(arrays: Mapping[str, np.ndarray]) -> KeptTrials | None:
     if not arrays:
         return None
     names = set(KeptTrials.__dataclass_fields__)
-    if set(arrays) != names:
+    if set(arrays) not in (names, names.difference(OTHER_STARTS)):
         raise InputError(f"expected {', '.join(sorted(names))}, got {', '.join(sorted(arrays))}")
-    kept = KeptTrials(**arrays)
-    n_trials, n_kept = len(kept.trial), len(kept.iteration)
+    n_trials = len(arrays["trial"])
+    nowhere = {
+        "began_otherwise": np.zeros(0, dtype=int),
+        "started_with": np.zeros((0, 3, n_trials), dtype=np.float32),
+    }
+    kept = KeptTrials(**{**nowhere, **arrays})
+    n_kept = len(kept.iteration)
     shapes = {
         "final_error_deg": (len(kept.training_iteration), n_trials),
         "final_rate_w": (len(kept.training_iteration), n_trials),
         "error_deg": (n_trials, n_kept),
         "rate_w": (n_trials, n_kept),
         "activations": (n_trials, n_kept, 2),
+        "started_with": (len(kept.began_otherwise), 3, n_trials),
     }
     for name, shape in shapes.items():
-        if arrays[name].shape != shape:
-            raise InputError(f"{name}: expected shape {shape}, got {arrays[name].shape}")
+        found = getattr(kept, name).shape
+        if found != shape:
+            raise InputError(f"{name}: expected shape {shape}, got {found}")
     return kept
 
 

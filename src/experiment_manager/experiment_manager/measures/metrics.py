@@ -7,52 +7,42 @@ from typing import Any
 
 import numpy as np
 
+from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.trials import TestTrials, split_tests
-from eye_plant.camera.config import CameraConfig
-from eye_plant.geometry import degrees_per_px
-from eye_plant.mechanics.k17 import K17
 from lockstep.errors import InputError
 
 # K17 Fig. 3 shows these; the last one is what all tables report.
 REPORTED_ITERATIONS = (1, 2, 3, 20)
 # K17's share of the cost in the reward is told over so many iterations at either end of training.
 SHARE_ITERATIONS = 5000
-# The visual angle of one pixel at the picture's centre (K17 II).
-PX_DEG = degrees_per_px(CameraConfig().focal_length_px)
 # A trial that ends farther off has not arrived.
 ARRIVED_DEG = 1.0
-# Below this a muscle counts as silent: its cost no longer falls (the floor of its cost).
-SILENT_ACTIVATION = K17.energetics.minimum_activation
 # The authors' code has these start errors, and leaves 0 out of its measures.
 AUTHORS_START_ERRORS_DEG = (-3.0, -2.0, -1.0, 1.0, 2.0)
-# At rest K17's eyes look at 3.2 m: nearer than that the lateral recti should be silent, farther off
-# the medial ones. At 3 m either may hold the gaze at hardly any cost.
-_LATERAL_IS_SILENT_UP_TO_M = 2.0
-_MEDIAL_IS_SILENT_FROM_M = 4.0
 # Trials start at whole degrees of error; the eyes settle within 0.02 deg.
 _ZERO_ERROR_DEG = 0.1
 
 
-def only_test(rows: np.ndarray) -> TestTrials:
-    """Return the trials of one test from its rows (n, len(TRIAL_NAMES)).
+def only_test(rows: np.ndarray, n_iterations: int) -> TestTrials:
+    """Return the trials of one test, of n_iterations each, from its rows (n, len(TRIAL_NAMES)).
 
     Raises InputError unless the rows hold complete trials of exactly one test.
     """
-    tests = split_tests(rows)
+    tests = split_tests(rows, n_iterations)
     if len(tests) != 1:
         raise InputError(f"expected the rows of one test, got those of {len(tests)}")
     return tests[0]
 
 
-def test_summary(rows: np.ndarray) -> dict[str, Any]:
+def test_summary(rows: np.ndarray, n_iterations: int, criteria: Criteria) -> dict[str, Any]:
     """Return the measures of one test from its rows, as in results.json; errors as only_test."""
-    return summary(only_test(rows))
+    return summary(only_test(rows, n_iterations), criteria)
 
 
 test_summary.__test__ = False  # type: ignore[attr-defined]
 
 
-def summary(trials: TestTrials) -> dict[str, Any]:
+def summary(trials: TestTrials, criteria: Criteria) -> dict[str, Any]:
     """Return the measures of one test by the names of results.json.
 
     Over trials, None where no trial counts. At the top level after the last iteration, below
@@ -63,11 +53,11 @@ def summary(trials: TestTrials) -> dict[str, Any]:
     start_deg = trials.vergence_error_deg[:, 0]
     return {
         "iteration": trials.training_iteration,
-        **_summary_of_all(trials),
+        **_summary_of_all(trials, criteria),
         "without_zero_start_error": _summary_of_all(
-            trials.chosen(np.abs(start_deg) >= _ZERO_ERROR_DEG)
+            trials.chosen(np.abs(start_deg) >= _ZERO_ERROR_DEG), criteria
         ),
-        "authors_test_set": _summary_of_all(trials.chosen(in_authors_test_set(trials))),
+        "authors_test_set": _summary_of_all(trials.chosen(in_authors_test_set(trials)), criteria),
     }
 
 
@@ -77,18 +67,18 @@ def in_authors_test_set(trials: TestTrials) -> np.ndarray:
     return np.isin(start_deg, AUTHORS_START_ERRORS_DEG)
 
 
-def _summary_of_all(trials: TestTrials) -> dict[str, Any]:
+def _summary_of_all(trials: TestTrials, criteria: Criteria) -> dict[str, Any]:
     early = [k for k in REPORTED_ITERATIONS if k < trials.n_iterations]
     return {
         "n_trials": len(trials.trial),
-        **measures(trials, trials.n_iterations),
+        **measures(trials, trials.n_iterations, criteria),
         "bias_by_distance_deg": _bias_by_distance_deg(trials),
         **_of_each_eye(trials),
-        **{f"after_{k}": measures(trials, k) for k in early},
+        **{f"after_{k}": measures(trials, k, criteria) for k in early},
     }
 
 
-def measures(trials: TestTrials, iteration: int) -> dict[str, float | None]:
+def measures(trials: TestTrials, iteration: int, criteria: Criteria) -> dict[str, float | None]:
     """Return the measures after an iteration (quartiles by linear interpolation)."""
     error_deg = np.abs(trials.vergence_error_deg[:, iteration])
     error_deg = error_deg[~np.isnan(error_deg)]
@@ -97,9 +87,9 @@ def measures(trials: TestTrials, iteration: int) -> dict[str, float | None]:
         "iqr_abs_vergence_error_deg": _spread(error_deg),
         "median_delta_cost_w": _quantile(trials.delta_cost_w(iteration), 0.5),
         "median_cost_reduction": _quantile(trials.cost_reduction(iteration), 0.5),
-        "share_within_1_px": _share(error_deg < PX_DEG),
+        "share_within_1_px": _share(error_deg < criteria.px_deg),
         "share_beyond_1_deg": _share(error_deg > ARRIVED_DEG),
-        "share_right_muscle_silent": _share(_right_muscle_is_silent(trials, iteration)),
+        "share_right_muscle_silent": _share(_right_muscle_is_silent(trials, iteration, criteria)),
     }
 
 
@@ -126,13 +116,13 @@ def _of_each_eye(trials: TestTrials) -> dict[str, float | None]:
     }
 
 
-def _right_muscle_is_silent(trials: TestTrials, iteration: int) -> np.ndarray:
+def _right_muscle_is_silent(trials: TestTrials, iteration: int, criteria: Criteria) -> np.ndarray:
     """Return of the trials where one muscle should be silent whether it is (n,)."""
     activation = trials.activations[:, iteration]
-    near = trials.object_distance_m <= _LATERAL_IS_SILENT_UP_TO_M
-    far = trials.object_distance_m >= _MEDIAL_IS_SILENT_FROM_M
+    near = trials.object_distance_m <= criteria.lateral_is_silent_up_to_m
+    far = trials.object_distance_m >= criteria.medial_is_silent_from_m
     antagonist = np.where(near, activation[:, 1], activation[:, 0])[near | far]
-    return antagonist[~np.isnan(antagonist)] < SILENT_ACTIVATION
+    return antagonist[~np.isnan(antagonist)] < criteria.silent_activation
 
 
 def _share(true: np.ndarray) -> float | None:

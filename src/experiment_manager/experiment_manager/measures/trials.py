@@ -70,11 +70,12 @@ class TestTrials:
         return replace(self, **{name: getattr(self, name)[which] for name in names})
 
 
-def split_tests(rows: np.ndarray) -> list[TestTrials]:
+def split_tests(rows: np.ndarray, n_iterations: int) -> list[TestTrials]:
     """Return the tests among rows (n, len(TRIAL_NAMES)), in their order.
 
-    Rows must be in the order of their stamps; training rows are ignored. A trial that was broken
-    off is left out; of one that was made twice the last counts.
+    n_iterations: of a whole trial, which has one row more. Rows must be in the order of their
+    stamps; training rows are ignored. A trial that was broken off is left out; of one that was made
+    twice the last counts.
     """
     rows = np.asarray(rows, dtype=np.float64)
     if rows.ndim != 2 or rows.shape[1] != len(TRIAL_NAMES):
@@ -83,14 +84,15 @@ def split_tests(rows: np.ndarray) -> list[TestTrials]:
         )
     in_test = np.flatnonzero(rows[:, _COLUMN["phase"]] == TEST)
     numbers = rows[in_test, _COLUMN["test"]]
-    found = [_trials(rows, in_test[numbers == number]) for number in np.unique(numbers)]
+    found = [
+        _trials(rows, in_test[numbers == number], n_iterations + 1) for number in np.unique(numbers)
+    ]
     return [trials for trials in found if trials is not None]
 
 
-def _trials(rows: np.ndarray, chosen: np.ndarray) -> TestTrials | None:
-    """Return the complete trials among the chosen rows of one test, None when there is none."""
+def _trials(rows: np.ndarray, chosen: np.ndarray, n_rows: int) -> TestTrials | None:
+    """Return the trials of n_rows among the chosen rows of one test, None when there is none."""
     iteration = rows[chosen, _COLUMN["iteration"]].astype(int)
-    n_rows = iteration.max() + 1
     starts = np.flatnonzero(iteration == 0)
     starts = starts[starts + n_rows <= len(chosen)]
     trials = starts[:, None] + np.arange(n_rows)

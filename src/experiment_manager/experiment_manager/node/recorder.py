@@ -148,6 +148,8 @@ class Recorder:
             return
         if topic in SAMPLED_TOPICS and not takes_pictures(self._config, record.episode):
             return
+        if topic in SMALL_TOPICS and not record.expects(topic, stamp_ns):
+            return
         if not self._run.writer.write(topic, message, stamp_ns):
             return
         self._hear()

@@ -1,11 +1,13 @@
 """What a run is, as its configuration tells."""
 
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from experiment_manager.measures.criteria import TestSettings
 from lockstep.errors import InputError
 
 
@@ -67,6 +69,11 @@ class DescribedRun:
             if section in document:
                 return dict(document[section]["ros__parameters"])
         raise InputError(f"{self.directory}: the configuration has no node {node}")
+
+    @cached_property
+    def test_settings(self) -> TestSettings:
+        """How the run is tested."""
+        return TestSettings.of_configuration(self.configuration)
 
 
 def _about(configuration: str, source: str) -> Mapping[str, Any]:

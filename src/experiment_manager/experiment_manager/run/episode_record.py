@@ -35,7 +35,6 @@ class EpisodeRecord:
         n_answers = episode.n_iterations
         self._missing = dict.fromkeys(PLANT_VECTORS, n_answers + 1)
         self._missing |= dict.fromkeys((*CODER_VECTORS, *LEARNER_VECTORS), n_answers)
-        self._n_missing = sum(self._missing.values())
 
     def holds(self, stamp_ns: int) -> bool:
         """Return whether an observation with that stamp belongs to the episode."""
@@ -45,15 +44,21 @@ class EpisodeRecord:
         """Return the iteration within the episode that has the stamp."""
         return (stamp_ns - self.first_ns) // self._period_ns
 
+    def expects(self, topic: str, stamp_ns: int) -> bool:
+        """Return whether a message of a small topic with a stamp of the episode belongs to it.
+
+        Nobody is to answer its last observation.
+        """
+        return topic in PLANT_VECTORS or stamp_ns < self.last_ns
+
     def count(self, topic: str) -> None:
-        """Count a message that was recorded for the first time."""
+        """Count an expected message that was recorded for the first time."""
         self._missing[topic] -= 1
-        self._n_missing -= 1
 
     @property
     def is_complete(self) -> bool:
         """Whether each expected message has been recorded."""
-        return self._n_missing == 0
+        return not any(self._missing.values())
 
     def missing(self) -> str:
         """Return what has not come yet, for an error text."""

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.kept_trials import KeptTrials, with_test
 from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, only_test, summary
 from experiment_manager.measures.trials import TRIAL_NAMES
@@ -99,10 +100,10 @@ class Progress:
         sums[1] += cost_w
         sums[2] += 1
 
-    def end_test(self) -> dict[str, Any]:
-        """Return the summary of the test whose last trial has been added."""
-        trials = only_test(self.trial_rows())
-        self.tests.append(summary(trials))
+    def end_test(self, n_iterations: int, criteria: Criteria) -> dict[str, Any]:
+        """Return the summary of the test whose last trial, of n_iterations, has been added."""
+        trials = only_test(self.trial_rows(), n_iterations)
+        self.tests.append(summary(trials, criteria))
         self.kept_trials = with_test(self.kept_trials, trials)
         self._keep(np.zeros((0, len(TRIAL_NAMES))))
         return self.tests[-1]

@@ -15,6 +15,7 @@ from experiment_manager.experiment.agreements import check_agreements
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.experiment.reach import check_reach
+from experiment_manager.measures.criteria import TestSettings
 from experiment_manager.measures.kept_trials import arrays_of, from_arrays, write_trials
 from experiment_manager.measures.results import RESULTS_FILE, write_results
 from experiment_manager.measures.tables import test_line
@@ -143,8 +144,18 @@ class Run:
         segment = self.protocol.segment(self.place)
         self.place += 1
         if segment.i_test >= 0 and self.place == segment.first + segment.n_episodes:
-            self._bar.say(test_line(self.progress.end_test()))
+            tested = self._test_settings()
+            criteria = tested.criteria(segment.training_iteration)
+            told = self.progress.end_test(tested.iterations_per_trial, criteria)
+            self._bar.say(test_line(told))
         self._bar.advance(self.progress.running_median_error_deg)
+
+    def _test_settings(self) -> TestSettings:
+        """Return how the run is tested; another plant has these eyes and our cameras."""
+        plant = self._parameters.get("eye_plant", {})
+        if plant.keys() != flatten(EyePlantConfig()).keys():
+            plant = flatten(EyePlantConfig(mechanics=self._config.mechanics))
+        return TestSettings.of({_MANAGER: flatten(self._config), "eye_plant": plant})
 
     # Checkpoints
 

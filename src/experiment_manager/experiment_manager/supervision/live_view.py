@@ -5,8 +5,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 from experiment_manager.live.address import Address
-from experiment_manager.run.config_file import read_configuration
-from experiment_manager.run.run_directory import CONFIG_FILE
+from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.supervision.nursery import NodeProcess, Nursery, stop
 
 PACKAGE = "experiment_manager.live"

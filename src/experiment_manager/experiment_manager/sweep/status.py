@@ -143,4 +143,6 @@ def _duration(duration_s: float | None) -> str:
 def _told(test: dict[str, Any] | None) -> str:
     if test is None:
         return ""
-    return f"{test['median_abs_vergence_error_deg']:.3f} deg at {test['iteration']}"
+    median_deg = test["median_abs_vergence_error_deg"]
+    error = "no trial" if median_deg is None else f"{median_deg:.3f} deg"
+    return f"{error} at {test['iteration']}"

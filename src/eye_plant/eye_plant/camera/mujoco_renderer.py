@@ -20,6 +20,9 @@ from eye_plant.camera.scene import (
 )
 from eye_plant.camera.textures import show_channel, upload_channels, upload_pictures
 
+# A compiled scene, MuJoCo's renderer of it, and what that draws into.
+_Buffers = tuple[mujoco.MjModel, mujoco.MjrContext, GreyFramebuffer]
+
 
 class MujocoRenderer:
     """Draws a scene of MuJoCo's, both eyes by one call, side by side.
@@ -47,31 +50,45 @@ class MujocoRenderer:
         )
         self._upload_landscape(config.landscape_seed)
         try:
-            self._set_up(config, drawn_px)
+            buffers = self._make_buffers(config, drawn_px)
         except GraphicsError:
             self._offscreen.close()
             raise
+        self._draw_into(buffers, config, drawn_px)
 
     def reconfigure(self, config: CameraConfig, drawn_px: tuple[int, int]) -> None:
-        """Draw as another configuration has it; the stimuli stay in the graphics memory."""
+        """Draw as another configuration has it; the stimuli stay in the graphics memory.
+
+        Raises GraphicsError, having changed nothing, when this machine cannot draw so.
+        """
         self._offscreen.make_current()
+        buffers = self._make_buffers(config, drawn_px)
         self._free_buffers()
         if config.landscape_seed != self._config.landscape_seed:
             self._offscreen.gl.glDeleteTextures([self._landscape_name])
             self._upload_landscape(config.landscape_seed)
-        self._set_up(config, drawn_px)
+        self._draw_into(buffers, config, drawn_px)
 
-    def _set_up(self, config: CameraConfig, drawn_px: tuple[int, int]) -> None:
-        """Make the scene and the buffers to draw it in."""
+    def _make_buffers(self, config: CameraConfig, drawn_px: tuple[int, int]) -> _Buffers:
+        """Make a scene and the buffers to draw it in, beside those that are drawn into now."""
+        size_px = _buffer_size_px(config, drawn_px)
+        model = build_scene_model(config, self._eye_height_m, size_px)
+        renderer = _context(model, size_px)
+        try:
+            framebuffer = GreyFramebuffer(self._offscreen.gl, renderer.offFBO, *size_px)
+        except GraphicsError:
+            renderer.free()
+            raise
+        return model, renderer, framebuffer
+
+    def _draw_into(
+        self, buffers: _Buffers, config: CameraConfig, drawn_px: tuple[int, int]
+    ) -> None:
+        """Draw with these buffers from here on."""
         self._config, self._drawn_px = config, drawn_px
         self._viewport = mujoco.MjrRect(0, 0, N_EYES * config.width_px, config.height_px)
-        buffer_size_px = _buffer_size_px(config, drawn_px)
-        model = build_scene_model(config, self._eye_height_m, buffer_size_px)
-        self._renderer = _context(model, buffer_size_px)
+        model, self._renderer, self._framebuffer = buffers
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._renderer)
-        self._framebuffer = GreyFramebuffer(
-            self._offscreen.gl, self._renderer.offFBO, *buffer_size_px
-        )
         self._scene = build_scene(model)
         for camera, magnification in zip(self._scene.camera, config.magnifications, strict=True):
             set_projection(camera, config, magnification)

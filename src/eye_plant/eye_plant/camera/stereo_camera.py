@@ -51,7 +51,10 @@ class StereoCamera:
         self._manipulate_as(config)
 
     def reconfigure(self, config: CameraConfig) -> None:
-        """Take other settings, of the same renderer and size of pictures; the stimuli stay."""
+        """Take other settings, of the same renderer and size of pictures; the stimuli stay.
+
+        Raises GraphicsError, having changed nothing, when this machine cannot draw them.
+        """
         self._renderer.reconfigure(config, _drawn_size_px(config))
         self._manipulate_as(config)
 

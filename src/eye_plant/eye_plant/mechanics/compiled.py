@@ -59,10 +59,15 @@ def addresses_of(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[int, int]:
 def step_and_trace(
     model_and_data: tuple[int, int], trace: Array, live: tuple[Array, Array, Array, Array]
 ) -> None:
-    """Step once per row of trace (n_steps, 4, n), and copy the live arrays (n,) to it each time."""
+    """Step once per row of trace (n_steps, 4, n), and copy the live arrays (n,) to it each time.
+
+    live: activations first, then what mj_step computes from them. A step advances activations and
+    leaves the others as they were at its start, so activations are copied before it.
+    """
     for i_step in range(trace.shape[0]):
+        trace[i_step, 0] = live[0]
         _mj_step(*model_and_data)
-        for i in range(len(live)):
+        for i in range(1, len(live)):
             trace[i_step, i] = live[i]
 
 

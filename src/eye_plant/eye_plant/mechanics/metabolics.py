@@ -60,6 +60,18 @@ def settled_rate_w(
     )
 
 
+def silent_activation(energetics: Energetics) -> float:
+    """Activation below which the cost of a muscle at its optimal length no longer falls.
+
+    Either the charged minimum, or where S A^0.6 h_AM falls below the least heat, 1 W/kg.
+    """
+    full_w_per_kg = energetics.scaling * (
+        FAST_HEAT_W_PER_KG * energetics.fast_fraction + SLOW_HEAT_W_PER_KG
+    )
+    least = (MINIMUM_HEAT_W_PER_KG / full_w_per_kg) ** (1.0 / 0.6)
+    return max(energetics.minimum_activation, float(least))
+
+
 def metabolic_terms(
     *,
     excitation: ArrayLike,

@@ -53,7 +53,10 @@ class StimulusSet:
 
     @property
     def all(self) -> tuple[np.ndarray, ...]:
-        """In the order in which stimuli are counted: training, then test; then stereograms."""
+        """The grey pictures in the order in which stimuli are counted: training, then test.
+
+        Stereograms are counted after them.
+        """
         return self.training + self.test
 
 

@@ -196,7 +196,12 @@ class Alike:
 
 
 def stamp_of(message: bytes) -> tuple[int, int]:
-    """Return seconds and nanoseconds of a message that begins with a header, as they are."""
+    """Return seconds and nanoseconds of a message that begins with a header, as they are.
+
+    Raises InputError for a message that is too short to have them.
+    """
+    if len(message) < _HEADER_BYTES + _STAMP_BYTES:
+        raise InputError(f"expected a message with a header, got {len(message)} bytes")
     order = "<" if message[1] else ">"
     seconds, nanoseconds = struct.unpack_from(f"{order}iI", message, _HEADER_BYTES)
     return seconds, nanoseconds

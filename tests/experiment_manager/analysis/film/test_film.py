@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from experiment_manager.analysis.film.scenes import scenes
+from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.commands.inspect_bag import main
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TEST, TRAINING
@@ -60,6 +62,21 @@ def _frames_of_mp4(file: Path) -> list[np.ndarray]:
         if not there:
             return frames
         frames.append(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB))
+
+
+def test_the_muscles_are_read_once_however_many_scenes(
+    bag: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read: list[str] = []
+    vectors = Bag.vectors
+
+    def counted(self: Bag, *topics: str) -> dict[str, VectorTable]:
+        read.extend(topics)
+        return vectors(self, *topics)
+
+    monkeypatch.setattr(Bag, "vectors", counted)
+    assert len(scenes(Bag(bag))) == 3
+    assert read.count("muscle_activations") == 1
 
 
 # Ten iterations of each of three scenes; each ends with four periods of its last.

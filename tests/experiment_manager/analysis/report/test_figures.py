@@ -1,6 +1,7 @@
 """Figures show the numbers of the bag: what is drawn is read back from the axes."""
 
 import copy
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from experiment_manager.anaglyph import anaglyph
 from experiment_manager.analysis.report.condition_figures import conditions_figure
 from experiment_manager.analysis.report.dictionary_figures import dictionary_figure, preference
 from experiment_manager.analysis.report.groups import Group, groups_of
@@ -24,13 +26,12 @@ from experiment_manager.analysis.report.performance_figures import (
     performance_figure,
 )
 from experiment_manager.analysis.report.picture_figures import (
-    anaglyph,
     anaglyph_figure,
     encoding_figure,
 )
 from experiment_manager.analysis.report.price_figure import over_prices, price_figure
 from experiment_manager.analysis.report.reported_run import ReportedRun
-from experiment_manager.measures.metrics import PX_DEG, summary
+from experiment_manager.measures.metrics import summary
 from eye_plant.mechanics.inverse import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
@@ -220,7 +221,8 @@ def test_anaglyphs_show_a_trial_before_and_after_learning(runs: list[ReportedRun
         shown = np.asarray(axes.images[0].get_array())
         assert np.array_equal(shown, anaglyph(left, right))
         error_deg = test.trials.vergence_error_deg[trial, iteration]
-        assert f"error {error_deg:+.2f} deg ({error_deg / PX_DEG:+.1f} px)" in axes.get_title()
+        px_deg = math.degrees(math.atan(1 / 257.34))
+        assert f"error {error_deg:+.2f} deg ({error_deg / px_deg:+.1f} px)" in axes.get_title()
 
 
 def _gabor(shift: float) -> np.ndarray:
@@ -293,7 +295,9 @@ def _priced(run: ReportedRun, weight: float, error_factor: float) -> ReportedRun
 
 def test_fig_2_has_each_seed_thin_behind_the_pooled_median(runs: list[ReportedRun]) -> None:
     worse = _priced(runs[0], 0.0, 3.0)
-    worse.summaries = [summary(test) for test in worse.trials.values()]
+    worse.summaries = [
+        summary(test, worse.test_settings.criteria(at)) for at, test in worse.trials.items()
+    ]
     groups = groups_of([runs[0], worse])
     assert len(groups) == 1
     lower = performance_figure(groups).axes[1]

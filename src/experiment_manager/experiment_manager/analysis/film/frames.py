@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.analysis.film.scenes import MOST_ITERATIONS, Scene
-from experiment_manager.analysis.report.performance_figures import PX_DEG
 
 _DPI = 100
 _CAPTION_PX = 28
@@ -31,7 +30,7 @@ def frames(scenes: Sequence[Scene]) -> Iterator[Frame]:
     width_px = 3 * scenes[0].pictures.shape[-1]
     highest = max(float(scene.activations.max()) for scene in scenes)
     widest_deg = max(float(np.abs(scene.error_deg).max()) for scene in scenes)
-    curves = _Curves(width_px, highest, widest_deg)
+    curves = _Curves(width_px, highest, widest_deg, scenes[0].px_deg)
     for scene in scenes:
         last = len(scene.error_deg) - 1
         for iteration in range(last + 1):
@@ -46,7 +45,7 @@ def _picture(scene: Scene, iteration: int, curves: "_Curves") -> np.ndarray:
     error_deg = scene.error_deg[iteration]
     text = (
         f"{scene.caption}, iteration {iteration}: "
-        f"vergence error {error_deg:+.2f} deg ({error_deg / PX_DEG:+.1f} px)"
+        f"vergence error {error_deg:+.2f} deg ({error_deg / scene.px_deg:+.1f} px)"
     )
     row = np.hstack(labelled)
     caption = np.full((_CAPTION_PX, row.shape[1], 3), _WHITE, np.uint8)
@@ -64,7 +63,7 @@ def _labelled(panel: np.ndarray, title: str) -> np.ndarray:
 class _Curves:
     """Activations and error of a scene up to an iteration; one figure, drawn again and again."""
 
-    def __init__(self, width_px: int, highest: float, widest_deg: float) -> None:
+    def __init__(self, width_px: int, highest: float, widest_deg: float, px_deg: float) -> None:
         self._figure = Figure(figsize=(width_px / _DPI, _CURVES_PX / _DPI), dpi=_DPI)
         self._canvas = FigureCanvasAgg(self._figure)
         muscles, error = self._figure.subplots(1, 2)
@@ -73,9 +72,9 @@ class _Curves:
         )
         muscles.set(xlabel="iteration", ylabel="activation", ylim=(-0.005, 1.3 * highest + 0.005))
         muscles.legend(loc="upper right", fontsize=8, ncols=2)
-        error.axhspan(-PX_DEG, PX_DEG, color="0.9", lw=0)
+        error.axhspan(-px_deg, px_deg, color="0.9", lw=0)
         (self._error,) = error.plot([], [], marker=".", color="C3")
-        limit_deg = 1.1 * widest_deg + PX_DEG
+        limit_deg = 1.1 * widest_deg + px_deg
         error.set(xlabel="iteration", ylabel="error / deg", ylim=(-limit_deg, limit_deg))
         for axes in (muscles, error):
             axes.set_xlim(-0.3, MOST_ITERATIONS - 0.7)

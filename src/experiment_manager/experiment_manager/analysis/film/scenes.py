@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiment_manager.analysis.pictured_episodes import PicturedEpisodes, pictured_episodes
-from experiment_manager.bag.reader import Bag
+from experiment_manager.analysis.recorded_run import test_settings_of
+from experiment_manager.bag.reader import Bag, VectorTable
 from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.wire.topics import PICTURES, TEST
 
@@ -21,13 +22,14 @@ class Scene:
     """The first iterations of an episode, n of them.
 
     pictures: (n, 2, height, width) uint8; error_deg: (n,) vergence error; activations: (n, 2) of
-    medial and lateral rectus, the mean of both eyes.
+    medial and lateral rectus, the mean of both eyes; px_deg: visual angle of a pixel.
     """
 
     caption: str
     pictures: np.ndarray
     error_deg: np.ndarray
     activations: np.ndarray
+    px_deg: float
 
 
 @dataclass(frozen=True)
@@ -47,9 +49,10 @@ def scenes(bag: Bag) -> list[Scene]:
     Raises InputError for a bag without pictures.
     """
     pictured = pictured_episodes(bag)
+    muscles = bag.vectors("muscle_activations")["muscle_activations"]
     stages = chosen_stages(_episodes(pictured))
     return [
-        _scene(bag, pictured, episode, caption)
+        _scene(bag, pictured, muscles, episode, caption)
         for caption, episodes in stages
         for episode in episodes
     ]
@@ -116,13 +119,14 @@ def _spread(episodes: Sequence[Episode]) -> list[Episode]:
     return [episodes[place] for place in places]
 
 
-def _scene(bag: Bag, pictured: PicturedEpisodes, episode: Episode, caption: str) -> Scene:
+def _scene(
+    bag: Bag, pictured: PicturedEpisodes, muscles: VectorTable, episode: Episode, caption: str
+) -> Scene:
     truth = pictured.truth
     wanted = truth.stamps_ns[pictured.rows[episode.i_episode]]
     pairs = [dict(bag.images(topic, wanted.tolist())) for topic in PICTURES]
     stamps_ns = [s for s in wanted.tolist() if all(s in pair for pair in pairs)][:MOST_ITERATIONS]
     rows = truth.at(np.array(stamps_ns))
-    muscles = bag.vectors("muscle_activations")["muscle_activations"]
     space = COMMAND_SPACES[PAIR]
     values = np.stack([muscles.column(name) for name in space.muscle_names], axis=1)
     of_scene = space.from_muscles(values[muscles.at(np.array(stamps_ns))])
@@ -131,4 +135,5 @@ def _scene(bag: Bag, pictured: PicturedEpisodes, episode: Episode, caption: str)
         np.stack([[pair[s] for pair in pairs] for s in stamps_ns]),
         truth.column("vergence_error_deg")[rows],
         of_scene,
+        test_settings_of(bag).criteria(episode.training_iteration).px_deg,
     )

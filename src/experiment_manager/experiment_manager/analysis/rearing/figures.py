@@ -13,7 +13,8 @@ from experiment_manager.analysis.rearing.basis_functions import (
 )
 from experiment_manager.analysis.rearing.reared_run import RearedRun
 from experiment_manager.analysis.report.dictionary_figures import SCALES
-from experiment_manager.analysis.report.performance_figures import PX_DEG, new_figure
+from experiment_manager.analysis.report.performance_figures import new_figure
+from eye_plant.geometry import degrees_per_px
 
 Condition = tuple[str, Sequence[RearedRun]]
 
@@ -43,7 +44,8 @@ def curves_figure(conditions: Sequence[Condition]) -> Figure:
         changed_at = np.array(runs[0].changed_at) / 1000.0
         height = np.exp(np.interp(changed_at, np.array(iterations) / 1000.0, np.log(shown)))
         axes.plot(changed_at, height, "|", ms=14, mew=1.5, color=colour)
-    axes.axhline(PX_DEG, color="0.5", lw=0.7, ls=":")
+    px_deg = degrees_per_px(conditions[0][1][0].focal_length_px)
+    axes.axhline(px_deg, color="0.5", lw=0.7, ls=":")
     axes.set(xlabel="training iterations / 1000", ylabel=r"median $|\Delta\gamma|$ / deg")
     axes.set_yscale("log")
     axes.set_yticks([0.05, 0.1, 0.2, 0.5, 1.0, 2.0], ["0.05", "0.1", "0.2", "0.5", "1", "2"])

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from experiment_manager.analysis.report.groups import Group
-from experiment_manager.analysis.report.performance_figures import new_figure
-from experiment_manager.measures.metrics import PX_DEG
+from experiment_manager.analysis.report.performance_figures import new_figure, px_deg_of
 
 # Colours reach from 1/16 px to 16 px; beyond a third of that on either side text is white.
 _REACH = 16.0
@@ -29,17 +28,18 @@ def conditions_figure(groups: Sequence[Group]) -> Figure:
     n_rows = -(-len(groups) // n_columns)
     figure = new_figure(4.4 * n_columns + 0.7, 2.9 * n_rows + 0.2)
     panels = figure.subplots(n_rows, n_columns, squeeze=False).ravel()
+    px_deg = px_deg_of(groups)
     for axes, group in zip(panels, groups, strict=False):
-        image = _draw(axes, group)
+        image = _draw(axes, group, px_deg)
     for axes in panels[len(groups) :]:
         axes.set_axis_off()
     colours = figure.colorbar(image, ax=panels, label="median |vergence error| / deg", shrink=0.8)
-    colours.set_ticks([0.02, 0.1, PX_DEG, 1.0, 3.0], labels=["0.02", "0.1", "1 px", "1", "3"])
+    colours.set_ticks([0.02, 0.1, px_deg, 1.0, 3.0], labels=["0.02", "0.1", "1 px", "1", "3"])
     colours.minorticks_off()
     return figure
 
 
-def _draw(axes: Axes, group: Group) -> AxesImage:
+def _draw(axes: Axes, group: Group, px_deg: float) -> AxesImage:
     trials = group.last_trials
     distance_m = trials.object_distance_m
     start_deg = np.round(trials.vergence_error_deg[:, 0])
@@ -52,11 +52,11 @@ def _draw(axes: Axes, group: Group) -> AxesImage:
             medians_deg[i, j] = np.median(end_deg[here])
     image = axes.imshow(
         np.ma.masked_invalid(medians_deg),
-        norm=LogNorm(PX_DEG / _REACH, PX_DEG * _REACH),
+        norm=LogNorm(px_deg / _REACH, px_deg * _REACH),
         cmap="RdBu_r",
         aspect="auto",
     )
-    _write_values(axes, medians_deg)
+    _write_values(axes, medians_deg, px_deg)
     axes.set_xticks(range(len(starts_deg)), [f"{value:.0f}" for value in starts_deg])
     axes.set_yticks(range(len(distances_m)), [f"{value:g}" for value in distances_m])
     axes.set(xlabel="vergence error at the start / deg", ylabel="object distance / m")
@@ -64,9 +64,9 @@ def _draw(axes: Axes, group: Group) -> AxesImage:
     return image
 
 
-def _write_values(axes: Axes, medians_deg: np.ndarray) -> None:
+def _write_values(axes: Axes, medians_deg: np.ndarray, px_deg: float) -> None:
     for (i, j), value in np.ndenumerate(medians_deg):
         if not np.isnan(value):
-            is_dark = max(value / PX_DEG, PX_DEG / max(value, PX_DEG / _REACH)) > _DARK
+            is_dark = max(value / px_deg, px_deg / max(value, px_deg / _REACH)) > _DARK
             colour = "white" if is_dark else "black"
             axes.text(j, i, f"{value:.2f}", ha="center", va="center", color=colour, fontsize=7)

@@ -11,6 +11,7 @@ from matplotlib.colors import to_hex
 
 from experiment_manager.analysis.recorded_run import RecordedTest
 from experiment_manager.analysis.report.reported_run import ReportedRun
+from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.metrics import summary
 from experiment_manager.measures.trials import TestTrials, pooled
 from experiment_manager.run.config_file import (
@@ -99,6 +100,11 @@ class Group:
         """The trials of all runs in their last common test."""
         return self.trials_at(self.iterations[-1])
 
+    @property
+    def last_criteria(self) -> Criteria:
+        """What the measures count in the last common test: the same in all runs."""
+        return self.runs[0].test_settings.criteria(self.iterations[-1])
+
     def summaries_at(self, iteration: int) -> list[dict[str, Any]]:
         """Return each run's measures after so many training iterations."""
         return [
@@ -110,7 +116,7 @@ class Group:
     def last_summary(self) -> dict[str, Any] | None:
         """The measures of the last common test, trials pooled; None where trials are not known."""
         if self.has_trials:
-            return summary(self.last_trials)
+            return summary(self.last_trials, self.last_criteria)
         return self.summaries_at(self.iterations[-1])[0] if len(self.runs) == 1 else None
 
     def recorded_at(self, iteration: int) -> list[RecordedTest]:

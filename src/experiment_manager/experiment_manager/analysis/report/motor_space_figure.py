@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from experiment_manager.analysis.report.groups import Group
 from experiment_manager.analysis.report.performance_figures import add_legend, new_figure
-from experiment_manager.measures.metrics import PX_DEG, SILENT_ACTIVATION
+from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.trials import TestTrials
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.model import MechanicsConfig
@@ -69,10 +69,11 @@ def motor_space_figure(space: MotorSpace, groups: Sequence[Group]) -> Figure:
     """
     figure = new_figure(7.2, 4.6)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    criteria = groups[0].last_criteria
     last = [[run.trials[group.iterations[-1]] for run in group.runs] for group in groups]
     distances_m = last[0][0].object_distance_m
     for axes, distance_m in zip(panels, (distances_m.min(), distances_m.max()), strict=True):
-        image = _draw_maps(axes, space, float(distance_m))
+        image = _draw_maps(axes, space, float(distance_m), criteria)
         costs_w = [
             _draw_paths(axes, tests, float(distance_m), group, i)
             for i, (group, tests) in enumerate(zip(groups, last, strict=True))
@@ -88,7 +89,7 @@ def motor_space_figure(space: MotorSpace, groups: Sequence[Group]) -> Figure:
         for group in groups
     ]
     (silent,) = panels[0].plot([], [], ls=":", lw=0.9, color="#b35c00")
-    silent.set_label(f"activation {SILENT_ACTIVATION:g}: below, a muscle costs no less")
+    silent.set_label(f"activation {criteria.silent_activation:g}: below, a muscle costs no less")
     add_legend(figure, [*handles, silent])
     return figure
 
@@ -97,7 +98,7 @@ def _end(group: Group) -> dict[str, Any]:
     return _ENDS.get(group.model, _ENDS["M_C"])
 
 
-def _draw_maps(axes: Axes, space: MotorSpace, distance_m: float) -> QuadMesh:
+def _draw_maps(axes: Axes, space: MotorSpace, distance_m: float, criteria: Criteria) -> QuadMesh:
     image = axes.pcolormesh(
         space.lateral, space.medial, space.metabolic_rate_w, cmap="gray", shading="gouraud"
     )
@@ -105,14 +106,14 @@ def _draw_maps(axes: Axes, space: MotorSpace, distance_m: float) -> QuadMesh:
         space.lateral, space.medial, space.metabolic_rate_w, 8, colors="white", linewidths=0.6
     )
     # The cost does not fall below this activation, so there its contours turn.
-    axes.axhline(SILENT_ACTIVATION, ls=":", lw=0.9, color="#b35c00")
-    axes.axvline(SILENT_ACTIVATION, ls=":", lw=0.9, color="#b35c00")
+    axes.axhline(criteria.silent_activation, ls=":", lw=0.9, color="#b35c00")
+    axes.axvline(criteria.silent_activation, ls=":", lw=0.9, color="#b35c00")
     desired_deg = desired_vergence_deg(distance_m, space.baseline_m)
     axes.contour(
         space.lateral,
         space.medial,
         space.vergence_deg,
-        [desired_deg - PX_DEG, desired_deg, desired_deg + PX_DEG],
+        [desired_deg - criteria.px_deg, desired_deg, desired_deg + criteria.px_deg],
         colors="black",
         linestyles=["dashed", "solid", "dashed"],
         linewidths=[0.8, 1.4, 0.8],

@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 
 from experiment_manager.analysis.report.groups import Group, groups_of
 from experiment_manager.analysis.report.reported_run import ReportedRun
-from experiment_manager.measures.metrics import PX_DEG, REPORTED_ITERATIONS
+from experiment_manager.measures.metrics import REPORTED_ITERATIONS
 
 FIGURES = "figures"
 # One name for it, in figures as in tables.
@@ -89,7 +89,7 @@ def performance_figure(groups: Sequence[Group]) -> Figure:
     upper.set_xlabel("")
     for group in groups:
         _draw_errors(lower, group, len(groups))
-    _mark_pixel(lower)
+    _mark_pixel(lower, px_deg_of(groups))
     lower.set(yscale="log", ylabel=ERROR_LABEL, xlabel="training iterations")
     _label_decades(lower)
     add_legend(figure, handles)
@@ -135,7 +135,7 @@ def _performance(axes: Axes, groups: Sequence[Group]) -> list[Any]:
     for group in groups:
         handles.append(_draw_errors(axes, group, len(groups)))
         _draw_deltas(right, group)
-    _mark_pixel(axes)
+    _mark_pixel(axes, px_deg_of(groups))
     axes.set(xlabel="training iterations", ylabel=ERROR_LABEL, ylim=(0, None))
     axes.xaxis.set_major_formatter(mpl.ticker.EngFormatter(sep=""))
     right.set_ylabel(r"$\Delta C$ / W")
@@ -193,12 +193,17 @@ def _draw_seeds(
         axes.plot(at, of_seed, color=colour, lw=0.6, alpha=0.6, ls=linestyle, zorder=1)
 
 
-def _mark_pixel(axes: Axes, *, outside: bool = False) -> None:
+def px_deg_of(groups: Sequence[Group]) -> float:
+    """Return the visual angle of a pixel in the first group's last test, for lines at 1 px."""
+    return groups[0].last_criteria.px_deg
+
+
+def _mark_pixel(axes: Axes, px_deg: float, *, outside: bool = False) -> None:
     """Draw a line at 1 px; outside: its name stands to the right of the axes."""
-    axes.axhline(PX_DEG, color="0.5", lw=0.7, ls=":")
+    axes.axhline(px_deg, color="0.5", lw=0.7, ls=":")
     axes.annotate(
         "1 px",
-        (float(outside), PX_DEG),
+        (float(outside), px_deg),
         (3, 0 if outside else 1),
         va="center" if outside else "baseline",
         xycoords=("axes fraction", "data"),
@@ -219,8 +224,9 @@ def box_figure(groups: Sequence[Group]) -> Figure:
     last = [group.last_trials for group in groups]
     n_iterations = min(trials.n_iterations for trials in last)
     shown = [k for k in REPORTED_ITERATIONS if k <= n_iterations]
-    upper.axhspan(0, PX_DEG, color="0.85", lw=0)
-    _mark_pixel(upper, outside=True)
+    px_deg = px_deg_of(groups)
+    upper.axhspan(0, px_deg, color="0.85", lw=0)
+    _mark_pixel(upper, px_deg, outside=True)
     for level in (0, 100):
         lower.axhline(level, color="0.6", lw=0.7, ls=":")
     width = 0.7 / len(groups)

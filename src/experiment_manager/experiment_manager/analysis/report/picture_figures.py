@@ -13,7 +13,6 @@ from experiment_manager.anaglyph import anaglyph
 from experiment_manager.analysis.recorded_run import RecordedRun, RecordedTest
 from experiment_manager.analysis.report.groups import Group
 from experiment_manager.analysis.report.performance_figures import new_figure
-from experiment_manager.measures.metrics import PX_DEG
 from sparse_coder.patches import COARSE_WINDOW_PX
 
 _BIN_DEG = 0.25
@@ -36,7 +35,8 @@ def encoding_figure(groups: Sequence[Group]) -> Figure | None:
         for iteration, colour in {first: "0.5", last: group.colour}.items():
             tests = group.recorded_at(iteration)
             is_drawn |= _draw_binned(axes, tests, colour, f"after {iteration:,} iterations")
-        axes.axvspan(-PX_DEG, PX_DEG, color="0.9", lw=0, zorder=0)
+        px_deg = group.last_criteria.px_deg
+        axes.axvspan(-px_deg, px_deg, color="0.9", lw=0, zorder=0)
         axes.set_title(group.label, fontsize=9)
         axes.set_xlabel("vergence error / deg")
         axes.legend(loc="center", bbox_to_anchor=(0.5, 0.7), fontsize=8)
@@ -131,6 +131,7 @@ def anaglyph_figure(run: RecordedRun) -> Figure | None:
 def _draw_trial(axes_row: Sequence[Axes], run: RecordedRun, recorded: RecordedTrial) -> None:
     trials = recorded.test.trials
     n_answered = trials.n_iterations - 1
+    px_deg = run.test_settings.criteria(trials.training_iteration).px_deg
     for axes, iteration in zip(axes_row, (0, n_answered), strict=True):
         stamp_ns = int(recorded.test.stamps_ns[recorded.i_trial, iteration])
         left, right = (
@@ -143,7 +144,7 @@ def _draw_trial(axes_row: Sequence[Axes], run: RecordedRun, recorded: RecordedTr
         error_deg = trials.vergence_error_deg[recorded.i_trial, iteration]
         axes.set_title(
             f"trained for {trials.training_iteration:,} iterations, after {iteration} commands:\n"
-            f"vergence error {error_deg:+.2f} deg ({error_deg / PX_DEG:+.1f} px)",
+            f"vergence error {error_deg:+.2f} deg ({error_deg / px_deg:+.1f} px)",
             fontsize=8,
         )
         axes.set_axis_off()

@@ -8,8 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from experiment_manager.analysis.report.groups import Group
-from experiment_manager.analysis.report.performance_figures import ERROR_LABEL, new_figure
-from experiment_manager.measures.metrics import PX_DEG
+from experiment_manager.analysis.report.performance_figures import (
+    ERROR_LABEL,
+    new_figure,
+    px_deg_of,
+)
 from experiment_manager.measures.trials import TestTrials
 
 _LEAST_PRICES = 3
@@ -63,8 +66,9 @@ def price_figure(groups: Sequence[Group]) -> Figure:
     figure = new_figure(9.6, 5.4)
     (error, reduction, delta), (rate, trade, rest) = figure.subplots(2, 3)
     _draw(error, groups, _errors_deg, ERROR_LABEL)
-    if error.get_ylim()[1] > PX_DEG:
-        error.axhline(PX_DEG, color="0.5", lw=0.7, ls=":", label="1 px")
+    px_deg = px_deg_of(groups)
+    if error.get_ylim()[1] > px_deg:
+        error.axhline(px_deg, color="0.5", lw=0.7, ls=":", label="1 px")
     _draw(reduction, groups, _reductions_percent, "$c$ / %")
     _draw(delta, groups, _deltas_w, r"$\Delta C$ / W")
     _draw(rate, groups, _rates_w, "metabolic rate $C$ / W")

@@ -6,7 +6,6 @@ from typing import Any
 
 from experiment_manager.analysis.recorded_run import RecordedRun
 from experiment_manager.measures.kept_trials import read_trials
-from experiment_manager.measures.metrics import summary
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.measures.trials import TestTrials
 from experiment_manager.run.config_file import CONFIG_FILE
@@ -52,7 +51,7 @@ class ReportedRun(DescribedRun):
         if self._results is not None:
             return list(self._results["tests"])
         assert self.recorded is not None
-        return [summary(test.trials) for test in self.recorded.tests]
+        return self.recorded.summaries()
 
     @cached_property
     def trials(self) -> dict[int, TestTrials]:

@@ -1,0 +1,101 @@
+"""What the measures count as close enough and as silent: it depends on a run's eyes and cameras."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import yaml
+
+from experiment_manager.experiment.config import ProtocolConfig
+from experiment_manager.experiment.plant_changes import Schedule, read_schedule
+from eye_plant.config import EyePlantConfig, changed
+from eye_plant.geometry import degrees_per_px, fixation_distance_m
+from eye_plant.mechanics.inverse import Inverse
+from eye_plant.mechanics.metabolics import silent_activation
+from eye_plant.mechanics.model import MechanicsConfig
+from lockstep.configuration import build
+from lockstep.wire.topics import TEST
+
+# Relaxed eyes see an object right whose vergence differs by less than this from theirs.
+_RELAXED_PX = 0.5
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """What counts with the eyes and cameras of one test.
+
+    px_deg: the visual angle of one pixel at the picture's centre (K17 II). silent_activation: below
+    it a muscle's cost no longer falls. Objects up to lateral_is_silent_up_to_m ask for more
+    vergence than relaxed eyes have, so that the lateral recti should be silent; those from
+    medial_is_silent_from_m on ask for less. In between either may hold the gaze at hardly any cost.
+    """
+
+    px_deg: float
+    silent_activation: float
+    lateral_is_silent_up_to_m: float
+    medial_is_silent_from_m: float
+
+
+@lru_cache
+def criteria_of(focal_length_px: float, mechanics: MechanicsConfig) -> Criteria:
+    """Return what counts with cameras of a focal length and eyes with these mechanics."""
+    px_deg = degrees_per_px(focal_length_px)
+    relaxed_deg = float(sum(Inverse(mechanics).adduction_deg(0.0, 0.0)))
+    margin_deg = _RELAXED_PX * px_deg
+    return Criteria(
+        px_deg=px_deg,
+        silent_activation=silent_activation(mechanics.parameters.energetics),
+        lateral_is_silent_up_to_m=_distance_m(relaxed_deg + margin_deg, mechanics.baseline_m),
+        medial_is_silent_from_m=_distance_m(relaxed_deg - margin_deg, mechanics.baseline_m),
+    )
+
+
+@dataclass(frozen=True)
+class TestSettings:
+    """How a run is tested: with which plant, as it was started with, and what changes of it.
+
+    iterations_per_trial: of a whole trial.
+    """
+
+    __test__ = False  # pytest need not collect it
+
+    plant: EyePlantConfig
+    schedule: Schedule
+    iterations_per_trial: int
+
+    @classmethod
+    def of(cls, parameters: Mapping[str, Mapping[str, Any]]) -> "TestSettings":
+        """Return those of a run's parameters by node; what is missing has its default."""
+        manager = parameters.get("experiment_manager", {})
+        length = manager.get("protocol.iterations_per_trial", ProtocolConfig().iterations_per_trial)
+        return cls(
+            build(EyePlantConfig, parameters.get("eye_plant", {})),
+            read_schedule(manager.get("schedule", "")),
+            int(length),
+        )
+
+    @classmethod
+    def of_configuration(cls, text: str) -> "TestSettings":
+        """Return those of the text of a config.yaml; what is not in it has its default."""
+        try:
+            sections = yaml.safe_load(text) or {}
+            parameters = {
+                name.removeprefix("/**/"): section["ros__parameters"]
+                for name, section in sections.items()
+            }
+        except (yaml.YAMLError, AttributeError, KeyError, TypeError):
+            parameters = {}
+        return cls.of(parameters)
+
+    def criteria(self, training_iterations: int) -> Criteria:
+        """Return what counts in the test after so many training iterations."""
+        stage = self.schedule.stage(TEST, training_iterations)
+        plant = changed(self.plant, self.schedule.settings(stage))
+        return criteria_of(plant.camera.focal_length_px, plant.mechanics)
+
+
+def _distance_m(vergence_deg: float, baseline_m: float) -> float:
+    """Return the distance that the eyes look at; infinite where they do not converge."""
+    return fixation_distance_m(vergence_deg, baseline_m) if vergence_deg > 0.0 else math.inf
