@@ -38,6 +38,16 @@ def load_generated(
         ) from error
 
 
+def n_missing(cache_directory: str, seed: int, role: str, n: int, size_px: int) -> int:
+    """Return how many pictures `load_generated` would have to draw."""
+    directory = _set_directory(cache_directory, seed, size_px)
+    return sum(not _path(directory, role, number).exists() for number in range(n))
+
+
+def _path(directory: Path, role: str, number: int) -> Path:
+    return directory / f"{role}_{number:04d}.npy"
+
+
 def _set_directory(cache_directory: str, seed: int, size_px: int) -> Path:
     """Return the directory of one set, named by all that its pictures depend on."""
     if cache_directory:
@@ -52,7 +62,7 @@ def _set_directory(cache_directory: str, seed: int, size_px: int) -> Path:
 
 
 def _load_one(directory: Path, seed: int, role: str, number: int, size_px: int) -> np.ndarray:
-    path = directory / f"{role}_{number:04d}.npy"
+    path = _path(directory, role, number)
     picture = map_array(path, (size_px, size_px))
     if picture is None:
         write_array(path, stimulus_generator.generate_stimulus(seed, role, number, size_px))
