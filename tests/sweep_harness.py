@@ -44,6 +44,7 @@ def start_sweep(*line: object, **variables: str) -> "subprocess.Popen[str]":
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
+        start_new_session=True,  # its group can be sent what Ctrl-C in a terminal sends
     )
 
 

@@ -1,5 +1,6 @@
 """Learning that runs away ends the run with one error, and leaves what was saved before whole."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,8 @@ def test_divergence_ends_the_run_with_one_error(
         assert run.wait() == 3, run.output()
         output = run.output()
     assert output.count("error: ") == 1
-    assert "error: vergence_rl diverged in training iteration " in output
+    # On a line of its own, not behind the progress bar.
+    assert re.search(r"^error: vergence_rl diverged in training iteration ", output, re.MULTILINE)
     assert "expected 100 at most; what was saved before is whole" in output
     assert "fault: " not in output
     assert is_intact(directory)

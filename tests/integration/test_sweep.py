@@ -1,5 +1,6 @@
 """A sweep on this machine: its runs are those that run_experiment.sh makes, whatever happens."""
 
+import os
 import signal
 import subprocess
 import time
@@ -9,6 +10,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+import yaml
 
 from experiment_manager.sweep.sweep_file import read_sweep
 from tests.stress.supervised_run import differences, stamp_faults
@@ -113,6 +115,24 @@ def test_a_sweep_that_is_stopped_and_then_killed_goes_on(
     assert "3 done" in finished(start_sweep(directory, "--jobs", 3))
     for cell in read_sweep(sweep_file).cells():
         assert differences(directory / cell.name, whole / cell.name) == []
+
+
+def test_ctrl_c_while_stimuli_are_made_is_one_line(tmp_path: Path) -> None:
+    cache = tmp_path / "cache"
+    generated = {
+        "eye_plant.stimuli.cache_directory": str(cache),
+        "eye_plant.stimuli.n_training": 100_000,
+    }
+    sweep_file = tmp_path / "small.yaml"
+    sweep_file.write_text(yaml.safe_dump({"options": generated, "axes": {"seed": [1]}}))
+    sweep = start_sweep(sweep_file, "--out", tmp_path / "sweep")
+    _wait_for(sweep, lambda: any(cache.glob("*/*.npy")))
+    os.killpg(sweep.pid, signal.SIGINT)
+    output = finished(sweep, code=130)
+    first, last = output.splitlines()
+    assert first.endswith("; preparing their stimuli")
+    assert last == "stopped before the first run"
+    assert not (tmp_path / "sweep").exists()
 
 
 @contextmanager

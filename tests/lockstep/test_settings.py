@@ -21,6 +21,7 @@ class Eye:
     share: float = setting(0.5, "share", least=0, below=1)
     depths: tuple[int, ...] = setting((1, 2), "depths", least=0)
     free: float = setting(0.0, "any number")
+    number: int = setting(0, "any whole number")
 
     def __post_init__(self) -> None:
         check_settings(self)
@@ -45,6 +46,8 @@ class Head:
         {"width_px": 2**63 - 2},
         {"share": math.nextafter(1.0, 0.0)},
         {"depths": (0,)},
+        {"number": -(2**63)},
+        {"number": 2**63 - 1},
         {"free": -1e300},
     ],
 )
@@ -67,6 +70,16 @@ def test_what_is_within_the_bounds_is_allowed(values: dict[str, Any]) -> None:
         ({"share": 1.0}, "share: expected 0 or more, less than 1, got 1.0"),
         ({"share": math.nan}, "share: expected 0 or more, less than 1, got nan"),
         ({"depths": (1, -1)}, "depths: expected 0 or more, got [1, -1]"),
+        (
+            {"number": 2**63},
+            "number: expected a whole number from -9223372036854775808 to 9223372036854775807, "
+            "got 9223372036854775808",
+        ),
+        (
+            {"number": -(2**63) - 1},
+            "number: expected a whole number from -9223372036854775808 to 9223372036854775807, "
+            "got -9223372036854775809",
+        ),
         ({"free": math.inf}, "free: expected a finite number, got inf"),
     ],
 )
@@ -102,7 +115,16 @@ def test_all_settings_are_listed_by_their_dotted_names() -> None:
         "model",
         *(
             f"eye.{name}"
-            for name in ("size_m", "limits", "gains", "width_px", "share", "depths", "free")
+            for name in (
+                "size_m",
+                "limits",
+                "gains",
+                "width_px",
+                "share",
+                "depths",
+                "free",
+                "number",
+            )
         ),
     ]
     assert listed[1].default == 0.02

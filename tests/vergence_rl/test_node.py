@@ -287,7 +287,7 @@ def test_it_never_hears_the_ground_truth(bench: Bench) -> None:
     [
         ({"cacla.discount": 1.0}, "discount: expected"),
         ({"cacla.discount": "high"}, "discount: expected a number, got 'high'"),
-        ({"medial_limits": [0.2, 0.1]}, "medial_limits: expected .lowest, highest., each 0 to 1"),
+        ({"highest_activations": [0.2, 1.1]}, "highest_activations: expected 0 to 1"),
         ({"gamma": 0.3}, "unknown parameter gamma"),
     ],
 )

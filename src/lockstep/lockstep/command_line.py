@@ -2,8 +2,9 @@
 
 import argparse
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NoReturn
 
+from lockstep.exit_codes import EXIT_BAD_INPUT
 from lockstep.nearest import did_you_mean
 
 
@@ -17,10 +18,15 @@ class CommandLine(argparse.ArgumentParser):
     def parse_args(  # type: ignore[override]
         self, args: Sequence[str] | None = None, namespace: None = None
     ) -> argparse.Namespace:
-        """Return the options; exits with 2 and a usage line when they cannot be parsed."""
+        """Return the options; exits with 2 and one line when they cannot be parsed."""
         parsed, unknown = self.parse_known_args(args, namespace)
         if unknown:
             options = self._option_string_actions
             wrong = next((word for word in unknown if word.startswith("-")), "").partition("=")[0]
-            self.error(f"unrecognized arguments: {' '.join(unknown)}{did_you_mean(wrong, options)}")
+            hint = did_you_mean(wrong, options) or "; --help lists all options"
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
         return parsed
+
+    def error(self, message: str) -> NoReturn:
+        """Exit with 2 and one line, without the usage of all options."""
+        self.exit(EXIT_BAD_INPUT, f"{self.prog}: error: {message}\n")

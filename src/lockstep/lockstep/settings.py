@@ -11,6 +11,8 @@ from typing import Any
 
 from lockstep.errors import InputError
 
+# What a ROS parameter can hold.
+LEAST_INTEGER, LARGEST_INTEGER = -(2**63), 2**63 - 1
 REQUIRED: Any = dataclasses.MISSING
 _KEY = "setting"
 
@@ -116,10 +118,20 @@ def check_settings(config: Any) -> None:
     for field in dataclasses.fields(config):
         declared: Setting | None = field.metadata.get(_KEY)
         value = getattr(config, field.name)
+        _check_whole_numbers(field.name, value)
         if declared is not None and not declared.allows(value):
             shown = list(value) if isinstance(value, tuple) else value
             expected = declared.expected or "a finite number"
             raise InputError(f"{field.name}: expected {expected}, got {shown!r}")
+
+
+def _check_whole_numbers(name: str, value: Any) -> None:
+    for entry in value if isinstance(value, tuple) else (value,):
+        if isinstance(entry, int) and not LEAST_INTEGER <= entry <= LARGEST_INTEGER:
+            raise InputError(
+                f"{name}: expected a whole number from {LEAST_INTEGER} to {LARGEST_INTEGER}, "
+                f"got {entry}"
+            )
 
 
 def declarations(config_class: type) -> list[Declaration]:

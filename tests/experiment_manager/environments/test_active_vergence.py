@@ -1,6 +1,7 @@
 """The Gymnasium environments: Gymnasium's own checks, and the in-process loop as the oracle."""
 
 import importlib.util
+import math
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -26,6 +27,7 @@ from lockstep.state_file import write_state
 from lockstep.wire.topics import GROUND_TRUTH_NAMES
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
+from sparse_coder.matching_pursuit import Selections, mean_squared_coefficients
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
 
@@ -78,9 +80,36 @@ def test_an_environment_needs_neither_ros_nor_reports(settings: dict[str, Any]) 
     assert not loaded & {"matplotlib", "mcap"}
 
 
-@pytest.mark.filterwarnings("ignore:.*:UserWarning")
-def test_gymnasiums_own_checks_pass(environment: gymnasium.Env) -> None:
+@pytest.mark.filterwarnings("error")
+def test_gymnasiums_own_checks_pass_without_a_warning(environment: gymnasium.Env) -> None:
     check_env(environment.unwrapped)
+
+
+def test_features_of_any_dictionary_are_within_their_space(bare: VergenceEnvironment) -> None:
+    observed, _ = bare.reset(seed=1)
+    assert bare.observation_space.contains(observed)
+    # Even of a code that spends both eyes' patches on one atom, in as many equal selections.
+    selections = Selections(
+        np.zeros((1, 10), np.int32), np.full((1, 10), math.sqrt(0.2), np.float32)
+    )
+    largest = mean_squared_coefficients(selections, 2).max()
+    assert largest == pytest.approx(bare.observation_space["features"].high.max())  # type: ignore[index]
+
+
+def test_a_closed_environment_says_that_it_is(settings: dict[str, Any]) -> None:
+    made = gymnasium.make(IDS[0], model="M_C", settings=settings).unwrapped
+    made.reset(seed=1)
+    made.close()
+    with pytest.raises(InputError, match=r"^step: expected it before close, got it after"):
+        made.step(np.zeros(2))
+    with pytest.raises(InputError, match=r"^reset: expected it before close, got it after"):
+        made.reset()
+    made.close()
+
+
+def test_a_seed_that_no_run_takes_is_refused(bare: VergenceEnvironment) -> None:
+    with pytest.raises(InputError, match=r"^seed: expected a whole number from -92"):
+        bare.reset(seed=2**63)
 
 
 def configuration(settings: dict[str, Any]) -> Configuration:

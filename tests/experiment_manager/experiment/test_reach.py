@@ -75,6 +75,15 @@ def test_what_cannot_be_met_is_refused_with_the_limits(
     assert re.search(message, str(caught.value))
 
 
+def test_pairs_between_the_tested_vergences_must_have_one_rest_too() -> None:
+    # At all distances of the protocol these do, but not at all vergences between those.
+    with pytest.raises(InputError, match=r"^mechanics: expected muscles whose eyes have one rest"):
+        _check(
+            "eye_plant.mechanics.parameter_set=anatomical",
+            "vergence_rl.highest_activations=[0.35]",
+        )
+
+
 def test_a_run_with_a_paralysed_muscle_measures_each_eye(pictures: Path, tmp_path: Path) -> None:
     line = ["--in-process", "--iterations", "20", "--tests", "0", "--test-stimuli", "1"]
     line += ["--stimuli", str(pictures), "--out", str(tmp_path / "run")]

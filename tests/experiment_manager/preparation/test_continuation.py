@@ -74,6 +74,13 @@ def test_a_resumed_run_keeps_its_settings(
     assert f"--branch {run} begins a new run" in error
 
 
+def test_a_branch_counts_on_from_its_checkpoint(run: Path, refused: Refused) -> None:
+    assert refused("--branch", str(run), "--iterations", "30") == (
+        "error: --iterations 30: expected 60 or more, since a branch counts on from its "
+        "checkpoint, which has made 60; 90 would train for 30 more"
+    )
+
+
 def test_settings_that_a_run_has_may_be_said_again(run: Path) -> None:
     line = ["--seed", "1", "--iterations", "60", "--model", "M", "--lambda", "0", "--tests", "0,30"]
     line += ["--set", "vergence_rl.cacla.discount=0.3", "--profile", "paper", "--out", str(run)]

@@ -1,10 +1,13 @@
 """The first lines of a run."""
 
+import json
 from pathlib import Path
 
 from experiment_manager.preparation.command_line import arguments
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.plan import plan
+
+RESULTS = Path(__file__).parents[3] / "results"
 
 
 def _plan(*line: str) -> list[str]:
@@ -14,8 +17,48 @@ def _plan(*line: str) -> list[str]:
 def test_the_papers_tests_and_how_long_they_take() -> None:
     # K17: 13 tests of 39 conditions x 40 stimuli, 20 iterations each.
     (line,) = _plan("--profile", "paper")
-    assert line.startswith("1,000,000 training iterations, and 13 tests of 1,560 trials: 405,600 ")
-    assert "about 27.0 minutes at 250 iterations/s (--test-stimuli K makes tests shorter)" in line
+    assert line == (
+        "1,000,000 training iterations, and 405,600 in 13 tests of 1,560 trials: together about "
+        "94 minutes at 250 iterations/s (--test-stimuli K makes tests shorter)"
+    )
+
+
+def test_one_test_is_one() -> None:
+    line, _ = _plan("--iterations", "2000", "--tests", "2000", "--test-stimuli", "1")
+    assert line.startswith("2,000 training iterations, and 780 in 1 test of 39 trials: together ")
+    assert "about 11 seconds" in line
+
+
+def test_a_run_that_is_too_short_to_learn_says_how_long_it_takes() -> None:
+    _, said, *_ = _plan("--model", "M_C", "--iterations", "2000")
+    assert said == (
+        "that is too short to learn much: in the runs of results/ with this learning rule (cacla), "
+        "vergence was learned after 50,000 training iterations, and energy saved after 200,000"
+    )
+    _, said = _plan("--profile", "demonstration", "--iterations", "5000", "--tests", "0")
+    assert said.endswith("(hindsight), vergence was learned after 10,000 training iterations")
+
+
+def test_the_runs_of_results_had_learned_by_then() -> None:
+    for sweep, iteration in (("demonstration", 10_000), ("paper", 50_000)):
+        errors_deg = [
+            test["median_abs_vergence_error_deg"]
+            for path in (RESULTS / sweep).glob("*/results.json")
+            for test in json.loads(path.read_text())["tests"]
+            if test["iteration"] == iteration
+        ]
+        assert len(errors_deg) >= 3
+        assert max(errors_deg) < 0.2
+    for sweep, iteration in (("precise", 100_000), ("paper_short", 200_000)):
+        savings = [
+            test["median_cost_reduction"]
+            for path in (RESULTS / sweep).glob("*/results.json")
+            for results in [json.loads(path.read_text())]
+            for test in results["tests"]
+            if results["model"] == "M_C" and test["iteration"] == iteration
+        ]
+        assert len(savings) >= 2
+        assert min(savings) > 0.1
 
 
 def test_what_is_done_instead_is_one_line(pictures: Path) -> None:

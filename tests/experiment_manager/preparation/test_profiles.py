@@ -1,12 +1,14 @@
 """Profiles: the files of the package, and texts that are none."""
 
 import re
+from pathlib import Path
 
 import pytest
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import Change, Schedule
 from experiment_manager.experiment.protocol import make_protocol
+from experiment_manager.loop import make_loop
 from experiment_manager.preparation.command_line import arguments
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.profiles import (
@@ -90,13 +92,48 @@ def test_a_base_that_is_no_profile_or_has_a_schedule_is_refused() -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in profile_names() if name.startswith("rearing/")])
-def test_every_condition_of_rearing_is_a_run(name: str) -> None:
-    line = ["--profile", name, "--model", "M_C"]
-    configuration = configuration_of(arguments(line), "0123abc")
-    manager = configuration["experiment_manager"]
-    make_protocol(build(ExperimentManagerConfig, manager)).episode(0)
-    n_iterations = manager["protocol.n_training_iterations"]
-    assert n_iterations in manager["protocol.test_iterations"], "its end is not tested"
+def test_every_condition_of_rearing_tests_its_end(name: str) -> None:
+    manager = configuration_of(arguments(["--profile", name]), "0123abc")["experiment_manager"]
+    assert manager["protocol.n_training_iterations"] in manager["protocol.test_iterations"]
+
+
+@pytest.mark.parametrize("name", profile_names())
+def test_every_profile_runs_in_each_stage_of_its_schedule(
+    name: str, tmp_path: Path, pictures: Path
+) -> None:
+    line = ["--profile", name, "--stimuli", str(pictures), "--test-stimuli", "1"]
+    configuration = configuration_of(
+        arguments([*line, "--set", "eye_plant.stimuli.size_px=64"]), "0123abc"
+    )
+    protocol = make_protocol(build(ExperimentManagerConfig, configuration["experiment_manager"]))
+    loop = make_loop(configuration)
+    try:
+        first_segments = {(s.stage, s.i_test < 0): s for s in reversed(protocol.segments)}
+        for segment in sorted(first_segments.values(), key=lambda s: s.first):
+            for place in range(segment.first, segment.first + 2):
+                episode = protocol.episode(place)
+                loop.plant.reconfigure(protocol.plant_settings(episode))
+                *_, end = loop.run_episode(episode)
+                assert end.observation.iteration == episode.n_iterations
+    finally:
+        loop.plant.close()
+
+
+def _changes_the_eyes(name: str) -> bool:
+    profile = read_profile(name)
+    plant = build(EyePlantConfig, profile.settings.get("eye_plant", {}))
+    plants = profile.schedule.plants(plant)
+    return any(plant.mechanics != EyePlantConfig().mechanics for plant in plants)
+
+
+@pytest.mark.parametrize("name", [name for name in profile_names() if _changes_the_eyes(name)])
+def test_unlike_eyes_come_to_all_that_their_protocol_draws(name: str) -> None:
+    configuration = configuration_of(arguments(["--profile", name]), "0123abc")
+    protocol = make_protocol(build(ExperimentManagerConfig, configuration["experiment_manager"]))
+    for segment in protocol.segments:
+        # Of tests, these are all conditions several times.
+        for place in range(segment.first, segment.first + min(segment.n_episodes, 200)):
+            protocol.episode(place)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
 from lockstep.errors import InputError
 
-PARAMETERS = {"vergence_rl": {"discount": 0.1 + 0.2, "medial_limits": [0.0, 0.2]}}
+PARAMETERS = {"vergence_rl": {"cacla.discount": 0.1 + 0.2, "highest_activations": [0.2, 0.1]}}
 
 
 def _commit(checkpoints: Path, place: int, **changes: Any) -> Path:

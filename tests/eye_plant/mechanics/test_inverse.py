@@ -151,6 +151,17 @@ def test_pairs_at_which_eyes_may_rest_in_two_ways_are_refused():
         inverse.activation_pair(1.0, 0.9, ((0.0, 0.6), (0.0, 0.6)))
 
 
+def test_unlike_eyes_come_to_rest_wherever_their_muscles_pull():
+    # One eye converges before the other, which still needs steps; what remains of the first one's
+    # torque is rounding, and no step may be made of it: about one search in 250 went astray here.
+    inverse = Inverse(
+        MechanicsConfig(recession_mm=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -9.62, 5.0, 0.0, 0.0, 0.0, 0.0))
+    )
+    laterals = 0.099322487491874 + np.linspace(-1e-4, 1e-4, 2001)
+    vergences_deg = [inverse.vergence_deg(0.01804796852475458, lateral) for lateral in laterals]
+    assert np.diff(vergences_deg) == pytest.approx(-76.48 * 1e-7, rel=1e-3)
+
+
 def test_muscles_whose_stiffness_has_no_inverse_stop_no_search():
     # Found by chance: on the way to its equilibrium the right eye's stiffness gets singular.
     config = MechanicsConfig(

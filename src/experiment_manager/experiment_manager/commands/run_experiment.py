@@ -32,11 +32,14 @@ from experiment_manager.supervision.nursery import Nursery
 from experiment_manager.supervision.processes import PACKAGES
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from eye_plant.config import EyePlantConfig
-from eye_plant.stimuli.stimulus_set import load_stimuli
+from eye_plant.stimuli.stimulus_set import count_missing, load_stimuli
 from lockstep.configuration import build
 from lockstep.durable_files import replace_file, why_unwritable
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
+
+# Half of the 140 pictures of 1920 x 1920 px that take a minute on two cores.
+_PX_OF_HALF_A_MINUTE = 70 * 1920**2
 
 
 def source_commit() -> str:
@@ -51,9 +54,14 @@ def source_commit() -> str:
 
 def _prepare_stimuli(configuration: Configuration) -> None:
     """Make the generated stimuli now if they are not in the cache: a node has no time for that."""
-    plant = build(EyePlantConfig, configuration["eye_plant"])
-    print("preparing the stimuli (the first time, they are generated: about a minute)")
-    load_stimuli(plant.stimuli)
+    stimuli = build(EyePlantConfig, configuration["eye_plant"]).stimuli
+    if stimuli.directory:
+        print(f"reading the pictures of {stimuli.directory}")
+    elif n_missing := count_missing(stimuli):
+        is_long = n_missing * stimuli.size_px**2 > _PX_OF_HALF_A_MINUTE
+        duration = "about a minute" if is_long else "some seconds"
+        print(f"generating {n_missing} stimuli, which are kept for later runs ({duration})")
+    load_stimuli(stimuli)
 
 
 def _with_share(configuration: Configuration, share: float) -> Configuration:

@@ -4,8 +4,6 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 
 from experiment_manager.commands.run_experiment import source_commit
@@ -97,14 +95,9 @@ def _check(options: argparse.Namespace) -> None:
 
 
 def _prepare_stimuli(configs: Sequence[StimuliConfig]) -> None:
-    """Make generated stimuli once, before the runs; in another process, which forgets them."""
-    with ProcessPoolExecutor(1, get_context("spawn")) as process:
-        for config in dict.fromkeys(configs):
-            process.submit(_load, config).result()
-
-
-def _load(config: StimuliConfig) -> None:
-    load_stimuli(config)
+    """Make generated stimuli once, before the runs, and see that pictures can be read."""
+    for config in dict.fromkeys(configs):
+        load_stimuli(config)
 
 
 def _check_begun(run: CellRun) -> None:

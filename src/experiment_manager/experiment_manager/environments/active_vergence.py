@@ -80,6 +80,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         self.observation_space = Dict({**self._senses(), "activations": activations})
         self._coder: SparseCoder | None = None
         self._episode: Episode | None = None
+        self._is_closed = False
         self._next_episode = 0
         self._pictures: Pictures | None = None
         self._activations = np.full(len(self._space.names), math.nan)
@@ -95,7 +96,8 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-        """Begin an episode; raises InputError for an option that is none."""
+        """Begin an episode; raises InputError for an option that is none, and once closed."""
+        self._check_open("reset")
         super().reset(seed=seed)
         if seed is None and self._coder is None:
             seed = int(self.np_random.integers(_LARGEST_SEED))
@@ -124,7 +126,8 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
     def step(
         self, action: np.ndarray
     ) -> tuple[dict[str, np.ndarray], float, bool, bool, dict[str, Any]]:
-        """Move the eyes for one control period."""
+        """Move the eyes for one control period; raises InputError out of an episode."""
+        self._check_open("step")
         if self._episode is None:
             raise InputError("step: expected a reset before, and after the end of each episode")
         action = np.asarray(action, np.float64)
@@ -138,6 +141,10 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         if truncated:
             self._episode = None
         return observed, reward, False, truncated, info
+
+    def _check_open(self, name: str) -> None:
+        if self._is_closed:
+            raise InputError(f"{name}: expected it before close, got it after; make another one")
 
     def _is_last(self, observation: Observation) -> bool:
         # The experiment's episodes have one observation more than the graph's, with pictures.
@@ -175,6 +182,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
 
     def close(self) -> None:
         """Release the camera's graphics context."""
+        self._is_closed = True
         self._plant.close()
 
 
@@ -193,7 +201,8 @@ class FeatureEnvironment(VergenceEnvironment):
     """ActiveVergenceFeatures-v0: features (2, n_bases) float32, coarse then fine."""
 
     def _senses(self) -> dict[str, Box]:
-        return {"features": Box(0.0, math.inf, (2, self._experiment.n_bases), np.float32)}
+        shape = (2, self._experiment.n_bases)
+        return {"features": Box(0.0, self._experiment.largest_feature, shape, np.float32)}
 
     def _sensed(self, pictures: Pictures, percept: Percept) -> dict[str, np.ndarray]:
         return {"features": percept.encoding.features.copy()}

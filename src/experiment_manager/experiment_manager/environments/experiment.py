@@ -44,6 +44,9 @@ class Experiment:
         self._coder_state = coder_state
         self.camera: CameraConfig = settings.plant.camera
         self.n_bases = settings.coder.n_bases
+        # The squares of what matching pursuit takes from a patch sum up to the patch's, 1 for each
+        # eye; one atom takes most where all selections are of it, and alike.
+        self.largest_feature = 2.0 * settings.coder.n_selections
         self.plant = EyePlant(settings.plant)
         self._protocol: Protocol = make_protocol(settings.manager)
         self._n_training = self._protocol.segments[-1].first

@@ -1,23 +1,29 @@
 """Whether eyes with these muscles can do what a protocol asks, found out before anything starts."""
 
+import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
+import numpy as np
+
+from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.experiment.plant_changes import read_schedule, stages_of
 from experiment_manager.experiment.protocol import Condition, conditions
 from eye_plant.config import EyePlantConfig
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.inverse import Inverse, Limits
+from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.configuration import build
 from lockstep.errors import InputError
 
 # What is asked for may lie on the limit itself, and is solved for to a millionth of this.
 _TOLERANCE_DEG = 0.01
-# Of the line of pairs that give a vergence: both ends, and between them whether eyes come to it.
-_FRACTIONS = (0.0, 0.25, 0.5, 0.75, 1.0)
+# Of the line of pairs that give a vergence; version is greatest at one of its ends.
+_ENDS = (0.0, 1.0)
+# Episodes begin anywhere on the lines of a range of vergences: a grid this fine stands for them.
+_N_VERGENCES, _N_FRACTIONS = 33, 9
 
 
 def check_reach(parameters: Mapping[str, Mapping[str, Any]]) -> None:
@@ -25,7 +31,8 @@ def check_reach(parameters: Mapping[str, Mapping[str, Any]]) -> None:
 
     parameters: of all nodes, by node. With the activations within the protocol's limits, each
     vergence that is asked for must come about, and both lines of sight must then meet the plane;
-    so it must with the eyes of each stage of the run's schedule.
+    so it must with the eyes of each stage of the run's schedule. Any pair of activations with which
+    an episode may begin must have one rest, so that no run stops half-way for want of it.
     """
     manager = build(ExperimentManagerConfig, parameters["experiment_manager"])
     started_with = build(EyePlantConfig, parameters["eye_plant"])
@@ -43,7 +50,9 @@ def _check_eyes(
     plane_m = plant.camera.plane_size_m
     inverse = Inverse(config.mechanics)
     limits = config.protocol.pair_limits
-    _check_vergence(config, inverse, limits, tested)
+    started_deg = _started_deg(config.protocol, tested, config.mechanics.baseline_m)
+    _check_vergence(config, inverse, limits, started_deg)
+    _check_pairs(config.mechanics, limits, (min(started_deg), max(started_deg)))
     for distance_m in _distances_m(config):
         _check_version(config, inverse, limits, distance_m, plane_m)
 
@@ -53,18 +62,23 @@ def _distances_m(config: ExperimentManagerConfig) -> list[float]:
     return sorted({*protocol.object_distance_m, *protocol.test_distances_m})
 
 
-def _check_vergence(
-    config: ExperimentManagerConfig, inverse: Inverse, limits: Limits, tested: Sequence[Condition]
-) -> None:
-    baseline_m = config.mechanics.baseline_m
-    asked_deg = [
-        desired_vergence_deg(distance_m, baseline_m)
-        for distance_m in (*_distances_m(config), *config.protocol.fixation_distance_m)
-    ]
-    asked_deg += [
+def _started_deg(
+    protocol: ProtocolConfig, tested: Sequence[Condition], baseline_m: float
+) -> list[float]:
+    """Return vergences with which episodes begin: those of tests, the ends of those of training."""
+    trained_deg = [desired_vergence_deg(d, baseline_m) for d in protocol.fixation_distance_m]
+    return trained_deg + [
         desired_vergence_deg(condition.object_distance_m, baseline_m) - condition.start_error_deg
         for condition in tested
     ]
+
+
+def _check_vergence(
+    config: ExperimentManagerConfig, inverse: Inverse, limits: Limits, started_deg: Sequence[float]
+) -> None:
+    baseline_m = config.mechanics.baseline_m
+    aimed_at_deg = [desired_vergence_deg(d, baseline_m) for d in _distances_m(config)]
+    asked_deg = [*started_deg, *aimed_at_deg]
     least_deg, most_deg = inverse.vergence_range_deg(limits)
     if least_deg > min(asked_deg) + _TOLERANCE_DEG or most_deg < max(asked_deg) - _TOLERANCE_DEG:
         raise InputError(
@@ -75,6 +89,27 @@ def _check_vergence(
         )
 
 
+@functools.lru_cache(maxsize=64)  # runs of a sweep often have the same eyes
+def _check_pairs(
+    mechanics: MechanicsConfig, limits: Limits, vergences_deg: tuple[float, float]
+) -> None:
+    """Raise InputError unless eyes have one rest at all pairs that give a vergence in the range."""
+    inverse = Inverse(mechanics)
+    least_deg, most_deg = np.clip(vergences_deg, *inverse.vergence_range_deg(limits))
+    for vergence_deg in np.linspace(least_deg, most_deg, _N_VERGENCES):
+        for fraction in np.linspace(0.0, 1.0, _N_FRACTIONS):
+            _pair(inverse, float(vergence_deg), float(fraction), limits)
+
+
+def _pair(
+    inverse: Inverse, vergence_deg: float, fraction: float, limits: Limits
+) -> tuple[float, float]:
+    try:
+        return inverse.activation_pair(vergence_deg, fraction, limits)
+    except InputError as error:
+        raise InputError(f"mechanics: {error}") from error
+
+
 def _check_version(
     config: ExperimentManagerConfig,
     inverse: Inverse,
@@ -82,13 +117,10 @@ def _check_version(
     distance_m: float,
     plane_m: float,
 ) -> None:
-    """Look at the line of pairs that give the vergence; version is greatest at one of its ends."""
+    """Look at both ends of the line of pairs that give the vergence."""
     vergence_deg = desired_vergence_deg(distance_m, config.mechanics.baseline_m)
-    for fraction in _FRACTIONS:
-        try:
-            pair = inverse.activation_pair(vergence_deg, fraction, limits)
-        except InputError as error:
-            raise InputError(f"mechanics: {error}") from error
+    for fraction in _ENDS:
+        pair = _pair(inverse, vergence_deg, fraction, limits)
         left_deg, right_deg = inverse.adduction_deg(*pair)
         version_deg = (left_deg - right_deg) / 2.0
         most_deg = math.degrees(math.atan(plane_m / 2.0 / distance_m))

@@ -21,7 +21,7 @@ MOVABLE_NODES = ("eye_plant", "sparse_coder", "vergence_rl")
 
 
 def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
-    """Return the parsed command line; exits with 2 and a usage line when it cannot be parsed."""
+    """Return the parsed command line; exits with 2 and one line when it cannot be parsed."""
     return parser().parse_args(argv)
 
 
@@ -49,7 +49,12 @@ def _add_settings(line: argparse.ArgumentParser) -> None:
         " paper if --model or --iterations is given, else demonstration)",
     )
     group.add_argument("--model", choices=MODELS, help="M: vergence; M_C: with a price on energy")
-    group.add_argument("--iterations", type=_whole, metavar="N", help="training iterations, as 1e6")
+    group.add_argument(
+        "--iterations",
+        type=_whole,
+        metavar="N",
+        help="training iterations, as 1e6; with --branch, those before the checkpoint included",
+    )
     group.add_argument("--seed", type=_whole, metavar="S", help="default: 1")
     group.add_argument(
         "--stimuli",

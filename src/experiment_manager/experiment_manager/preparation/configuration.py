@@ -126,7 +126,8 @@ def changed(settings: Mapping[str, Any], given: Mapping[str, Given]) -> Configur
         node, _, name = place.partition(".")
         by_node[node][name] = value
     configuration = {
-        node: flatten(_built(node, settings_of_node)) for node, settings_of_node in by_node.items()
+        node: flatten(_built(node, settings_of_node, given))
+        for node, settings_of_node in by_node.items()
     }
     check_agreements(configuration)
     _check_price(configuration)
@@ -174,6 +175,7 @@ def _count_stimuli(values: dict[str, Any], given: Mapping[str, Given]) -> None:
             for place, value in values.items()
             if place.startswith("eye_plant.")
         },
+        given,
     )
     n_training, n_test = count_stimuli(plant.stimuli)
     found = {"n_training_stimuli": n_training, "n_test_stimuli": n_test}
@@ -203,11 +205,22 @@ def _check_tests(values: Mapping[str, Any], given: Mapping[str, Given]) -> None:
         )
 
 
-def _built(node: str, values: Mapping[str, Any]) -> Any:
+def _built(node: str, values: Mapping[str, Any], given: Mapping[str, Given]) -> Any:
     try:
         return build(CONFIG_CLASSES[node], values)
     except InputError as error:
-        raise InputError(f"{node}: {error}") from error
+        name, _, wrong = str(error).partition(": ")
+        option = _option_of(f"{node}.{name}", given)
+        raise InputError(f"{option}: {wrong}" if option else f"{node}: {error}") from error
+
+
+def _option_of(place: str, given: Mapping[str, Given]) -> str:
+    """Return the option that gave a place its value, itself or by a partner; "" for none, --set."""
+    for given_place, setting in given.items():
+        option = setting.by.split()[0]
+        if option != "--set" and place in with_partners({given_place: setting.value}):
+            return option
+    return ""
 
 
 def _read_setting(text: str) -> tuple[str, Any]:

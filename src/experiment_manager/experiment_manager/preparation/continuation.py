@@ -174,6 +174,13 @@ def branch(text: str, given: Mapping[str, Given], commit: str) -> Branch:
     settings["experiment_manager.commit"] = commit
     configuration = changed(settings, given)
     manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
+    end = manager.protocol.n_training_iterations
+    if end < trained:
+        by = given[_ITERATIONS].by if _ITERATIONS in given else "n_training_iterations"
+        raise InputError(
+            f"{by}: expected {trained} or more, since a branch counts on from its checkpoint, "
+            f"which has made {trained}; {trained + end} would train for {end} more"
+        )
     make_protocol(manager).place_after(trained)
     for node, learner in _LEARNERS.items():
         # The nodes would refuse what does not fit; here it costs nothing.

@@ -53,6 +53,12 @@ class InProcessRun:
         Once interrupted, it stops after the episode under way, with a checkpoint; the second time,
         at once. Raises InputError for numbers that no learner takes, OSError when the disk refuses.
         """
+        try:
+            return self._go_on()
+        finally:
+            self._run.leave_bar()
+
+    def _go_on(self) -> bool:
         run = self._run
         while not run.is_over and not self._interrupts.count:
             if run.checkpoint_is_due():

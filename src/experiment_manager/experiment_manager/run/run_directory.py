@@ -264,6 +264,10 @@ class Run:
 
     # The end
 
+    def leave_bar(self) -> None:
+        """Leave the progress bar as it stands, so that what is said next has a line of its own."""
+        self._bar.close()
+
     def finish(self) -> None:
         """Write results.json and trials.npz from what was measured."""
         config = self._config

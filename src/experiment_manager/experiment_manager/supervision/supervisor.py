@@ -88,7 +88,8 @@ class Supervisor:
                 continue
             if fault is None:
                 return code
-            print(f"fault: {fault}", file=sys.stderr)
+            # The bar's line, of another process, may be unfinished.
+            print(f"\nfault: {fault}", file=sys.stderr)
             if self._interrupts.count:
                 return EXIT_INTERRUPTED
             faults.append((self._place(), _NUMBER.sub("", fault)))
@@ -165,10 +166,10 @@ class Supervisor:
             if FAULT_TEXT not in last_line:  # the log could not be written either
                 why = why_unwritable(self._directory)
                 reason = f"{self._directory} cannot be written{': ' if why else ''}{why}"
-            print(f"error: {reason}; what was saved before is whole", file=sys.stderr)
+            print(f"\nerror: {reason}; what was saved before is whole", file=sys.stderr)
             return EXIT_FAULT, None
         if code == EXIT_DIVERGED:
-            print(f"error: {reason}; what was saved before is whole", file=sys.stderr)
+            print(f"\nerror: {reason}; what was saved before is whole", file=sys.stderr)
             return EXIT_FAULT, None
         return EXIT_FAULT, f"{name} ended: {reason}"
 

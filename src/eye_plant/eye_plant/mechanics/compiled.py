@@ -129,15 +129,27 @@ def _cross(a, b, product):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _creep(stiffness, torque, step):  # type: ignore[no-untyped-def]
-    """Fill the next step (6,), each eye's slowed by its own torque; return its largest angle."""
+def _creep(stiffness, torque, step, is_at_rest):  # type: ignore[no-untyped-def]
+    """Fill the next step (6,), each eye's slowed by its own torque; return its largest angle.
+
+    is_at_rest (2,): eyes that have converged, to which it adds. The other eye may need more steps;
+    meanwhile rounding amends the stiffness of an eye at rest, and a step along such a stiffness may
+    lead anywhere. So an eye at rest stays there.
+    """
     largest = 0.0
     for i_eye in range(_N_EYES):
         first = _N_AXES * i_eye
         own = torque[first : first + _N_AXES]
         resisting = stiffness[i_eye] + np.abs(own).max() / _REACH_RAD * np.eye(_N_AXES)
-        step[first : first + _N_AXES] = _solve(resisting, own)
-        largest = max(largest, np.abs(step[first : first + _N_AXES]).max())
+        own_step = _solve(resisting, own)
+        own_largest = np.abs(own_step).max()
+        if own_largest < _CONVERGED_RAD:
+            is_at_rest[i_eye] = True
+        elif is_at_rest[i_eye]:
+            own_step[:] = 0.0
+            own_largest = 0.0
+        step[first : first + _N_AXES] = own_step
+        largest = max(largest, own_largest)
     return largest
 
 
@@ -177,12 +189,13 @@ def creep_to_rest(
     torque, before = np.empty_like(angles), np.empty_like(angles)
     step = np.empty_like(angles)
     stiffness = np.empty((_N_EYES, _N_AXES, _N_AXES))
+    is_at_rest = np.zeros(_N_EYES, np.bool_)
     largest = np.inf
     _find_torque(model_and_data, forces, torque)
     for _ in range(_MAX_ITERATIONS):
         if largest > _NEAR_RAD:
             _probe_stiffness(model_and_data, forces, angles, torque, stiffness)
-        largest = _creep(stiffness, torque, step)
+        largest = _creep(stiffness, torque, step, is_at_rest)
         angles += step
         if largest < _CONVERGED_RAD:
             break

@@ -27,15 +27,43 @@ def load_generated(
     directory = _set_directory(cache_directory, seed, size_px)
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        # NumPy and OpenCV let other threads run while they draw.
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            return tuple(
-                pool.map(lambda number: _load_one(directory, seed, role, number, size_px), range(n))
-            )
+        _draw_missing(directory, seed, role, n, size_px)
+        return tuple(_load_one(directory, seed, role, number, size_px) for number in range(n))
     except OSError as error:
         raise InputError(
             f"stimuli.cache_directory: expected a directory to write to, got {directory} ({error})"
         ) from error
+
+
+def _draw_missing(directory: Path, seed: int, role: str, n: int, size_px: int) -> None:
+    """Draw in as many threads as there are cores: NumPy and OpenCV let others run meanwhile.
+
+    Who is interrupted waits for the pictures under way, not for all.
+    """
+    n_threads = os.cpu_count() or 1
+    is_stopped = threading.Event()
+
+    def draw(first: int) -> None:
+        for number in range(first, n, n_threads):
+            if is_stopped.is_set():
+                return
+            _load_one(directory, seed, role, number, size_px)
+
+    with ThreadPoolExecutor(n_threads) as pool:
+        try:
+            list(pool.map(draw, range(n_threads)))
+        finally:
+            is_stopped.set()
+
+
+def n_missing(cache_directory: str, seed: int, role: str, n: int, size_px: int) -> int:
+    """Return how many pictures `load_generated` would have to draw."""
+    directory = _set_directory(cache_directory, seed, size_px)
+    return sum(not _path(directory, role, number).exists() for number in range(n))
+
+
+def _path(directory: Path, role: str, number: int) -> Path:
+    return directory / f"{role}_{number:04d}.npy"
 
 
 def _set_directory(cache_directory: str, seed: int, size_px: int) -> Path:
@@ -52,7 +80,7 @@ def _set_directory(cache_directory: str, seed: int, size_px: int) -> Path:
 
 
 def _load_one(directory: Path, seed: int, role: str, number: int, size_px: int) -> np.ndarray:
-    path = directory / f"{role}_{number:04d}.npy"
+    path = _path(directory, role, number)
     picture = map_array(path, (size_px, size_px))
     if picture is None:
         write_array(path, stimulus_generator.generate_stimulus(seed, role, number, size_px))

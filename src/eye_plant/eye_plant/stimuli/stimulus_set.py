@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eye_plant.stimuli.cache import load_generated
+from eye_plant.stimuli.cache import load_generated, n_missing
 from eye_plant.stimuli.directory import (
     ChosenFiles,
     choose_files,
@@ -80,6 +80,16 @@ def load_stimuli(config: StimuliConfig) -> StimulusSet:
         for paths in (chosen.training, chosen.test)
     )
     return StimulusSet(training, test)
+
+
+def count_missing(config: StimuliConfig) -> int:
+    """Return how many pictures load_stimuli would have to generate, since the cache lacks them."""
+    if config.directory:
+        return 0
+    return sum(
+        n_missing(config.cache_directory, config.seed, role, n, config.size_px)
+        for role, n in (("training", config.n_training), ("test", config.n_test))
+    )
 
 
 def load_unseen_stimuli(

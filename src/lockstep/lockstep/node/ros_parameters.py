@@ -8,13 +8,18 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 
 from lockstep import configuration
-from lockstep.settings import Declaration, Setting, declarations
+from lockstep.settings import (
+    LARGEST_INTEGER,
+    LEAST_INTEGER,
+    Declaration,
+    Setting,
+    declarations,
+)
 
 Config = TypeVar("Config")
 
 # What rclpy itself declares on every node.
 OF_RCLPY = ("use_sim_time", "start_type_description_service", "qos_overrides.")
-_LARGEST_INTEGER = 2**63 - 1
 
 
 def declare_config(node: Node, config_class: type[Config]) -> Config:
@@ -53,7 +58,7 @@ def descriptor(declared: Declaration) -> ParameterDescriptor:
 
 
 def _integer_range(setting: Setting) -> IntegerRange:
-    least, most = -_LARGEST_INTEGER - 1, _LARGEST_INTEGER
+    least, most = LEAST_INTEGER, LARGEST_INTEGER
     if setting.least is not None:
         least = math.ceil(setting.least)
     if setting.above is not None:

@@ -17,7 +17,7 @@ from experiment_manager.analysis.rearing.figures import (
 )
 from experiment_manager.analysis.rearing.gabor import gabor_patch
 from experiment_manager.analysis.rearing.measures_file import run_measures, write_measures
-from experiment_manager.analysis.rearing.page import condition_table, finished_runs
+from experiment_manager.analysis.rearing.page import condition_table, finished_runs, left_out
 from experiment_manager.analysis.rearing.reared_run import RearedRun
 from experiment_manager.analysis.rearing.reward_landscape import RewardLandscape
 from experiment_manager.commands.report import main
@@ -152,6 +152,15 @@ def test_what_is_undefined_is_null_in_the_file(tmp_path):
     (measures,) = json.loads((tmp_path / "rearing.json").read_text())["runs"]
     assert measures["landscape"]["reconstruction_error_fine"] == [None, 0.1, 0.3]
     assert measures["landscape"]["depth"] == pytest.approx(0.5)
+
+
+def test_vergence_errors_without_a_place_in_the_landscape_are_named():
+    whole, broken = reared("normal"), reared("weak")
+    broken.landscape.reconstruction_error[[0, 2]] = np.nan
+    assert left_out([("normal", [whole])]) == ""
+    assert left_out([("normal", [whole]), ("weak", [reared("weak"), broken])]).endswith(
+        "elsewhere with them: weak at -1, 1 deg."
+    )
 
 
 def test_a_sweep_stands_for_its_finished_runs_in_its_order(tmp_path):

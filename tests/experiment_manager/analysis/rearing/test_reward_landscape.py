@@ -6,6 +6,7 @@ import pytest
 
 from experiment_manager.analysis.rearing.reward_landscape import reward_landscape
 from eye_plant.config import EyePlantConfig
+from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.errors import InputError
@@ -65,6 +66,30 @@ def test_dictionaries_that_have_not_learned_have_a_flat_landscape(plant, coder):
 
 def test_a_vergence_that_no_muscles_reach_has_no_place_in_the_landscape(plant, coder):
     found = landscape(plant, coder, errors_deg=(-500.0, 0.0))
+    assert np.isnan(found.reconstruction_error[0]).all()
+    assert np.isfinite(found.reconstruction_error[1]).all()
+
+
+def test_a_vergence_at_which_eyes_may_rest_in_two_ways_has_no_place_either(coder):
+    # Found by chance, among muscles that no surgeon leaves.
+    mechanics = MechanicsConfig(
+        parameter_set="anatomical",
+        strength=(0.1, 0.5, 0.1, 0.5, 0.1, 0.1, 2.0, 0.5, 0.5, 1.0, 1.0, 0.1),
+        recession_mm=(0.0, 0.0, 8.0, -8.0, -8.0, -8.0, -8.0, -8.0, 0.0, 8.0, 0.0, 0.0),
+    )
+    pictures = (np.random.default_rng(0).integers(0, 256, (64, 64), dtype=np.uint8),)
+    plant = EyePlant(EyePlantConfig(mechanics=mechanics), StimulusSet((), pictures))
+    try:
+        found = reward_landscape(
+            plant,
+            mechanics,
+            coder,
+            stimuli=(0,),
+            distances_m=(2.0,),
+            vergence_errors_deg=(-30.0, 0.0),
+        )
+    finally:
+        plant.close()
     assert np.isnan(found.reconstruction_error[0]).all()
     assert np.isfinite(found.reconstruction_error[1]).all()
 

@@ -99,6 +99,8 @@ def write_rearing_page(directories: Sequence[Path], out: Path) -> Path:
             figure = draw(conditions)
             save(figure, out / FIGURES / f"rearing_{name}.png")
             parts += [report_page.heading(title), report_page.picture(figure, caption)]
+            if name == "landscapes" and (told := left_out(conditions)):
+                parts.append(report_page.paragraph(told))
     write_measures(out / MEASURES_FILE, runs)
     replace_file(out / REARING_FILE, report_page.page("Altered rearing", parts).encode())
     return out / REARING_FILE
@@ -155,6 +157,23 @@ def condition_table(conditions: Sequence[Condition]) -> str:
         "published",
     )
     return report_page.table(header, [_row(*condition) for condition in conditions])
+
+
+def left_out(conditions: Sequence[Condition]) -> str:
+    """Say which vergence errors a landscape does not have for want of a pair, "" for none."""
+    told = []
+    for label, runs in conditions:
+        landscapes = [run.landscape for run in runs]
+        is_missing = np.isnan([landscape.total_error for landscape in landscapes]).any(axis=0)
+        if is_missing.any():
+            errors_deg = landscapes[0].vergence_error_deg[is_missing]
+            told.append(f"{label} at {', '.join(f'{error_deg:g}' for error_deg in errors_deg)} deg")
+    if not told:
+        return ""
+    return (
+        "Left out, since no activations of the muscles give the vergence, or the eyes may rest "
+        f"elsewhere with them: {'; '.join(told)}."
+    )
 
 
 def _row(label: str, runs: Sequence[RearedRun]) -> tuple[str, ...]:

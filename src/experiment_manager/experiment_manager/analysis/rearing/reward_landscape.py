@@ -25,9 +25,10 @@ class RewardLandscape:
     """What a frozen dictionary makes of pictures seen with wrong vergence.
 
     vergence_error_deg: (n_errors,). reconstruction_error: coarse and fine, (n_errors, 2), mean over
-    pictures and distances; nan where no muscle activation gives the vergence. left_share: of the
-    left eye in the code of all these pictures, 0.5 where neither eye is suppressed. use: of each
-    atom in it, (2, n_bases), the share in its scale's squared coefficients.
+    pictures and distances; nan where no muscle activation gives the vergence, or none at which the
+    eyes have one rest. left_share: of the left eye in the code of all these pictures, 0.5 where
+    neither eye is suppressed. use: of each atom in it, (2, n_bases), the share in its scale's
+    squared coefficients.
     """
 
     vergence_error_deg: Array
@@ -69,14 +70,14 @@ def reward_landscape(
     features = np.zeros((2, coder.config.n_bases))
     for i_error, error_deg in enumerate(vergence_errors_deg):
         for i_distance, distance_m in enumerate(distances_m):
-            wanted_deg = desired_vergence_deg(distance_m, mechanics.baseline_m) - error_deg
+            desired_deg = desired_vergence_deg(distance_m, mechanics.baseline_m)
             try:
-                inverse.check(wanted_deg)
+                inverse.check(desired_deg)  # without which the plant shows nothing there
+                pair = inverse.activation_pair(desired_deg - error_deg, 0.0, FULL_RANGE)
             except InputError:
                 continue
-            medial, lateral = inverse.activation_pair(wanted_deg, 0.0, FULL_RANGE)
             for i_stimulus, stimulus in enumerate(stimuli):
-                seen = _look(plant, stimulus, distance_m, (medial, lateral))
+                seen = _look(plant, stimulus, distance_m, pair)
                 assert seen.pictures is not None
                 encoding = coder.encode(*seen.pictures)
                 errors[i_error, i_distance, i_stimulus] = encoding.reconstruction_error
