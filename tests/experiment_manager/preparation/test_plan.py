@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.plan import plan
 
 
 def _plan(*line: str) -> list[str]:
-    return plan(configuration_of(arguments(line), ""))
+    return plan(configuration_of(request_of(arguments(line)), ""))
 
 
 def test_the_papers_tests_and_how_long_they_take() -> None:

@@ -7,7 +7,7 @@ import pytest
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import Change, Schedule
 from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.profiles import (
     Profile,
@@ -92,7 +92,7 @@ def test_a_base_that_is_no_profile_or_has_a_schedule_is_refused() -> None:
 @pytest.mark.parametrize("name", [name for name in profile_names() if name.startswith("rearing/")])
 def test_every_condition_of_rearing_is_a_run(name: str) -> None:
     line = ["--profile", name, "--model", "M_C"]
-    configuration = configuration_of(arguments(line), "0123abc")
+    configuration = configuration_of(request_of(arguments(line)), "0123abc")
     manager = configuration["experiment_manager"]
     make_protocol(build(ExperimentManagerConfig, manager)).episode(0)
     n_iterations = manager["protocol.n_training_iterations"]
