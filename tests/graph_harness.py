@@ -11,7 +11,7 @@ from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.loop import Step, make_loop
-from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import configuration_text, read_configuration
 from eye_plant.episode import Episode
@@ -52,7 +52,7 @@ def small_run(pictures: Path, n_iterations: int = 200, *more: str) -> list[str]:
 
 def write_configuration(path: Path, line: Sequence[str]) -> None:
     """Write the config.yaml that a supervisor would make of a command line."""
-    path.write_text(configuration_text(configuration_of(arguments(line), "0123abc")))
+    path.write_text(configuration_text(configuration_of(request_of(arguments(line)), "0123abc")))
 
 
 class NodeProcess:

@@ -35,6 +35,18 @@ def write_sweep(path: Path, pictures: Path, axes: dict[str, list[object]], **mor
     return path
 
 
+def command_line(pictures: Path, **more: object) -> list[str]:
+    """Return the command line of one run of a sweep; more: further options."""
+    words: list[str] = []
+    for name, value in (OPTIONS | {"stimuli": pictures} | more).items():
+        if "." in name:
+            words += ["--set", f"{name}={value}"]
+        else:
+            text = ",".join(map(str, value)) if isinstance(value, list) else str(value)
+            words += [f"--{name}", text]
+    return words
+
+
 def start_sweep(*line: object, **variables: str) -> "subprocess.Popen[str]":
     """Start sweep.sh; its output is one stream. variables: more of its environment."""
     return subprocess.Popen(

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from tests.benchmark.against import results_in_turns
 from tests.benchmark.encoding import encoding_times_ms
@@ -202,7 +202,7 @@ def _highest(peaks_mb: Sequence[dict[str, float]]) -> dict[str, float]:
 
 
 def _loop(more: Sequence[str]) -> TimedLoop:
-    return TimedLoop(configuration_of(arguments(_arguments(more)), "benchmark"))
+    return TimedLoop(configuration_of(request_of(arguments(_arguments(more))), "benchmark"))
 
 
 def _round(plan: Plan, loops: Loops, directory: Path) -> Round:

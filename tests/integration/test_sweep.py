@@ -17,6 +17,7 @@ from tests.stress.supervised_run import differences, stamp_faults
 from tests.supervisor import PATIENCE_S, finished
 from tests.sweep_harness import (
     are_held_at_first_checkpoint,
+    command_line,
     goes_on_interrupted,
     is_root,
     single_run,
@@ -52,7 +53,7 @@ def _wait_for(process: "subprocess.Popen[str]", condition: Callable[[], bool]) -
 
 
 def test_each_run_is_the_run_of_its_command_line(
-    whole: Path, sweep_file: Path, tmp_path: Path
+    whole: Path, sweep_file: Path, pictures: Path, tmp_path: Path
 ) -> None:
     cells = read_sweep(sweep_file).cells()
     assert {path.name for path in whole.iterdir()} == {
@@ -62,7 +63,7 @@ def test_each_run_is_the_run_of_its_command_line(
     }
     for cell in cells:
         assert stamp_faults(whole / cell.name) == []
-    second = single_run(tmp_path / "run", cells[1].line)
+    second = single_run(tmp_path / "run", command_line(pictures, model="M_C", seed=2))
     assert differences(whole / cells[1].name, second) == []
     assert differences(whole / cells[0].name, second) != []
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import configuration_text
 from experiment_manager.supervision.processes import PACKAGES
@@ -174,7 +174,7 @@ def fuzz(directory: Path, n_inputs: int, seed: int) -> Outcome:
     directory.mkdir(parents=True, exist_ok=True)
     config_file = directory / "config.yaml"
     line = _line(_N_DISTURBED_ITERATIONS, *_SMALL_LEARNERS)
-    config_file.write_text(configuration_text(configuration_of(arguments(line), "")))
+    config_file.write_text(configuration_text(configuration_of(request_of(arguments(line)), "")))
     figures: dict[str, Any] = {"inputs": 0, "refused": 0, "numbers_compared": 0, "growth_mb": 0.0}
     problems: list[str] = []
     bound_mb = 4 * QUEUE_DEPTH * LARGEST_BYTES / 2**20

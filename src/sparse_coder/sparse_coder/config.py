@@ -5,6 +5,15 @@ from dataclasses import dataclass
 from lockstep.command_space import COMMAND_SPACES, PAIR, CommandSpace
 from lockstep.settings import check_settings, setting
 
+# Lambda of M_C unless another is given, 1/W, by the eyes' parameter set: energy is 20 % of the
+# reward over the first 5,000 iterations on the generated stimuli, by which rule K17 chose its 0.035
+# (D7). Measured, seed 1, by
+#   run_experiment.sh --profile paper --model M_C --lambda-share 0.2
+# and, for the second, with --set eye_plant.mechanics.parameter_set=anatomical.
+# k17: mean E 0.3711, mean C 1.4300 W, lambda 0.0649; anatomical, of real muscle masses: mean E
+# 0.4082, mean C 0.0858 W, lambda 1.190.
+DEFAULT_METABOLIC_COST_WEIGHTS = {"k17": 0.065, "anatomical": 1.19}
+
 
 @dataclass(frozen=True)
 class SparseCoderConfig:

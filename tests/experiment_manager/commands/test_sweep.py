@@ -48,8 +48,8 @@ def test_the_directory_of_a_sweep_takes_no_other_stimuli(
 @pytest.mark.parametrize(
     ("edit", "error"),
     [
-        ({"iterations": 400}, "--iterations 400: the run to be resumed, DIR, has"),
-        ({"sparse_coder.n_bases": 16}, "--set sparse_coder.n_bases=16: the run to be resumed, DIR"),
+        ({"iterations": 400}, "iterations: the run to be resumed, DIR, has"),
+        ({"sparse_coder.n_bases": 16}, "sparse_coder.n_bases: the run to be resumed, DIR"),
     ],
 )
 def test_what_a_run_has_begun_with_cannot_be_edited(

@@ -18,7 +18,7 @@ from experiment_manager.environments.active_vergence import VergenceEnvironment
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.loop import make_loop
-from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import Configuration
 from lockstep.configuration import build
@@ -115,7 +115,7 @@ def test_a_seed_that_no_run_takes_is_refused(bare: VergenceEnvironment) -> None:
 def configuration(settings: dict[str, Any]) -> Configuration:
     line = ["--profile", "paper", "--model", "M_C", "--tests", "0"]
     line += [word for k, v in settings.items() for word in ("--set", f"{k}={v}")]
-    return configuration_of(arguments(line), "")
+    return configuration_of(request_of(arguments(line)), "")
 
 
 @pytest.mark.parametrize("rule", ["cacla", "hindsight"])
@@ -288,7 +288,10 @@ def test_a_trial_may_be_drawn_by_numpy(bare: VergenceEnvironment) -> None:
     [
         ({"model": "M_D"}, "model: expected M or M_C, got 'M_D'"),
         ({"settings": {"eye_plant.no_such": 1}}, "no_such"),
-        ({"settings": {"nobody.seed": 1}}, "expected NODE.PARAMETER=VALUE"),
+        (
+            {"settings": {"nobody.seed": 1}},
+            r"settings\['nobody.seed'\]: expected NODE.PARAMETER with",
+        ),
         ({"action_scale": 0.0}, "action_scale: expected more than 0, at most 1, got 0.0"),
         ({"render_mode": "human"}, "render_mode: expected None or rgb_array"),
         ({"coder_state": "nowhere.npz"}, "nowhere.npz"),

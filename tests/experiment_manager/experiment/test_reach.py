@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from experiment_manager.commands.run_experiment import main as run_experiment
-from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError
@@ -23,7 +23,7 @@ def _strength(**changed: float) -> str:
 
 def _check(*settings: str) -> None:
     words = [word for setting in settings for word in ("--set", setting)]
-    configuration_of(arguments(["--profile", "paper", *words]), "")
+    configuration_of(request_of(arguments(["--profile", "paper", *words])), "")
 
 
 def test_a_paralysed_muscle_is_allowed_where_the_protocol_can_be_met() -> None:

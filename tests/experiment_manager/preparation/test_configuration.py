@@ -9,7 +9,7 @@ import yaml
 
 from experiment_manager.experiment.agreements import AGREEMENTS, Agreement, check_agreements
 from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.preparation.command_line import DEFAULT_METABOLIC_COST_WEIGHTS, arguments
+from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import (
     CONFIG_CLASSES,
@@ -19,13 +19,14 @@ from experiment_manager.run.config_file import (
 from eye_plant.mechanics.parameter_sets import PARAMETER_SETS
 from lockstep.configuration import flatten
 from lockstep.errors import InputError
+from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
 
 _PROTOCOL = "experiment_manager.protocol"
 SOURCES = Path(__file__).parents[3] / "src"
 
 
 def _configuration(*line: str) -> dict[str, dict[str, Any]]:
-    return configuration_of(arguments(line), "0123abc")
+    return configuration_of(request_of(arguments(line)), "0123abc")
 
 
 @pytest.mark.parametrize("package", CONFIG_CLASSES)
@@ -140,7 +141,7 @@ def test_large_numbers_may_be_written_short() -> None:
 @pytest.mark.parametrize("agreement", AGREEMENTS, ids=lambda a: a.second)
 def test_what_two_nodes_must_know_agrees_by_default(agreement: Agreement) -> None:
     (node, _, name), (other, _, its_name) = (
-        place.partition(".") for place in (agreement.first, agreement.second)
+        key.partition(".") for key in (agreement.first, agreement.second)
     )
     configuration = {n: flatten(c()) for n, c in CONFIG_CLASSES.items()}
     check_agreements(configuration)
@@ -234,11 +235,11 @@ def test_set_reads_values_as_yaml_does() -> None:
         ),
         (
             ("--model", "M", "--lambda", "0.03"),
-            "(--lambda): expected 0 with model M, which has no price on energy, got 0.03",
+            "--lambda 0.03: expected 0 with model M, which has no price on energy, got 0.03; model",
         ),
         (
             ("--lambda-share", "0.2", "--model", "M"),
-            "expected --model M_C, M has no price on energy",
+            "--lambda-share 0.2: expected model M_C, M has no price on energy",
         ),
         (
             ("--iterations", "500", "--set", f"{_PROTOCOL}.n_training_iterations=1000"),
@@ -265,9 +266,12 @@ def test_set_reads_values_as_yaml_does() -> None:
         (("--lambda", "-1"), "--lambda: expected 0 or more"),
         (("--lambda", "nan"), "--lambda: expected 0 or more"),
         (("--model", "M_C", "--lambda", "inf"), "--lambda: expected 0 or more"),
-        (("--lambda-share", "1"), "--lambda-share: expected a share in [0, 1), got 1.0"),
-        (("--lambda-share", "nan"), "--lambda-share: expected a share in [0, 1), got nan"),
-        (("--lambda-share", "0.2", "--lambda", "0.1"), "expected it without --lambda, got both"),
+        (("--lambda-share", "1"), "--lambda-share 1: expected a share in [0, 1), got 1.0"),
+        (("--lambda-share", "nan"), "--lambda-share nan: expected a share in [0, 1), got nan"),
+        (
+            ("--lambda-share", "0.2", "--lambda", "0.1"),
+            "--lambda-share 0.2: expected it without --lambda 0.1, got both",
+        ),
         (("--profile", "demo"), "profile: expected one of "),
         (("--stimuli", "/nowhere"), "stimuli.directory: expected a directory of pictures"),
     ],

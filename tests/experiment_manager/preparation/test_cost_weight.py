@@ -10,7 +10,7 @@ from experiment_manager.commands import run_experiment
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.loop import make_loop
-from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.cost_weight import (
     FirstIterations,
@@ -36,7 +36,7 @@ def _line(pictures: Path, *more: str) -> list[str]:
 
 
 def _configuration(pictures: Path, *more: str) -> dict[str, dict[str, Any]]:
-    return configuration_of(arguments(_line(pictures, *more)), "")
+    return configuration_of(request_of(arguments(_line(pictures, *more))), "")
 
 
 def test_the_weight_of_a_share() -> None:

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.plan import plan
 
@@ -11,7 +11,7 @@ RESULTS = Path(__file__).parents[3] / "results"
 
 
 def _plan(*line: str) -> list[str]:
-    return plan(configuration_of(arguments(line), ""))
+    return plan(configuration_of(request_of(arguments(line)), ""))
 
 
 def test_the_papers_tests_and_how_long_they_take() -> None:

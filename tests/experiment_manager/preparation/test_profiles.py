@@ -9,7 +9,7 @@ from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import Change, Schedule
 from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.loop import make_loop
-from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.profiles import (
     Profile,
@@ -93,7 +93,9 @@ def test_a_base_that_is_no_profile_or_has_a_schedule_is_refused() -> None:
 
 @pytest.mark.parametrize("name", [name for name in profile_names() if name.startswith("rearing/")])
 def test_every_condition_of_rearing_tests_its_end(name: str) -> None:
-    manager = configuration_of(arguments(["--profile", name]), "0123abc")["experiment_manager"]
+    manager = configuration_of(request_of(arguments(["--profile", name])), "0123abc")[
+        "experiment_manager"
+    ]
     assert manager["protocol.n_training_iterations"] in manager["protocol.test_iterations"]
 
 
@@ -103,7 +105,7 @@ def test_every_profile_runs_in_each_stage_of_its_schedule(
 ) -> None:
     line = ["--profile", name, "--stimuli", str(pictures), "--test-stimuli", "1"]
     configuration = configuration_of(
-        arguments([*line, "--set", "eye_plant.stimuli.size_px=64"]), "0123abc"
+        request_of(arguments([*line, "--set", "eye_plant.stimuli.size_px=64"])), "0123abc"
     )
     protocol = make_protocol(build(ExperimentManagerConfig, configuration["experiment_manager"]))
     loop = make_loop(configuration)
@@ -128,7 +130,7 @@ def _changes_the_eyes(name: str) -> bool:
 
 @pytest.mark.parametrize("name", [name for name in profile_names() if _changes_the_eyes(name)])
 def test_unlike_eyes_come_to_all_that_their_protocol_draws(name: str) -> None:
-    configuration = configuration_of(arguments(["--profile", name]), "0123abc")
+    configuration = configuration_of(request_of(arguments(["--profile", name])), "0123abc")
     protocol = make_protocol(build(ExperimentManagerConfig, configuration["experiment_manager"]))
     for segment in protocol.segments:
         # Of tests, these are all conditions several times.

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from experiment_manager.preparation.request import RunRequest
 from experiment_manager.run.config_file import configuration_text
 from experiment_manager.sweep.cell_run import CellRun, is_failure
 from experiment_manager.sweep.pool import Pool
@@ -19,18 +20,9 @@ from lockstep.exit_codes import EXIT_FAULT
 @pytest.fixture
 def run(tmp_path: Path, pictures: Path) -> CellRun:
     """Return a run of 200 iterations between two tests of 39 trials, not begun."""
-    line = (
-        "--iterations",
-        "200",
-        "--tests",
-        "0",
-        "--test-stimuli",
-        "1",
-        "--stimuli",
-        str(pictures),
-    )
+    request = RunRequest(iterations=200, tests=(0,), test_stimuli=1, stimuli=str(pictures))
     (tmp_path / "logs").mkdir()
-    return CellRun(tmp_path, Cell("seed_1", line))
+    return CellRun(tmp_path, Cell("seed_1", request))
 
 
 def _begin(run: CellRun, *points: tuple[int, float]) -> None:
@@ -102,7 +94,7 @@ def test_a_run_whose_log_cannot_be_written_fails_alone(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "logs").write_text("in the way")
-    runs = [CellRun(tmp_path, Cell(name, ())) for name in ("seed_1", "seed_2")]
+    runs = [CellRun(tmp_path, Cell(name, RunRequest())) for name in ("seed_1", "seed_2")]
     assert Pool(1).run(runs) == EXIT_FAULT
     said = capsys.readouterr().err
     for run in runs:

@@ -5,9 +5,13 @@ from pathlib import Path
 import pytest
 import yaml
 
-from experiment_manager.preparation.command_line import parser
-from experiment_manager.sweep.sweep_file import OPTIONS, Sweep, read_sweep
+from experiment_manager.preparation.command_line import arguments, parser, request_of
+from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager.preparation.request import OPTIONS, RunRequest
+from experiment_manager.run.config_file import Configuration
+from experiment_manager.sweep.sweep_file import Sweep, read_sweep
 from lockstep.errors import InputError
+from tests.sweep_harness import command_line, write_sweep
 
 SWEEPS = Path(__file__).parents[3] / "sweeps"
 
@@ -24,17 +28,37 @@ def test_each_combination_is_a_run_named_after_its_values(tmp_path: Path) -> Non
         "options: {profile: paper, iterations: 1e5, sparse_coder.n_bases: 32}\n"
         "axes: {model: [M, M_C], vergence_rl.cacla.discount: [0.3, 1e-5]}\n",
     )
-    cells = {cell.name: cell.line for cell in sweep.cells()}
+    cells = {cell.name: cell.request for cell in sweep.cells()}
     assert [*cells] == [
         "model_M-discount_0.3",
         "model_M-discount_1e-5",
         "model_M_C-discount_0.3",
         "model_M_C-discount_1e-5",
     ]
-    assert cells["model_M_C-discount_0.3"] == (
-        *("--profile", "paper", "--iterations", "1e5", "--set", "sparse_coder.n_bases=32"),
-        *("--model", "M_C", "--set", "vergence_rl.cacla.discount=0.3"),
+    request = cells["model_M_C-discount_1e-5"]
+    assert (request.profile, request.iterations, request.model) == ("paper", 100_000, "M_C")
+    assert request.overrides == {"sparse_coder.n_bases": 32, "vergence_rl.cacla.discount": 1e-5}
+
+
+def test_an_entry_may_set_several_together(tmp_path: Path) -> None:
+    sweep = read(
+        tmp_path,
+        "axes:\n"
+        "  seed: [{seed: 1, eye_plant.stimuli.seed: 101}, {eye_plant.stimuli.seed: 102, seed: 2}]\n"
+        "  lambda: [0, {lambda: 0.1, model: M_C}]\n",
     )
+    runs = {cell.name: cell.request for cell in sweep.cells()}
+    assert [*runs] == [
+        "seed_1-lambda_0",
+        "seed_1-lambda_0.1",
+        "seed_2-lambda_0",
+        "seed_2-lambda_0.1",
+    ]
+    pictures = [request.overrides["eye_plant.stimuli.seed"] for request in runs.values()]
+    assert pictures == [101, 101, 102, 102]
+    assert [request.seed for request in runs.values()] == [1, 1, 2, 2]
+    assert [request.model for request in runs.values()] == [None, "M_C", None, "M_C"]
+    assert read(tmp_path, sweep.text()) == sweep
 
 
 def test_a_cell_is_configured_as_its_command_line_says(tmp_path: Path, pictures: Path) -> None:
@@ -52,6 +76,19 @@ def test_a_cell_is_configured_as_its_command_line_says(tmp_path: Path, pictures:
     assert manager["protocol.test_iterations"] == [0, 50]
     assert manager["commit"] == "0123abc"
     assert priced["eye_plant"]["stimuli.directory"] == str(pictures)
+
+
+def test_a_cell_is_the_run_of_its_command_line(tmp_path: Path, pictures: Path) -> None:
+    entries: list[object] = [1, {"seed": 2, "eye_plant.camera.left_blur_px": 0.5}]
+    sweep = read_sweep(write_sweep(tmp_path / "s.yaml", pictures, {"seed": entries}))
+    lines = (
+        command_line(pictures, seed=1),
+        command_line(pictures, seed=2, **{"eye_plant.camera.left_blur_px": 0.5}),
+    )
+    for cell, line in zip(sweep.cells(), lines, strict=True):
+        told = configuration_of(request_of(arguments(line)), "")
+        assert RunRequest.from_json(cell.request.to_json()) == cell.request
+        assert cell.configuration("") == told
 
 
 def test_parameters_of_one_last_name_are_told_apart(tmp_path: Path) -> None:
@@ -80,13 +117,15 @@ def test_directories_of_images_are_kept_absolute(
     monkeypatch.chdir(tmp_path)
     on_axis = read(tmp_path, f"axes: {{{name}: [photos, '']}}")
     assert on_axis.axes[name] == [str(tmp_path / "photos"), ""]
+    together = read(tmp_path, f"axes: {{seed: [{{seed: 1, {name}: photos}}]}}")
+    assert together.axes["seed"] == [{"seed": 1, name: str(tmp_path / "photos")}]
     option = read(tmp_path, f"options: {{{name}: photos}}\naxes: {{seed: [1]}}")
     assert option.options[name] == str(tmp_path / "photos")
 
 
 def test_every_option_is_one_of_run_experiment(tmp_path: Path) -> None:
     known = {word for action in parser()._actions for word in action.option_strings}
-    assert {f"--{name}" for name in OPTIONS} <= known
+    assert {f"--{name}" for name in OPTIONS.values()} <= known
 
 
 @pytest.mark.parametrize(
@@ -112,11 +151,27 @@ def test_every_option_is_one_of_run_experiment(tmp_path: Path) -> None:
             "axes: {profile: [a/b, a_b]}",
             "axes: expected a name of its own .* got profile_a_b twice",
         ),
+        (
+            "options: {model: M}\naxes: {seed: [{seed: 1, model: M_C}]}",
+            "model: expected it among the options or the axes",
+        ),
+        (
+            "axes: {seed: [{seed: 1, model: M}], model: [M]}",
+            "axes: model: expected one axis that sets it, got seed and model",
+        ),
+        (
+            "axes: {seed: [1, {eye_plant.stimuli.seed: 2}]}",
+            "axes: seed: expected seed among what each entry sets, got {'eye_plant.stimuli.seed'",
+        ),
+        (
+            "axes: {seed: [{seed: 1, modle: M}]}",
+            "axes: seed: expected NODE.PARAMETER or one of .*'modle'; did you mean model",
+        ),
         ("axis: {seed: [1]}", "expected description, options, axes, got 'axis'"),
         ("axes: [seed]", "axes: expected names and values"),
         (
             "axes: {experiment_manager.run_id: [2024-01-01]}",
-            "experiment_manager.run_id: .*the date",
+            "run_id_2024-01-01: experiment_manager.run_id: .*the date",
         ),
         ("- axes", "expected a sweep with axes, got list"),
         ("axes: {seed: [1]", "expected a sweep as YAML"),
@@ -135,9 +190,12 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("axes", "error"),
     [
-        ("model: [M, X]", "model_X: argument --model: invalid choice: 'X'"),
-        ("seed: [1, one]", "seed_one: argument --seed: expected a whole number, got 'one'"),
-        ("model: [M], lambda: [0.1]", "model_M-lambda_0.1: .*expected 0 with model M"),
+        ("model: [M, X]", "model_X: model: expected M or M_C, got 'X'"),
+        ("seed: [1, one]", "seed_one: seed: expected a whole number, got 'one'"),
+        ("model: [M], lambda: [0.1]", "model_M-lambda_0.1: lambda: expected 0 with model M"),
+        ("lambda: [low]", "lambda_low: lambda: expected a number, got 'low'"),
+        ("lambda-share: [0.2]", "share_0.2: lambda-share: expected model M_C"),
+        ("profile: [papre]", "profile_papre: profile: expected one of .* did you mean paper"),
         ("vergence_rl.cacla.discont: [0.1]", "discont_0.1: .*discount"),
         ("vergence_rl.cacla.discount: [2.0]", "discount_2.0: "),
     ],
@@ -145,16 +203,21 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
 def test_what_a_cell_cannot_be_is_said_with_its_name(
     tmp_path: Path, pictures: Path, axes: str, error: str
 ) -> None:
-    sweep = read(tmp_path, f"options: {{iterations: 100}}\naxes: {{{axes}}}", pictures)
-    *_, last = sweep.cells()
+    text = f"options: {{iterations: 100}}\naxes: {{{axes}}}"
+
+    def last_configuration() -> Configuration:
+        *_, last = read(tmp_path, text, pictures).cells()
+        return last.configuration("")
+
     with pytest.raises(InputError, match=error):
-        last.configuration("")
+        last_configuration()
 
 
 @pytest.mark.parametrize("path", sorted(SWEEPS.rglob("*.yaml")), ids=lambda path: path.stem)
 def test_the_sweeps_behind_the_results_can_be_read(path: Path) -> None:
     sweep = read_sweep(path)
     assert sweep.description
-    for options in (cell.options() for cell in sweep.cells()):
-        if options.profile != "demonstration":  # which has its own length
-            assert options.iterations >= 100_000
+    for request in (cell.request for cell in sweep.cells()):
+        if request.profile != "demonstration":  # which has its own length
+            assert request.iterations is not None
+            assert request.iterations >= 100_000

@@ -13,7 +13,7 @@ from experiment_manager.frozen_evaluation import FrozenTest
 from experiment_manager.measures.kept_trials import KEPT_FILE, write_trials
 from experiment_manager.measures.results import RESULTS_FILE, read_results, write_document
 from experiment_manager.measures.tables import number, tests_table
-from experiment_manager.preparation.configuration import plant_settings
+from experiment_manager.preparation.command_line import plant_settings
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from lockstep.command_line import CommandLine
 from lockstep.errors import InputError

@@ -5,7 +5,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +13,18 @@ from experiment_manager.live.address import Address
 from experiment_manager.live.server import why_unavailable
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.measures.tables import tests_table
-from experiment_manager.preparation.command_line import arguments
-from experiment_manager.preparation.configuration import configuration_of, given_settings
-from experiment_manager.preparation.continuation import Branch, branch, check_resumable, extend
+from experiment_manager.preparation.command_line import arguments, request_of
+from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager.preparation.continuation import (
+    Branch,
+    branch,
+    check_resumable,
+    contradiction,
+    extend,
+)
 from experiment_manager.preparation.cost_weight import first_iterations, with_weight
 from experiment_manager.preparation.plan import plan
+from experiment_manager.preparation.request import RunRequest
 from experiment_manager.run.config_file import (
     CONFIG_FILE,
     Configuration,
@@ -108,19 +115,32 @@ def _live(options: argparse.Namespace) -> Address | None:
 
 def _prepare(options: argparse.Namespace) -> Path:
     """Return the run directory that the command line asks for, with its config.yaml."""
+    request = request_of(options)
     if options.resume is not None:
-        return _prepare_old(options)
+        return _prepare_old(options, request)
     if options.extend is not None:
         raise InputError("--extend: expected it with --resume, got it alone")
-    branched = _branch(options) if options.branch is not None else None
+    branched = None
+    if options.branch is not None:
+        branched = branch(options.branch, request, source_commit())
+    directory = options.out or Path("runs") / time.strftime("%Y%m%d-%H%M%S")
+    return prepare_new(request, directory.resolve(), branched)
+
+
+def prepare_new(request: RunRequest, directory: Path, branched: Branch | None = None) -> Path:
+    """Make the directory of a new run, with its config.yaml; return it.
+
+    branched: what the run begins from. Raises InputError for a request that no run can meet, and a
+    directory that holds something.
+    """
     if branched is not None:
         configuration = branched.configuration
     else:
-        configuration = configuration_of(options, source_commit())
-    directory = _new_directory(options)
+        configuration = configuration_of(request, source_commit())
+    _refuse_used(directory)
     _prepare_stimuli(configuration)
-    if options.share is not None:
-        configuration = _with_share(configuration, options.share)
+    if request.cost_share is not None:
+        configuration = _with_share(configuration, request.cost_share)
     try:
         directory.mkdir(parents=True, exist_ok=True)
         if branched is not None:
@@ -132,37 +152,31 @@ def _prepare(options: argparse.Namespace) -> Path:
     return directory
 
 
-def _prepare_old(options: argparse.Namespace) -> Path:
+def _prepare_old(options: argparse.Namespace, request: RunRequest) -> Path:
     directory = Path(options.resume).resolve()
     if options.branch is not None:
         raise InputError("--branch: expected it without --resume, got both")
-    check_resumable(options, directory)
-    if why := why_unwritable(directory):
-        raise InputError(f"{directory}: cannot be written: {why}")
+    if options.out is not None and options.out.resolve() != directory:
+        raise contradiction(f"--out {options.out}", directory, "a directory of its own")
+    check_old(directory, request)
     if options.extend is not None:
         extend(directory, options.extend)
     return directory
 
 
-def _branch(options: argparse.Namespace) -> Branch:
-    for name in ("profile", "share"):
-        if getattr(options, name) is not None:
-            raise InputError(
-                f"--branch: expected the settings of {options.branch} and single ones, got "
-                f"--{'lambda-share' if name == 'share' else name}"
-            )
-    return branch(options.branch, given_settings(options), source_commit())
+def check_old(directory: Path, request: RunRequest) -> None:
+    """Raise InputError unless the run in a directory can go on, as the request asks."""
+    check_resumable(request, directory)
+    if why := why_unwritable(directory):
+        raise InputError(f"{directory}: cannot be written: {why}")
 
 
-def _new_directory(options: argparse.Namespace) -> Path:
-    name = time.strftime("%Y%m%d-%H%M%S")
-    directory = (options.out or Path("runs") / name).resolve()
+def _refuse_used(directory: Path) -> None:
     if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
         raise InputError(
             f"{directory}: expected a new or empty directory, it already holds something; "
             f"--resume {directory} goes on with a run"
         )
-    return directory
 
 
 def _figure(directory: Path) -> Path | None:
@@ -175,12 +189,6 @@ def _figure(directory: Path) -> Path | None:
     except (InputError, OSError) as error:
         print(f"no learning curve: {error}", file=sys.stderr)
         return None
-
-
-def _how_to_go_on(options: argparse.Namespace, directory: Path) -> str:
-    nodes = f" --elsewhere {','.join(options.elsewhere)}" if options.elsewhere else ""
-    nodes += " --in-process" if options.in_process else ""
-    return f"launch_scripts/run_experiment.sh --resume {directory}{nodes}"
 
 
 def results_table(results: Mapping[str, Any], directory: Path, figure: Path | None) -> str:
@@ -197,9 +205,9 @@ def results_table(results: Mapping[str, Any], directory: Path, figure: Path | No
 
 def _run(options: argparse.Namespace) -> tuple[Path, int]:
     """Prepare the run and bring it to its end; return its directory and the exit code."""
+    _check_in_process(options)
     if options.in_process:
-        directory = _announced(_prepare(options))
-        return directory, run_in_process(directory)
+        return in_one_process(_prepare(options))
     packages = [package for package in PACKAGES if package not in options.elsewhere]
     if options.live is not None:
         packages.append(LIVE_VIEW)
@@ -213,18 +221,25 @@ def _run(options: argparse.Namespace) -> tuple[Path, int]:
         return directory, Supervisor(directory, nursery, options.elsewhere, _live(options)).run()
 
 
+def in_one_process(directory: Path) -> tuple[Path, int]:
+    """Bring a prepared run to its end in this process; return its directory and the exit code."""
+    return directory, run_in_process(_announced(directory))
+
+
 def _announced(directory: Path) -> Path:
     print(f"run directory: {directory}")
     print("\n".join(plan(read_configuration(directory / CONFIG_FILE))))
     return directory
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run one experiment; return the exit code."""
+def concluded(run: Callable[[], tuple[Path, int]], more: str) -> int:
+    """Make a run, and show what came out or why nothing did; return the exit code.
+
+    run: returns the directory and its exit code, raises InputError; more: what a command line that
+    goes on with it has besides --resume.
+    """
     try:
-        options = arguments(argv)
-        _check_in_process(options)
-        directory, code = _run(options)
+        directory, code = run()
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
@@ -234,8 +249,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     if code == 0:
         print(results_table(read_results(directory / RESULTS_FILE), directory, _figure(directory)))
     elif code != EXIT_BAD_INPUT:
-        print(f"to go on: {_how_to_go_on(options, directory)}", file=sys.stderr)
+        line = f"launch_scripts/run_experiment.sh --resume {directory}{more}"
+        print(f"to go on: {line}", file=sys.stderr)
     return code
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one experiment; return the exit code."""
+    options = arguments(argv)
+    more = f" --elsewhere {','.join(options.elsewhere)}" if options.elsewhere else ""
+    return concluded(lambda: _run(options), more + (" --in-process" if options.in_process else ""))
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from experiment_manager.commands.run_experiment import source_commit
@@ -108,11 +109,10 @@ def _check_begun(run: CellRun) -> None:
         was_extended = "extended_from" in DescribedRun(run.directory, path.read_text(), "").about
     except (InputError, OSError):
         return  # it has not begun, or will say itself what is wrong
-    options = run.cell.options()
-    options.share = None  # it was measured then
+    request = replace(run.cell.request, cost_share=None)  # it was measured then
     if was_extended:
-        options.iterations = options.tests = None
-    check_settings(options, run.directory, configuration)
+        request = replace(request, iterations=None, tests=None)
+    check_settings(request, run.directory, configuration)
 
 
 def _begin(directory: Path, sweep: Sweep) -> None:

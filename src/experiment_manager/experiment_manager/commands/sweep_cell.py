@@ -1,13 +1,39 @@
-"""run_experiment.sh as the child of a sweep, which it does not outlive."""
+"""One run of a sweep, as its child, which does not outlive it: PARENT DIRECTORY REQUEST.
+
+PARENT: the number of the process that started it; DIRECTORY: of the run, which goes on if it has
+begun; REQUEST: `RunRequest.to_json`, for a run that has not.
+"""
 
 import sys
+from pathlib import Path
 
-from experiment_manager.commands.run_experiment import main
+from experiment_manager.commands.run_experiment import (
+    check_old,
+    concluded,
+    in_one_process,
+    prepare_new,
+)
+from experiment_manager.preparation.request import RunRequest
+from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from lockstep.node.own_process import die_with
 
+
+def main(directory: Path, document: str) -> int:
+    """Begin a run or go on with it; return the exit code."""
+    return concluded(lambda: _run(directory, document), " --in-process")
+
+
+def _run(directory: Path, document: str) -> tuple[Path, int]:
+    if (directory / CONFIG_FILE).exists():
+        check_old(directory, RunRequest())
+    else:
+        prepare_new(RunRequest.from_json(document), directory)
+    return in_one_process(directory)
+
+
 if __name__ == "__main__":
-    parent, *line = sys.argv[1:]
+    parent, path, request = sys.argv[1:]
     die_with(int(parent))
     make_standard_streams_last()
-    sys.exit(main(line))
+    sys.exit(main(Path(path), request))

@@ -1,7 +1,6 @@
 """What an environment is made of: a plant, coders of any seed, and the protocol's episodes."""
 
 import dataclasses
-import json
 import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.experiment.config import MODELS, ExperimentManagerConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import Protocol, make_protocol
-from experiment_manager.preparation.command_line import arguments
 from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager.preparation.request import RunRequest
 from eye_plant.camera.config import CameraConfig
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
@@ -102,12 +101,9 @@ def make_experiment(
 
     The paper's settings hold where nothing is said, but for tests amid training: there are none.
     """
-    if model not in MODELS:
-        raise InputError(f"model: expected {' or '.join(MODELS)}, got {model!r}")
-    line = ["--profile", "paper", "--model", model]
-    for name, value in settings.items():
-        line += ["--set", f"{name}={json.dumps(value)}"]
-    configuration = configuration_of(arguments(line), commit="")
+    names = {key: f"settings[{key!r}]" for key in settings}
+    request = RunRequest(profile="paper", model=model, overrides=settings, names=names)
+    configuration = configuration_of(request, commit="")
     manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
     end = (manager.protocol.n_training_iterations,)
     protocol = dataclasses.replace(manager.protocol, test_iterations=end)

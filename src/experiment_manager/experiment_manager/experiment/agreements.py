@@ -1,6 +1,6 @@
 """Parameters of different nodes that mean the same thing: said once, they are the same everywhere.
 
-A place is NODE.PARAMETER.
+A key is NODE.PARAMETER.
 """
 
 from collections.abc import Mapping
@@ -70,7 +70,7 @@ AGREEMENTS = (
 
 
 def with_partners(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values by place, and those of the places that must agree with them."""
+    """Return the values by key, and those of the keys that must agree with them."""
     complete = dict(given)
     for agreement in AGREEMENTS:
         if agreement.second in given and agreement.first not in given:
@@ -89,7 +89,7 @@ def check_agreements(configuration: Configuration) -> None:
     """
     for agreement in AGREEMENTS:
         (node, _, name), (other, _, its_name) = (
-            place.partition(".") for place in (agreement.first, agreement.second)
+            key.partition(".") for key in (agreement.first, agreement.second)
         )
         if name not in configuration.get(node, {}) or its_name not in configuration.get(other, {}):
             continue

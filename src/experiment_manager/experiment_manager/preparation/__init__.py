@@ -1,1 +1,1 @@
-"""From a command line to the configuration of a run, and its continuation with another one."""
+"""From what is asked of a run to its configuration, and to its continuation with another one."""

@@ -1,21 +1,30 @@
-"""The command line of run_experiment.sh."""
+"""The command line of run_experiment.sh, and what --set says, there and in evaluate.sh."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
 
 from experiment_manager.experiment.config import MODELS
 from experiment_manager.live.address import Address
 from experiment_manager.preparation.profiles import profile_names
+from experiment_manager.preparation.request import OPTIONS, SCHEDULE, RunRequest
+from experiment_manager.preparation.written_values import (
+    number_or_text,
+    whole_number,
+    whole_numbers,
+)
+from experiment_manager.run.config_file import CONFIG_CLASSES
 from lockstep.command_line import CommandLine
+from lockstep.errors import InputError
+from lockstep.nearest import did_you_mean
+from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
 
-# Lambda of M_C, 1/W, by the eyes' parameter set: energy is 20 % of the reward over the first 5,000
-# iterations on the generated stimuli, by which rule K17 chose its 0.035 (D7). Measured, seed 1, by
-#   run_experiment.sh --profile paper --model M_C --lambda-share 0.2
-# and, for the second, with --set eye_plant.mechanics.parameter_set=anatomical.
-# k17: mean E 0.3711, mean C 1.4300 W, lambda 0.0649; anatomical, of real muscle masses: mean E
-# 0.4082, mean C 0.0858 W, lambda 1.190.
-DEFAULT_METABOLIC_COST_WEIGHTS = {"k17": 0.065, "anatomical": 1.19}
+Value = TypeVar("Value")
+
+
 # Who may be on another machine than the supervisor: all but the one that records.
 MOVABLE_NODES = ("eye_plant", "sparse_coder", "vergence_rl")
 
@@ -23,6 +32,44 @@ MOVABLE_NODES = ("eye_plant", "sparse_coder", "vergence_rl")
 def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     """Return the parsed command line; exits with 2 and one line when it cannot be parsed."""
     return parser().parse_args(argv)
+
+
+def request_of(options: argparse.Namespace) -> RunRequest:
+    """Return what a parsed command line asks a run to be.
+
+    Raises InputError for a --set that cannot be read, and for two that contradict each other.
+    """
+    overrides: dict[str, Any] = {}
+    names: dict[str, str] = {}
+    for text in options.set:
+        key, value = _read_setting(text)
+        if overrides.setdefault(key, value) != value:
+            raise InputError(f"{names[key]} and --set {text}: expected one value of {key}")
+        names.setdefault(key, f"--set {text}")
+    values = {name: getattr(options, name) for name in OPTIONS}
+    for name, value in values.items():
+        if value is not None:
+            names[name] = f"--{OPTIONS[name]} {_shown(value)}"
+    if options.stimuli is not None:
+        values["stimuli"] = str(options.stimuli.resolve())
+    return RunRequest(**values, overrides=overrides, names=names)
+
+
+def plant_settings(texts: Sequence[str]) -> dict[str, Any]:
+    """Return what eye_plant.PARAMETER=VALUE say, by the plant's dotted names.
+
+    Raises InputError for other nodes, and for a parameter said twice.
+    """
+    settings: dict[str, Any] = {}
+    for text in texts:
+        key, value = _read_setting(text)
+        node, _, name = key.partition(".")
+        if node != "eye_plant" or name in settings:
+            raise InputError(
+                f"--set: expected each eye_plant.PARAMETER=VALUE of this test once, got {text!r}"
+            )
+        settings[name] = value
+    return settings
 
 
 def parser() -> argparse.ArgumentParser:
@@ -51,11 +98,11 @@ def _add_settings(line: argparse.ArgumentParser) -> None:
     group.add_argument("--model", choices=MODELS, help="M: vergence; M_C: with a price on energy")
     group.add_argument(
         "--iterations",
-        type=_whole,
+        type=_argument(whole_number),
         metavar="N",
         help="training iterations, as 1e6; with --branch, those before the checkpoint included",
     )
-    group.add_argument("--seed", type=_whole, metavar="S", help="default: 1")
+    group.add_argument("--seed", type=_argument(whole_number), metavar="S", help="default: 1")
     group.add_argument(
         "--stimuli",
         type=Path,
@@ -75,13 +122,13 @@ def _add_tests(line: argparse.ArgumentParser) -> None:
     group = line.add_argument_group("tests")
     group.add_argument(
         "--tests",
-        type=_wholes,
+        type=_argument(whole_numbers),
         metavar="N,N,...",
         help="training iterations before each test; one at the end is always made",
     )
     group.add_argument(
         "--test-stimuli",
-        type=_whole,
+        type=_argument(whole_number),
         metavar="K",
         help="stimuli of each test; a test has 39 trials of 20 iterations for each",
     )
@@ -91,7 +138,7 @@ def _add_price(line: argparse.ArgumentParser) -> None:
     group = line.add_argument_group("price of energy")
     group.add_argument(
         "--lambda",
-        dest="weight",
+        dest="metabolic_cost_weight",
         type=float,
         metavar="L",
         help="price of energy in the reward, 1/W (default for M_C: "
@@ -100,7 +147,7 @@ def _add_price(line: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--lambda-share",
-        dest="share",
+        dest="cost_share",
         type=float,
         metavar="S",
         help="choose lambda so that energy is this share of the reward over the first 5,000"
@@ -119,7 +166,7 @@ def _add_directories(line: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--extend",
-        type=_whole,
+        type=_argument(whole_number),
         metavar="N",
         help="with --resume: N training iterations more; what falls towards the end of training,"
         " as the learning rate of the actor, then falls towards the new end",
@@ -158,22 +205,16 @@ def _add_ways_to_run(line: argparse.ArgumentParser) -> None:
     )
 
 
-def _whole(text: str) -> int:
-    try:
-        number = float(text.replace("_", ""))
-        return int(text) if "e" not in text.lower() else _exact(number)
-    except (ValueError, OverflowError) as error:
-        raise argparse.ArgumentTypeError(f"expected a whole number, got {text!r}") from error
+def _argument(read: Callable[[str], Value]) -> Callable[[str], Value]:
+    """Return a reader of a text whose errors argparse shows as they are."""
 
+    def argument(text: str) -> Value:
+        try:
+            return read(text)
+        except InputError as error:
+            raise argparse.ArgumentTypeError(str(error)) from error
 
-def _exact(number: float) -> int:
-    if not number.is_integer():
-        raise ValueError(number)
-    return int(number)
-
-
-def _wholes(text: str) -> list[int]:
-    return [_whole(part) for part in text.split(",")]
+    return argument
 
 
 def _nodes(text: str) -> tuple[str, ...]:
@@ -183,3 +224,25 @@ def _nodes(text: str) -> tuple[str, ...]:
             f"expected some of {', '.join(MOVABLE_NODES)}, got {unknown[0]!r}"
         )
     return nodes
+
+
+def _read_setting(text: str) -> tuple[str, Any]:
+    key, equals, value = text.partition("=")
+    if key == SCHEDULE:
+        return key, value  # a parameter that is YAML itself
+    node, dot, _ = key.partition(".")
+    if not equals or not dot or node not in CONFIG_CLASSES:
+        raise InputError(
+            f"--set: expected NODE.PARAMETER=VALUE with a node of {', '.join(CONFIG_CLASSES)}, "
+            f"got {text!r}" + (did_you_mean(node, CONFIG_CLASSES) if dot else "")
+        )
+    try:
+        return key, number_or_text(yaml.safe_load(value))
+    except yaml.YAMLError as error:
+        raise InputError(f"--set {text}: expected a value as YAML has it") from error
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, tuple):
+        return ",".join(map(str, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)

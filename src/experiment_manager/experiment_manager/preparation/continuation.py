@@ -1,16 +1,15 @@
 """Going on with a run: as it is, for longer, or as another one that begins where it stood."""
 
-import argparse
 import dataclasses
 import shutil
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from experiment_manager.experiment.agreements import with_partners
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import Protocol, make_protocol
-from experiment_manager.preparation.configuration import Given, changed, given_settings
+from experiment_manager.preparation.configuration import configuration_with
+from experiment_manager.preparation.request import ITERATIONS, TESTS, RunRequest
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
 from experiment_manager.run.config_file import (
@@ -30,52 +29,45 @@ from lockstep.state_file import read_state, write_state
 from sparse_coder.coder import SparseCoder
 from vergence_rl.agent import Agent
 
-_ITERATIONS = "experiment_manager.protocol.n_training_iterations"
-_TESTS = "experiment_manager.protocol.test_iterations"
 # What a run decides for itself, whoever it begins from.
 _OF_ONE_RUN = ("run_directory", "run_id", "resume", "supervised")
 _LEARNERS = {"sparse_coder": SparseCoder, "vergence_rl": Agent}
 
 
-def check_resumable(options: argparse.Namespace, directory: Path) -> None:
-    """Raise InputError unless a run can go on, and nothing on the command line contradicts it."""
+def check_resumable(request: RunRequest, directory: Path) -> None:
+    """Raise InputError unless a run can go on, and the request does not contradict it."""
     configuration = read_configuration(directory / CONFIG_FILE)
-    check_settings(options, directory, configuration)
+    check_settings(request, directory, configuration)
     newest = checkpoint.newest(directory / "checkpoints")
     if newest is not None:
         check_unchanged(directory, newest[0], configuration)
 
 
-def check_settings(
-    options: argparse.Namespace, directory: Path, configuration: Configuration
-) -> None:
-    """Raise InputError where a command line contradicts the configuration of a run that is there.
+def check_settings(request: RunRequest, directory: Path, configuration: Configuration) -> None:
+    """Raise InputError where a request contradicts the configuration of a run that is there.
 
     directory: of the run.
     """
-    _check_whole_run(options, directory, configuration)
-    for target, given in given_settings(options).items():
-        node, _, name = target.partition(".")
+    _check_whole_run(request, directory, configuration)
+    for key, given in request.settings().items():
+        node, _, name = key.partition(".")
         found = configuration[node].get(name)
         wanted = flatten(build(CONFIG_CLASSES[node], {**configuration[node], name: given.value}))
         if wanted[name] != found:
-            raise _contradiction(given.by, directory, f"{target} = {found}")
+            raise contradiction(given.by, directory, f"{key} = {found}")
 
 
-def _check_whole_run(
-    options: argparse.Namespace, directory: Path, configuration: Configuration
-) -> None:
+def _check_whole_run(request: RunRequest, directory: Path, configuration: Configuration) -> None:
     profile = configuration["experiment_manager"]["profile"]
-    if options.profile is not None and options.profile != profile:
-        raise _contradiction(f"--profile {options.profile}", directory, f"profile {profile!r}")
-    if options.out is not None and options.out.resolve() != directory:
-        raise _contradiction(f"--out {options.out}", directory, "a directory of its own")
-    if options.share is not None:
+    if request.profile is not None and request.profile != profile:
+        raise contradiction(request.by("profile"), directory, f"profile {profile!r}")
+    if request.cost_share is not None:
         weight = configuration["experiment_manager"]["metabolic_cost_weight"]
-        raise _contradiction(f"--lambda-share {options.share:g}", directory, f"lambda = {weight:g}")
+        raise contradiction(request.by("cost_share"), directory, f"lambda = {weight:g}")
 
 
-def _contradiction(by: str, directory: Path, has: str) -> InputError:
+def contradiction(by: str, directory: Path, has: str) -> InputError:
+    """Return the error that a run in a directory has another value than `by` asks for."""
     return InputError(
         f"{by}: the run to be resumed, {directory}, has {has}, and keeps it; "
         f"--branch {directory} begins a new run from its checkpoint"
@@ -94,8 +86,8 @@ def extend(directory: Path, n_more: int) -> None:
     end = before["experiment_manager"]["protocol.n_training_iterations"]
     tests = sorted({*before["experiment_manager"]["protocol.test_iterations"], end})
     after = {node: dict(values) for node, values in before.items()}
-    for place, value in with_partners({_ITERATIONS: end + n_more, _TESTS: tests}).items():
-        node, _, name = place.partition(".")
+    for key, value in with_partners({ITERATIONS: end + n_more, TESTS: tests}).items():
+        node, _, name = key.partition(".")
         after[node][name] = value
     manager = build(ExperimentManagerConfig, after["experiment_manager"])
     protocol = make_protocol(manager)
@@ -154,11 +146,16 @@ class Branch:
         )
 
 
-def branch(text: str, given: Mapping[str, Given], commit: str) -> Branch:
-    """Return the run that begins from RUN[@ITERATION], with the settings that were given.
+def branch(text: str, request: RunRequest, commit: str) -> Branch:
+    """Return the run that begins from RUN[@ITERATION], with the single settings of a request.
 
     Raises InputError for a run, checkpoint or setting that cannot be used.
     """
+    for name in ("profile", "cost_share"):
+        if getattr(request, name) is not None:
+            raise InputError(
+                f"--branch: expected the settings of {text} and single ones, got {request.by(name)}"
+            )
     name, at, word = text.rpartition("@")
     iteration = int(word) if at and word.isdigit() else None
     source = Path(text if iteration is None else name).resolve()
@@ -172,21 +169,25 @@ def branch(text: str, given: Mapping[str, Given], commit: str) -> Branch:
         if node != "experiment_manager" or parameter not in _OF_ONE_RUN
     }
     settings["experiment_manager.commit"] = commit
-    configuration = changed(settings, given)
+    configuration = configuration_with(settings, request)
     manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
-    end = manager.protocol.n_training_iterations
-    if end < trained:
-        by = given[_ITERATIONS].by if _ITERATIONS in given else "n_training_iterations"
-        raise InputError(
-            f"{by}: expected {trained} or more, since a branch counts on from its checkpoint, "
-            f"which has made {trained}; {trained + end} would train for {end} more"
-        )
+    _check_end(manager.protocol.n_training_iterations, trained, request)
     make_protocol(manager).place_after(trained)
     for node, learner in _LEARNERS.items():
         # The nodes would refuse what does not fit; here it costs nothing.
         config: Any = build(CONFIG_CLASSES[node], configuration[node])
         learner(config).restore(read_state(states / f"{node}.npz", node))
     return Branch(source, trained, configuration, states)
+
+
+def _check_end(end: int, trained: int, request: RunRequest) -> None:
+    """Raise InputError for an end of training that lies before a branch's checkpoint."""
+    if end < trained:
+        by = request.by("iterations") if request.iterations is not None else "n_training_iterations"
+        raise InputError(
+            f"{by}: expected {trained} or more, since a branch counts on from its checkpoint, "
+            f"which has made {trained}; {trained + end} would train for {end} more"
+        )
 
 
 def _chosen(source: Path, protocol: Protocol, iteration: int | None) -> tuple[int, Path]:

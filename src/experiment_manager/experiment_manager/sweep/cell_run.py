@@ -101,14 +101,12 @@ class CellRun:
             return code
 
     def _command(self) -> list[str]:
-        if (self.directory / CONFIG_FILE).exists():
-            words = ["--resume", str(self.directory)]
-        else:
+        if not (self.directory / CONFIG_FILE).exists():
             # A kill may have left the directory, and a configuration half-written, but no more.
             (self.directory / f"{CONFIG_FILE}.part").unlink(missing_ok=True)
-            words = [*self.cell.line, "--out", str(self.directory)]
         module = "experiment_manager.commands.sweep_cell"
-        return [sys.executable, "-m", module, str(os.getpid()), "--in-process", *words]
+        words = (str(os.getpid()), str(self.directory), self.cell.request.to_json())
+        return [sys.executable, "-m", module, *words]
 
 
 def is_failure(code: int, *, interrupted: bool) -> bool:

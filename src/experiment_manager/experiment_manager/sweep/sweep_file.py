@@ -1,77 +1,61 @@
 """A sweep: options for all runs, axes in which they differ, and the runs, its cells."""
 
-import argparse
-import contextlib
-import io
 import itertools
-import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from experiment_manager.preparation.command_line import arguments
 from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager.preparation.request import OPTIONS, RunRequest
+from experiment_manager.preparation.written_values import number, whole_number, whole_numbers
 from experiment_manager.run.config_file import CONFIG_CLASSES, Configuration
 from lockstep.errors import InputError
 from lockstep.nearest import did_you_mean
 
 SWEEP_FILE = "sweep.yaml"
-# Those of run_experiment.sh that say what a run is; any NODE.PARAMETER besides.
-OPTIONS = (
-    "profile",
-    "model",
-    "iterations",
-    "seed",
-    "stimuli",
-    "lambda",
-    "lambda-share",
-    "tests",
-    "test-stimuli",
-)
+# By its name in the file, the field of a request; any NODE.PARAMETER besides.
+_FIELDS = {name: field for field, name in OPTIONS.items()}
+# How the text of a value is read; what is not here is a text.
+_READERS: dict[str, Callable[[str], Any]] = {
+    "iterations": whole_number,
+    "seed": whole_number,
+    "lambda": number,
+    "lambda-share": number,
+    "tests": whole_numbers,
+    "test-stimuli": whole_number,
+}
+_DIRECTORIES = ("stimuli", "eye_plant.stimuli.directory")
 _KEYS = ("description", "options", "axes")
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9._+-]+")
 
 
 @dataclass(frozen=True)
 class Cell:
-    """One run of a sweep.
-
-    name: of its directory, from what it does not share; line: the command line of
-    run_experiment.sh without --out.
-    """
+    """One run of a sweep; name: of its directory, from what it does not share."""
 
     name: str
-    line: tuple[str, ...]
-
-    def options(self) -> argparse.Namespace:
-        """Return the parsed command line; raises InputError when it cannot be parsed."""
-        said = io.StringIO()
-        try:
-            with contextlib.redirect_stderr(said):
-                return arguments(self.line)
-        except SystemExit as error:
-            *_, reason = said.getvalue().splitlines()
-            raise InputError(f"{self.name}: {reason.partition('error: ')[2]}") from error
+    request: RunRequest
 
     def configuration(self, commit: str) -> Configuration:
         """Return the parameters of all nodes; raises InputError, naming the cell."""
         try:
-            return configuration_of(self.options(), commit)
+            return configuration_of(self.request, commit)
         except InputError as error:
             raise InputError(f"{self.name}: {error}") from error
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """options: for all runs, {name: value}; axes: {name: values}, each value in a run of its own.
+    """options: for all runs, {name: value}; axes: {name: entries}, each entry in a run of its own.
 
-    Names are options of run_experiment.sh without dashes, and NODE.PARAMETER.
-    Raises InputError for an unknown name, one that is in both, an axis without values, and two
-    runs of one name.
+    Names are options of run_experiment.sh without dashes, and NODE.PARAMETER. An entry is a value,
+    or {name: value} for several that belong together, that of the axis among them.
+    Raises InputError for an unknown name, one that is set twice, an axis without entries, two runs
+    of one name, and a value that cannot be read.
     """
 
     options: Mapping[str, Any]
@@ -80,47 +64,58 @@ class Sweep:
 
     def __post_init__(self) -> None:
         """Check names and axes; what values may be is checked with each cell's configuration."""
-        for part, names in (("options", self.options), ("axes", self.axes)):
-            for name in names:
-                _check_name(part, name)
-        if both := [name for name in self.axes if name in self.options]:
-            raise InputError(f"{both[0]}: expected it among the options or the axes, got both")
+        for name in self.options:
+            _check_name("options", name)
         if not self.axes:
             raise InputError(f"axes: expected one at least, such as seed: [1, 2], got {self.axes}")
-        for name, values in self.axes.items():
-            if not isinstance(values, list) or not values:
-                raise InputError(f"axes: {name}: expected a list of values, got {values!r}")
-        cells = [cell.name for cell in self.cells()]
+        of_axes: dict[str, str] = {}
+        for axis, entries in self.axes.items():
+            for name in _names(axis, entries):
+                if name in self.options:
+                    raise InputError(f"{name}: expected it among the options or the axes, got both")
+                if of_axes.setdefault(name, axis) != axis:
+                    raise InputError(
+                        f"axes: {name}: expected one axis that sets it, got {of_axes[name]} and "
+                        f"{axis}"
+                    )
+        cells = [self._name(entries) for entries in self._combinations()]
         if doubled := [name for name in cells if cells.count(name) > 1]:
             raise InputError(
                 f"axes: expected a name of its own for each run, got {doubled[0]} twice"
             )
+        self.cells()
 
     def cells(self) -> list[Cell]:
-        """Return all combinations of the axes' values, the last axis fastest."""
-        return [
-            Cell(self._name(values), self._line(values))
-            for values in itertools.product(*self.axes.values())
-        ]
+        """Return all combinations of the axes' entries, the last axis fastest."""
+        return [Cell(self._name(e), self._request(e)) for e in self._combinations()]
 
-    def _name(self, values: Sequence[Any]) -> str:
-        last_parts = [axis.rpartition(".")[2] for axis in self.axes]
-        short = [
-            last if last_parts.count(last) == 1 else axis
-            for axis, last in zip(self.axes, last_parts, strict=True)
+    def _combinations(self) -> list[tuple[dict[str, Any], ...]]:
+        """Return what each run sets, axis by axis."""
+        settings = [
+            [_settings(axis, entry) for entry in entries] for axis, entries in self.axes.items()
         ]
-        parts = (f"{axis}_{_shown(value)}" for axis, value in zip(short, values, strict=True))
+        return list(itertools.product(*settings))
+
+    def _name(self, entries: Sequence[Mapping[str, Any]]) -> str:
+        last_parts = [axis.rpartition(".")[2] for axis in self.axes]
+        parts = [
+            f"{last if last_parts.count(last) == 1 else axis}_{_shown(entry[axis])}"
+            for axis, last, entry in zip(self.axes, last_parts, entries, strict=True)
+        ]
         return _NOT_IN_NAMES.sub("_", "-".join(parts))
 
-    def _line(self, values: Sequence[Any]) -> tuple[str, ...]:
-        given = {**self.options, **dict(zip(self.axes, values, strict=True))}
-        words: list[str] = []
-        for name, value in given.items():
-            if name in OPTIONS:
-                words += [f"--{name}", _shown(value)]
-            else:
-                words += ["--set", f"{name}={_as_json(name, value)}"]
-        return tuple(words)
+    def _request(self, entries: Sequence[Mapping[str, Any]]) -> RunRequest:
+        given = dict(self.options)
+        for entry in entries:
+            given |= entry
+        try:
+            return RunRequest(
+                **{_FIELDS[name]: _read(name, v) for name, v in given.items() if name in _FIELDS},
+                overrides={name: v for name, v in given.items() if name not in _FIELDS},
+                names={field: name for name, field in _FIELDS.items()},
+            )
+        except InputError as error:
+            raise InputError(f"{self._name(entries)}: {error}") from error
 
     def text(self) -> str:
         """Return the sweep as a YAML file has it."""
@@ -148,41 +143,65 @@ def read_sweep(path: Path, stimuli: Path | None = None) -> Sweep:
             raise InputError(f"{path}: {part}: expected names and values, got {names!r}")
     if stimuli is not None:
         options = options | {"stimuli": str(stimuli)}
-    # The directory of the sweep may be used from elsewhere.
-    for name in ("stimuli", "eye_plant.stimuli.directory"):
-        if name in options:
-            options[name] = _absolute(options[name])
-        if isinstance(axes.get(name), list):
-            axes[name] = [_absolute(value) for value in axes[name]]
+    axes = {
+        axis: [_absolute(axis, entry) for entry in entries]
+        if isinstance(entries, list)
+        else entries
+        for axis, entries in axes.items()
+    }
+    options = {name: _absolute(name, value) for name, value in options.items()}
     try:
         return Sweep(options, axes, str(document.get("description", "")))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
 
-def _absolute(directory: Any) -> Any:
-    """Return the absolute path of a directory; "" is that of generated stimuli."""
-    return str(Path(directory).resolve()) if isinstance(directory, str) and directory else directory
+def _absolute(name: str, value: Any) -> Any:
+    """Return a value, of a directory its absolute path: a sweep may be used from elsewhere.
+
+    "" is that of generated stimuli.
+    """
+    if isinstance(value, dict):
+        return {key: _absolute(key, inner) for key, inner in value.items()}
+    is_directory = name in _DIRECTORIES and isinstance(value, str) and value
+    return str(Path(value).resolve()) if is_directory else value
 
 
-def _check_name(part: str, name: str) -> None:
-    if name in OPTIONS or name.partition(".")[0] in CONFIG_CLASSES:
+def _settings(axis: str, entry: Any) -> dict[str, Any]:
+    """Return what an entry of an axis sets, by name."""
+    return entry if isinstance(entry, dict) else {axis: entry}
+
+
+def _names(axis: str, entries: Any) -> list[str]:
+    """Return all names that an axis sets; raises InputError when it cannot be one."""
+    _check_name("axes", axis)
+    if not isinstance(entries, list) or not entries:
+        raise InputError(f"axes: {axis}: expected a list of values, got {entries!r}")
+    for settings in (_settings(axis, entry) for entry in entries):
+        for name in settings:
+            _check_name(f"axes: {axis}", name)
+        if axis not in settings:
+            raise InputError(
+                f"axes: {axis}: expected {axis} among what each entry sets, got {settings}"
+            )
+    return list(dict.fromkeys(name for entry in entries for name in _settings(axis, entry)))
+
+
+def _check_name(part: str, name: Any) -> None:
+    name = str(name)
+    if name in _FIELDS or name.partition(".")[0] in CONFIG_CLASSES:
         return
     raise InputError(
-        f"{part}: expected NODE.PARAMETER or one of {', '.join(OPTIONS)}, got {name!r}"
-        + did_you_mean(name, (*OPTIONS, *CONFIG_CLASSES))
+        f"{part}: expected NODE.PARAMETER or one of {', '.join(_FIELDS)}, got {name!r}"
+        + did_you_mean(name, (*_FIELDS, *CONFIG_CLASSES))
     )
 
 
-def _as_json(name: str, value: Any) -> str:
+def _read(name: str, value: Any) -> Any:
     try:
-        return json.dumps(value)
-    except TypeError as error:  # YAML takes 2024-01-01 for a date
-        kind = type(value).__name__
-        raise InputError(
-            f"{name}: expected numbers, texts, lists or true and false, got the {kind} {value}; "
-            "a text may stand in quotes"
-        ) from error
+        return _READERS.get(name, str)(_shown(value))
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from error
 
 
 def _shown(value: Any) -> str:

@@ -5,7 +5,7 @@ import yaml
 
 from experiment_manager.analysis.report.groups import groups_of, held_back
 from experiment_manager.analysis.report.reported_run import ReportedRun
-from experiment_manager.preparation.command_line import arguments
+from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import configuration_text
 from lockstep.errors import InputError
@@ -81,7 +81,7 @@ def test_a_parameter_that_an_earlier_version_lacks_tells_no_runs_apart(
     runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run, other = runs[0], ReportedRun(runs[0].directory)
-    text = configuration_text(configuration_of(arguments(["--model", "M"]), ""))
+    text = configuration_text(configuration_of(request_of(arguments(["--model", "M"])), ""))
     line = "    camera.texture_mipmaps: true\n"
     assert line in text
     monkeypatch.setattr(run, "configuration", text)

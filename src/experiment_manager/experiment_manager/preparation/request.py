@@ -1,0 +1,161 @@
+"""What a new run is asked to be, whether on a command line, in a sweep's file or by Gymnasium."""
+
+import dataclasses
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from experiment_manager.experiment.config import MODELS
+from experiment_manager.preparation.written_values import number_or_text
+from experiment_manager.run.config_file import CONFIG_CLASSES
+from lockstep.errors import InputError
+from lockstep.nearest import did_you_mean
+
+# Keys, NODE.PARAMETER, of what has a name of its own in a request.
+MODEL = "experiment_manager.model"
+ITERATIONS = "experiment_manager.protocol.n_training_iterations"
+TESTS = "experiment_manager.protocol.test_iterations"
+TEST_STIMULI = "experiment_manager.protocol.n_stimuli_per_test"
+WEIGHT = "sparse_coder.metabolic_cost_weight"
+SCHEDULE = "experiment_manager.schedule"
+_KEYS = {
+    "model": (MODEL,),
+    "iterations": (ITERATIONS,),
+    "seed": ("sparse_coder.seed", "vergence_rl.seed", "experiment_manager.seed"),
+    "metabolic_cost_weight": (WEIGHT,),
+    "tests": (TESTS,),
+    "test_stimuli": (TEST_STIMULI,),
+    "stimuli": ("eye_plant.stimuli.directory",),
+}
+# The option of run_experiment.sh for each field, without its dashes; so a sweep's file names it.
+OPTIONS = {
+    "profile": "profile",
+    "model": "model",
+    "iterations": "iterations",
+    "seed": "seed",
+    "stimuli": "stimuli",
+    "metabolic_cost_weight": "lambda",
+    "cost_share": "lambda-share",
+    "tests": "tests",
+    "test_stimuli": "test-stimuli",
+}
+
+
+@dataclass(frozen=True)
+class Given:
+    """A value that is asked of a parameter, and how errors name it.
+
+    is_option: by an option of its own, not by NODE.PARAMETER.
+    """
+
+    value: Any
+    by: str
+    is_option: bool = False
+
+
+@dataclass(frozen=True)
+class RunRequest:
+    """What a new run is asked to be; None leaves a value to the profile.
+
+    profile: its name, None for the paper's if a model or iterations are given, else the
+    demonstration's; model: M or M_C; iterations: of training; stimuli: directory of images, "" for
+    generated ones; metabolic_cost_weight: lambda, 1/W; cost_share: share of the reward that energy
+    is to have, from which lambda follows; tests: training iterations before each test;
+    test_stimuli: how many a test shows; overrides: {NODE.PARAMETER: value}.
+    names: how errors name a field or a key of the overrides, where not by itself.
+    Raises InputError for an unknown model or node, and a value that no parameter can have.
+    """
+
+    profile: str | None = None
+    model: str | None = None
+    iterations: int | None = None
+    seed: int | None = None
+    stimuli: str | None = None
+    metabolic_cost_weight: float | None = None
+    cost_share: float | None = None
+    tests: tuple[int, ...] | None = None
+    test_stimuli: int | None = None
+    overrides: Mapping[str, Any] = field(default_factory=dict)
+    names: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check the model and the overrides, and keep these as parameters have them."""
+        if self.model is not None and self.model not in MODELS:
+            raise InputError(
+                f"{self.by('model')}: expected {' or '.join(MODELS)}, got {self.model!r}"
+            )
+        for key in self.overrides:
+            node, dot, _ = key.partition(".")
+            if not dot or node not in CONFIG_CLASSES:
+                raise InputError(
+                    f"{self.by(key)}: expected NODE.PARAMETER with a node of "
+                    f"{', '.join(CONFIG_CLASSES)}, got {key!r}{did_you_mean(node, CONFIG_CLASSES)}"
+                )
+        plain = {key: self._plain(key, value) for key, value in self.overrides.items()}
+        object.__setattr__(self, "overrides", plain)
+
+    @classmethod
+    def from_json(cls, text: str) -> "RunRequest":
+        """Return the request that `to_json` gave the text of."""
+        values = json.loads(text)
+        if values["tests"] is not None:
+            values["tests"] = tuple(values["tests"])
+        return cls(**values)
+
+    def to_json(self) -> str:
+        """Return the request as one JSON document."""
+        return json.dumps(dataclasses.asdict(self))
+
+    def by(self, name: str) -> str:
+        """Return how errors name the value of a field, or of a key of the overrides."""
+        return self.names.get(name, name)
+
+    def settings(self) -> dict[str, Given]:
+        """Return what is asked of single parameters, by key, NODE.PARAMETER.
+
+        Raises InputError where two values are asked of one, and for a share that cannot be.
+        """
+        self._check_share()
+        given: dict[str, Given] = {}
+        for key, setting in self._settings():
+            before = given.setdefault(key, setting)
+            if before is not setting and before.value != setting.value:
+                raise InputError(f"{before.by} and {setting.by}: expected one value of {key}")
+        return given
+
+    def _settings(self) -> Iterator[tuple[str, Given]]:
+        for name, keys in _KEYS.items():
+            value = getattr(self, name)
+            if value is not None:
+                value = list(value) if isinstance(value, tuple) else value
+                given = Given(value, self.by(name), is_option=True)
+                yield from ((key, given) for key in keys)
+        for key, value in self.overrides.items():
+            yield key, Given(value, self.by(key))
+
+    def _check_share(self) -> None:
+        share, by = self.cost_share, self.by("cost_share")
+        if share is None:
+            return
+        if self.metabolic_cost_weight is not None:
+            raise InputError(
+                f"{by}: expected it without {self.by('metabolic_cost_weight')}, got both"
+            )
+        if not 0.0 <= share < 1.0:
+            raise InputError(f"{by}: expected a share in [0, 1), got {share}")
+        if self.model != "M_C":
+            raise InputError(f"{by}: expected model M_C, M has no price on energy")
+
+    def _plain(self, key: str, value: Any) -> Any:
+        """Return a value as a parameter has it: of JSON's kinds, a number if it reads as one."""
+        try:
+            text = json.dumps(value)
+        except TypeError as error:  # YAML takes 2024-01-01 for a date
+            raise InputError(
+                f"{self.by(key)}: expected numbers, texts, lists or true and false, got the "
+                f"{type(value).__name__} {value}; a text may stand in quotes"
+            ) from error
+        if key == SCHEDULE:
+            return value if isinstance(value, str) else text  # a parameter that is YAML itself
+        return number_or_text(json.loads(text))

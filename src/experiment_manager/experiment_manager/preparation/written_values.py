@@ -1,0 +1,40 @@
+"""Numbers as people write them on a command line or in a sweep's file: 1e5, 1_000, 0,500."""
+
+from typing import Any
+
+from lockstep.errors import InputError
+
+
+def whole_number(text: str) -> int:
+    """Return the whole number that a text is; raises InputError for another text."""
+    try:
+        return _exact(float(text.replace("_", ""))) if "e" in text.lower() else int(text)
+    except (ValueError, OverflowError) as error:
+        raise InputError(f"expected a whole number, got {text!r}") from error
+
+
+def whole_numbers(text: str) -> tuple[int, ...]:
+    """Return the whole numbers of a text, which commas part; errors as for one."""
+    return tuple(whole_number(part) for part in text.split(","))
+
+
+def number(text: str) -> float:
+    """Return the number that a text is; raises InputError for another text."""
+    try:
+        return float(text)
+    except ValueError as error:
+        raise InputError(f"expected a number, got {text!r}") from error
+
+
+def number_or_text(value: Any) -> Any:
+    """Return a value, a text that is a number as that: YAML takes 1e-5 for a word."""
+    try:
+        return float(value) if isinstance(value, str) else value
+    except ValueError:
+        return value
+
+
+def _exact(value: float) -> int:
+    if not value.is_integer():
+        raise ValueError(value)
+    return int(value)

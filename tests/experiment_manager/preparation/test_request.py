@@ -1,0 +1,101 @@
+"""What a run is asked to be: one value of each parameter, under the name that the user gave it."""
+
+import datetime
+import math
+from typing import Any
+
+import pytest
+
+from experiment_manager.preparation.request import Given, RunRequest
+from lockstep.errors import InputError
+
+FULL = RunRequest(
+    profile="precise_m_c",
+    model="M_C",
+    iterations=2000,
+    seed=3,
+    stimuli="/pictures",
+    metabolic_cost_weight=0.02,
+    tests=(0, 1000),
+    test_stimuli=2,
+    overrides={"eye_plant.camera.left_blur_px": 1e-5, "vergence_rl.medial_limits": (0.0, 0.3)},
+    names={"iterations": "--iterations 2e3"},
+)
+
+
+def test_a_document_is_the_same_request() -> None:
+    assert RunRequest.from_json(FULL.to_json()) == FULL
+    assert RunRequest.from_json(RunRequest().to_json()) == RunRequest()
+
+
+def test_what_is_asked_is_settings_of_parameters() -> None:
+    settings = FULL.settings()
+    protocol = "experiment_manager.protocol"
+    assert {key: given.value for key, given in settings.items()} == {
+        "experiment_manager.model": "M_C",
+        f"{protocol}.n_training_iterations": 2000,
+        "sparse_coder.seed": 3,
+        "vergence_rl.seed": 3,
+        "experiment_manager.seed": 3,
+        "sparse_coder.metabolic_cost_weight": 0.02,
+        f"{protocol}.test_iterations": [0, 1000],
+        f"{protocol}.n_stimuli_per_test": 2,
+        "eye_plant.stimuli.directory": "/pictures",
+        "eye_plant.camera.left_blur_px": 1e-5,
+        "vergence_rl.medial_limits": [0.0, 0.3],
+    }
+    assert settings[f"{protocol}.n_training_iterations"] == Given(2000, "--iterations 2e3")
+    assert settings["sparse_coder.seed"].by == "seed"
+    assert RunRequest().settings() == {}
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "kept"),
+    [
+        ("vergence_rl.cacla.discount", "1e-5", 1e-5),
+        ("vergence_rl.cacla.discount", math.inf, math.inf),
+        ("eye_plant.stimuli.directory", "photos", "photos"),
+        ("vergence_rl.medial_limits", (0.0, 0.3), [0.0, 0.3]),
+        ("experiment_manager.schedule", [{"at": 10, "set": {}}], '[{"at": 10, "set": {}}]'),
+        ("experiment_manager.schedule", "1e5", "1e5"),
+    ],
+)
+def test_overrides_are_kept_as_parameters_have_them(key: str, value: Any, kept: Any) -> None:
+    assert RunRequest(overrides={key: value}).overrides == {key: kept}
+
+
+@pytest.mark.parametrize(
+    ("values", "error"),
+    [
+        ({"model": "X", "names": {"model": "--model X"}}, "--model X: expected M or M_C, got 'X'"),
+        ({"overrides": {"vergence.discount": 1}}, "with a node of .*; did you mean vergence_rl"),
+        ({"overrides": {"vergence_rl": 1}}, "vergence_rl: expected NODE.PARAMETER with a node of"),
+        (
+            {"overrides": {"vergence_rl.cacla.discount": datetime.date(2024, 1, 1)}},
+            "vergence_rl.cacla.discount: expected numbers, texts, .* got the date 2024-01-01",
+        ),
+    ],
+)
+def test_what_no_run_can_be_is_refused_at_once(values: dict[str, Any], error: str) -> None:
+    with pytest.raises(InputError, match=error):
+        RunRequest(**values)
+
+
+@pytest.mark.parametrize(
+    ("values", "error"),
+    [
+        (
+            {"seed": 1, "overrides": {"vergence_rl.seed": 2}},
+            "seed and vergence_rl.seed: expected one value of vergence_rl.seed",
+        ),
+        ({"cost_share": 0.2}, "cost_share: expected model M_C"),
+        (
+            {"cost_share": 0.2, "metabolic_cost_weight": 0.1, "model": "M_C"},
+            "cost_share: expected it without metabolic_cost_weight, got both",
+        ),
+        ({"cost_share": 1.0, "model": "M_C"}, r"cost_share: expected a share in \[0, 1\), got 1.0"),
+    ],
+)
+def test_what_contradicts_itself_is_refused(values: dict[str, Any], error: str) -> None:
+    with pytest.raises(InputError, match=error):
+        RunRequest(**values).settings()
