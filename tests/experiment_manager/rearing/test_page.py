@@ -16,13 +16,13 @@ from experiment_manager.rearing.figures import (
     landscapes_figure,
     samples_figure,
 )
-from experiment_manager.rearing.gabor import gabor_patch
 from experiment_manager.rearing.measures_file import run_measures, write_measures
 from experiment_manager.rearing.page import condition_table, finished_runs
 from experiment_manager.rearing.reared_run import RearedRun
 from experiment_manager.rearing.reward_landscape import RewardLandscape
 from lockstep.errors import InputError
 from sparse_coder.patches import PX_PER_PIXEL
+from tests.experiment_manager.rearing.gabor_patch import gabor_patch
 
 ERRORS_DEG = np.array([-1.0, 0.0, 1.0])
 

@@ -145,9 +145,9 @@ def _drawings_of_run(run: ReportedRun, mark: str) -> Iterator[Drawing]:
         f"dictionaries_{mark}",
         f"Basis functions of {run.name}",
         "Left eye's part beside the right eye's, each pair scaled by its largest entry. First "
-        "those whose parts match when shifted along the row, by that preferred disparity, positive "
-        "when the pattern lies farther right in the left eye; then the others, the most alike in "
-        "strength first. Below, how many prefer which disparity.",
+        "those with a preferred disparity, from the phases of a Gabor function fitted to both "
+        "parts, positive when the pattern lies farther right in the left eye; then the others, the "
+        "most alike in strength first. Below, how many prefer which disparity.",
         lambda: _dictionaries(run),
         f"{run.name} has no checkpoint to take basis functions from.",
     )
