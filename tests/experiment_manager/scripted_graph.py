@@ -10,7 +10,6 @@ from lockstep.errors import InputError
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.requests import RequestServer
 from lockstep.wire.qos import LOCKSTEP_QOS
-from lockstep.wire.stamps import to_ns
 from lockstep.wire.topics import (
     ACTOR_CRITIC_NAMES,
     COMMAND_NAMES,
@@ -21,6 +20,7 @@ from lockstep.wire.topics import (
     REWARD_NAMES,
 )
 from lockstep.wire.vectors import VectorPublisher
+from tests.stamps import to_ns
 
 PERIOD_NS = 200_000_000
 

@@ -150,7 +150,7 @@ def _disparity(common: Gabors, halves: Array) -> Array:
     nearest = np.mod(difference + np.pi, 2.0 * np.pi) - np.pi
     is_upright = np.abs(common.wave_angle_deg) <= _LARGEST_TILT_DEG
     cosine = np.cos(np.radians(np.where(is_upright, common.wave_angle_deg, 0.0)))
-    shift_px = nearest * common.wavelength_px / (2.0 * np.pi * cosine)
+    shift_px = nearest * common.wavelength_px / (2.0 * np.pi) / cosine
     told = (
         common.is_good
         & is_upright
