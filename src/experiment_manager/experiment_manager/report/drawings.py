@@ -15,6 +15,7 @@ from experiment_manager.report.performance_figures import box_figure, performanc
 from experiment_manager.report.picture_figures import anaglyph_figure, encoding_figure
 from experiment_manager.report.price_figure import over_prices, price_figure
 from experiment_manager.report.reported_run import ReportedRun
+from experiment_manager.run import checkpoint
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.configuration import build
 from lockstep.state_file import read_state
@@ -165,12 +166,10 @@ def _drawings_of_run(run: ReportedRun, mark: str) -> Iterator[Drawing]:
 
 
 def _dictionaries(run: ReportedRun) -> Figure | None:
-    # A manifest of an earlier version is no hindrance: it says that the states are whole.
-    found = sorted((run.directory / "checkpoints").glob("*/manifest.json"))
-    states = [path.with_name("sparse_coder.npz") for path in found]
-    if not states or not states[-1].is_file():
+    found = checkpoint.newest(run.directory / "checkpoints")
+    if found is None:
         return None
-    return dictionary_figure(read_state(states[-1], "sparse_coder")["atoms"])
+    return dictionary_figure(read_state(found[1] / "sparse_coder.npz", "sparse_coder")["atoms"])
 
 
 def _motor_space(mechanics: MechanicsConfig, groups: Sequence[Group]) -> Figure:
