@@ -9,7 +9,7 @@ import psutil
 from rclpy.context import Context
 from rclpy.node import Node
 
-from experiment_manager.node_presence import UNKNOWN_NODE
+from experiment_manager.node.presence import UNKNOWN_NODE
 from experiment_manager.supervision.domains import is_silent
 from lockstep.errors import InputError
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
