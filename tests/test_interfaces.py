@@ -1,19 +1,20 @@
 """docs/interfaces.md against the code: topics, types, names, requests."""
 
 import re
+from functools import partial
 from pathlib import Path
 from typing import get_type_hints
 
 import pytest
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, ReliabilityPolicy
 
-from experiment_manager.node.requests import _SERVICE_WAIT_S, PLANT_WAIT_S
+from experiment_manager.node.requests import PLANT_WAIT_S, SERVICE_WAIT_S
 from eye_plant.episode import Episode
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, RequestClient
 from lockstep.wire import topics
 from lockstep.wire.qos import LOCKSTEP_QOS, QUEUE_DEPTH
-from tests.node_harness import ros_graph
+from tests.node_harness import Outsider, ros_graph
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
 from vergence_rl.node import VergenceRlNode
 
@@ -50,6 +51,8 @@ def test_the_quality_of_service() -> None:
     assert LOCKSTEP_QOS.reliability == ReliabilityPolicy.RELIABLE
     assert LOCKSTEP_QOS.durability == DurabilityPolicy.VOLATILE
     assert LOCKSTEP_QOS.history == HistoryPolicy.KEEP_LAST
+    # A trial is 21 observations, and a waiting plant repeats one of them each second.
+    assert LOCKSTEP_QOS.depth == QUEUE_DEPTH >= 2 * 21
 
 
 @pytest.mark.parametrize("topic", VECTORS)
@@ -71,7 +74,14 @@ def test_the_muscles() -> None:
 def test_every_kind_of_request() -> None:
     kinds = [kind for row in table("Requests") for kind in quoted(row[0])]
     with ros_graph() as graph:
-        of_learners = graph.add(VergenceRlNode)._requests._handlers
+        graph.add(VergenceRlNode)
+        outsider = graph.add(partial(Outsider, {}, {}))
+        graph.spin_until(lambda: outsider.has_service("vergence_rl"), "the learner's service")
+        answer = outsider.future_answer("vergence_rl", {"run_id": "a run", "request": "?"})
+        graph.spin_until(answer.done, "a refusal")
+    expected = re.search("kind of request: expected (.*), got '\\?'", answer.result().result.reason)
+    assert expected is not None
+    of_learners = expected[1].split(", ")
     assert set(kinds) == {"episode", RECONFIGURE, *of_learners}
     assert {START_RUN, END_RUN} < set(kinds)
 
@@ -85,4 +95,4 @@ def test_every_argument_of_an_episode_with_its_type() -> None:
 def test_the_times() -> None:
     assert f"every {RequestClient.REPEAT_AFTER_S:g} s until it is answered" in PAGE
     assert f"gives up after {PLANT_WAIT_S:g} s" in PAGE
-    assert f"is waited for {_SERVICE_WAIT_S:g} s" in PAGE
+    assert f"is waited for {SERVICE_WAIT_S:g} s" in PAGE

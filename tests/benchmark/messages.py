@@ -23,9 +23,9 @@ from lockstep.node.executor import LockstepExecutor
 from lockstep.node.process import run_node
 from lockstep.wire.images import ImagePublisher
 from lockstep.wire.qos import LOCKSTEP_QOS
-from lockstep.wire.stamps import to_ns
 from lockstep.wire.topics import TOPIC_TYPES
 from lockstep.wire.vectors import VectorPublisher
+from tests.stamps import to_ns
 
 _PICTURES = ("left/image_raw", "right/image_raw")
 _NAMES = tuple(f"entry_{i}" for i in range(12))

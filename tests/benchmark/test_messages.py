@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from rclpy.serialization import serialize_message
 
-from experiment_manager.bag.reader import read_vectors
+from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.writer import BagWriter
 from lockstep.errors import InputError
 from lockstep.wire.topics import REWARD_NAMES, TOPIC_TYPES
@@ -30,7 +30,7 @@ def test_recording_is_timed_per_command_and_copies_all_messages(tmp_path: Path) 
     bag = _bag(tmp_path / "bag", n_commands=5)
     assert recording_ms(bag, tmp_path / "copy", lambda: next(ticks)) == pytest.approx(100.0)
     for topic in ("reward", "muscle_command"):
-        ours, copied = (read_vectors(path, topic) for path in (bag, tmp_path / "copy"))
+        ours, copied = (Bag(path).vectors(topic)[topic] for path in (bag, tmp_path / "copy"))
         assert copied.position.tolist() == ours.position.tolist()
 
 

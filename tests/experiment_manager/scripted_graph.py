@@ -10,10 +10,10 @@ from lockstep.errors import InputError
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.requests import RequestServer
 from lockstep.wire.qos import LOCKSTEP_QOS
-from lockstep.wire.stamps import to_ns
 from lockstep.wire.topics import EPISODE_NAMES, GROUND_TRUTH_NAMES, PLANT_VECTORS, REWARD_NAMES
 from lockstep.wire.vectors import VectorPublisher
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES, HORIZONTAL_RECTI
+from tests.stamps import to_ns
 
 PERIOD_NS = 200_000_000
 

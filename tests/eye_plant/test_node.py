@@ -13,7 +13,6 @@ from eye_plant.node import EyePlantNode
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimuliConfig
 from lockstep.errors import InputError
-from lockstep.wire.stamps import to_ns
 from lockstep.wire.topics import (
     EPISODE_NAMES,
     EYE_STATE_NAMES,
@@ -34,6 +33,7 @@ from tests.eye_plant.plant_bench import (
     send_command,
 )
 from tests.node_harness import Bench, Graph
+from tests.stamps import to_ns
 
 
 def test_an_episode_from_request_to_its_last_observation(bench: Bench) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiment_manager.bag.reader import read_vectors
+from experiment_manager.bag.reader import Bag
 from tests.graph_harness import small_run
 from tests.stress.supervised_run import SupervisedRun, is_intact
 
@@ -35,5 +35,5 @@ def test_divergence_ends_the_run_with_one_error(
     assert "expected 100 at most; what was saved before is whole" in output
     assert "fault: " not in output
     assert is_intact(directory)
-    published = read_vectors(directory / "bag", "actor_critic").column("value")
+    published = Bag(directory / "bag").vectors("actor_critic")["actor_critic"].column("value")
     assert np.abs(published).max() <= 100.0

@@ -11,7 +11,7 @@ import pytest
 from sensor_msgs.msg import Image, JointState
 
 from lockstep.errors import InputError
-from lockstep.wire.stamps import to_ns, to_time
+from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import EPISODE_NAMES, PICTURES, REWARD_NAMES, TEST, TRAINING
 from lockstep.wire.vectors import vector_message
 from sparse_coder.coder import SparseCoder
@@ -19,6 +19,7 @@ from sparse_coder.config import SparseCoderConfig
 from sparse_coder.node import INPUTS, SparseCoderNode
 from tests.node_harness import Bench, Graph, ros_graph
 from tests.pair import HORIZONTAL_RECTI
+from tests.stamps import to_ns
 
 CONFIG = SparseCoderConfig(n_bases=16, metabolic_cost_weight=0.1)
 RATES_W = (0.5, 0.25, 0.125, 1.0)

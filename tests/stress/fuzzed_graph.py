@@ -28,7 +28,8 @@ from lockstep.errors import InputError
 from lockstep.node.requests import RequestClient, service_name
 from lockstep.state_file import read_state
 from lockstep.wire.qos import LOCKSTEP_QOS
-from lockstep.wire.stamps import period_ns, to_ns
+from lockstep.wire.stamps import period_ns
+from tests.stamps import to_ns
 from tests.stress.fuzzer import IMAGE_TOPICS, VECTOR_NAMES, Hostility
 from tests.stress.lone_nodes import LoneNodes
 

@@ -112,7 +112,7 @@ def nodes_of(supervisor_id: int) -> dict[str, int]:
     """Return the process ids of a supervisor's nodes, by package."""
     found: dict[str, int] = {}
     with contextlib.suppress(psutil.NoSuchProcess):
-        # The nursery between them lives as long as the supervisor.
+        # The fork server between them lives as long as the supervisor.
         for child in psutil.Process(supervisor_id).children(recursive=True):
             with contextlib.suppress(psutil.NoSuchProcess, psutil.ZombieProcess):
                 words = child.cmdline()

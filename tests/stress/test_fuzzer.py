@@ -9,7 +9,7 @@ import pytest
 from eye_plant.commands import target_activations
 from lockstep.command_space import COMMAND_SPACES, MUSCLE_NAMES, PAIR
 from lockstep.errors import InputError
-from lockstep.wire.stamps import checked_ns
+from lockstep.wire.stamps import checked_stamp
 from lockstep.wire.topics import EPISODE_NAMES, PICTURES
 from lockstep.wire.vectors import values_of, whole_values_of
 from sparse_coder.messages import picture_of
@@ -64,7 +64,8 @@ DOORS: dict[str, tuple[Callable[[Any], Any], ...]] = {
 
 def _stamp_ns(message: Any) -> int:
     try:
-        return checked_ns(message.header.stamp)
+        stamp = message.header.stamp
+        return checked_stamp(stamp.sec, stamp.nanosec)
     except InputError:
         return -1
 

@@ -23,7 +23,7 @@ _BASIS_FUNCTIONS_PERIOD_S = 1.0
 INPUTS = dict.fromkeys(PICTURES, Image) | {"episode": JointState, "muscle_activations": JointState}
 
 
-class SparseCoderNode(LearnerNode):
+class SparseCoderNode(LearnerNode[SparseCoder]):
     """Encodes each pair of pictures once, publishes, and only then learns from it."""
 
     # It learns while the others answer: they need the other core.

@@ -26,7 +26,7 @@ INPUTS = {
 _EPISODE = ("phase", "iteration", "training_iteration")
 
 
-class VergenceRlNode(LearnerNode):
+class VergenceRlNode(LearnerNode[Agent]):
     """Learns from the last step, then commands the next one."""
 
     def __init__(self, **kwargs: Any) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from experiment_manager.bag.mcap_file import McapFile
-from experiment_manager.bag.reader import Bag, read_vectors
+from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.writer import BagWriter
 from lockstep.errors import InputError
 
@@ -24,7 +24,9 @@ def values() -> np.ndarray:
 def test_the_columns_are_what_was_written(
     make_bag: Callable[..., Path], values: np.ndarray
 ) -> None:
-    table = read_vectors(make_bag({"ground_truth": (NAMES, values)}, n_files=3), "ground_truth")
+    table = Bag(make_bag({"ground_truth": (NAMES, values)}, n_files=3)).vectors("ground_truth")[
+        "ground_truth"
+    ]
     assert table.names == tuple(NAMES)
     assert np.array_equal(table.position, values)
     assert np.array_equal(table.stamps_ns, np.arange(500) * 100_000_000)
@@ -44,7 +46,7 @@ def test_velocity_and_effort_are_read_with_every_alignment(
             with BagWriter(directory, {"a": VECTOR}, {}) as writer:
                 chosen = {field: present[field] for field in fields}
                 writer.write("a", vector_bytes(names, parts[0], **chosen), 0)
-            table = read_vectors(directory, "a")
+            table = Bag(directory).vectors("a")["a"]
             expected = {f: present[f] if f in fields else [] for f in present}
             assert np.array_equal(table.position, parts[:1])
             assert table.velocity.tolist() == [list(expected["velocity"])]
@@ -63,7 +65,7 @@ def test_what_the_padding_holds_does_not_matter(
     with BagWriter(tmp_path / "bag", {"a": VECTOR}, {}) as writer:
         for i, message in enumerate(messages):
             writer.write("a", bytes(message), i)
-    assert read_vectors(tmp_path / "bag", "a").position.tolist() == [
+    assert Bag(tmp_path / "bag").vectors("a")["a"].position.tolist() == [
         [0, 0],
         [1, -1],
         [2, -2],
@@ -77,7 +79,7 @@ def test_changing_names_make_columns_with_gaps(
     with BagWriter(tmp_path / "bag", {"muscle_command": VECTOR}, {}) as writer:
         for i, names in enumerate((["aa", "bb"], ["aa", "cc"], ["d"], ["bb", "aa"])):
             writer.write("muscle_command", vector_bytes(names, [i + 1.0, -i][: len(names)]), i)
-    table = read_vectors(tmp_path / "bag", "muscle_command")
+    table = Bag(tmp_path / "bag").vectors("muscle_command")["muscle_command"]
     nan = np.nan
     assert table.names == ("aa", "bb", "cc", "d")
     expected = [[1, 0, nan, nan], [2, nan, -1, nan], [nan, nan, nan, 3], [-3, 4, nan, nan]]
@@ -85,7 +87,7 @@ def test_changing_names_make_columns_with_gaps(
 
 
 def test_rows_are_found_by_stamp(make_bag: Callable[..., Path], values: np.ndarray) -> None:
-    table = read_vectors(make_bag({"a": (NAMES, values[:4])}), "a")
+    table = Bag(make_bag({"a": (NAMES, values[:4])})).vectors("a")["a"]
     stamps_ns = np.array([300_000_000, 5, 0, 400_000_000])
     assert table.at(stamps_ns).tolist() == [3, -1, 0, -1]
 
@@ -179,7 +181,7 @@ def test_files_are_read_in_their_order_without_metadata(
     directory = make_bag({"a": (NAMES, values[:24])}, n_files=12)
     (directory / "metadata.yaml").unlink()
     assert len(list(directory.glob("bag_*.mcap"))) == 12
-    assert np.array_equal(read_vectors(directory, "a").position, values[:24])
+    assert np.array_equal(Bag(directory).vectors("a")["a"].position, values[:24])
 
 
 def test_a_broken_chunk_is_named(make_bag: Callable[..., Path], values: np.ndarray) -> None:
@@ -190,7 +192,7 @@ def test_a_broken_chunk_is_named(make_bag: Callable[..., Path], values: np.ndarr
     content[place.offset + 500] ^= 0xFF
     path.write_bytes(content)
     with pytest.raises(InputError, match=rf"bag_0\.mcap: broken chunk at byte {place.offset}"):
-        read_vectors(directory, "a")
+        Bag(directory).vectors("a")["a"]
 
 
 @pytest.fixture

@@ -111,28 +111,6 @@ def test_results_from_the_bag_agree_with_themselves(
     assert error.count("different:") == 2
 
 
-def test_results_of_an_earlier_version_are_compared_as_far_as_they_go(
-    run_directories: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    directory = Path(shutil.copytree(run_directories["M_C"], tmp_path / "run"))
-    path = directory / "results.json"
-    assert main([str(directory), "--write"]) == 0
-    document = json.loads(path.read_text())
-    for test in document["tests"]:
-        for key in ("authors_test_set", "share_within_1_px", "bias_by_distance_deg"):
-            del test[key]
-        del test["after_1"]["share_beyond_1_deg"]
-    write_document(path, document)
-    capsys.readouterr()
-    assert main([str(directory)]) == 0
-    assert f"{path} is of an earlier version" in capsys.readouterr().out
-    document["tests"][0]["median_delta_cost_w"] += 0.01
-    write_document(path, document)
-    assert main([str(directory)]) == 1
-    assert main([str(directory), "--write"]) == 0
-    assert main([str(directory)]) == 0
-
-
 def test_the_trials_kept_from_the_bag_are_those_of_the_run(small_run: Path, tmp_path: Path) -> None:
     directory = Path(shutil.copytree(small_run, tmp_path / "run"))
     results, trials = (directory / name for name in ("results.json", "trials.npz"))

@@ -278,7 +278,7 @@ def test_a_plant_that_takes_no_requests_is_not_waited_for_for_ever(
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr(node_requests, "_SERVICE_WAIT_S", 0.0)
+    monkeypatch.setattr(node_requests, "SERVICE_WAIT_S", 0.0)
     monkeypatch.setattr(node_requests, "PLANT_WAIT_S", 0.0)
     graph.add(ScriptedCoder)
     graph.add(ScriptedLearner)

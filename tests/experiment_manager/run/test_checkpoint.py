@@ -154,16 +154,6 @@ def test_a_manifest_of_wrong_types_is_an_error(tmp_path: Path, name: str, value:
         checkpoint.newest(tmp_path)
 
 
-def test_one_of_the_first_version_tells_no_parameters(tmp_path: Path) -> None:
-    path = _commit(tmp_path, 1) / "manifest.json"
-    document = json.loads(path.read_text()) | {"version": 1, "config_hash": "abc"}
-    del document["parameters"]
-    path.write_text(json.dumps(document))
-    manifest, _ = checkpoint.at(tmp_path, 1)
-    assert manifest.parameters == {}
-    assert manifest.place == 1
-
-
 def test_everyone_comes_in_order(tmp_path: Path) -> None:
     for place in (9, 10):
         _commit(tmp_path, place)

@@ -178,7 +178,7 @@ def test_activations_come_before_or_after_their_ground_truth() -> None:
     assert (rows[:, :-2] == [before, after]).all()
 
 
-def test_trials_of_an_earlier_version_are_refused() -> None:
+def test_trials_of_another_shape_are_refused() -> None:
     progress = Progress(0)
     old = np.zeros((3, len(GROUND_TRUTH_NAMES)))
     progress.restore(Progress(0).document(), old[:0])
@@ -186,7 +186,7 @@ def test_trials_of_an_earlier_version_are_refused() -> None:
         progress.restore(Progress(0).document(), old)
 
 
-@pytest.mark.parametrize("name", ["tests", "sums", "running_errors_deg"])
+@pytest.mark.parametrize("name", ["tests", "sums", "counted_from", "running_errors_deg"])
 def test_what_is_no_progress_is_refused(name: str) -> None:
     progress = Progress(0)
     document = progress.document()

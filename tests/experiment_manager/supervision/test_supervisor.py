@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from experiment_manager.commands import run_experiment
-from experiment_manager.supervision.nursery import Nursery
+from experiment_manager.supervision.fork_server import ForkServer
 from experiment_manager.supervision.supervisor import Supervisor
 from lockstep.exit_codes import EXIT_NETWORK, EXIT_UNWRITABLE
 
@@ -15,7 +15,7 @@ class Attempts(Supervisor):
     """A supervisor whose attempts end as they are told to."""
 
     def __init__(self, directory: Path, ends: list[tuple[int, str | None]], places: list[int]):
-        super().__init__(directory, Nursery(()))
+        super().__init__(directory, ForkServer(()))
         self.ends, self.places = ends, places
         self.n_attempts = 0
 
@@ -28,7 +28,7 @@ class Attempts(Supervisor):
 
 
 def _supervisor(directory: Path) -> Supervisor:
-    return Supervisor(directory, Nursery(()))
+    return Supervisor(directory, ForkServer(()))
 
 
 @pytest.fixture(autouse=True)

@@ -168,11 +168,6 @@ class Bag:
                     yield file, chunk, file.read_chunk(chunk)
 
 
-def read_vectors(path: Path, topic: str) -> VectorTable:
-    """Return all messages of one JointState topic of a bag; for several use Bag.vectors."""
-    return Bag(path).vectors(topic)[topic]
-
-
 def _files(path: Path) -> list[Path]:
     """Return the files of a bag: those metadata.yaml lists, then those written after it."""
     if path.is_file():

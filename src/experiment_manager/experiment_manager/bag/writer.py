@@ -4,7 +4,7 @@ import contextlib
 import os
 import re
 import time
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO, Self
@@ -27,7 +27,8 @@ from experiment_manager.bag.stamp_buffer import Held, StampBuffer
 from lockstep.durable_files import sync_directory
 from lockstep.errors import InputError
 
-EXEMPT_TOPICS = ("/clock", "/diagnostics")
+# Kept whatever their stamps.
+_EXEMPT = frozenset(("/clock", "/diagnostics"))
 _CHUNK_BYTES = 1 << 20
 # Of the flush period, the longest that a message waits for older ones.
 _HOLD_SHARE = 0.5
@@ -53,21 +54,17 @@ class BagWriter:
         topics: Mapping[str, str],
         metadata: Mapping[str, str],
         *,
-        namespace: str = "/",
         configuration: str = "",
-        qos: Mapping[str, OfferedQos] | None = None,
-        exempt_topics: Collection[str] = EXEMPT_TOPICS,
         resume_files: Sequence[str] | None = None,
         flush_period_s: float = 2.0,
     ) -> None:
         """Make the directory, or continue the one that holds resume_files.
 
         topics: {name: type such as sensor_msgs/msg/Image}; a relative name is recorded in the
-        namespace, as ROS resolves it. metadata: the run in short, {key: text},
-        a metadata record of each file and custom_data of metadata.yaml. configuration: the text
-        attached to each file as config.yaml; without it the metadata as YAML. qos: what is offered
-        on topics other than OfferedQos(). exempt_topics: kept whatever their stamps.
-        resume_files: the committed files to keep; other bag_N.mcap are deleted.
+        root namespace. metadata: the run in short, {key: text}, a metadata record of each file and
+        custom_data of metadata.yaml. configuration: the text attached to each file as config.yaml;
+        without it the metadata as YAML. resume_files: the committed files to keep; other
+        bag_N.mcap are deleted.
 
         Raises InputError for a directory that already holds something, an unknown type, or a
         resume file that is missing or not whole.
@@ -75,11 +72,17 @@ class BagWriter:
         self._directory = Path(directory)
         self._metadata = dict(metadata)
         self._configuration = configuration or yaml.safe_dump(self._metadata)
-        self._topics = _described(topics, namespace, qos or {})
-        self._exempt = frozenset(exempt_topics)
+        self._topics = {
+            name: Topic(
+                name if name.startswith("/") else f"/{name}",
+                type_name,
+                message_definition(type_name).type_hash,
+                OfferedQos(),
+            )
+            for name, type_name in topics.items()
+        }
         self._flush_period_s = flush_period_s
         self._last_stamp_ns = dict.fromkeys(topics, -1)
-        self.n_ignored = dict.fromkeys(topics, 0)
         self._buffer = StampBuffer(topics)
         self._flushed_s = time.monotonic()
         self._committed: list[FileSummary] = []
@@ -93,9 +96,9 @@ class BagWriter:
     def write(self, topic: str, message: bytes, stamp_ns: int) -> bool:
         """Record a serialized message (CDR) at its stamp; False when it was a repeat.
 
-        A stamp that is not greater than the last one of its topic is a repeat: it is counted in
-        n_ignored and not written. Raises InputError for a topic that was not announced, OSError
-        when the disk refuses; after that nothing more can be written.
+        A stamp that is not greater than the last one of its topic is a repeat and not written.
+        Raises InputError for a topic that was not announced, OSError when the disk refuses; after
+        that nothing more can be written.
         """
         last_ns = self._last_stamp_ns.get(topic)
         if last_ns is None:
@@ -105,8 +108,7 @@ class BagWriter:
             )
         if not 0 <= stamp_ns < 1 << 63:
             raise InputError(f"bag topic {topic}: expected a stamp in [0, 2^63) ns, got {stamp_ns}")
-        if stamp_ns <= last_ns and topic not in self._exempt:
-            self.n_ignored[topic] += 1
+        if stamp_ns <= last_ns and topic not in _EXEMPT:
             return False
         self._last_stamp_ns[topic] = max(stamp_ns, last_ns)
         with self._guarded():
@@ -196,7 +198,7 @@ class BagWriter:
     def _put(self, messages: list[Held]) -> None:
         """Write messages into the open file, or into a new one if an observation is among them."""
         if self._open is None:
-            if all(held.topic in self._exempt for held in messages):
+            if all(held.topic in _EXEMPT for held in messages):
                 self._buffer.put_back(messages[-_MOST_EXEMPT_HELD:])
                 return
             self._open = self._next_file()
@@ -306,25 +308,6 @@ class _OpenFile:
         # Closing writes the rest of the buffer, and may fail for the reason that was raised before.
         with contextlib.suppress(OSError):
             self._stream.close()
-
-
-def _described(
-    topics: Mapping[str, str], namespace: str, qos: Mapping[str, OfferedQos]
-) -> dict[str, Topic]:
-    """Return {name as announced: topic with its full name}."""
-    unknown = sorted(set(qos) - set(topics))
-    if unknown:
-        raise InputError(f"expected QoS of announced topics, got {', '.join(unknown)}")
-    prefix = f"/{namespace.strip('/')}/" if namespace.strip("/") else "/"
-    return {
-        name: Topic(
-            name if name.startswith("/") else prefix + name,
-            type_name,
-            message_definition(type_name).type_hash,
-            qos.get(name, OfferedQos()),
-        )
-        for name, type_name in topics.items()
-    }
 
 
 def _make_new(directory: Path) -> None:

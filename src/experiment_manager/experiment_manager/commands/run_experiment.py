@@ -32,10 +32,10 @@ from experiment_manager.run.config_file import (
     read_configuration,
 )
 from experiment_manager.run.lasting_output import make_standard_streams_last
+from experiment_manager.supervision.fork_server import ForkServer
 from experiment_manager.supervision.in_process import run_in_process
 from experiment_manager.supervision.live_view import PACKAGE as LIVE_VIEW
 from experiment_manager.supervision.node_neighbours import refuse_neighbours
-from experiment_manager.supervision.nursery import Nursery
 from experiment_manager.supervision.processes import PACKAGES
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from eye_plant.config import EyePlantConfig
@@ -212,13 +212,15 @@ def _run(options: argparse.Namespace) -> tuple[Path, int]:
     if options.live is not None:
         packages.append(LIVE_VIEW)
     # Before anything that begins threads, as DDS does.
-    with Nursery(packages) as nursery:
+    with ForkServer(packages) as fork_server:
         domain = known_domain(options.elsewhere)
         if domain is not None:
             refuse_neighbours(domain, options.elsewhere)
         directory = _announced(_prepare(options))
         _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
-        return directory, Supervisor(directory, nursery, options.elsewhere, _live(options)).run()
+        return directory, Supervisor(
+            directory, fork_server, options.elsewhere, _live(options)
+        ).run()
 
 
 def in_one_process(directory: Path) -> tuple[Path, int]:

@@ -42,10 +42,7 @@ def test_line(test: Mapping[str, Any]) -> str:
 
 
 def tests_table(tests: Sequence[dict[str, Any]]) -> str:
-    """Return the learning curve of a run, one line per summary of results.json.
-
-    Of a results.json of an earlier version, what it does not have is a dash.
-    """
+    """Return the learning curve of a run, one line per summary of results.json."""
     errors_deg = [test["median_abs_vergence_error_deg"] or 0.0 for test in tests]
     most = max(errors_deg, default=0.0) or 1.0
     rows = [
@@ -54,11 +51,11 @@ def tests_table(tests: Sequence[dict[str, Any]]) -> str:
             str(test["n_trials"]),
             number(test["median_abs_vergence_error_deg"]),
             number(test["iqr_abs_vergence_error_deg"]),
-            percent(test.get("share_within_1_px")),
-            percent(test.get("share_beyond_1_deg")),
+            percent(test["share_within_1_px"]),
+            percent(test["share_beyond_1_deg"]),
             number(test["median_delta_cost_w"]),
             number(test["median_cost_reduction"]),
-            percent(test.get("share_right_muscle_silent")),
+            percent(test["share_right_muscle_silent"]),
             ("#" * round(_BAR_WIDTH * error_deg / most)).ljust(_BAR_WIDTH),
         )
         for test, error_deg in zip(tests, errors_deg, strict=True)

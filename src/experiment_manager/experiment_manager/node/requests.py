@@ -13,7 +13,7 @@ from lockstep.node.requests import Arguments, RequestClient, service_name
 PLANT = "eye_plant"
 LEARNERS = tuple(LEARNER_OF.values())
 # A node of a user's own has no request service: a few seconds tell it from one still starting.
-_SERVICE_WAIT_S = 5.0
+SERVICE_WAIT_S = 5.0
 # Without episodes there is no run, so a plant is waited for longer, but not for ever.
 PLANT_WAIT_S = 30.0
 
@@ -60,7 +60,7 @@ class Requests:
         """
         absent = [name for name, client in self._peers.items() if not client.is_there()]
         waited_s = time.monotonic() - self._since_s
-        if absent and waited_s < _SERVICE_WAIT_S:
+        if absent and waited_s < SERVICE_WAIT_S:
             return absent
         if PLANT in absent:
             if waited_s < PLANT_WAIT_S:

@@ -8,7 +8,9 @@ from typing import Any
 from experiment_manager.experiment.agreements import with_partners
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import Protocol, make_protocol
-from experiment_manager.preparation.configuration import configuration_with
+from experiment_manager.preparation.configuration import (
+    configuration_with,
+)
 from experiment_manager.preparation.request import ITERATIONS, TESTS, RunRequest
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest

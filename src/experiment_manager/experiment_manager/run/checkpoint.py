@@ -119,10 +119,7 @@ def _read(path: Path) -> Manifest:
     try:
         document = json.loads(path.read_bytes())
         version = document.pop("version")
-        if version == 1:
-            # As those of published runs: they tell of their parameters by a hash alone.
-            document["parameters"] = {} if isinstance(document.pop("config_hash"), str) else None
-        elif version != _VERSION:
+        if version != _VERSION:
             raise InputError(f"checkpoint {path}: expected version {_VERSION}, got {version}")
         manifest = Manifest(**document)
     except InputError:

@@ -159,13 +159,8 @@ def parameters_in(text: str) -> Configuration:
 def check_unchanged(directory: Path, manifest: Manifest, found: Configuration) -> None:
     """Raise InputError, naming them, where parameters are not those of a checkpoint.
 
-    directory: of the run. A parameter that the checkpoint does not know is of a later version.
+    directory: of the run. A parameter that the checkpoint does not know may be anything.
     """
-    if not manifest.parameters:
-        raise InputError(
-            f"{directory}: expected a checkpoint that tells its parameters, got one of an earlier "
-            f"version; --branch {directory} begins a new run from it"
-        )
     differing = _differing(manifest.parameters, found, FREE_TO_CHANGE)
     if differing:
         raise InputError(

@@ -164,13 +164,12 @@ class Progress:
         if len(trial_rows) and trial_rows.shape[1:] != (len(TRIAL_NAMES),):
             raise InputError(
                 f"expected trials with {', '.join(TRIAL_NAMES)}, got rows of shape "
-                f"{trial_rows.shape}: an earlier version made them, which can go on with this run"
+                f"{trial_rows.shape}"
             )
         try:
             tests = list(document["tests"])
             sums = {end: list(document["sums"][end]) for end in self._sums}
-            nothing = dict.fromkeys(self._sums, 0)
-            counted_from = {end: document.get("counted_from", nothing)[end] for end in self._sums}
+            counted_from = {end: document["counted_from"][end] for end in self._sums}
             errors_deg = deque(document["running_errors_deg"], maxlen=_N_RUNNING)
         except (KeyError, TypeError, AttributeError) as error:
             raise InputError(f"expected a run's progress, got {document}: {error!r}") from error

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from experiment_manager.live.address import Address
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
-from experiment_manager.supervision.nursery import NodeProcess, Nursery, stop
+from experiment_manager.supervision.fork_server import ForkServer, NodeProcess, stop
 
 PACKAGE = "experiment_manager.live"
 
@@ -15,9 +15,9 @@ class LiveView(AbstractContextManager["LiveView"]):
     """The node live_view in a domain; stopped when the block is left, and never waited for."""
 
     def __init__(
-        self, nursery: Nursery, address: Address | None, domain: int, directory: Path
+        self, fork_server: ForkServer, address: Address | None, domain: int, directory: Path
     ) -> None:
-        """nursery: starts it; address: None for none; directory: of the run."""
+        """fork_server: starts it; address: None for none; directory: of the run."""
         self._log = directory / "logs" / "live_view.log"
         self._process: NodeProcess | None = None
         if address is None:
@@ -31,7 +31,7 @@ class LiveView(AbstractContextManager["LiveView"]):
         }
         arguments = [word for name, value in given.items() for word in ("-p", f"{name}:={value}")]
         with self._log.open("ab") as log:
-            self._process = nursery.start(
+            self._process = fork_server.start(
                 PACKAGE, ["--ros-args", *arguments], {"ROS_DOMAIN_ID": str(domain)}, log
             )
 

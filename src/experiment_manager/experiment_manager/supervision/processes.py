@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from experiment_manager.run.config_file import CONFIG_FILE
-from experiment_manager.supervision.nursery import NodeProcess, Nursery, stop
+from experiment_manager.supervision.fork_server import ForkServer, NodeProcess, stop
 
 PACKAGES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")
 MANAGER = "experiment_manager"
@@ -16,13 +16,13 @@ class NodeProcesses:
 
     def __init__(
         self,
-        nursery: Nursery,
+        fork_server: ForkServer,
         directory: Path,
         domain: int,
         more: Mapping[str, Sequence[str]],
         packages: Sequence[str],
     ) -> None:
-        """Have the nursery start them; raises ConnectionError when it has ended.
+        """Have the fork server start them; raises ConnectionError when it has ended.
 
         directory: of the run, with its config.yaml; more: further command-line arguments by
         package; packages: which nodes to start.
@@ -33,7 +33,7 @@ class NodeProcesses:
         for package in packages:
             arguments = ["--ros-args", "--params-file", str(config), *more.get(package, ())]
             with (logs / f"{package}.log").open("ab") as log:
-                self._processes[package] = nursery.start(
+                self._processes[package] = fork_server.start(
                     package, arguments, {"ROS_DOMAIN_ID": str(domain)}, log
                 )
 

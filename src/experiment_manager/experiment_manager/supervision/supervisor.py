@@ -11,11 +11,11 @@ from experiment_manager.live.address import Address
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.supervision.attempt import goes_on, place_of
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, given_domain, own_domain
+from experiment_manager.supervision.fork_server import ForkServer
 from experiment_manager.supervision.live_view import LiveView
 from experiment_manager.supervision.network import Network
 from experiment_manager.supervision.node_heartbeats import Heartbeats
 from experiment_manager.supervision.node_neighbours import addresses
-from experiment_manager.supervision.nursery import Nursery
 from experiment_manager.supervision.processes import MANAGER, PACKAGES, NodeProcesses
 from experiment_manager.supervision.shared_memory import remove_ports, remove_stale_segments
 from lockstep.durable_files import why_unwritable
@@ -46,18 +46,18 @@ class Supervisor:
     def __init__(
         self,
         directory: Path,
-        nursery: Nursery,
+        fork_server: ForkServer,
         elsewhere: Collection[str] = (),
         live: Address | None = None,
     ) -> None:
         """directory: holds config.yaml, and whatever the run has done so far.
 
-        nursery: starts the nodes; entered meanwhile. elsewhere: nodes that somebody else starts, in
-        the domain of `known_domain`; what they lack of signs of life the manager notices. live:
-        where a live view listens, None for none.
+        fork_server: starts the nodes; entered meanwhile. elsewhere: nodes that somebody else
+        starts, in the domain of `known_domain`; what they lack of signs of life the manager
+        notices. live: where a live view listens, None for none.
         """
         self._directory = directory
-        self._nursery = nursery
+        self._fork_server = fork_server
         self._elsewhere = frozenset(elsewhere)
         self._live = live
         self._packages = [package for package in PACKAGES if package not in elsewhere]
@@ -133,9 +133,9 @@ class Supervisor:
         more = {MANAGER: [word for k, v in given.items() for word in ("-p", f"{k}:={v}")]}
         directory, packages, network = self._directory, self._packages, Network(addresses())
         with (
-            NodeProcesses(self._nursery, directory, domain, more, packages) as processes,
+            NodeProcesses(self._fork_server, directory, domain, more, packages) as processes,
             Heartbeats(domain, packages) as heartbeats,
-            LiveView(self._nursery, self._live, domain, directory) as live_view,
+            LiveView(self._fork_server, self._live, domain, directory) as live_view,
         ):
             self._processes = processes
             while not (codes := processes.exit_codes()):

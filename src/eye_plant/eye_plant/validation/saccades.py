@@ -12,6 +12,7 @@ from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from eye_plant.mechanics.muscles import LATERAL, MEDIAL
 from eye_plant.mechanics.oculomotor import Oculomotor
@@ -87,14 +88,13 @@ def holding_pair(eyes: Oculomotor, adduction_deg: float) -> tuple[float, float]:
     agonists, antagonists = (MEDIAL, LATERAL) if adduction_deg >= 0.0 else (LATERAL, MEDIAL)
     activations = eyes.tonic_activations
     activations[antagonists] *= max(0.0, 1.0 - abs(adduction_deg) / SILENT_ANTAGONIST_DEG)
-    low, high = 0.0, 1.0
-    for _ in range(40):
-        activations[agonists] = 0.5 * (low + high)
+
+    def error_deg(activation: float) -> float:
+        activations[agonists] = activation
         eyes.settle(activations)
-        if np.sign(adduction_deg) * np.degrees(eyes.data.qpos[0]) < abs(adduction_deg):
-            low = activations[agonists[0]]
-        else:
-            high = activations[agonists[0]]
+        return float(np.degrees(eyes.data.qpos[0])) - adduction_deg
+
+    activations[agonists] = brentq(error_deg, 0.0, 1.0)
     return float(activations[MEDIAL[0]]), float(activations[LATERAL[0]])
 
 

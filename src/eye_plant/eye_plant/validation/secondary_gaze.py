@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import root
 
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
@@ -13,9 +14,6 @@ GAZES_DEG = (-30.0, -15.0, 15.0, 30.0)
 
 # As much as gaze of 20 deg or so takes; none of the tonic levels is lower.
 _PROBE = 0.07
-_DAMPING = 0.7
-_TOLERANCE_DEG = 1e-6
-_MAX_ITERATIONS = 80
 
 
 def gaze_directions(eyes: Oculomotor) -> Array:
@@ -40,21 +38,13 @@ def gaze_directions(eyes: Oculomotor) -> Array:
 def gaze_along(eyes: Oculomotor, directions: Array, wanted_deg: Array) -> Array:
     """Bring an eye to adduction and elevation (2,) along the patterns; return its angles (3,)."""
     tonic = eyes.tonic_activations[: len(MUSCLES)]
-    drives = np.zeros(2)
-    for _ in range(_MAX_ITERATIONS):
-        angles = _gaze_deg(eyes, tonic + drives @ directions)
-        error = wanted_deg - angles[:2]
-        if np.abs(error).max() < _TOLERANCE_DEG:
-            break
-        slope = np.stack(
-            [
-                (_gaze_deg(eyes, tonic + (drives + probe) @ directions) - angles)[:2] / 0.1
-                for probe in 0.1 * np.eye(2)
-            ],
-            axis=1,
-        )
-        drives += _DAMPING * np.linalg.solve(slope, error)
-    return angles
+
+    def error_deg(drives: Array) -> Array:
+        return _gaze_deg(eyes, tonic + drives @ directions)[:2] - wanted_deg
+
+    # The patterns are per degree, so the wanted angles are a good guess.
+    drives = root(error_deg, wanted_deg).x
+    return _gaze_deg(eyes, tonic + drives @ directions)
 
 
 def worst_torsion_deg(config: MechanicsConfig) -> float:

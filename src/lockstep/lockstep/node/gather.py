@@ -22,11 +22,6 @@ class Gather:
         self._complete_ns = -1
         self._pending: dict[int, dict[str, Any]] = {}
 
-    @property
-    def n_pending(self) -> int:
-        """Number of incomplete stamps held."""
-        return len(self._pending)
-
     def holds(self, topic: str) -> bool:
         """Return whether a message of the topic waits for others of its stamp."""
         return any(topic in messages for messages in self._pending.values())

@@ -4,7 +4,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from rclpy.node import Node
@@ -31,7 +31,9 @@ _READERS: Mapping[type, Callable[[str], ImageReader | VectorReader]] = {
 class Learner(Protocol):
     """A learner whose whole state can be saved and restored."""
 
-    learning_steps: int
+    @property
+    def learning_steps(self) -> int:
+        """How many steps it has learned."""
 
     def state(self) -> dict[str, np.ndarray]:
         """Return copies of everything that was learned."""
@@ -40,7 +42,10 @@ class Learner(Protocol):
         """Take over a state; raise ValueError, having changed nothing, when it does not fit."""
 
 
-class LearnerNode(Node):
+L = TypeVar("L", bound=Learner)
+
+
+class LearnerNode(Node, Generic[L]):
     """A node that answers each observation once, and whose learner a run can save and load.
 
     A subclass makes its learner, answers an observation (raising InputError to refuse it), and
@@ -84,7 +89,7 @@ class LearnerNode(Node):
         self.get_logger().info("ready, untrained")
 
     @abstractmethod
-    def make_learner(self) -> Any:
+    def make_learner(self) -> L:
         """Return an untrained learner of `self.config`."""
 
     @abstractmethod

@@ -27,16 +27,6 @@ def to_time(stamp_ns: int) -> Time:
     return Time(sec=stamp_ns // NS_PER_S, nanosec=stamp_ns % NS_PER_S)
 
 
-def to_ns(time: Time) -> int:
-    """Return the stamp of a ROS time in nanoseconds."""
-    return int(time.sec) * NS_PER_S + int(time.nanosec)
-
-
-def checked_ns(time: Time) -> int:
-    """Return the stamp of a ROS time that came from elsewhere; see `checked_stamp`."""
-    return checked_stamp(time.sec, time.nanosec)
-
-
 def checked_stamp(sec: int, nanosec: int) -> int:
     """Return the stamp of seconds and nanoseconds that came from elsewhere, in nanoseconds.
 

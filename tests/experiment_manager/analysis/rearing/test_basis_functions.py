@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from experiment_manager.analysis.rearing.basis_functions import left_share, tuning
-from experiment_manager.analysis.rearing.gabor import gabor_patch
+from tests.experiment_manager.analysis.rearing.gabor_patch import gabor_patch
 
 
 def half(x_px=0.0, **changed):

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
-from experiment_manager.analysis.rearing.gabor import fit_gabors, gabor_patch
+from experiment_manager.analysis.rearing.gabor import fit_gabors
 from lockstep.errors import InputError
+from tests.experiment_manager.analysis.rearing.gabor_patch import gabor_patch
 
 
 def patch(**changed):
@@ -38,17 +39,6 @@ def random_parameters(n):
 
 def angle_between(first, second, period):
     return abs((first - second + period / 2.0) % period - period / 2.0)
-
-
-def test_a_gabor_function_has_its_formulas_value():
-    # At the centre of pixel (row 3, column 4), 0.5 right of and 0.5 above the middle.
-    value = patch(x_px=0.5, y_px=0.5, phase_rad=0.3)[3 * 8 + 4]
-    assert value == pytest.approx(np.cos(0.3))
-    # Two pixels to the right along the wave.
-    value = patch(wave_angle_deg=0.0, x_px=0.5, y_px=0.5, phase_rad=0.3)[3 * 8 + 6]
-    assert value == pytest.approx(
-        np.exp(-(2.0**2) / (2 * 1.6**2)) * np.cos(2 * np.pi * 2 / 5 + 0.3)
-    )
 
 
 def test_known_gabor_functions_are_found_again():

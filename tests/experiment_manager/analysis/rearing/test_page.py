@@ -15,7 +15,6 @@ from experiment_manager.analysis.rearing.figures import (
     landscapes_figure,
     samples_figure,
 )
-from experiment_manager.analysis.rearing.gabor import gabor_patch
 from experiment_manager.analysis.rearing.measures_file import run_measures, write_measures
 from experiment_manager.analysis.rearing.page import condition_table, finished_runs, left_out
 from experiment_manager.analysis.rearing.reared_run import RearedRun
@@ -23,6 +22,7 @@ from experiment_manager.analysis.rearing.reward_landscape import RewardLandscape
 from experiment_manager.commands.report import main
 from lockstep.errors import InputError
 from sparse_coder.patches import PX_PER_PIXEL
+from tests.experiment_manager.analysis.rearing.gabor_patch import gabor_patch
 
 ERRORS_DEG = np.array([-1.0, 0.0, 1.0])
 

@@ -13,7 +13,7 @@ from matplotlib.text import Text
 
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.analysis.report.condition_figures import conditions_figure
-from experiment_manager.analysis.report.dictionary_figures import dictionary_figure, preference
+from experiment_manager.analysis.report.dictionary_figures import dictionary_figure
 from experiment_manager.analysis.report.groups import Group, groups_of
 from experiment_manager.analysis.report.motor_space_figure import (
     MotorSpace,
@@ -35,6 +35,7 @@ from experiment_manager.measures.metrics import summary
 from eye_plant.mechanics.inverse import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
+from sparse_coder.patches import PX_PER_PIXEL
 
 
 def _is_inside(text: Text, figure: Figure) -> bool:
@@ -225,33 +226,35 @@ def test_anaglyphs_show_a_trial_before_and_after_learning(runs: list[ReportedRun
         assert f"error {error_deg:+.2f} deg ({error_deg / px_deg:+.1f} px)" in axes.get_title()
 
 
-def _gabor(shift: float) -> np.ndarray:
+def test_both_scales_show_the_atoms_that_prefer_a_disparity_first() -> None:
+    atoms = _gabor_atoms([2.0, None, -1.0, 0.5])
+    figure = dictionary_figure(np.stack([atoms, atoms]))
+    for axes in figure.axes[:2]:
+        assert "3 of 4 prefer a disparity" in axes.get_title()
+        mosaic = np.asarray(axes.images[0].get_array())
+        for i, shown in enumerate((2, 3, 0, 1)):
+            left = mosaic[1:9, 19 * i + 2 : 19 * i + 10]
+            expected = atoms[shown, :64].reshape(8, 8) / np.abs(atoms[shown]).max()
+            np.testing.assert_allclose(left, expected)
+    for histogram, px_per_pixel in zip(figure.axes[2:], PX_PER_PIXEL, strict=True):
+        boxes = [bar.get_window_extent() for bar in histogram.patches]
+        middles_px = [box.x0 + box.width / 2.0 for box in boxes if box.height]
+        pixels = [(x, 0.0) for x in middles_px]
+        middles = histogram.transData.inverted().transform(pixels)[:, 0]
+        np.testing.assert_allclose(np.divide(middles, px_per_pixel), [-1.0, 0.5, 2.0], atol=0.15)
+
+
+def _gabor_atoms(shifts_px: Sequence[float | None]) -> np.ndarray:
+    """Atoms (n, 128) whose left half is the right one, its wave moved to the right; None: alone."""
     y, x = np.mgrid[-3.5:4.0, -3.5:4.0]
-    moved = x - shift
-    gabor: np.ndarray = np.exp(-(moved**2 + y**2) / 6) * np.cos(2 * np.pi * 0.12 * moved + 0.4)
-    return gabor
-
-
-@pytest.mark.parametrize("disparity", [-2.0, -1.0, -0.4, 0.0, 0.6, 1.0, 2.0])
-def test_the_preferred_disparity_of_a_shifted_pair(disparity: float) -> None:
-    atom = np.concatenate([_gabor(disparity / 2).ravel(), _gabor(-disparity / 2).ravel()])
-    found = preference(atom[None])
-    assert found.disparity[0] == pytest.approx(disparity, abs=0.2)
-    assert found.balance[0] > 0.9
-    assert found.binocular[0]
-
-
-def test_a_monocular_atom_prefers_nothing() -> None:
-    atoms = np.stack(
-        [
-            np.concatenate([_gabor(0).ravel(), 0.1 * _gabor(0).ravel()]),
-            np.concatenate([np.zeros(64), _gabor(0).ravel()]),
-            np.zeros(128),
-        ]
-    )
-    found = preference(atoms)
-    assert found.balance.tolist() == pytest.approx([0.1, 0.0, 0.0])
-    assert not found.binocular.any()
+    envelope = np.exp(-(x**2 + y**2) / 6)
+    right = envelope * np.cos(2 * np.pi * 0.12 * x + 0.4)
+    atoms = []
+    for shift_px in shifts_px:
+        left = envelope * np.cos(2 * np.pi * 0.12 * (x - (shift_px or 0.0)) + 0.4)
+        other = right if shift_px is not None else 0.0 * right
+        atoms.append(np.concatenate([left.ravel(), other.ravel()]))
+    return np.array(atoms)
 
 
 def test_each_atom_becomes_one_tile() -> None:
@@ -260,11 +263,11 @@ def test_each_atom_becomes_one_tile() -> None:
     figure = dictionary_figure(atoms)
     mosaic = np.asarray(figure.axes[0].images[0].get_array())
     assert mosaic.shape == (2 * 9 + 1, 16 * 19 + 1)
-    # None prefers anything, so they stay in their order: the seventh of the first row's sixteen.
-    first = 7 * 19 + 2
-    assert (mosaic[1:9, first : first + 8] == 1.0).all(), "the left eye's part"
-    assert (mosaic[1:9, first + 8 : first + 16] == 0.0).all(), "the right eye's"
-    assert (mosaic[10:18, 2:18] == 0.0).all()
+    # None prefers anything, and what only one eye sees comes last: the fourth of the second row.
+    first = 3 * 19 + 2
+    assert (mosaic[10:18, first : first + 8] == 1.0).all(), "the left eye's part"
+    assert (mosaic[10:18, first + 8 : first + 16] == 0.0).all(), "the right eye's"
+    assert (mosaic[1:9, 2:18] == 0.0).all()
     with pytest.raises(InputError, match=r"expected atoms \(2, n_bases, 128\), got shape \(3, 4\)"):
         dictionary_figure(np.zeros((3, 4)))
 

@@ -77,7 +77,7 @@ def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(
     ]
 
 
-def test_a_parameter_that_an_earlier_version_lacks_tells_no_runs_apart(
+def test_a_parameter_that_is_lacking_has_its_default(
     runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run, other = runs[0], ReportedRun(runs[0].directory)
@@ -89,10 +89,10 @@ def test_a_parameter_that_an_earlier_version_lacks_tells_no_runs_apart(
     assert len(groups_of([run, other])) == 1
     monkeypatch.setattr(other, "configuration", text.replace(line, line.replace("true", "false")))
     assert len(groups_of([run, other])) == 2
-    later = text.replace(line, line + "    camera.not_yet: 1\n")
-    monkeypatch.setattr(other, "configuration", later)
+    replaced = text.replace(line, line + "    camera.own: 1\n")
+    monkeypatch.setattr(other, "configuration", replaced)
     _, second = groups_of([run, other])
-    assert second.name == "M, not_yet 1"
+    assert second.name == "M, own 1"
 
 
 @pytest.mark.parametrize("course", ["branched_at_iteration", "extended_from"])

@@ -26,7 +26,7 @@ _LARGEST_TILT_DEG = 67.5
 # What is left of one eye in an atom of which the other has nearly all tells no disparity.
 _LARGEST_DOMINANCE = 0.85
 # Beyond half a patch too little of both eyes' halves overlaps to tell a match from chance.
-_LARGEST_SHIFT_PX = 4.0
+LARGEST_SHIFT_PX = 4.0
 
 
 @dataclass(frozen=True)
@@ -88,31 +88,39 @@ def tuning(atoms: Array, px_per_pixel: float) -> Tuning:
 
     px_per_pixel: pixels of the picture in one of the scale.
     """
-    if atoms.ndim != 2 or atoms.shape[1] != N_PIXELS:
-        raise InputError(f"expected atoms (n_bases, {N_PIXELS}), got shape {atoms.shape}")
-    halves = atoms.reshape(len(atoms), 2, -1)
-    common = fit_gabors(halves)
+    halves = _halves(atoms)
     alone = fit_gabors(halves.reshape(2 * len(atoms), 1, -1))
     functions = alone.patches.reshape(halves.shape)
     dominant = (functions * halves).sum(axis=2).argmax(axis=1)
     every = np.arange(len(atoms))
     responses = np.abs((functions[every, dominant, None] * halves).sum(axis=2))
     residual = _residual_of_half(alone, halves)[every, dominant]
-    dominance = _balance(np.linalg.norm(halves, axis=2))
-    shift_px = preferred_disparity_px(common)
-    told = (
-        common.is_good
-        & (np.abs(dominance) < _LARGEST_DOMINANCE)
-        & (np.abs(shift_px) <= _LARGEST_SHIFT_PX)
-    )
+    common = fit_gabors(halves)
     return Tuning(
         residual=residual,
         is_gabor=residual <= GOOD_RESIDUAL,
         is_common_gabor=common.is_good,
         orientation_deg=alone.orientation_deg.reshape(-1, 2)[every, dominant],
         binocularity=_balance(responses),
-        disparity_px=np.where(told, shift_px, np.nan) * px_per_pixel,
+        disparity_px=_disparity(common, halves) * px_per_pixel,
     )
+
+
+def preferred_disparity_px(atoms: NDArray[Any], px_per_pixel: float) -> Array:
+    """Return disparity_px of Tuning alone, for which one fit to each atom is enough."""
+    halves = _halves(atoms)
+    return _disparity(fit_gabors(halves), halves) * px_per_pixel
+
+
+def dominance(atoms: NDArray[Any]) -> Array:
+    """Return (R - L) / (R + L) of the norms of both halves: -1 is left alone, 1 right alone."""
+    return _balance(np.linalg.norm(_halves(atoms), axis=2))
+
+
+def _halves(atoms: NDArray[Any]) -> Array:
+    if atoms.ndim != 2 or atoms.shape[1] != N_PIXELS:
+        raise InputError(f"expected atoms (n_bases, {N_PIXELS}), got shape {atoms.shape}")
+    return atoms.astype(np.float64).reshape(len(atoms), 2, -1)
 
 
 def _balance(of_eyes: Array) -> Array:
@@ -131,21 +139,25 @@ def _residual_of_half(alone: Gabors, halves: Array) -> Array:
     return np.where(whole > 0.0, share, 1.0)
 
 
-def preferred_disparity_px(gabors: Gabors) -> Array:
-    """Return the shift along the row of the left eye's pattern against the right's, (n,) pixels.
+def _disparity(common: Gabors, halves: Array) -> Array:
+    """Return the shift along the row of the left half's pattern against the right's, (n,) pixels.
 
     d = (phase_R - phase_L) wavelength / (2 pi cos(theta)), theta the wave's angle and the phase
     difference the one nearest to 0 (Klimmasch et al. 2021, with our sign: positive where the eyes
-    converge too little). nan where the stripes are too near the horizontal.
+    converge too little). nan where an atom (n, 2, 64) tells none.
     """
-    if gabors.phase_rad.shape[1] != 2:
-        raise InputError(f"expected fits of both eyes, got {gabors.phase_rad.shape[1]} eye")
-    difference = gabors.phase_rad[:, 1] - gabors.phase_rad[:, 0]
+    difference = common.phase_rad[:, 1] - common.phase_rad[:, 0]
     nearest = np.mod(difference + np.pi, 2.0 * np.pi) - np.pi
-    shift_px = nearest * gabors.wavelength_px / (2.0 * np.pi)
-    told = np.abs(gabors.wave_angle_deg) <= _LARGEST_TILT_DEG
-    cosine = np.cos(np.radians(np.where(told, gabors.wave_angle_deg, 0.0)))
-    return np.where(told, shift_px / cosine, np.nan)
+    is_upright = np.abs(common.wave_angle_deg) <= _LARGEST_TILT_DEG
+    cosine = np.cos(np.radians(np.where(is_upright, common.wave_angle_deg, 0.0)))
+    shift_px = nearest * common.wavelength_px / (2.0 * np.pi) / cosine
+    told = (
+        common.is_good
+        & is_upright
+        & (np.abs(_balance(np.linalg.norm(halves, axis=2))) < _LARGEST_DOMINANCE)
+        & (np.abs(shift_px) <= LARGEST_SHIFT_PX)
+    )
+    return np.where(told, shift_px, np.nan)
 
 
 def left_share(features: NDArray[Any], atoms: NDArray[Any]) -> float:

@@ -15,6 +15,7 @@ from experiment_manager.analysis.report.performance_figures import box_figure, p
 from experiment_manager.analysis.report.picture_figures import anaglyph_figure, encoding_figure
 from experiment_manager.analysis.report.price_figure import over_prices, price_figure
 from experiment_manager.analysis.report.reported_run import ReportedRun
+from experiment_manager.run import checkpoint
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.configuration import build
 from lockstep.state_file import read_state
@@ -145,9 +146,9 @@ def _drawings_of_run(run: ReportedRun, mark: str) -> Iterator[Drawing]:
         f"dictionaries_{mark}",
         f"Basis functions of {run.name}",
         "Left eye's part beside the right eye's, each pair scaled by its largest entry. First "
-        "those whose parts match when shifted along the row, by that preferred disparity, positive "
-        "when the pattern lies farther right in the left eye; then the others, the most alike in "
-        "strength first. Below, how many prefer which disparity.",
+        "those with a preferred disparity, from the phases of a Gabor function fitted to both "
+        "parts, positive when the pattern lies farther right in the left eye; then the others, the "
+        "most alike in strength first. Below, how many prefer which disparity.",
         lambda: _dictionaries(run),
         f"{run.name} has no checkpoint to take basis functions from.",
     )
@@ -165,12 +166,10 @@ def _drawings_of_run(run: ReportedRun, mark: str) -> Iterator[Drawing]:
 
 
 def _dictionaries(run: ReportedRun) -> Figure | None:
-    # A manifest of an earlier version is no hindrance: it says that the states are whole.
-    found = sorted((run.directory / "checkpoints").glob("*/manifest.json"))
-    states = [path.with_name("sparse_coder.npz") for path in found]
-    if not states or not states[-1].is_file():
+    found = checkpoint.newest(run.directory / "checkpoints")
+    if found is None:
         return None
-    return dictionary_figure(read_state(states[-1], "sparse_coder")["atoms"])
+    return dictionary_figure(read_state(found[1] / "sparse_coder.npz", "sparse_coder")["atoms"])
 
 
 def _motor_space(mechanics: MechanicsConfig, groups: Sequence[Group]) -> Figure:

@@ -181,7 +181,7 @@ def _colour(model: str, i: int, n: int) -> str:
 def _key(run: ReportedRun) -> Common:
     given = parameters_in(run.configuration)
     if given.keys() >= CONFIG_CLASSES.keys():
-        # An earlier version lacks parameters that have come since; a later one stays as it is.
+        # What is not there is the default; the parameters of a replaced node stay as they are.
         with contextlib.suppress(InputError):
             given = completed(given)
     settings = {

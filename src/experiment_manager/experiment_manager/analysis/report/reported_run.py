@@ -47,7 +47,7 @@ class ReportedRun(DescribedRun):
 
     @cached_property
     def summaries(self) -> list[dict[str, Any]]:
-        """The measures of each test, as in results.json; of an earlier version, fewer of them."""
+        """The measures of each test, as in results.json."""
         if self._results is not None:
             return list(self._results["tests"])
         assert self.recorded is not None

@@ -38,9 +38,9 @@ _SHOWN: dict[str, Callable[[dict[str, Any]], str]] = {
     "IQR of |vergence error| / deg": lambda told: number(told["iqr_abs_vergence_error_deg"]),
     "median Delta C / W": lambda told: number(told["median_delta_cost_w"]),
     "median c": lambda told: percent(told["median_cost_reduction"]),
-    "within 1 px": lambda told: percent(told.get("share_within_1_px")),
-    "beyond 1 deg": lambda told: percent(told.get("share_beyond_1_deg")),
-    "right muscle silent": lambda told: percent(told.get("share_right_muscle_silent")),
+    "within 1 px": lambda told: percent(told["share_within_1_px"]),
+    "beyond 1 deg": lambda told: percent(told["share_beyond_1_deg"]),
+    "right muscle silent": lambda told: percent(told["share_right_muscle_silent"]),
 }
 
 
@@ -159,7 +159,7 @@ _OVER_SEEDS: dict[str, tuple[str, Callable[[float | None], str]]] = {
 
 def _over_seeds(group: Group, key: str, measure: str, text: Callable[[float | None], str]) -> str:
     told = group.summaries_at(group.iterations[-1])
-    found = [(one.get(key, {}) if key else one).get(measure) for one in told]
+    found = [(one[key] if key else one)[measure] for one in told]
     values = [value for value in found if value is not None]
     if len(values) < len(found):
         return "-"
@@ -210,8 +210,8 @@ def iterations_table(groups: Sequence[Group]) -> str:
                     str(k),
                     number(told["median_abs_vergence_error_deg"]),
                     number(told["iqr_abs_vergence_error_deg"]),
-                    percent(told.get("share_within_1_px")),
-                    percent(told.get("share_beyond_1_deg")),
+                    percent(told["share_within_1_px"]),
+                    percent(told["share_beyond_1_deg"]),
                     percent(told["median_cost_reduction"]),
                 )
             )
@@ -235,20 +235,20 @@ def tests_of_run_table(run: ReportedRun) -> str:
     )
     rows = []
     for told in run.summaries:
-        authors = told.get("authors_test_set", {})
+        authors = told["authors_test_set"]
         rows.append(
             (
                 f"{told['iteration']:,}",
                 str(told["n_trials"]),
                 number(told["median_abs_vergence_error_deg"]),
                 number(told["iqr_abs_vergence_error_deg"]),
-                percent(told.get("share_within_1_px")),
-                percent(told.get("share_beyond_1_deg")),
+                percent(told["share_within_1_px"]),
+                percent(told["share_beyond_1_deg"]),
                 number(told["median_delta_cost_w"]),
                 percent(told["median_cost_reduction"]),
-                percent(told.get("share_right_muscle_silent")),
-                number(authors.get("median_abs_vergence_error_deg")),
-                number(authors.get("iqr_abs_vergence_error_deg")),
+                percent(told["share_right_muscle_silent"]),
+                number(authors["median_abs_vergence_error_deg"]),
+                number(authors["iqr_abs_vergence_error_deg"]),
             )
         )
     return report_page.table(header, rows)

@@ -29,15 +29,15 @@ def main():
 STARTER = """
 import sys
 from pathlib import Path
-from experiment_manager.supervision.nursery import Nursery
+from experiment_manager.supervision.fork_server import ForkServer
 
-with Nursery(["infant"]) as nursery:
+with ForkServer(["infant"]) as fork_server:
     started = []
     for line in sys.stdin:
         command, *words = line.split()
         if command == "start":
             with Path("infant.log").open("ab") as log:
-                started.append(nursery.start("infant", words, {"COLOUR": "green"}, log))
+                started.append(fork_server.start("infant", words, {"COLOUR": "green"}, log))
             print(started[-1].process_id, flush=True)
         else:
             while (code := started[int(words[0])].exit_code()) is None:
@@ -47,7 +47,7 @@ with Nursery(["infant"]) as nursery:
 
 
 class Starter:
-    """A process with a nursery, that does as it is told."""
+    """A process with a fork server, that does as it is told."""
 
     def __init__(self, directory: Path) -> None:
         package = directory / "infant"
@@ -74,7 +74,7 @@ class Starter:
 
 @pytest.fixture
 def starter(tmp_path: Path) -> object:
-    """Give a process with a nursery, killed afterwards."""
+    """Give a process with a fork server, killed afterwards."""
     starter = Starter(tmp_path)
     yield starter
     starter.process.kill()
@@ -127,7 +127,7 @@ def test_all_nodes_die_with_whoever_wanted_them(starter: Starter) -> None:
     wait_until(lambda: not any(_lives(node) for node in nodes))
 
 
-def test_without_the_nursery_all_its_nodes_count_as_killed(starter: Starter) -> None:
+def test_without_the_fork_server_all_its_nodes_count_as_killed(starter: Starter) -> None:
     node = psutil.Process(starter.tell("start sleep"))
     os.kill(node.ppid(), signal.SIGKILL)
     assert starter.tell("code 0") == -signal.SIGKILL

@@ -1,7 +1,10 @@
 """Where nodes come from: a process that has imported what they need, and forks one when asked.
 
-Imports take a node seconds, a fork takes milliseconds. The nursery is itself forked, from a process
-that has imported most of it and has no threads yet: only the thread that forks would go on.
+Imports take a node seconds, a fork takes milliseconds. The fork server is itself forked, from a
+process that has imported most of it and has no threads yet: only the thread that forks would go on.
+
+multiprocessing's own fork server begins as a new interpreter, which imports everything again (0.2 s
+become 2.5 s or more), and outlives a parent that is killed, with all that it has started.
 """
 
 import contextlib
@@ -26,7 +29,7 @@ _POLL_S = 0.02
 _GONE = "the process that starts the nodes has ended"
 
 
-class Nursery:
+class ForkServer:
     """Starts nodes and tells how they ended. All of them die with it, and it with its parent."""
 
     def __init__(self, packages: Sequence[str]) -> None:
@@ -34,7 +37,7 @@ class Nursery:
         self._packages = packages
         self._codes: dict[int, int] = {}
 
-    def __enter__(self) -> "Nursery":
+    def __enter__(self) -> "ForkServer":
         """Fork; the nodes are imported while the caller goes on."""
         self._channel, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         parent = os.getpid()
@@ -60,7 +63,7 @@ class Nursery:
 
         variables: more of its environment; log: where its output goes. What is this process'
         standard error it finds under the number in TERMINAL_VARIABLE. Raises ConnectionError when
-        the nursery has ended.
+        the fork server has ended.
         """
         asked = json.dumps([package, [*arguments], dict(variables)]).encode()
         try:
@@ -99,18 +102,18 @@ class Nursery:
 
 @dataclass(frozen=True)
 class NodeProcess:
-    """A node that a nursery has started."""
+    """A node that a fork server has started."""
 
-    nursery: Nursery
+    fork_server: ForkServer
     process_id: int
 
     def exit_code(self) -> int | None:
         """Return how it has ended, by a signal as its negative; None while it lives."""
-        return self.nursery.exit_code(self.process_id)
+        return self.fork_server.exit_code(self.process_id)
 
     def signal(self, number: signal.Signals) -> None:
         """Send it a signal, unless it is known to have ended. May be called in a signal handler."""
-        if not self.nursery.has_told_end_of(self.process_id):
+        if not self.fork_server.has_told_end_of(self.process_id):
             with contextlib.suppress(ProcessLookupError):
                 os.kill(self.process_id, number)
 
@@ -143,7 +146,7 @@ def _exit_code(run: Callable[[], None]) -> int:
     return code if isinstance(code, int) else 0
 
 
-# In the nursery
+# In the fork server
 
 
 def _serve(channel: socket.socket, parent: int, packages: Sequence[str]) -> None:
@@ -183,11 +186,11 @@ def _start_one(channel: socket.socket) -> None:
         raise ConnectionError("nobody asks any more")
     package, arguments, variables = json.loads(message)
     (log,) = logs
-    nursery = os.getpid()
+    fork_server = os.getpid()
     process_id = os.fork()
     if process_id == 0:
         channel.close()
-        os._exit(_exit_code(lambda: _be_node(nursery, package, arguments, variables, log)))
+        os._exit(_exit_code(lambda: _be_node(fork_server, package, arguments, variables, log)))
     os.close(log)
     channel.send(json.dumps([process_id, None]).encode())
 
@@ -196,11 +199,11 @@ def _start_one(channel: socket.socket) -> None:
 
 
 def _be_node(
-    nursery: int, package: str, arguments: Sequence[str], variables: Mapping[str, str], log: int
+    fork_server: int, package: str, arguments: Sequence[str], variables: Mapping[str, str], log: int
 ) -> None:
     """Do what `python -m package.node arguments` does, in a session of its own."""
     os.setsid()
-    die_with(nursery)
+    die_with(fork_server)
     signal.set_wakeup_fd(-1)
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     signal.signal(signal.SIGINT, signal.default_int_handler)
