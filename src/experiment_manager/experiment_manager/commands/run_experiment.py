@@ -24,6 +24,7 @@ from experiment_manager.run.config_file import (
     read_configuration,
 )
 from experiment_manager.run.lasting_output import make_standard_streams_last
+from experiment_manager.supervision.heartbeats import LISTENER
 from experiment_manager.supervision.in_process import run_in_process
 from experiment_manager.supervision.live_view import PACKAGE as LIVE_VIEW
 from experiment_manager.supervision.live_view import Address
@@ -192,7 +193,7 @@ def _run(options: argparse.Namespace) -> tuple[Path, int]:
     if options.in_process:
         directory = _announced(_prepare(options))
         return directory, run_in_process(directory)
-    packages = [package for package in PACKAGES if package not in options.elsewhere]
+    packages = [LISTENER, *(package for package in PACKAGES if package not in options.elsewhere)]
     if options.live is not None:
         packages.append(LIVE_VIEW)
     # Before anything that begins threads, as DDS does.

@@ -12,6 +12,7 @@ from rclpy.node import Node
 from experiment_manager.node_presence import UNKNOWN_NODE
 from experiment_manager.supervision.domains import is_silent
 from lockstep.errors import InputError
+from lockstep.node.unfinished_ports import remove_unfinished_ports
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 
 PUBLISHES = {
@@ -58,6 +59,7 @@ def refuse_neighbours(domain: int, expected: Collection[str] = ()) -> None:
 
 def _found(domain: int, topics: Sequence[str]) -> dict[str, list[str]]:
     """Return the names of the nodes that publish each topic, by topic, as soon as there are any."""
+    remove_unfinished_ports()
     context = Context()
     context.init(domain_id=domain)
     node = Node("supervisor", context=context, start_parameter_services=False)

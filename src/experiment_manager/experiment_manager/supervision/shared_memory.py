@@ -5,14 +5,13 @@ fastrtps_port<number> with sem.fastrtps_port<number>_mutex. Beside each lies a f
 owner holds locked (flock) while it lives.
 """
 
-import contextlib
-import fcntl
 import os
 import re
 import time
 from pathlib import Path
 
-DIRECTORY = Path("/dev/shm")
+from lockstep.node.unfinished_ports import DIRECTORY, is_locked
+
 _SEGMENT_LOCK = re.compile(r"^fastrtps_[0-9a-f]{16}_el$")
 # RTPS 2.2, 9.6.1.1: a domain's ports begin at 7400 + 250 times its number.
 _PORT_BASE, _DOMAIN_GAIN = 7400, 250
@@ -45,7 +44,7 @@ def remove_ports(domain: int, directory: Path = DIRECTORY) -> int:
     for number in range(first, first + _DOMAIN_GAIN):
         port = directory / f"fastrtps_port{number}"
         lock = directory / f"{port.name}_el"
-        if not port.exists() or (lock.exists() and _is_locked(lock)):
+        if not port.exists() or (lock.exists() and is_locked(lock)):
             continue
         for path in (port, lock, directory / f"sem.{port.name}_mutex"):
             path.unlink(missing_ok=True)
@@ -63,13 +62,4 @@ def _is_abandoned(lock: Path) -> bool:
     except FileNotFoundError:
         return False
     is_young = time.time() - status.st_mtime < _YOUNG_S
-    return status.st_uid == os.getuid() and not is_young and not _is_locked(lock)
-
-
-def _is_locked(lock: Path) -> bool:
-    with contextlib.suppress(FileNotFoundError), lock.open("rb") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return True
-    return False
+    return status.st_uid == os.getuid() and not is_young and not is_locked(lock)
