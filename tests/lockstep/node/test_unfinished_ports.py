@@ -21,9 +21,7 @@ def no_wait(duration_s: float) -> None:
     """Let no time pass."""
 
 
-@pytest.mark.parametrize(
-    "content", [b"", b"\0", bytes(PORT_BYTES), b"\1".ljust(PORT_BYTES, b"\0")]
-)
+@pytest.mark.parametrize("content", [b"", b"\0", bytes(PORT_BYTES), b"\1".ljust(PORT_BYTES, b"\0")])
 def test_whatever_is_left_of_a_port_goes(tmp_path: Path, content: bytes) -> None:
     port = tmp_path / "fastrtps_port7000"
     port.write_bytes(content)

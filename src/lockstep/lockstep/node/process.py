@@ -41,8 +41,8 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
         remove_unfinished_ports()
     except _OF_ARGUMENTS as error:
         return _refused(error)
-    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     try:
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
         node = make_node()
     except BaseException as error:
         rclpy.try_shutdown()
