@@ -17,6 +17,11 @@ def _make(path: Path, state: int) -> None:
     path.write_bytes(struct.pack("<I", state).ljust(PORT_BYTES, b"\0"))
 
 
+def never(duration_s: float) -> None:
+    """Fail: nobody should wait."""
+    pytest.fail(f"waited {duration_s} s")
+
+
 def no_wait(duration_s: float) -> None:
     """Let no time pass."""
 
@@ -37,7 +42,7 @@ def test_what_is_no_unfinished_port_stays_and_costs_no_time(tmp_path: Path) -> N
     others = ("fastrtps_0123456789abcdef", "fastrtps_port7000_el", "sem.fastrtps_port7000_mutex")
     for name in others:
         (tmp_path / name).write_bytes(bytes(32))
-    assert remove_unfinished_ports(tmp_path, pytest.fail) == 0
+    assert remove_unfinished_ports(tmp_path, never) == 0
     assert len(list(tmp_path.iterdir())) == 2 + len(others)
 
 
@@ -85,4 +90,4 @@ def test_a_port_that_cannot_be_removed_is_named(
 
 
 def test_without_shared_memory_there_is_nothing_to_do(tmp_path: Path) -> None:
-    assert remove_unfinished_ports(tmp_path / "none", pytest.fail) == 0
+    assert remove_unfinished_ports(tmp_path / "none", never) == 0
