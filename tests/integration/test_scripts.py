@@ -68,6 +68,7 @@ class Checkout:
         folder.mkdir(exist_ok=True)
         self.root = folder / "checkout"
         self.calls_file = folder / "calls"
+        self.user: int | None = None  # who starts the scripts: whoever runs the tests
         self._stand_ins = folder / "bin"
         shutil.copytree(ROOT / "launch_scripts", self.root / "launch_scripts")
         shutil.copy(ROOT / "requirements.lock", self.root)
@@ -83,14 +84,14 @@ class Checkout:
         }
 
     def start(
-        self, script: str, *arguments: str, user: int | None = None, **environment: str
+        self, script: str, *arguments: str, **environment: str
     ) -> subprocess.CompletedProcess[str]:
         self.calls_file.write_text("")
         return subprocess.run(
             [self.root / "launch_scripts" / f"{script}.sh", *arguments],
             env={**self.environment, **environment},
             cwd="/",
-            user=user,
+            user=self.user,
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,
@@ -267,8 +268,9 @@ def test_an_environment_of_another_user_is_named_as_such() -> None:
         assert checkout.start("setup").returncode == 0
         (checkout.root / ".venv" / "bin" / "python").chmod(0o700)
         checkout.calls_file.chmod(0o666)
+        checkout.user = NOBODY
         for arguments in ([], ["--again"]):
-            refused = checkout.start("setup", *arguments, user=NOBODY)
+            refused = checkout.start("setup", *arguments)
             assert refused.returncode == 1
             (line,) = refused.stderr.splitlines()
             assert line.startswith(f"setup: {checkout.root}/.venv belongs to the user root, and ")

@@ -32,6 +32,7 @@ from experiment_manager.supervision.node_neighbours import refuse_neighbours
 from experiment_manager.supervision.nursery import Nursery
 from experiment_manager.supervision.processes import PACKAGES
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
+from eye_plant.camera.offscreen import OffscreenContext
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import load_stimuli
 from lockstep.configuration import build
@@ -55,6 +56,16 @@ def _prepare_stimuli(configuration: Configuration) -> None:
     plant = build(EyePlantConfig, configuration["eye_plant"])
     print("preparing the stimuli (the first time, they are generated: about a minute)")
     load_stimuli(plant.stimuli)
+
+
+def _check_graphics(configuration: Configuration, elsewhere: Collection[str]) -> None:
+    """Raise InputError when the plant is to draw with an OpenGL that does not work here.
+
+    In a node it might be memory that lacks: see there.
+    """
+    plant = build(EyePlantConfig, configuration["eye_plant"])
+    if plant.camera.renderer == "mujoco" and "eye_plant" not in elsewhere:
+        OffscreenContext(64, 64).close()
 
 
 def _with_share(configuration: Configuration, share: float) -> Configuration:
@@ -111,6 +122,7 @@ def _prepare(options: argparse.Namespace) -> Path:
     else:
         configuration = configuration_of(options, source_commit())
     directory = _new_directory(options)
+    _check_graphics(configuration, options.elsewhere)
     _prepare_stimuli(configuration)
     if options.share is not None:
         configuration = _with_share(configuration, options.share)
@@ -134,6 +146,7 @@ def _prepare_old(options: argparse.Namespace) -> Path:
         raise InputError(f"{directory}: cannot be written: {why}")
     if options.extend is not None:
         extend(directory, options.extend)
+    _check_graphics(read_configuration(directory / CONFIG_FILE), options.elsewhere)
     return directory
 
 
