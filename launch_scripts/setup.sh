@@ -138,9 +138,9 @@ make_environment() {
 }
 
 require_own_environment() {
-  [[ ! -e $venv || -w $venv ]] || fail "$venv belongs to the user $(stat -c %U "$venv"), and $(id -un) can neither use" \
-    "nor change it: work in a checkout of your own (git clone $root), or have its owner make it again with a Python" \
-    "that everybody may start, for example: ABV_PYTHON=/usr/bin/python3 launch_scripts/setup.sh --again"
+  [[ ! -e $venv || -w $venv ]] || fail "$venv belongs to the user $(stat -c %U "$venv"), and as $(id -un) you can" \
+    "neither use nor change it: work in a checkout of your own (git clone $root), or have its owner make it again with a" \
+    "Python that everybody may start, for example: ABV_PYTHON=/usr/bin/python3 launch_scripts/setup.sh --again"
 }
 
 # Compiles what numba would compile at the first start. That start would show an error better than we can here.
