@@ -211,6 +211,18 @@ def test_ctrl_c_while_all_that_make_a_node_hang(line: list[str], tmp_path: Path)
         assert "fault: " not in run.output()
 
 
+def test_ctrl_c_while_the_look_for_other_graphs_hangs(line: list[str], tmp_path: Path) -> None:
+    profiles = tmp_path / "profiles.xml"
+    os.mkfifo(profiles)
+    variables = ("ROS_DOMAIN_ID=17", "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET")
+    prefix = ("env", f"FASTRTPS_DEFAULT_PROFILES_FILE={profiles}", *variables)
+    with SupervisedRun(line, tmp_path / "run", prefix=prefix) as run:
+        with profiles.open("w"):  # returns when somebody begins to read
+            run.process.send_signal(signal.SIGINT)
+            assert run.wait() == 130, run.output()
+        assert run.output() == "stopped before the run began\n"
+
+
 def test_no_graphics(line: list[str], tmp_path: Path) -> None:
     # An EGL without any driver, whatever is installed.
     variables = {"MUJOCO_GL": "egl", "__EGL_VENDOR_LIBRARY_FILENAMES": "/nowhere.json"}

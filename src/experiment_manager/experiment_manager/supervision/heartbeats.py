@@ -60,8 +60,7 @@ class Heartbeats:
         silent = [name for name, end_s in self._deadline_s.items() if now_s > end_s]
         if not silent:
             return None
-        reason = "".join(f"; {path} was left unfinished" for path in unfinished_ports())
-        return f"{silent[0]} gives no sign of life{reason}"
+        return f"{silent[0]} gives no sign of life{unfinished_text()}"
 
     def _hear(self, line: str) -> None:
         if not line.strip():
@@ -79,3 +78,8 @@ class Heartbeats:
             return []
         *lines, self._rest = self._rest.split("\n")
         return lines
+
+
+def unfinished_text() -> str:
+    """Return which shared memory may be what a node hangs in, "" when there is none such."""
+    return "".join(f"; {path} was left unfinished" for path in unfinished_ports())
