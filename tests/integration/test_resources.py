@@ -215,7 +215,9 @@ def test_ctrl_c_while_the_look_for_other_graphs_hangs(line: list[str], tmp_path:
     profiles = tmp_path / "profiles.xml"
     os.mkfifo(profiles)
     variables = ("ROS_DOMAIN_ID=17", "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET")
-    prefix = ("env", f"FASTRTPS_DEFAULT_PROFILES_FILE={profiles}", *variables)
+    # The tests themselves may run in the background of a shell, which has it ignored.
+    default = "--default-signal=INT"
+    prefix = ("env", default, f"FASTRTPS_DEFAULT_PROFILES_FILE={profiles}", *variables)
     with SupervisedRun(line, tmp_path / "run", prefix=prefix) as run:
         with profiles.open("w"):  # returns when somebody begins to read
             run.process.send_signal(signal.SIGINT)
