@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from experiment_manager.bag.reader import Bag, VectorTable
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.loop import Step, make_loop
 from experiment_manager.preparation.command_line import arguments
 from experiment_manager.preparation.configuration import configuration_of
-from experiment_manager.protocol import make_protocol
 from experiment_manager.run.config_file import configuration_text, read_configuration
 from eye_plant.episode import Episode
 from lockstep.configuration import build

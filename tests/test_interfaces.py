@@ -7,7 +7,7 @@ from typing import get_type_hints
 import pytest
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, ReliabilityPolicy
 
-from experiment_manager.node_requests import _SERVICE_WAIT_S, PLANT_WAIT_S
+from experiment_manager.node.requests import _SERVICE_WAIT_S, PLANT_WAIT_S
 from eye_plant.episode import Episode
 from eye_plant.mechanics.muscles import MUSCLE_NAMES
 from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, RequestClient

@@ -25,7 +25,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "node = experiment_manager.node:main",
+            "node = experiment_manager.node.manager_node:main",
             "live_view = experiment_manager.live.node:main",
             "run_experiment = experiment_manager.commands.run_experiment:main",
             "sweep = experiment_manager.commands.sweep:main",

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.loop import Step, make_loop
-from experiment_manager.protocol import make_protocol
 from experiment_manager.run.config_file import Configuration
 from eye_plant.observation import Observation
 from lockstep.configuration import build

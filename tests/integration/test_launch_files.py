@@ -92,7 +92,7 @@ def _check_node(node: Call, package: str) -> None:
     assert (node.options["package"], node.options["executable"]) == (package, "node")
     assert node.options["name"] == package
     entry_points = (ROOT / f"src/{package}/setup.py").read_text()
-    assert f'"node = {package}.node:main"' in entry_points
+    assert f'"node = {package}.node' in entry_points
     given = [p for p in node.options["parameters"] if isinstance(p, dict)]
     assert {name for parameters in given for name in parameters} <= _known_parameters(package)
 

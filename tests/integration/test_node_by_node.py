@@ -10,9 +10,9 @@ import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import Image, JointState
 
+from experiment_manager.analysis.recorded_run import RecordedRun
 from experiment_manager.commands.evaluate import main as evaluate
 from experiment_manager.commands.report import main as report
-from experiment_manager.measures.recorded_run import RecordedRun
 from experiment_manager.run.config_file import CONFIG_CLASSES, read_configuration
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.topics import ACTOR_CRITIC_NAMES, LEARNER_VECTORS

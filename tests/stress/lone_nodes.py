@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Self
 
-from experiment_manager.supervision.own_process import die_with
+from lockstep.node.own_process import die_with
 
 
 class LoneNodes:

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from experiment_manager.analysis.recorded_run import RecordedRun
 from experiment_manager.commands.evaluate import main
-from experiment_manager.measures.recorded_run import RecordedRun
 from experiment_manager.measures.results import write_document
 from lockstep.errors import InputError
 
@@ -54,7 +54,7 @@ def test_the_training_curve_is_of_episode_ends(run: RecordedRun) -> None:
 def test_the_share_of_the_cost_is_that_of_the_first_and_the_last_training_iterations(
     run: RecordedRun, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("experiment_manager.measures.recorded_run.SHARE_ITERATIONS", 100)
+    monkeypatch.setattr("experiment_manager.analysis.recorded_run.SHARE_ITERATIONS", 100)
     tables = run.bag.vectors("reward", "ground_truth")
     truth, reward = tables["ground_truth"], tables["reward"]
     names = ("phase", "training_iteration")

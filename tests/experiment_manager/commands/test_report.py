@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from experiment_manager.analysis.recorded_run import RecordedRun
 from experiment_manager.commands import evaluate
 from experiment_manager.commands.report import main
-from experiment_manager.measures.recorded_run import RecordedRun
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
 from lockstep.state_file import write_state

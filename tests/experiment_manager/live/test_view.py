@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from experiment_manager.analysis.play import Player
 from experiment_manager.bag.reader import Bag
 from experiment_manager.live import server as server_module
 from experiment_manager.live.page import LAYOUT, Page
-from experiment_manager.live.play import Player
 from experiment_manager.live.server import ViewServer, why_unavailable
 from experiment_manager.live.view import (
     ANAGLYPH,

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 import yaml
 
-from experiment_manager.agreements import AGREEMENTS, Agreement, check_agreements
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.experiment.agreements import AGREEMENTS, Agreement, check_agreements
+from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.preparation.command_line import DEFAULT_METABOLIC_COST_WEIGHTS, arguments
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import (

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 import yaml
 
+from experiment_manager.analysis.recorded_run import RecordedRun
 from experiment_manager.commands.evaluate import main as evaluate
 from experiment_manager.commands.run_experiment import main as run_experiment
-from experiment_manager.measures.recorded_run import RecordedRun
 from experiment_manager.run import checkpoint
 from tests.graph_harness import OracleRun, stacked, vectors
 from tests.supervisor import finished, start_supervisor

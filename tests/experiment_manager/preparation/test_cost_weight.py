@@ -7,7 +7,8 @@ import pytest
 import yaml
 
 from experiment_manager.commands import run_experiment
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.loop import make_loop
 from experiment_manager.preparation.command_line import arguments
 from experiment_manager.preparation.configuration import configuration_of
@@ -16,7 +17,6 @@ from experiment_manager.preparation.cost_weight import (
     first_iterations,
     with_weight,
 )
-from experiment_manager.protocol import make_protocol
 from experiment_manager.run.config_file import read_configuration
 from lockstep.configuration import build
 

@@ -4,8 +4,9 @@ import re
 
 import pytest
 
-from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.plant_changes import Change, Schedule
+from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.plant_changes import Change, Schedule
+from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.preparation.command_line import arguments
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.profiles import (
@@ -14,7 +15,6 @@ from experiment_manager.preparation.profiles import (
     profile_names,
     read_profile,
 )
-from experiment_manager.protocol import make_protocol
 from experiment_manager.run.config_file import CONFIG_CLASSES
 from eye_plant.config import EyePlantConfig
 from lockstep.configuration import build

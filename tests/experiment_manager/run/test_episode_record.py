@@ -2,7 +2,7 @@
 
 import pytest
 
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.run.episode_record import (
     FREE_TOPICS,
     OWN_TOPICS,

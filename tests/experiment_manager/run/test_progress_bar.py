@@ -4,8 +4,8 @@ import io
 
 import pytest
 
-from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.protocol import make_protocol
+from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
+from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.run import progress_bar
 from experiment_manager.run.progress_bar import ProgressBar
 

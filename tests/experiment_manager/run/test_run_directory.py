@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 import yaml
 
+from experiment_manager.analysis.recorded_run import RecordedRun
+from experiment_manager.analysis.report.performance_figures import learning_curve
 from experiment_manager.commands.evaluate import main as evaluate
-from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.measures.recorded_run import RecordedRun
-from experiment_manager.report.performance_figures import learning_curve
+from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.run.config_file import CONFIG_CLASSES
 from experiment_manager.run.run_directory import Run
 from lockstep.configuration import flatten

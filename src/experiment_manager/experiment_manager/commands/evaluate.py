@@ -8,9 +8,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from experiment_manager.frozen_test import FrozenTest
+from experiment_manager.analysis.recorded_run import RecordedRun
+from experiment_manager.frozen_evaluation import FrozenTest
 from experiment_manager.measures.kept_trials import KEPT_FILE, write_trials
-from experiment_manager.measures.recorded_run import RecordedRun
 from experiment_manager.measures.results import RESULTS_FILE, read_results, write_document
 from experiment_manager.measures.tables import number, tests_table
 from experiment_manager.preparation.configuration import plant_settings

@@ -9,17 +9,17 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from experiment_manager.analysis.film.film import FRAMES_PER_S, film
+from experiment_manager.analysis.play import play
+from experiment_manager.analysis.recorded_run import trial_rows
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT, RUN_METADATA
 from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.repair import repair_bag
-from experiment_manager.film.film import FRAMES_PER_S, film
-from experiment_manager.live.play import play
+from experiment_manager.live.address import Address
 from experiment_manager.measures.metrics import summary
-from experiment_manager.measures.recorded_run import trial_rows
 from experiment_manager.measures.tables import tests_table, text_table
 from experiment_manager.measures.trials import split_tests
 from experiment_manager.run.lasting_output import make_standard_streams_last
-from experiment_manager.supervision.live_view import Address
 from lockstep.command_line import CommandLine
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED

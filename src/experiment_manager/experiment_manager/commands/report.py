@@ -8,13 +8,13 @@ from pathlib import Path
 import matplotlib as mpl
 import yaml
 
-from experiment_manager.rearing.page import write_rearing_page
-from experiment_manager.report import page as report_page
-from experiment_manager.report.drawings import drawings
-from experiment_manager.report.groups import Group, groups_of, held_back
-from experiment_manager.report.performance_figures import FIGURES, STYLE, save
-from experiment_manager.report.reported_run import ReportedRun, runs_below
-from experiment_manager.report.tables import (
+from experiment_manager.analysis.rearing.page import write_rearing_page
+from experiment_manager.analysis.report import page as report_page
+from experiment_manager.analysis.report.drawings import drawings
+from experiment_manager.analysis.report.groups import Group, groups_of, held_back
+from experiment_manager.analysis.report.performance_figures import FIGURES, STYLE, save
+from experiment_manager.analysis.report.reported_run import ReportedRun, runs_below
+from experiment_manager.analysis.report.tables import (
     bias_table,
     comparison_table,
     iterations_table,

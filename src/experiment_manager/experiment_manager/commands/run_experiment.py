@@ -9,6 +9,7 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from experiment_manager.live.address import Address
 from experiment_manager.live.server import why_unavailable
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.measures.tables import tests_table
@@ -27,7 +28,6 @@ from experiment_manager.run.lasting_output import make_standard_streams_last
 from experiment_manager.supervision.heartbeats import LISTENER
 from experiment_manager.supervision.in_process import run_in_process
 from experiment_manager.supervision.live_view import PACKAGE as LIVE_VIEW
-from experiment_manager.supervision.live_view import Address
 from experiment_manager.supervision.node_neighbours import refuse_neighbours
 from experiment_manager.supervision.nursery import Nursery
 from experiment_manager.supervision.processes import PACKAGES
@@ -174,7 +174,7 @@ def _new_directory(options: argparse.Namespace) -> Path:
 def _figure(directory: Path) -> Path | None:
     """Draw the learning curve; None when the bag has nothing to draw it from."""
     # Matplotlib takes a second to import, for which the start of a run need not wait.
-    from experiment_manager.report.performance_figures import learning_curve  # noqa: PLC0415
+    from experiment_manager.analysis.report.performance_figures import learning_curve  # noqa: PLC0415
 
     try:
         return learning_curve(directory)

@@ -9,9 +9,9 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from experiment_manager.commands.run_experiment import source_commit
-from experiment_manager.measures.described_run import DescribedRun
 from experiment_manager.preparation.continuation import check_settings
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
+from experiment_manager.run.described_run import DescribedRun
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from experiment_manager.sweep import slurm
 from experiment_manager.sweep.cell_run import CellRun

@@ -12,9 +12,9 @@ import gymnasium
 import numpy as np
 from gymnasium.spaces import Box, Dict
 
+from experiment_manager.anaglyph import anaglyph
 from experiment_manager.environments.experiment import Experiment, make_experiment
 from experiment_manager.loop import Percept, Perception
-from experiment_manager.report.picture_figures import anaglyph
 from eye_plant.episode import Episode
 from eye_plant.observation import Observation
 from lockstep.errors import InputError

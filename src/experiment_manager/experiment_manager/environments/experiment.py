@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.config import MODELS, ExperimentManagerConfig
+from experiment_manager.experiment.config import MODELS, ExperimentManagerConfig
+from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.loop import Perception
 from experiment_manager.preparation.command_line import arguments
 from experiment_manager.preparation.configuration import configuration_of
-from experiment_manager.protocol import Protocol, make_protocol
 from eye_plant.camera.config import CameraConfig
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from experiment_manager.anaglyph import anaglyph
 from experiment_manager.live.server import ViewServer
-from experiment_manager.report.picture_figures import anaglyph
 from lockstep.errors import InputError
 from lockstep.wire.cdr import image_array
 from lockstep.wire.topics import (

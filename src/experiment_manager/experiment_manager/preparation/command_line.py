@@ -4,9 +4,9 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from experiment_manager.config import MODELS
+from experiment_manager.experiment.config import MODELS
+from experiment_manager.live.address import Address
 from experiment_manager.preparation.profiles import profile_names
-from experiment_manager.supervision.live_view import Address
 from lockstep.command_line import CommandLine
 
 # Lambda of M_C, 1/W, by the eyes' parameter set: energy is 20 % of the reward over the first 5,000

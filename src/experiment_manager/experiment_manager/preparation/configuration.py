@@ -7,11 +7,11 @@ from typing import Any
 
 import yaml
 
-from experiment_manager.agreements import check_agreements, with_partners
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.experiment.agreements import check_agreements, with_partners
+from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.reach import check_reach
 from experiment_manager.preparation.command_line import DEFAULT_METABOLIC_COST_WEIGHTS
 from experiment_manager.preparation.profiles import read_profile
-from experiment_manager.reach import check_reach
 from experiment_manager.run.config_file import CONFIG_CLASSES, Configuration
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import count_stimuli

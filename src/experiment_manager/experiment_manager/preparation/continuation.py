@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from experiment_manager.agreements import with_partners
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.experiment.agreements import with_partners
+from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.preparation.configuration import Given, changed, given_settings
-from experiment_manager.protocol import Protocol, make_protocol
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
 from experiment_manager.run.config_file import (

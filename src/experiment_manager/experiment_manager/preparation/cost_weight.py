@@ -7,10 +7,10 @@ from typing import Any
 
 from tqdm import tqdm
 
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.loop import make_loop
 from experiment_manager.measures.metrics import SHARE_ITERATIONS
-from experiment_manager.protocol import make_protocol
 from lockstep.configuration import build
 
 Parameters = Mapping[str, Mapping[str, Any]]

@@ -1,7 +1,7 @@
 """What a run is going to do, in a few lines before it starts."""
 
-from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.protocol import Protocol, make_protocol
+from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.run.config_file import Configuration
 from eye_plant.config import EyePlantConfig
 from lockstep.configuration import build

@@ -14,7 +14,7 @@ from typing import Any
 
 import yaml
 
-from experiment_manager.plant_changes import Schedule, parse_schedule
+from experiment_manager.experiment.plant_changes import Schedule, parse_schedule
 from lockstep.errors import InputError
 from lockstep.nearest import did_you_mean
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import yaml
 
-from experiment_manager.agreements import check_agreements, with_partners
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.experiment.agreements import check_agreements, with_partners
+from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.run.checkpoint import Manifest
 from eye_plant.config import EyePlantConfig
 from lockstep.configuration import build, flatten

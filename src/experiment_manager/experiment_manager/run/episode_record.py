@@ -1,6 +1,6 @@
 """Which messages an episode must bring, and when all of them have been recorded. No ROS."""
 
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
 from eye_plant.episode import Episode
 from lockstep.wire.topics import (
     CODER_VECTORS,

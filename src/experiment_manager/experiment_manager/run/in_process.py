@@ -6,17 +6,17 @@ from pathlib import Path
 
 import numpy as np
 
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.loop import Step, make_loop
 from experiment_manager.run.config_file import Configuration
 from experiment_manager.run.episode_record import takes_pictures
 from experiment_manager.run.run_directory import Run
 from experiment_manager.run.step_messages import StepMessages
-from experiment_manager.supervision.interrupts import Interrupts
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from lockstep.configuration import build
 from lockstep.errors import InputError
+from lockstep.node.interrupts import Interrupts
 from lockstep.wire.stamps import period_ns, stamp_of
 from lockstep.wire.topics import HORIZONTAL_RECTI, TEST
 

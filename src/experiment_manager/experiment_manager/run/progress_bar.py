@@ -6,7 +6,7 @@ from typing import TextIO
 
 from tqdm import tqdm
 
-from experiment_manager.protocol import Protocol
+from experiment_manager.experiment.protocol import Protocol
 from experiment_manager.run.lasting_output import lasting
 
 # The number of an open file to draw on, from a parent whose standard error is not this process's.

@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.agreements import check_agreements
 from experiment_manager.bag.writer import BagWriter
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.experiment.agreements import check_agreements
+from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.protocol import make_protocol
+from experiment_manager.experiment.reach import check_reach
 from experiment_manager.measures.kept_trials import arrays_of, from_arrays, write_trials
 from experiment_manager.measures.results import RESULTS_FILE, write_results
 from experiment_manager.measures.tables import test_line
-from experiment_manager.protocol import make_protocol
-from experiment_manager.reach import check_reach
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
 from experiment_manager.run.config_file import (

@@ -6,9 +6,9 @@ from pathlib import Path
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.in_process import InProcessRun
 from experiment_manager.supervision.attempt import goes_on
-from experiment_manager.supervision.interrupts import Interrupts
 from lockstep.errors import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
+from lockstep.node.interrupts import Interrupts
 
 
 def run_in_process(directory: Path) -> int:

@@ -1,39 +1,15 @@
 """The live view of a run as a process that the run does not depend on."""
 
-import argparse
 import sys
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
 from pathlib import Path
 
-from experiment_manager.live.config import LOCAL_HOST, PORT
+from experiment_manager.live.address import Address
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE
 from experiment_manager.supervision.nursery import NodeProcess, Nursery, stop
 
 PACKAGE = "experiment_manager.live"
-
-
-@dataclass(frozen=True)
-class Address:
-    """Where the live view listens; its page is on the next port."""
-
-    host: str = LOCAL_HOST
-    port: int = PORT
-
-    @classmethod
-    def of(cls, text: str) -> "Address":
-        """Return the address that HOST, HOST:PORT or :PORT names; for argparse."""
-        host, _, port = text.partition(":")
-        if port and not (port.isdigit() and 0 < int(port) < 65535):
-            raise argparse.ArgumentTypeError(
-                f"expected HOST:PORT with a port from 1 to 65534, got {text!r}"
-            )
-        return cls(host or LOCAL_HOST, int(port or PORT))
-
-    def __str__(self) -> str:
-        """Return HOST:PORT."""
-        return f"{self.host}:{self.port}"
 
 
 class LiveView(AbstractContextManager["LiveView"]):

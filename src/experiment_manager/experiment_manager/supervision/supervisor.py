@@ -7,12 +7,12 @@ from collections.abc import Collection, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
+from experiment_manager.live.address import Address
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.supervision.attempt import goes_on, place_of
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
 from experiment_manager.supervision.heartbeats import Heartbeats
-from experiment_manager.supervision.interrupts import Interrupts
-from experiment_manager.supervision.live_view import Address, LiveView
+from experiment_manager.supervision.live_view import LiveView
 from experiment_manager.supervision.network import Network
 from experiment_manager.supervision.node_neighbours import addresses
 from experiment_manager.supervision.nursery import Nursery
@@ -29,6 +29,7 @@ from lockstep.exit_codes import (
     FAULT_TEXT,
 )
 from lockstep.node.domain import given_domain
+from lockstep.node.interrupts import Interrupts
 from lockstep.node.unfinished_ports import remove_unfinished_ports
 
 # For nodes elsewhere, in s: a cut shorter than this is not told from a hang. Longer than Fast DDS

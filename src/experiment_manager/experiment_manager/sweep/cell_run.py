@@ -13,8 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO
 
-from experiment_manager.measures.described_run import DescribedRun
 from experiment_manager.measures.results import read_results
+from experiment_manager.run.described_run import DescribedRun
 from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
 from experiment_manager.sweep.sweep_file import Cell
 from lockstep.errors import InputError
@@ -107,7 +107,7 @@ class CellRun:
             # A kill may have left the directory, and a configuration half-written, but no more.
             (self.directory / f"{CONFIG_FILE}.part").unlink(missing_ok=True)
             words = [*self.cell.line, "--out", str(self.directory)]
-        module = "experiment_manager.sweep.cell_process"
+        module = "experiment_manager.commands.sweep_cell"
         return [sys.executable, "-m", module, str(os.getpid()), "--in-process", *words]
 
 

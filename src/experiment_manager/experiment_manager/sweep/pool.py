@@ -6,9 +6,9 @@ import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
-from experiment_manager.supervision.interrupts import Interrupts
 from experiment_manager.sweep.cell_run import CellRun, is_failure
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
+from lockstep.node.interrupts import Interrupts
 
 
 class Pool:

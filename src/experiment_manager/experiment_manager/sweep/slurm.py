@@ -14,10 +14,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from experiment_manager.supervision.interrupts import Interrupts
 from experiment_manager.sweep.cell_run import CellRun
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_INTERRUPTED
+from lockstep.node.interrupts import Interrupts
 
 _JOB_FILE = "slurm_job"
 # Slurm looks at time limits once in a minute; an episode and a checkpoint take seconds.

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.protocol import Eyes, Protocol
 from experiment_manager.measures.results import read_results
-from experiment_manager.protocol import Eyes, Protocol
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
 from experiment_manager.sweep.cell_run import CellRun

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import rclpy
 from rclpy.node import Node
 
-from experiment_manager.node_presence import UNKNOWN_NODE
+from experiment_manager.node.presence import UNKNOWN_NODE
 
 _LOOK_PERIOD_S = 0.1
 

@@ -1,0 +1,1 @@
+"""What a finished run shows: only reads runs, and writes figures, tables and films."""

@@ -1,0 +1,81 @@
+"""Writes a film of a bag: .mp4 (VP9, which browsers play) or .gif."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+from PIL import Image
+
+from experiment_manager.analysis.film.frames import Frame, frames
+from experiment_manager.analysis.film.scenes import scenes
+from experiment_manager.bag.reader import Bag
+from lockstep.errors import InputError
+
+FRAMES_PER_S = 5
+# A GIF is for a page: half as wide, and few colours.
+_GIF_COLOURS = 96
+
+Frames = Iterable[Frame]
+
+
+def film(path: Path, file: Path) -> int:
+    """Write the film of a bag; return its duration in frames.
+
+    Raises InputError for another ending than .mp4 or .gif, a file that is there, and a bag without
+    pictures; OSError when the file cannot be written. Nothing half-written is left.
+    """
+    write = _WRITERS.get(file.suffix)
+    if write is None:
+        raise InputError(f"--film: expected a file that ends in .mp4 or .gif, got {file}")
+    if file.exists():
+        raise InputError(f"--film: expected a new file, {file} is there")
+    shown = scenes(Bag(path))
+    unfinished = file.with_name(f".unfinished-{file.name}")
+    try:
+        n_frames = write(unfinished, frames(shown))
+        unfinished.rename(file)
+    finally:
+        unfinished.unlink(missing_ok=True)
+    return n_frames
+
+
+def _write_mp4(file: Path, shown: Frames) -> int:
+    writer, n_frames = None, 0
+    for picture, n_periods in shown:
+        if writer is None:
+            height_px, width_px = picture.shape[:2]
+            code = cv2.VideoWriter.fourcc(*"vp09")
+            writer = cv2.VideoWriter(str(file), code, FRAMES_PER_S, (width_px, height_px))
+            if not writer.isOpened():
+                raise OSError(f"{file}: cannot be written as a VP9 film")
+        for _ in range(n_periods):
+            writer.write(cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
+        n_frames += n_periods
+    if writer is not None:
+        writer.release()
+    return n_frames
+
+
+def _write_gif(file: Path, shown: Frames) -> int:
+    halves, periods = zip(*((Image.fromarray(_half(p)), n) for p, n in shown), strict=True)
+    palette = _common_palette(halves)
+    first, *rest = (half.quantize(palette=palette, dither=Image.Dither.NONE) for half in halves)
+    durations_ms = [n_periods * 1000 // FRAMES_PER_S for n_periods in periods]
+    first.save(file, "GIF", save_all=True, append_images=rest, duration=durations_ms, loop=0)
+    return sum(periods)
+
+
+def _common_palette(pictures: Sequence[Image.Image]) -> Image.Image:
+    """Return one palette for all pictures, so that what does not change need not be stored."""
+    some = pictures[:: max(1, len(pictures) // 8)]
+    strip = Image.fromarray(np.vstack([np.asarray(picture) for picture in some]))
+    return strip.quantize(_GIF_COLOURS)
+
+
+def _half(frame: np.ndarray) -> np.ndarray:
+    height_px, width_px = frame.shape[:2]
+    return cv2.resize(frame, (width_px // 2, height_px // 2), interpolation=cv2.INTER_AREA)
+
+
+_WRITERS: Mapping[str, Callable[[Path, Frames], int]] = {".mp4": _write_mp4, ".gif": _write_gif}

@@ -1,0 +1,132 @@
+"""Which recorded episodes a film shows, and what is needed of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from experiment_manager.analysis.pictured_episodes import PicturedEpisodes, pictured_episodes
+from experiment_manager.bag.reader import Bag
+from lockstep.wire.topics import HORIZONTAL_RECTI, PICTURES, TEST
+
+SCENES_PER_STAGE = 3
+# What comes later is rest.
+MOST_ITERATIONS = 10
+_LEAST_START_ERROR_DEG = 0.5
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The first iterations of an episode, n of them.
+
+    pictures: (n, 2, height, width) uint8; error_deg: (n,) vergence error; activations: (n, 2) of
+    medial and lateral rectus, the mean of both eyes.
+    """
+
+    caption: str
+    pictures: np.ndarray
+    error_deg: np.ndarray
+    activations: np.ndarray
+
+
+@dataclass(frozen=True)
+class Episode:
+    """A recorded episode with pictures, number i_episode of them; trial: -1 in training."""
+
+    training_iteration: int
+    is_trial: bool
+    trial: int
+    start_error_deg: float
+    i_episode: int = -1
+
+
+def scenes(bag: Bag) -> list[Scene]:
+    """Return three scenes each from before, during and after learning, as far as they are there.
+
+    Raises InputError for a bag without pictures.
+    """
+    pictured = pictured_episodes(bag)
+    stages = chosen_stages(_episodes(pictured))
+    return [
+        _scene(bag, pictured, episode, caption)
+        for caption, episodes in stages
+        for episode in episodes
+    ]
+
+
+def _episodes(pictured: PicturedEpisodes) -> list[Episode]:
+    column = pictured.truth.column
+    firsts = [rows[0] for rows in pictured.rows]
+    values = [
+        column(name)[firsts]
+        for name in ("training_iteration", "phase", "trial", "vergence_error_deg")
+    ]
+    return [
+        Episode(int(training), phase == TEST, int(trial), float(error_deg), i_episode)
+        for i_episode, (training, phase, trial, error_deg) in enumerate(zip(*values, strict=True))
+    ]
+
+
+def chosen_stages(episodes: Sequence[Episode]) -> list[tuple[str, list[Episode]]]:
+    """Return the captions of the stages and their episodes.
+
+    Before and after learning the same trials, where there are some in both, of errors as different
+    as can be; during learning whatever there is, evenly spread. An episode that starts without an
+    error has nothing to show.
+    """
+    moving = [e for e in episodes if abs(e.start_error_deg) >= _LEAST_START_ERROR_DEG]
+    episodes = moving or list(episodes)
+    ends = [
+        min(e.training_iteration for e in episodes),
+        max(e.training_iteration for e in episodes),
+    ]
+    before, after = (
+        _trials_first([e for e in episodes if e.training_iteration == end]) for end in ends
+    )
+    if ends[0] == ends[1]:
+        return [(_after(ends[0]), _spread(before))]
+    common = {e.trial for e in before} & {e.trial for e in after}
+    if common:
+        before, after = ([e for e in its if e.trial in common] for its in (before, after))
+    during = [e for e in episodes if ends[0] < e.training_iteration < ends[1]]
+    stages = [(_after(ends[0]), _by_error(before))]
+    stages += [(_after(e.training_iteration), [e]) for e in _spread(during)]
+    return [*stages, (_after(ends[1]), _by_error(after))]
+
+
+def _after(training_iteration: int) -> str:
+    if training_iteration == 0:
+        return "before learning"
+    return f"after {training_iteration:,} training iterations"
+
+
+def _trials_first(episodes: Sequence[Episode]) -> list[Episode]:
+    trials = [e for e in episodes if e.is_trial]
+    return trials or list(episodes)
+
+
+def _by_error(episodes: Sequence[Episode]) -> list[Episode]:
+    return _spread(sorted(episodes, key=lambda e: (e.start_error_deg, e.trial)))
+
+
+def _spread(episodes: Sequence[Episode]) -> list[Episode]:
+    n_scenes = min(SCENES_PER_STAGE, len(episodes))
+    places = np.linspace(0, len(episodes) - 1, n_scenes).round().astype(int)
+    return [episodes[place] for place in places]
+
+
+def _scene(bag: Bag, pictured: PicturedEpisodes, episode: Episode, caption: str) -> Scene:
+    truth = pictured.truth
+    wanted = truth.stamps_ns[pictured.rows[episode.i_episode]]
+    pairs = [dict(bag.images(topic, wanted.tolist())) for topic in PICTURES]
+    stamps_ns = [s for s in wanted.tolist() if all(s in pair for pair in pairs)][:MOST_ITERATIONS]
+    rows = truth.at(np.array(stamps_ns))
+    muscles = bag.vectors("muscle_activations")["muscle_activations"]
+    values = np.stack([muscles.column(name) for name in HORIZONTAL_RECTI], axis=1)
+    of_scene = values[muscles.at(np.array(stamps_ns))].reshape(-1, 2, 2).mean(axis=1)
+    return Scene(
+        caption,
+        np.stack([[pair[s] for pair in pairs] for s in stamps_ns]),
+        truth.column("vergence_error_deg")[rows],
+        of_scene,
+    )

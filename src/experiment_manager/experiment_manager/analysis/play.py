@@ -1,0 +1,97 @@
+"""A recorded bag in the live view: its sampled episodes one after another, at the pace of time."""
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from experiment_manager.analysis.pictured_episodes import pictured_episodes
+from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
+from experiment_manager.bag.reader import Bag
+from experiment_manager.live.page import Page
+from experiment_manager.live.view import SHOWN_TOPICS, TRUTH_NAMES, View, open_server
+from experiment_manager.run import checkpoint
+from lockstep.errors import InputError
+from lockstep.state_file import read_state
+
+_NS_PER_S = 1e9
+_LOOK_S = 0.1
+
+Wait = Callable[[float], None]
+
+
+class Player:
+    """Shows the episodes of a bag that have pictures; what lies between them is only counted."""
+
+    def __init__(self, bag: Bag, view: View) -> None:
+        """Raises InputError for a bag without pictures of both eyes."""
+        self._bag, self._view = bag, view
+        self._episodes = pictured_episodes(bag)
+        truth = self._episodes.truth
+        self._stamps_ns = truth.stamps_ns
+        self._truth = np.stack([truth.column(name) for name in TRUTH_NAMES], axis=1)
+
+    def play(self, rate: float, wait: Wait = time.sleep) -> None:
+        """Show all; rate: simulated seconds in a second; wait: what to do for so many seconds."""
+        counted = 0
+        for rows in self._episodes.rows:
+            messages = self._messages(self._stamps_ns[rows])
+            period_s = float(np.diff(self._stamps_ns[rows]).min(initial=_NS_PER_S)) / _NS_PER_S
+            for row in rows.tolist():
+                for truth in self._truth[counted : row + 1]:
+                    self._view.count_values(truth)
+                counted = row + 1
+                self._view.show(messages.get(int(self._stamps_ns[row]), {}))
+                wait(period_s / rate)
+
+    def _messages(self, stamps_ns: np.ndarray) -> dict[int, dict[str, bytes]]:
+        """Return the messages of an episode, by stamp and topic."""
+        found: dict[int, dict[str, bytes]] = {}
+        for topic in filter(self._bag.has, SHOWN_TOPICS):
+            for stamp_ns, message in self._bag.messages(topic, stamps_ns.tolist()):
+                found.setdefault(stamp_ns, {})[topic] = message
+        return found
+
+
+def play(path: Path, host: str, port: int, rate: float) -> None:
+    """Serve a bag until it has been played to whoever watches.
+
+    path: of the bag; beside it, checkpoints/ have the dictionaries for the reconstruction.
+    Raises InputError for a bag without pictures, or when nobody can listen there.
+    """
+    bag = Bag(path)
+    server = open_server(f"bag {path}", host, port)
+    try:
+        view = View(server, _n_selections(bag))
+        player = Player(bag, view)
+        page = Page(host, port + 1 if port else 0, f"ws://{host}:{server.port}")
+        print(f"live view: ws://{host}:{server.port}; http://{host}:{page.port} opens it in")
+        print("Lichtblick or Foxglove; playing begins when someone watches", flush=True)
+        if not _take_dictionaries(view, path.parent / "checkpoints"):
+            print("no checkpoint beside the bag: no reconstruction", file=sys.stderr)
+        while not view.is_watched():
+            time.sleep(_LOOK_S)
+        player.play(rate)
+        page.close()
+    finally:
+        server.close()
+
+
+def _n_selections(bag: Bag) -> int:
+    """Return n_selections of the run's coder; of a bag without configuration, the default."""
+    try:
+        document = yaml.safe_load(bag.attachment(CONFIGURATION_ATTACHMENT))
+        return int(document["/**/sparse_coder"]["ros__parameters"]["n_selections"])
+    except (InputError, KeyError, TypeError):
+        return 10
+
+
+def _take_dictionaries(view: View, checkpoints: Path) -> bool:
+    found = checkpoint.newest(checkpoints) if checkpoints.is_dir() else None
+    if found is None:
+        return False
+    view.take_basis_functions(read_state(found[1] / "sparse_coder.npz", "sparse_coder")["atoms"])
+    return True

@@ -1,0 +1,185 @@
+"""The page of conditions: what became of eyes that were reared differently."""
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from tqdm import tqdm
+
+from experiment_manager.analysis.rearing.figures import (
+    Condition,
+    curves_figure,
+    histograms_figure,
+    landscapes_figure,
+    samples_figure,
+)
+from experiment_manager.analysis.rearing.measures_file import MEASURES_FILE, write_measures
+from experiment_manager.analysis.rearing.published import PUBLISHED
+from experiment_manager.analysis.rearing.reared_run import RearedRun, read_reared_run
+from experiment_manager.analysis.report import page as report_page
+from experiment_manager.analysis.report.performance_figures import FIGURES, STYLE, save
+from experiment_manager.measures.results import RESULTS_FILE
+from experiment_manager.measures.tables import number
+from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
+from lockstep.durable_files import replace_file
+from lockstep.errors import InputError
+
+REARING_FILE = "rearing.html"
+
+_Figure = tuple[str, str, str, Callable[[Sequence[Condition]], Figure]]
+_FIGURES: tuple[_Figure, ...] = (
+    (
+        "curves",
+        "Learning",
+        "Median |vergence error| after 20 iterations of a test trial, mean over seeds; the dotted"
+        " line is one pixel, a bar across a curve a change of eyes or input by the schedule, from"
+        " which on the later tests have it, too. The tests are made with the condition's own eyes"
+        " and input.",
+        curves_figure,
+    ),
+    (
+        "landscapes",
+        "Landscape of the reward",
+        "Reconstruction error of both scales over the vergence error, at the end of the run: ten"
+        " test stimuli at 0.5, 2 and 6 m, mean over seeds. Where it is flat there is nothing to"
+        " learn vergence from.",
+        landscapes_figure,
+    ),
+    (
+        "samples",
+        "Basis functions",
+        "Twelve of each scale's dictionary, from the best to the worst fit of a Gabor function to"
+        " the dominant half; left eye above right eye.",
+        samples_figure,
+    ),
+    (
+        "histograms",
+        "Tuning of the basis functions",
+        "Shares of each scale's basis functions, seeds pooled: grey the coarse scale, blue the fine"
+        " one. Orientation and binocularity are of those whose dominant half is a Gabor function;"
+        " disparity of those that have a common one, see with both eyes and are not near"
+        " horizontal.",
+        histograms_figure,
+    ),
+)
+
+
+def write_rearing_page(directories: Sequence[Path], out: Path) -> Path:
+    """Write rearing.html, its figures and rearing.json into out; return the page's path.
+
+    directories: of runs, and of sweeps, which stand for their finished runs. Runs of one profile
+    and model are one condition, in the order given. Raises InputError for a directory that holds no
+    finished run.
+    """
+    runs = _measured([run for directory in directories for run in finished_runs(directory)])
+    conditions = _conditions(runs)
+    parts = [
+        report_page.heading("Conditions"),
+        condition_table(conditions),
+        report_page.paragraph(
+            "Error: median and interquartile range of |vergence error| after 20 iterations of the "
+            "last test, in deg, and the share of trials within one pixel; with a camera rotated by "
+            "3 deg pictures match at an error of 3 deg. Depth: what the best "
+            "vergence saves of the mean reconstruction error. Gabor: basis functions, coarse and "
+            "fine, of whose dominant half a Gabor function leaves at most 0.2 of all; by use: "
+            "their share in the code of the landscape's pictures; common: those of which one "
+            "function for both eyes leaves as little. Binocular: of the Gabor functions those with "
+            "|(R - L) / (R + L)| below 0.5. Left: the left eye's share of the code. c and delta C: "
+            "energy saved (K17 eq. 8) and energy above the least, medians. Published: Klimmasch et "
+            "al. (2021), after 500,000 iterations, mean and standard deviation."
+        ),
+    ]
+    with mpl.rc_context(STYLE):
+        for name, title, caption, draw in _FIGURES:
+            figure = draw(conditions)
+            save(figure, out / FIGURES / f"rearing_{name}.png")
+            parts += [report_page.heading(title), report_page.picture(figure, caption)]
+    write_measures(out / MEASURES_FILE, runs)
+    replace_file(out / REARING_FILE, report_page.page("Altered rearing", parts).encode())
+    return out / REARING_FILE
+
+
+def finished_runs(directory: Path) -> list[Path]:
+    """Return the directory of a run, or those of a sweep's finished runs in the sweep's order.
+
+    Raises InputError for a sweep without any.
+    """
+    if not (directory / SWEEP_FILE).is_file():
+        return [directory]
+    cells = read_sweep(directory / SWEEP_FILE).cells()
+    runs = [directory / cell.name for cell in cells]
+    found = [run for run in runs if (run / RESULTS_FILE).is_file()]
+    if not found:
+        raise InputError(f"{directory}: expected a sweep with a finished run, found none")
+    return found
+
+
+def _measured(directories: Sequence[Path]) -> list[RearedRun]:
+    """Measure runs, one a core."""
+    n_processes = min(len(directories), len(os.sched_getaffinity(0)))
+    with ProcessPoolExecutor(n_processes, get_context("spawn")) as processes:
+        measured = processes.map(read_reared_run, directories)
+        return list(tqdm(measured, desc="measuring", unit="run", total=len(directories)))
+
+
+def _conditions(runs: Sequence[RearedRun]) -> list[Condition]:
+    by_label: dict[str, list[RearedRun]] = {}
+    for run in runs:
+        label = run.condition if run.model == "M" else f"{run.condition}, {run.model}"
+        by_label.setdefault(label, []).append(run)
+    return list(by_label.items())
+
+
+def condition_table(conditions: Sequence[Condition]) -> str:
+    """Return the table of conditions, means over seeds, beside the published numbers."""
+    header = (
+        "condition",
+        "seeds",
+        "iterations",
+        "error",
+        "IQR",
+        "within 1 px",
+        "depth",
+        "Gabor",
+        "by use",
+        "common",
+        "binocular",
+        "left",
+        "c",
+        "delta C / W",
+        "published",
+    )
+    return report_page.table(header, [_row(*condition) for condition in conditions])
+
+
+def _row(label: str, runs: Sequence[RearedRun]) -> tuple[str, ...]:
+    def of_test(name: str, n_digits: int = 2) -> str:
+        values = [value for run in runs if (value := run.last_test.get(name)) is not None]
+        return number(float(np.mean(values)), n_digits) if len(values) == len(runs) else "-"
+
+    def of_scales(value: Callable[[RearedRun, int], float]) -> str:
+        means = (np.mean([value(run, i) for run in runs]) for i in range(2))
+        return ", ".join(f"{100.0 * mean:.0f} %" for mean in means)
+
+    return (
+        label,
+        str(len(runs)),
+        ", ".join(sorted({f"{run.results['iterations']:,}" for run in runs})),
+        of_test("median_abs_vergence_error_deg"),
+        of_test("iqr_abs_vergence_error_deg"),
+        of_test("share_within_1_px"),
+        number(float(np.mean([run.landscape.depth for run in runs])), 2),
+        of_scales(lambda run, i: run.tunings[i].gabor_share),
+        of_scales(lambda run, i: float(run.landscape.use[i][run.tunings[i].is_gabor].sum())),
+        of_scales(lambda run, i: run.tunings[i].common_gabor_share),
+        of_scales(lambda run, i: run.tunings[i].binocular_share),
+        number(float(np.mean([run.landscape.left_share for run in runs])), 2),
+        of_test("median_cost_reduction"),
+        of_test("median_delta_cost_w"),
+        PUBLISHED.get(runs[0].condition, ""),
+    )

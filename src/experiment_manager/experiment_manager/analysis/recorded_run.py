@@ -1,0 +1,213 @@
+"""What a run's bag tells about it, boiled down to what tables and figures need."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
+from experiment_manager.bag.reader import Bag, VectorTable
+from experiment_manager.measures.kept_trials import KeptTrials, with_test
+from experiment_manager.measures.metrics import (
+    SHARE_ITERATIONS,
+    cost_share,
+    summary,
+)
+from experiment_manager.measures.results import results_document
+from experiment_manager.measures.trials import TestTrials, mean_of_both_eyes, split_tests
+from experiment_manager.run.described_run import DescribedRun
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, HORIZONTAL_RECTI, TRAINING
+
+# The error of a single episode says how hard it was; a median over some says what was learned.
+_MOST_CURVE_BINS = 100
+_EPISODES_PER_BIN = 25
+
+
+@dataclass(frozen=True)
+class RecordedTest:
+    """One test: its trials, and what the sparse coder made of them.
+
+    reconstruction_error: (n_trials, n_iterations + 1) both scales, nan after the last iteration;
+    stamps_ns: (n_trials, n_iterations + 1).
+    """
+
+    __test__ = False
+
+    trials: TestTrials
+    reconstruction_error: np.ndarray
+    stamps_ns: np.ndarray
+
+
+@dataclass(frozen=True)
+class TrainingCurve:
+    """|Vergence error| at the ends of training episodes, in bins of equal numbers of episodes.
+
+    iteration: (n_bins,) of training; quartiles_deg: (3, n_bins) lower, median, upper.
+    """
+
+    iteration: np.ndarray
+    quartiles_deg: np.ndarray
+
+
+@dataclass(frozen=True)
+class _Measures:
+    tests: tuple[RecordedTest, ...]
+    training_curve: TrainingCurve
+    cost_shares: tuple[float | None, float | None]
+    first_observation: int
+
+
+class RecordedRun(DescribedRun):
+    """A run directory, read from its bag; everything in one pass, on first use."""
+
+    def __init__(self, directory: Path) -> None:
+        """Open the bag of a run directory; InputError when there is none or it is another's."""
+        self.bag = Bag(Path(directory) / "bag")
+        text = self.bag.attachment(CONFIGURATION_ATTACHMENT).decode()
+        super().__init__(directory, text, f"bag {self.bag.path}")
+
+    @property
+    def tests(self) -> tuple[RecordedTest, ...]:
+        """All tests that begin in the bag, in their order; of the last one, its whole trials."""
+        return self._measured.tests
+
+    @property
+    def first_observation(self) -> int:
+        """Number of the first observation in the bag.
+
+        Not 0 where the run was resumed from a checkpoint alone, without the bag of what was before.
+        """
+        return self._measured.first_observation
+
+    @property
+    def training_curve(self) -> TrainingCurve:
+        """How the error fell in training."""
+        return self._measured.training_curve
+
+    @property
+    def cost_shares(self) -> tuple[float | None, float | None]:
+        """Lambda's share of the reward over the first and last 5,000 training iterations.
+
+        None where they are not all in the bag.
+        """
+        return self._measured.cost_shares
+
+    def results(self) -> dict[str, Any]:
+        """Return what results.json holds, from the bag alone."""
+        first, last = self.cost_shares
+        return results_document(
+            model=self.model,
+            profile=self.profile,
+            seed=self.seed,
+            iterations=self.n_iterations,
+            commit=self.commit,
+            metabolic_cost_weight=self.metabolic_cost_weight,
+            cost_share_first=first,
+            cost_share_last=last,
+            tests=[summary(test.trials) for test in self.tests],
+        )
+
+    def kept_trials(self) -> KeptTrials | None:
+        """Return what trials.npz holds, from the bag alone; None without a test."""
+        kept = None
+        for test in self.tests:
+            kept = with_test(kept, test.trials)
+        return kept
+
+    @cached_property
+    def _measured(self) -> _Measures:
+        # The tables of a full run fill half a gigabyte; only what is made of them is kept.
+        tables = self.bag.vectors("ground_truth", "reward", "muscle_activations")
+        truth = tables["ground_truth"]
+        rows = trial_rows(truth, tables["muscle_activations"])
+        recorded = tuple(
+            _recorded(trials, truth, tables["reward"])
+            for trials in split_tests(rows)
+            if trials.trial[0] == 0
+        )
+        return _Measures(
+            recorded,
+            _training_curve(truth),
+            self._shares(truth, tables["reward"]),
+            int(truth.column("observation")[0]) if len(rows) else 0,
+        )
+
+    def _shares(self, truth: VectorTable, reward: VectorTable) -> tuple[float | None, float | None]:
+        rows = truth.at(reward.stamps_ns)
+        training = (rows >= 0) & (truth.column("phase")[rows] == TRAINING)
+        iteration = truth.column("training_iteration")[rows]
+        error, cost_w = _total_error(reward), reward.column("metabolic_rate_w")
+        begin = iteration[training].min(initial=self.n_iterations)
+
+        def share(first: int, end: int) -> float | None:
+            chosen = training & (iteration >= first) & (iteration < end)
+            if begin > first:
+                return None
+            return cost_share(
+                _sum_in_order(error[chosen]),
+                _sum_in_order(cost_w[chosen]),
+                self.metabolic_cost_weight,
+            )
+
+        n = self.n_iterations
+        return share(0, SHARE_ITERATIONS), share(max(0, n - SHARE_ITERATIONS), n)
+
+
+def _sum_in_order(values: np.ndarray) -> float:
+    """Return the sum of (n,) values with the bits that a running experiment gets."""
+    return float(np.cumsum(values)[-1]) if len(values) else 0.0
+
+
+def _total_error(reward: VectorTable) -> np.ndarray:
+    error: np.ndarray = reward.column("reconstruction_error_coarse") + reward.column(
+        "reconstruction_error_fine"
+    )
+    return error
+
+
+def trial_rows(truth: VectorTable, activations: VectorTable | None) -> np.ndarray:
+    """Return ground truth and activations by TRIAL_NAMES: (n, len(TRIAL_NAMES)), nan for gaps."""
+    both = np.full((len(truth.stamps_ns), 2), np.nan)
+    if activations is not None and len(activations.stamps_ns):
+        # In HORIZONTAL_RECTI's order: left medial, left lateral, right medial, right lateral.
+        recti = np.stack([activations.column(name) for name in HORIZONTAL_RECTI], axis=1)
+        both = _at_stamps(activations, mean_of_both_eyes(recti), truth.stamps_ns)
+    columns = [truth.column(name) for name in GROUND_TRUTH_NAMES]
+    return np.concatenate([np.stack(columns, axis=1), both], axis=1)
+
+
+def _recorded(trials: TestTrials, truth: VectorTable, reward: VectorTable) -> RecordedTest:
+    stamps_ns = truth.stamps_ns[trials.rows]
+    return RecordedTest(
+        trials=trials,
+        reconstruction_error=_at_stamps(reward, _total_error(reward), stamps_ns),
+        stamps_ns=stamps_ns,
+    )
+
+
+def _at_stamps(table: VectorTable, values: np.ndarray, stamps_ns: np.ndarray) -> np.ndarray:
+    """Return the values (n, ...) of a table's rows at stamps of any shape; nan where none is."""
+    rows = table.at(stamps_ns.ravel())
+    if not len(values):
+        return np.full((*stamps_ns.shape, *values.shape[1:]), np.nan)
+    found = np.where(rows.reshape(-1, *[1] * (values.ndim - 1)) >= 0, values[rows], np.nan)
+    return found.reshape(*stamps_ns.shape, *values.shape[1:])
+
+
+def _training_curve(truth: VectorTable) -> TrainingCurve:
+    training = truth.column("phase") == TRAINING
+    iteration = truth.column("iteration")
+    # An episode's last observation: the next row, if any, is not its continuation.
+    follows = np.append(iteration[1:] == iteration[:-1] + 1, [False])
+    ends = np.flatnonzero(training & ~follows)
+    n_bins = min(_MOST_CURVE_BINS, -(-len(ends) // _EPISODES_PER_BIN))
+    bins = np.array_split(ends, n_bins) if n_bins else []
+    error_deg = np.abs(truth.column("vergence_error_deg"))
+    at = truth.column("training_iteration")
+    quartiles = [np.quantile(error_deg[part], (0.25, 0.5, 0.75)) for part in bins]
+    return TrainingCurve(
+        iteration=np.array([float(at[part].mean()) for part in bins]),
+        quartiles_deg=np.array(quartiles).reshape(len(bins), 3).T,
+    )

@@ -1,0 +1,72 @@
+"""Test performance by what a trial starts from: where learning succeeded, and where it did not."""
+
+import textwrap
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+
+from experiment_manager.analysis.report.groups import Group
+from experiment_manager.analysis.report.performance_figures import new_figure
+from experiment_manager.measures.metrics import PX_DEG
+
+# Colours reach from 1/16 px to 16 px; beyond a third of that on either side text is white.
+_REACH = 16.0
+_DARK = 6.0
+_N_COLUMNS = 2
+_LONGEST_TITLE_LINE = 50  # characters
+
+
+def conditions_figure(groups: Sequence[Group]) -> Figure:
+    """Return the median |vergence error| after a trial by object distance and start error.
+
+    groups: with trials. One panel each, of the last test; empty where the test has no trials.
+    """
+    n_columns = min(_N_COLUMNS, len(groups))
+    n_rows = -(-len(groups) // n_columns)
+    figure = new_figure(4.4 * n_columns + 0.7, 2.9 * n_rows + 0.2)
+    panels = figure.subplots(n_rows, n_columns, squeeze=False).ravel()
+    for axes, group in zip(panels, groups, strict=False):
+        image = _draw(axes, group)
+    for axes in panels[len(groups) :]:
+        axes.set_axis_off()
+    colours = figure.colorbar(image, ax=panels, label="median |vergence error| / deg", shrink=0.8)
+    colours.set_ticks([0.02, 0.1, PX_DEG, 1.0, 3.0], labels=["0.02", "0.1", "1 px", "1", "3"])
+    colours.minorticks_off()
+    return figure
+
+
+def _draw(axes: Axes, group: Group) -> AxesImage:
+    trials = group.last_trials
+    distance_m = trials.object_distance_m
+    start_deg = np.round(trials.vergence_error_deg[:, 0])
+    end_deg = np.abs(trials.vergence_error_deg[:, -1])
+    distances_m, starts_deg = np.unique(distance_m), np.unique(start_deg)
+    medians_deg = np.full((len(distances_m), len(starts_deg)), np.nan)
+    for i, j in np.ndindex(medians_deg.shape):
+        here = (distance_m == distances_m[i]) & (start_deg == starts_deg[j])
+        if here.any():
+            medians_deg[i, j] = np.median(end_deg[here])
+    image = axes.imshow(
+        np.ma.masked_invalid(medians_deg),
+        norm=LogNorm(PX_DEG / _REACH, PX_DEG * _REACH),
+        cmap="RdBu_r",
+        aspect="auto",
+    )
+    _write_values(axes, medians_deg)
+    axes.set_xticks(range(len(starts_deg)), [f"{value:.0f}" for value in starts_deg])
+    axes.set_yticks(range(len(distances_m)), [f"{value:g}" for value in distances_m])
+    axes.set(xlabel="vergence error at the start / deg", ylabel="object distance / m")
+    axes.set_title(textwrap.fill(group.label, _LONGEST_TITLE_LINE), fontsize=9)
+    return image
+
+
+def _write_values(axes: Axes, medians_deg: np.ndarray) -> None:
+    for (i, j), value in np.ndenumerate(medians_deg):
+        if not np.isnan(value):
+            is_dark = max(value / PX_DEG, PX_DEG / max(value, PX_DEG / _REACH)) > _DARK
+            colour = "white" if is_dark else "black"
+            axes.text(j, i, f"{value:.2f}", ha="center", va="center", color=colour, fontsize=7)

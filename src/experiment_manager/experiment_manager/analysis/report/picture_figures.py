@@ -1,0 +1,154 @@
+"""What drives the learning: pictures that match encode better."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullFormatter
+
+from experiment_manager.anaglyph import anaglyph
+from experiment_manager.analysis.recorded_run import RecordedRun, RecordedTest
+from experiment_manager.analysis.report.groups import Group
+from experiment_manager.analysis.report.performance_figures import new_figure
+from experiment_manager.measures.metrics import PX_DEG
+from sparse_coder.patches import COARSE_WINDOW_PX
+
+_BIN_DEG = 0.25
+_RANGE_DEG = 3.25
+_LEAST_PER_BIN = 20
+_LEAST_START_ERROR_DEG = 0.5
+
+
+def encoding_figure(groups: Sequence[Group]) -> Figure | None:
+    """Return reconstruction error against vergence error, in the first and in the last test.
+
+    groups: of runs whose bags are there. Median and quartiles of E = E_c + E_f in bins of 0.25 deg,
+    over all iterations of all trials; bins of less than 20 are left out. None where all are.
+    """
+    figure = new_figure(3.3 * len(groups) + 0.6, 3.4)
+    panels = figure.subplots(1, len(groups), sharex=True, sharey=True, squeeze=False)[0]
+    is_drawn = False
+    for axes, group in zip(panels, groups, strict=True):
+        first, last = group.iterations[0], group.iterations[-1]
+        for iteration, colour in {first: "0.5", last: group.colour}.items():
+            tests = group.recorded_at(iteration)
+            is_drawn |= _draw_binned(axes, tests, colour, f"after {iteration:,} iterations")
+        axes.axvspan(-PX_DEG, PX_DEG, color="0.9", lw=0, zorder=0)
+        axes.set_title(group.label, fontsize=9)
+        axes.set_xlabel("vergence error / deg")
+        axes.legend(loc="center", bbox_to_anchor=(0.5, 0.7), fontsize=8)
+    if not is_drawn:
+        return None
+    # Before and after learning E differs by an order of magnitude; its dip must show in both.
+    panels[0].set(ylabel="reconstruction error $E$", xlim=(-_RANGE_DEG, _RANGE_DEG), yscale="log")
+    panels[0].yaxis.set_major_locator(FixedLocator((0.05, 0.1, 0.2, 0.5, 1.0)))
+    panels[0].yaxis.set_major_formatter(FormatStrFormatter("%g"))
+    panels[0].yaxis.set_minor_formatter(NullFormatter())
+    return figure
+
+
+def _draw_binned(axes: Axes, tests: Sequence[RecordedTest], colour: str, label: str) -> bool:
+    """Draw the bins that have enough; return whether there is one."""
+    error_deg = np.concatenate([t.trials.vergence_error_deg.ravel() for t in tests])
+    encoding = np.concatenate([t.reconstruction_error.ravel() for t in tests])
+    known = ~np.isnan(encoding)
+    number = np.round(error_deg[known] / _BIN_DEG).astype(int)
+    encoding = encoding[known]
+    reach = int(_RANGE_DEG / _BIN_DEG)
+    bins = np.arange(-reach, reach + 1)
+    quartiles = np.full((len(bins), 3), np.nan)
+    for i, k in enumerate(bins):
+        if (number == k).sum() >= _LEAST_PER_BIN:
+            quartiles[i] = np.quantile(encoding[number == k], (0.25, 0.5, 0.75))
+    # Before learning trials stay at their whole degrees: the bins between are empty.
+    filled = ~np.isnan(quartiles[:, 1])
+    at_deg, quartiles = bins[filled] * _BIN_DEG, quartiles[filled]
+    axes.plot(at_deg, quartiles[:, 1], color=colour, marker=".", label=label)
+    axes.fill_between(at_deg, quartiles[:, 0], quartiles[:, 2], color=colour, alpha=0.2, lw=0)
+    return bool(filled.any())
+
+
+@dataclass(frozen=True)
+class RecordedTrial:
+    """A trial of which all pictures are in the bag: its test, its place there, its start error."""
+
+    test: RecordedTest
+    i_trial: int
+
+    @property
+    def start_error_deg(self) -> float:
+        """Vergence error before the first command."""
+        return float(self.test.trials.vergence_error_deg[self.i_trial, 0])
+
+    @property
+    def end_error_deg(self) -> float:
+        """Absolute vergence error after the last command."""
+        return abs(float(self.test.trials.vergence_error_deg[self.i_trial, -1]))
+
+
+def recorded_trials(run: RecordedRun, test: RecordedTest) -> list[RecordedTrial]:
+    """Return the trials of a test whose first and last answered pictures are in the bag."""
+    if not run.bag.has("left/image_raw") or not run.bag.has("right/image_raw"):
+        return []
+    stamps = [run.bag.stamps_ns(f"{side}/image_raw") for side in ("left", "right")]
+    both = np.intersect1d(stamps[0], stamps[1])
+    ends_ns = test.stamps_ns[:, [0, -2]]
+    known = np.isin(ends_ns, both).all(axis=1)
+    return [RecordedTrial(test, int(i)) for i in np.flatnonzero(known)]
+
+
+def anaglyph_figure(run: RecordedRun) -> Figure | None:
+    """Return anaglyphs at the start and at the end of a trial, in the first and in the last test.
+
+    Of the trials with pictures in both tests and a start error, the one whose last error in the
+    last test is the median; None when there is none. Red and cyan fringes are disparity; the frame
+    is the coarse scale's window.
+    """
+    first, last = run.tests[0], run.tests[-1]
+    by_number = [
+        {
+            int(t.test.trials.trial[t.i_trial]): t
+            for t in recorded_trials(run, test)
+            if abs(t.start_error_deg) > _LEAST_START_ERROR_DEG
+        }
+        for test in (first, last)
+    ]
+    common = sorted(set(by_number[0]) & set(by_number[1]))
+    if not common:
+        return None
+    common.sort(key=lambda number: (by_number[1][number].end_error_deg, number))
+    number = common[(len(common) - 1) // 2]
+    figure = new_figure(7.0, 5.6)
+    rows = figure.subplots(2, 2)
+    for axes_row, trials in zip(rows, by_number, strict=True):
+        _draw_trial(axes_row, run, trials[number])
+    return figure
+
+
+def _draw_trial(axes_row: Sequence[Axes], run: RecordedRun, recorded: RecordedTrial) -> None:
+    trials = recorded.test.trials
+    n_answered = trials.n_iterations - 1
+    for axes, iteration in zip(axes_row, (0, n_answered), strict=True):
+        stamp_ns = int(recorded.test.stamps_ns[recorded.i_trial, iteration])
+        left, right = (
+            next(run.bag.images(f"{side}/image_raw", [stamp_ns]))[1] for side in ("left", "right")
+        )
+        axes.imshow(anaglyph(left, right))
+        height, width = left.shape
+        corner = ((width - COARSE_WINDOW_PX) / 2 - 0.5, (height - COARSE_WINDOW_PX) / 2 - 0.5)
+        axes.add_patch(_frame(corner))
+        error_deg = trials.vergence_error_deg[recorded.i_trial, iteration]
+        axes.set_title(
+            f"trained for {trials.training_iteration:,} iterations, after {iteration} commands:\n"
+            f"vergence error {error_deg:+.2f} deg ({error_deg / PX_DEG:+.1f} px)",
+            fontsize=8,
+        )
+        axes.set_axis_off()
+
+
+def _frame(corner: tuple[float, float]) -> Rectangle:
+    side = COARSE_WINDOW_PX
+    return Rectangle(corner, side, side, fill=False, edgecolor="white", lw=0.8)

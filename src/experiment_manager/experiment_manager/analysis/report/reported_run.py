@@ -1,0 +1,79 @@
+"""A run as reports show it: from the small files that it leaves, and from its bag."""
+
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from experiment_manager.analysis.recorded_run import RecordedRun
+from experiment_manager.measures.kept_trials import read_trials
+from experiment_manager.measures.metrics import summary
+from experiment_manager.measures.results import RESULTS_FILE, read_results
+from experiment_manager.measures.trials import TestTrials
+from experiment_manager.run.config_file import CONFIG_FILE
+from experiment_manager.run.described_run import DescribedRun
+from experiment_manager.sweep.sweep_file import SWEEP_FILE
+from lockstep.errors import InputError
+
+
+class ReportedRun(DescribedRun):
+    """A run directory: config.yaml and results.json, trials.npz, a bag, or some of these.
+
+    recorded: the run as its bag tells it, None without a bag.
+    """
+
+    def __init__(self, directory: Path) -> None:
+        """Raise InputError for a directory that holds neither results nor a bag."""
+        directory = Path(directory)
+        bag = directory / "bag"
+        self.recorded = RecordedRun(directory) if bag.is_dir() and any(bag.iterdir()) else None
+        results = directory / RESULTS_FILE
+        self._results = read_results(results) if results.is_file() else None
+        if self.recorded is None and self._results is None:
+            raise InputError(
+                f"{directory}: expected a run, with {RESULTS_FILE} or a bag; it has neither"
+            )
+        if self.recorded is not None:
+            text = self.recorded.configuration
+        else:
+            try:
+                text = (directory / CONFIG_FILE).read_text()
+            except (OSError, UnicodeDecodeError) as error:
+                raise InputError(f"{directory}: expected its {CONFIG_FILE}: {error}") from error
+        super().__init__(directory, text, str(directory))
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether the test at the end of training has been made."""
+        return any(told["iteration"] >= self.n_iterations for told in self.summaries)
+
+    @cached_property
+    def summaries(self) -> list[dict[str, Any]]:
+        """The measures of each test, as in results.json; of an earlier version, fewer of them."""
+        if self._results is not None:
+            return list(self._results["tests"])
+        assert self.recorded is not None
+        return [summary(test.trials) for test in self.recorded.tests]
+
+    @cached_property
+    def trials(self) -> dict[int, TestTrials]:
+        """The trials of the tests by training iteration; none without trials.npz and bag."""
+        tests = read_trials(self.directory)
+        if not tests and self.recorded is not None:
+            tests = [test.trials for test in self.recorded.tests]
+        return {test.training_iteration: test for test in tests}
+
+    @property
+    def cost_shares(self) -> tuple[float | None, float | None]:
+        """Lambda's share of the reward over the first and last 5,000 training iterations."""
+        if self._results is not None:
+            share = self._results["lambda_share"]
+            return share["first_5000"], share["last_5000"]
+        assert self.recorded is not None
+        return self.recorded.cost_shares
+
+
+def runs_below(directory: Path) -> list[Path]:
+    """Return the run directories of a sweep, in the order of their names; else the directory."""
+    if not (directory / SWEEP_FILE).is_file():
+        return [directory]
+    return sorted(path.parent for path in directory.rglob(CONFIG_FILE))

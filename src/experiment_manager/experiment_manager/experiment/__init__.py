@@ -1,0 +1,1 @@
+"""What a run is: its settings, its episodes and trials, what changes in its course."""

@@ -1,0 +1,172 @@
+"""Settings of the experiment manager."""
+
+from dataclasses import dataclass, field
+
+from experiment_manager.experiment.plant_changes import check_places, read_schedule
+from eye_plant.config import EyePlantConfig
+from eye_plant.mechanics.model import MechanicsConfig
+from lockstep.errors import InputError
+from lockstep.settings import check_settings, setting
+from lockstep.wire.topics import LATERAL_LIMITS, MEDIAL_LIMITS
+
+MODELS = ("M", "M_C")
+
+# K17: 13 tests; the times are the authors' (public code), given here for 10^6 iterations.
+PAPER_TEST_ITERATIONS = (
+    *range(0, 200_001, 50_000),
+    *range(300_000, 1_000_001, 100_000),
+)
+
+_LEAST_DISTANCE_M = 0.1
+
+
+@dataclass(frozen=True)
+class ProtocolConfig:
+    """What is shown, how long, and when it is tested; defaults are the paper's.
+
+    Raises InputError for values that make no experiment.
+    """
+
+    n_training_iterations: int = setting(1_000_000, "training iterations of the run", least=0)
+    iterations_per_episode: int = setting(10, "iterations of a training episode", least=1)
+    iterations_per_trial: int = setting(20, "iterations of a test trial", least=1)
+    test_iterations: tuple[int, ...] = setting(
+        PAPER_TEST_ITERATIONS,
+        "training iterations before each test; those beyond the end are left out, and one at the"
+        " end is always made",
+        least=0,
+    )
+    n_training_stimuli: int = setting(100, "training stimuli that the plant has", least=1)
+    n_test_stimuli: int = setting(40, "test stimuli that the plant has", least=1)
+    n_stimuli_per_test: int = setting(
+        40, "how many of the test stimuli a test shows, the first ones", least=1
+    )
+    object_distance_m: tuple[float, ...] = setting(
+        (0.5, 6.0),
+        "distance of the plane in training, drawn uniformly",
+        "m",
+        least=_LEAST_DISTANCE_M,
+        is_interval=True,
+    )
+    fixation_distance_m: tuple[float, ...] = setting(
+        (0.5, 6.0),
+        "distance at which the eyes look as a training episode begins, drawn uniformly",
+        "m",
+        least=_LEAST_DISTANCE_M,
+        is_interval=True,
+    )
+    draws_vergence_evenly: bool = setting(
+        False,
+        "whether training draws the vergence of plane and eyes uniformly, between those of the"
+        " distances' limits, not the distances (D18)",
+    )
+    test_distances_m: tuple[float, ...] = setting(
+        (0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0),
+        "distances of the plane in tests",
+        "m",
+        least=_LEAST_DISTANCE_M,
+    )
+    least_start_error_deg: int = setting(
+        -3, "least vergence error with which a test trial starts", "deg", most=0
+    )
+    medial_rectus_limits: tuple[float, ...] = setting(
+        MEDIAL_LIMITS,
+        "limits of the medial rectus' activation as an episode begins",
+        least=0,
+        most=1,
+        is_interval=True,
+    )
+    lateral_rectus_limits: tuple[float, ...] = setting(
+        LATERAL_LIMITS,
+        "limits of the lateral rectus' activation as an episode begins",
+        least=0,
+        most=1,
+        is_interval=True,
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of range, and numbers that do not fit together."""
+        check_settings(self)
+        if self.n_training_iterations % self.iterations_per_episode:
+            raise InputError(
+                f"n_training_iterations: expected a multiple of {self.iterations_per_episode} "
+                f"(iterations per episode), got {self.n_training_iterations}"
+            )
+        if any(n % self.iterations_per_episode for n in self.test_iterations):
+            raise InputError(
+                f"test_iterations: expected multiples of {self.iterations_per_episode}, "
+                f"got {list(self.test_iterations)}"
+            )
+        if self.n_stimuli_per_test > self.n_test_stimuli:
+            raise InputError(
+                f"n_stimuli_per_test: expected {self.n_test_stimuli} or less, "
+                f"got {self.n_stimuli_per_test}"
+            )
+
+
+def bounds(values: tuple[float, ...]) -> tuple[float, float]:
+    """Return a parameter's [lowest, highest] as a pair."""
+    lowest, highest = values
+    return lowest, highest
+
+
+@dataclass(frozen=True)
+class ExperimentManagerConfig:
+    """Settings of one run; raises InputError for a value out of range."""
+
+    seed: int = setting(1, "seed of episodes and trials")
+    model: str = setting("M", "model, for the results", choices=MODELS)
+    profile: str = setting(
+        "", "name of the profile that the run began with, for the results; empty: none"
+    )
+    metabolic_cost_weight: float = setting(
+        0.0, "lambda, the price of energy in the reward, as the sparse coder has it", "1/W", least=0
+    )
+    run_directory: str = setting(
+        "", "directory into which the run is written; empty: a new one under runs/"
+    )
+    run_id: str = setting("", "name that requests carry; empty: the run directory's name")
+    commit: str = setting("", "commit of the source, for the results")
+    checkpoint_period_s: float = setting(120.0, "wall time between checkpoints", "s", above=0)
+    keeps_tested_checkpoints: bool = setting(
+        False,
+        "whether the checkpoint before each test stays, for tests with a dictionary or an actor of"
+        " another age; otherwise the last two stay",
+    )
+    gap_s: float = setting(
+        5.0, "wall time without a new message after which the run has a fault", "s", above=0
+    )
+    pictures_every_n_episodes: int = setting(
+        1000, "pictures and features are recorded of every so many-th episode; 0: of none", least=0
+    )
+    pictures_every_n_trials: int = setting(
+        230,
+        "pictures and features are recorded of every so many-th test trial; 0: of none (a test has"
+        " 39 conditions per stimulus: a multiple of 39 would show one condition alone)",
+        least=0,
+    )
+    resume: bool = setting(
+        False, "whether to continue from the newest checkpoint of the run directory"
+    )
+    supervised: bool = setting(
+        False,
+        "whether all nodes are started again after a fault, so that what could be waited out is"
+        " a fault too",
+    )
+    schedule: str = setting(
+        "",
+        "changes of the plant in the course of the run, as YAML or JSON:"
+        " [{at: ITERATION, set: {NODE.PARAMETER: value}}]; empty: none",
+    )
+    protocol: ProtocolConfig = field(default_factory=ProtocolConfig)
+    # As the plant has it, for the first activations of an episode.
+    mechanics: MechanicsConfig = field(default_factory=MechanicsConfig)
+
+    def __post_init__(self) -> None:
+        """Refuse values out of range, and a schedule that the run or the plant cannot keep."""
+        check_settings(self)
+        schedule = read_schedule(self.schedule)
+        check_places(
+            schedule, self.protocol.n_training_iterations, self.protocol.iterations_per_episode
+        )
+        schedule.plants(EyePlantConfig(mechanics=self.mechanics))

@@ -1,0 +1,311 @@
+"""The protocol of an experiment: which episode comes when (K17 II, Experimental Setup).
+
+An experiment is a sequence of episodes: training episodes, interrupted by whole tests. Each is a
+function of (configuration, seed, place in the sequence), so a run goes on wherever it stopped.
+"""
+
+import bisect
+import functools
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig, bounds
+from experiment_manager.experiment.plant_changes import (
+    NO_CHANGES,
+    Change,
+    Schedule,
+    read_schedule,
+    stages_of,
+)
+from eye_plant.config import EyePlantConfig
+from eye_plant.episode import Episode
+from eye_plant.geometry import desired_vergence_deg
+from eye_plant.geometry import fixation_distance_m as distance_of_vergence_m
+from eye_plant.mechanics.inverse import Inverse, Limits
+from eye_plant.mechanics.model import MechanicsConfig
+from lockstep.errors import InputError
+from lockstep.randomness import generator
+from lockstep.wire.topics import TEST, TRAINING
+
+ActivationPair = Callable[[float, float], tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Where a test trial's plane stands, and the vergence error at its start."""
+
+    object_distance_m: float
+    start_error_deg: float
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A run of episodes of one kind, with the plant in one stage of its schedule.
+
+    first: place in the sequence; first_observation: of the run; i_test: -1 for training.
+    """
+
+    first: int
+    n_episodes: int
+    first_observation: int
+    i_test: int
+    training_iteration: int
+    stage: int = 0
+
+
+@dataclass(frozen=True)
+class Eyes:
+    """What the protocol must know of the eyes, as they are from training iteration `at` on.
+
+    activation_pair: (vergence_deg, fraction in [0, 1]) -> (medial, lateral) activations.
+    """
+
+    at: int
+    baseline_m: float
+    activation_pair: ActivationPair
+
+
+def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ...]:
+    """Return the conditions of a test: distances x whole-degree start errors.
+
+    Start errors go from least_start_error_deg to the largest whole degree that leaves the initial
+    vergence 0 or more (D11; K17: "the smallest possible initial angle of the eyes to zero").
+    """
+    return tuple(
+        Condition(distance_m, float(error_deg))
+        for distance_m in config.test_distances_m
+        for error_deg in range(
+            config.least_start_error_deg,
+            math.floor(desired_vergence_deg(distance_m, baseline_m)) + 1,
+        )
+    )
+
+
+class Protocol:
+    """The sequence of episodes of one experiment."""
+
+    def __init__(
+        self,
+        config: ProtocolConfig,
+        seed: int,
+        eyes: Sequence[Eyes],
+        schedule: Schedule = NO_CHANGES,
+    ) -> None:
+        """eyes: one entry per stage of the schedule, the first one at 0."""
+        self.config = config
+        self._schedule = schedule
+        self._seed = seed
+        self._eyes = tuple(eyes)
+        self.conditions = conditions(config, self._eyes[0].baseline_m)
+        self.n_trials = config.n_stimuli_per_test * len(self.conditions)
+        self.segments = self._segments()
+        self._firsts = [segment.first for segment in self.segments]
+        # Drawing an episode takes milliseconds (the inverse of the plant); some ask more than once.
+        self._cached = functools.lru_cache(maxsize=4)(self._draw)
+
+    def __len__(self) -> int:
+        """Return the number of episodes, test trials included."""
+        last = self.segments[-1]
+        return last.first + last.n_episodes
+
+    @property
+    def test_iterations(self) -> tuple[int, ...]:
+        """Training iterations before each test of this experiment."""
+        end = self.config.n_training_iterations
+        return tuple(sorted({n for n in self.config.test_iterations if n < end} | {end}))
+
+    def _segments(self) -> tuple[Segment, ...]:
+        config = self.config
+        segments: list[Segment] = []
+        first = observation = trained = stage = 0
+        # A test comes before the change at its iteration.
+        ends = [(at, i_test, -1) for i_test, at in enumerate(self.test_iterations)]
+        ends += [(eyes.at, len(ends), stage) for stage, eyes in enumerate(self._eyes) if stage]
+        for at, i_test, next_stage in sorted(ends):
+            n_episodes = (at - trained) // config.iterations_per_episode
+            if n_episodes:
+                segments.append(Segment(first, n_episodes, observation, -1, trained, stage))
+                first += n_episodes
+                observation += n_episodes * (config.iterations_per_episode + 1)
+                trained = at
+            if next_stage >= 0:
+                stage = next_stage
+                continue
+            segments.append(Segment(first, self.n_trials, observation, i_test, trained, stage))
+            first += self.n_trials
+            observation += self.n_trials * (config.iterations_per_trial + 1)
+        return tuple(segments)
+
+    def segment(self, place: int) -> Segment:
+        """Return the segment that holds an episode; raises IndexError beyond the end."""
+        if not 0 <= place < len(self):
+            raise IndexError(f"episode {place} of {len(self)}")
+        return self.segments[bisect.bisect_right(self._firsts, place) - 1]
+
+    def kind(self, place: int) -> tuple[int, int]:
+        """Return phase and number, of the training episode or the trial, without drawing it."""
+        segment = self.segment(place)
+        offset = place - segment.first
+        if segment.i_test >= 0:
+            return TEST, offset
+        return TRAINING, segment.training_iteration // self.config.iterations_per_episode + offset
+
+    def training_iterations_before(self, place: int) -> int:
+        """Return the training iterations that the episodes before a place have made."""
+        if place == len(self):
+            return self.config.n_training_iterations
+        segment = self.segment(place)
+        if segment.i_test >= 0:
+            return segment.training_iteration
+        n_episodes = place - segment.first
+        return segment.training_iteration + n_episodes * self.config.iterations_per_episode
+
+    def trials_from(self, place: int) -> int:
+        """Return how many test trials there are from a place on."""
+        ends = (
+            s.first + s.n_episodes - max(s.first, place) for s in self.segments if s.i_test >= 0
+        )
+        return sum(max(0, n_trials) for n_trials in ends)
+
+    def place_after(self, training_iterations: int) -> int:
+        """Return the first place with so many training iterations before it, a test's if one is.
+
+        Raises InputError when no episode begins there.
+        """
+        per_episode = self.config.iterations_per_episode
+        for segment in self.segments:
+            done = training_iterations - segment.training_iteration
+            if segment.i_test >= 0:
+                if done == 0:
+                    return segment.first
+            elif 0 <= done < segment.n_episodes * per_episode and done % per_episode == 0:
+                return segment.first + done // per_episode
+        raise InputError(
+            f"n_training_iterations: expected {training_iterations} or more, and episodes of which "
+            f"one begins there, got {self.config.n_training_iterations}"
+        )
+
+    def plant_settings(self, episode: Episode) -> dict[str, Any]:
+        """Return the plant's parameters that differ then from those that it was started with."""
+        stage = self._schedule.stage(episode.phase, episode.training_iteration)
+        return self._schedule.settings(stage)
+
+    def change(self, place: int) -> Change | None:
+        """Return the change that comes into force with the episode at a place, if one does."""
+        stage = self.segment(place).stage
+        before = self.segment(place - 1).stage if place else 0
+        return self._schedule.changes[stage - 1] if stage > before else None
+
+    def episode(self, place: int) -> Episode:
+        """Return the episode at a place in the sequence; raises IndexError beyond the end."""
+        return self._cached(place)
+
+    def training_episodes(self) -> Iterator[Episode]:
+        """Yield the training episodes, one after the other, without the tests between them."""
+        for segment in self.segments:
+            if segment.i_test < 0:
+                yield from map(
+                    self.episode, range(segment.first, segment.first + segment.n_episodes)
+                )
+
+    def _draw(self, place: int) -> Episode:
+        segment = self.segment(place)
+        offset = place - segment.first
+        if segment.i_test < 0:
+            return self._training_episode(segment, offset)
+        return self._trial(segment, offset)
+
+    def _training_episode(self, segment: Segment, offset: int) -> Episode:
+        config = self.config
+        number = segment.training_iteration // config.iterations_per_episode + offset
+        draw = generator(self._seed, "episode", number)
+        stimulus = int(draw.integers(config.n_training_stimuli))
+        eyes = self._eyes[segment.stage]
+        object_distance_m, fixation_distance_m = (
+            self._distance_m(draw, bounds(ends_m), eyes.baseline_m)
+            for ends_m in (config.object_distance_m, config.fixation_distance_m)
+        )
+        medial, lateral = eyes.activation_pair(
+            desired_vergence_deg(fixation_distance_m, eyes.baseline_m), float(draw.random())
+        )
+        return Episode(
+            phase=TRAINING,
+            test=-1,
+            trial=-1,
+            episode=number,
+            training_iteration=number * config.iterations_per_episode,
+            stimulus=stimulus,
+            object_distance_m=object_distance_m,
+            medial_rectus=medial,
+            lateral_rectus=lateral,
+            n_iterations=config.iterations_per_episode,
+            first_observation=segment.first_observation
+            + offset * (config.iterations_per_episode + 1),
+        )
+
+    def _distance_m(
+        self, draw: np.random.Generator, ends_m: tuple[float, float], baseline_m: float
+    ) -> float:
+        """Draw a distance uniformly (K17), or one of uniformly drawn vergence (D18).
+
+        ours: uniform distances are seldom near, so that the vergence errors of more than 2 deg
+        with which a test may start hardly occur in training.
+        """
+        if not self.config.draws_vergence_evenly:
+            return float(draw.uniform(*ends_m))
+        nearest_m, farthest_m = ends_m
+        vergence = draw.uniform(
+            desired_vergence_deg(farthest_m, baseline_m),
+            desired_vergence_deg(nearest_m, baseline_m),
+        )
+        return distance_of_vergence_m(float(vergence), baseline_m)
+
+    def _trial(self, segment: Segment, trial: int) -> Episode:
+        config = self.config
+        i_stimulus, i_condition = divmod(trial, len(self.conditions))
+        condition = self.conditions[i_condition]
+        eyes = self._eyes[segment.stage]
+        vergence_deg = (
+            desired_vergence_deg(condition.object_distance_m, eyes.baseline_m)
+            - condition.start_error_deg
+        )
+        fraction = float(generator(self._seed, "trial", trial).random())
+        medial, lateral = eyes.activation_pair(vergence_deg, fraction)
+        return Episode(
+            phase=TEST,
+            test=segment.i_test,
+            trial=trial,
+            episode=segment.training_iteration // config.iterations_per_episode,
+            training_iteration=segment.training_iteration,
+            stimulus=config.n_training_stimuli + i_stimulus,
+            object_distance_m=condition.object_distance_m,
+            medial_rectus=medial,
+            lateral_rectus=lateral,
+            n_iterations=config.iterations_per_trial,
+            first_observation=segment.first_observation + trial * (config.iterations_per_trial + 1),
+        )
+
+
+def make_protocol(config: ExperimentManagerConfig) -> Protocol:
+    """Return the sequence of episodes of a configuration."""
+    limits = (
+        bounds(config.protocol.medial_rectus_limits),
+        bounds(config.protocol.lateral_rectus_limits),
+    )
+    schedule = read_schedule(config.schedule)
+    plant = EyePlantConfig(mechanics=config.mechanics)
+    eyes = [_eyes(at, its.mechanics, limits) for at, its in stages_of(schedule, plant)]
+    return Protocol(config.protocol, config.seed, eyes, schedule)
+
+
+def _eyes(at: int, mechanics: MechanicsConfig, limits: Limits) -> Eyes:
+    inverse = Inverse(mechanics)
+    return Eyes(
+        at,
+        mechanics.baseline_m,
+        lambda vergence_deg, fraction: inverse.activation_pair(vergence_deg, fraction, limits),
+    )

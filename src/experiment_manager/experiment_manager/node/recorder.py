@@ -1,0 +1,189 @@
+"""What is recorded: the messages of each episode, until each expected one is in the bag."""
+
+import time
+from collections import deque
+from collections.abc import Callable, Collection
+from functools import partial
+from importlib import import_module
+
+from rclpy.node import Node
+from rclpy.subscription import Subscription
+
+from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.node.fault_detection import LEARNER_OF, check_learning_steps
+from experiment_manager.run.episode_record import (
+    FREE_TOPICS,
+    SAMPLED_TOPICS,
+    SMALL_TOPICS,
+    EpisodeRecord,
+    takes_pictures,
+)
+from experiment_manager.run.run_directory import Run
+from eye_plant.episode import Episode
+from lockstep.wire.cdr import stamp_of
+from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.stamps import NS_PER_S, period_ns
+from lockstep.wire.topics import (
+    GROUND_TRUTH_NAMES,
+    HORIZONTAL_RECTI,
+    REWARD_NAMES,
+    TEST,
+    TOPIC_TYPES,
+)
+from lockstep.wire.vectors import Vector, VectorReader, values_of
+
+# Of an observation, the plant sends its small messages while the others compute, this one last.
+_LAST_TOPIC = "eye_states"
+
+
+class Recorder:
+    """Writes what the graph sends into the run's bag, and counts up what it says."""
+
+    def __init__(
+        self,
+        node: Node,
+        run: Run,
+        config: ExperimentManagerConfig,
+        guard: Callable[[Callable[[], None]], None],
+        on_complete: Callable[[], None],
+    ) -> None:
+        """guard: calls what a message sets off; on_complete: called when an episode is recorded."""
+        self._node = node
+        self._run = run
+        self._config = config
+        self._guard = guard
+        self._on_complete = on_complete
+        self._period_ns = period_ns(config.mechanics.period_s)
+        # Learners whose learning steps must be those of the protocol.
+        self.checked_learners: Collection[str] = ()
+        self.record: EpisodeRecord | None = None
+        # The one under way and the last one: a picture may come after all that is counted.
+        self._records: deque[EpisodeRecord] = deque(maxlen=2)
+        self._is_open = True
+        self._hear()
+        self._others_are_late = False
+        measured = ("ground_truth", "muscle_activations", *LEARNER_OF)
+        self._readers = {name: VectorReader(name) for name in measured}
+        self._subscriptions_of_pictures: list[Subscription] = []
+        self._recorded = {topic: self._subscribe(topic) for topic in (*SMALL_TOPICS, *FREE_TOPICS)}
+
+    def _subscribe(self, topic: str) -> Subscription:
+        package, folder, name = TOPIC_TYPES[topic].split("/")
+        kind = getattr(import_module(f"{package}.{folder}"), name)
+
+        def receive(message: bytes) -> None:
+            self._guard(partial(self._take, topic, message))
+
+        return self._node.create_subscription(kind, topic, receive, LOCKSTEP_QOS, raw=True)
+
+    def awaited_subscriptions(self) -> list[Subscription]:
+        """Return the topic that comes last of an observation, and all when it came before others.
+
+        To wake up for each message would take a core from the nodes whose answer is awaited.
+        """
+        if self._others_are_late:
+            return list(self._recorded.values())
+        return [self._recorded[_LAST_TOPIC]]
+
+    def sample_pictures(self) -> None:
+        """Subscribe some episodes early, so that all is matched when the sampled one begins."""
+        wanted = self._run.takes_pictures_soon()
+        if wanted and not self._subscriptions_of_pictures:
+            self._subscriptions_of_pictures = [self._subscribe(name) for name in SAMPLED_TOPICS]
+        elif not wanted and self._subscriptions_of_pictures:
+            for subscription in self._subscriptions_of_pictures:
+                self._node.destroy_subscription(subscription)
+            self._subscriptions_of_pictures = []
+
+    # Episodes
+
+    def begin(self, episode: Episode) -> None:
+        """Expect the messages of an episode."""
+        self.record = EpisodeRecord(episode, self._period_ns)
+        self._records.appendleft(self.record)
+        # A picture of the last episode may still come, of those before nothing does.
+        self._run.writer.release(self._records[-1].first_ns)
+        self._hear()
+
+    def end(self) -> None:
+        """Expect nothing until the next episode begins."""
+        self.record = None
+        self._others_are_late = False
+
+    def close(self) -> None:
+        """Record nothing any more."""
+        self.record = None
+        self._is_open = False
+
+    @property
+    def silent_s(self) -> float:
+        """For how long no new message has come, or somebody was given time again."""
+        return time.monotonic() - self._message_s
+
+    @property
+    def unheard_s(self) -> float:
+        """For how long no new message has come."""
+        return time.monotonic() - self._heard_s
+
+    def wait_from_now(self) -> None:
+        """Give somebody time from now on."""
+        self._message_s = time.monotonic()
+
+    # Messages
+
+    def _hear(self) -> None:
+        """Count both kinds of silence from now on."""
+        self._heard_s = self._message_s = time.monotonic()
+
+    def _take(self, topic: str, message: bytes) -> None:
+        if not self._is_open:
+            return
+        if topic == "/diagnostics":
+            # Its own stamp is of another clock.
+            self._run.writer.write(topic, message, self._run.stamp_ns)
+            return
+        seconds, nanoseconds = stamp_of(message)
+        stamp_ns = seconds * NS_PER_S + nanoseconds
+        record = next((r for r in self._records if r.holds(stamp_ns)), None)
+        if record is None:
+            return
+        if topic in SAMPLED_TOPICS and not takes_pictures(self._config, record.episode):
+            return
+        if not self._run.writer.write(topic, message, stamp_ns):
+            return
+        self._hear()
+        if topic in SMALL_TOPICS:
+            self._count(topic, message, record, stamp_ns)
+
+    def _count(self, topic: str, message: bytes, record: EpisodeRecord, stamp_ns: int) -> None:
+        self._run.stamp_ns = max(self._run.stamp_ns, stamp_ns)
+        if topic in self._readers:
+            self._measure(topic, message, record, stamp_ns)
+        record.count(topic)
+        if record.is_complete:
+            self._on_complete()
+        elif topic == _LAST_TOPIC and stamp_ns == record.last_ns:
+            self._others_are_late = True
+
+    def _measure(self, topic: str, message: bytes, record: EpisodeRecord, stamp_ns: int) -> None:
+        if topic == "muscle_activations" and record.episode.phase != TEST:
+            return
+        vector = self._readers[topic].read(message)
+        if topic == "ground_truth":
+            is_last = stamp_ns == record.last_ns
+            self._run.add_truth(values_of(vector, GROUND_TRUTH_NAMES, topic), is_last=is_last)
+        elif topic == "muscle_activations":
+            values = values_of(vector, HORIZONTAL_RECTI, topic)
+            self._run.add_activations(record.episode, values)
+        else:
+            self._measure_learner(topic, vector, record, stamp_ns)
+
+    def _measure_learner(
+        self, topic: str, vector: Vector, record: EpisodeRecord, stamp_ns: int
+    ) -> None:
+        if LEARNER_OF[topic] in self.checked_learners:
+            (found,) = values_of(vector, ("learning_steps",), topic)
+            check_learning_steps(topic, record, stamp_ns, float(found))
+        if topic == "reward":
+            iteration = record.iteration(stamp_ns)
+            self._run.add_reward(record.episode, iteration, values_of(vector, REWARD_NAMES, topic))

@@ -1,0 +1,354 @@
+"""Figures show the numbers of the bag: what is drawn is read back from the axes."""
+
+import copy
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from experiment_manager.analysis.report.condition_figures import conditions_figure
+from experiment_manager.analysis.report.dictionary_figures import dictionary_figure, preference
+from experiment_manager.analysis.report.groups import Group, groups_of
+from experiment_manager.analysis.report.motor_space_figure import (
+    MotorSpace,
+    motor_space,
+    motor_space_figure,
+)
+from experiment_manager.analysis.report.performance_figures import (
+    box_figure,
+    learning_curve,
+    performance_figure,
+)
+from experiment_manager.analysis.report.picture_figures import (
+    anaglyph,
+    anaglyph_figure,
+    encoding_figure,
+)
+from experiment_manager.analysis.report.price_figure import over_prices, price_figure
+from experiment_manager.analysis.report.reported_run import ReportedRun
+from experiment_manager.measures.metrics import PX_DEG, summary
+from eye_plant.mechanics.inverse import Inverse
+from eye_plant.mechanics.model import MechanicsConfig
+from lockstep.errors import InputError
+
+
+def _is_inside(text: Text, figure: Figure) -> bool:
+    extent = text.get_window_extent()
+    return figure.bbox.x0 <= extent.x0 and extent.x1 <= figure.bbox.x1
+
+
+def test_long_names_of_groups_are_not_cut_off(runs: list[ReportedRun]) -> None:
+    groups = [
+        replace(group, label=f"{group.label}, {'a long setting 0.123456789, ' * 4}")
+        for group in groups_of(runs)
+    ]
+    grid = np.linspace(0, 0.1, 3)
+    space = MotorSpace(2 * grid, grid, np.eye(3), np.eye(3), 0.056)
+    for figure in (
+        performance_figure(groups),
+        box_figure(groups),
+        motor_space_figure(space, groups),
+    ):
+        figure.draw_without_rendering()
+        assert all(_is_inside(text, figure) for text in figure.legends[0].get_texts())
+    figure = conditions_figure(groups)
+    figure.draw_without_rendering()
+    left, right = (axes.title.get_window_extent() for axes in figure.axes[:2])
+    assert left.x1 < right.x0
+
+
+@pytest.mark.filterwarnings("error:constrained_layout")
+@pytest.mark.parametrize("drawn", [performance_figure, box_figure])
+def test_a_long_legend_leaves_a_figure_its_height(
+    drawn: Callable[[Sequence[Group]], Figure], runs: list[ReportedRun]
+) -> None:
+    groups = [
+        replace(groups_of(runs)[0], label=f"{i}, {'a long setting 0.123456789, ' * 2}")
+        for i in range(40)
+    ]
+    few, many = drawn(groups[:1]), drawn(groups)
+    for figure in (few, many):
+        figure.draw_without_rendering()
+    heights = [figure.axes[0].get_window_extent().height for figure in (few, many)]
+    assert heights[1] > 0.7 * heights[0]
+
+
+def test_fig_2_shows_the_medians_of_the_tests(runs: list[ReportedRun]) -> None:
+    groups = groups_of(runs)
+    figure = performance_figure(groups)
+    upper, lower, right = figure.axes
+    for axes in (upper, lower):
+        for line, run in zip(axes.lines, runs, strict=False):
+            expected = [
+                np.median(np.abs(test.vergence_error_deg[:, 20])) for test in run.trials.values()
+            ]
+            assert np.array_equal(line.get_xdata(), [0, 130, 270, 400])
+            assert np.allclose(line.get_ydata(), expected)
+    for line, run in zip(right.lines, runs, strict=False):
+        expected = [
+            np.median(t.metabolic_rate_w[:, 20] - t.optimal_metabolic_rate_w)
+            for t in run.trials.values()
+        ]
+        assert np.allclose(line.get_ydata(), expected)
+    assert lower.get_yscale() == "log"
+    assert "deg" in upper.get_ylabel()
+    assert "W" in right.get_ylabel()
+
+
+def test_fig_3_has_a_box_per_model_and_iteration(runs: list[ReportedRun]) -> None:
+    figure = box_figure(groups_of(runs))
+    upper, lower = figure.axes
+    medians = sorted(
+        float(np.asarray(line.get_ydata())[0])
+        for line in upper.lines
+        if line.get_color() == "black"
+    )
+    expected = sorted(
+        float(np.median(np.abs(run.trials[400].vergence_error_deg[:, k])))
+        for run in runs
+        for k in (1, 2, 3, 20)
+    )
+    assert np.allclose(medians, expected)
+    assert [text.get_text() for text in lower.get_xticklabels()] == ["1", "2", "3", "20"]
+    assert "%" in lower.get_ylabel()
+
+
+def test_the_learning_curve_is_a_picture_in_the_run(run_directories: dict[str, Path]) -> None:
+    path = learning_curve(run_directories["M"])
+    assert path == run_directories["M"] / "figures" / "learning_curve.png"
+    assert path.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_motor_space_is_that_of_the_plant() -> None:
+    config = MechanicsConfig()
+    space = motor_space(config, n_medial=3, n_lateral=2)
+    assert space.medial.tolist() == [0.0, 0.1, 0.2]
+    assert space.lateral.tolist() == [0.0, 0.1]
+    inverse = Inverse(config)
+    expected = [[inverse.vergence_deg(m, a) for a in space.lateral] for m in space.medial]
+    assert np.allclose(space.vergence_deg, expected, atol=1e-6)
+    # OpenEyeSim's map as a power law, both eyes: 2 (2.229 A_MR^0.6 + 2.030 A_LR^0.6) W.
+    law_w = 2 * (2.229 * 0.2**0.6 + 2.03 * 0.1**0.6)
+    assert space.metabolic_rate_w[2, 1] == pytest.approx(law_w, rel=0.02)
+
+
+def test_fig_4_draws_each_trial_to_its_end(runs: list[ReportedRun]) -> None:
+    grid = np.linspace(0, 0.1, 11)
+    medial, lateral = np.meshgrid(2 * grid, grid, indexing="ij")
+    vergence_deg = 2 * (0.498 + 37.7 * medial - 40.9 * lateral)
+    space = MotorSpace(2 * grid, grid, vergence_deg, medial + lateral, 0.056)
+    figure = motor_space_figure(space, groups_of(runs))
+    near, far = figure.axes[:2]
+    # At 0.5 m there are trials from -3, -1, 1, 3 deg; at 6 m only from -3 and -1.
+    for axes, distance_m, starts_deg in ((near, 0.5, (-3, -1, 1, 3)), (far, 6.0, (-3, -1))):
+        paths = [line for line in axes.lines if len(np.asarray(line.get_xdata())) == 21]
+        assert len(paths) == 2 * len(starts_deg)
+        trials = runs[0].trials[400]
+        for path, start_deg in zip(paths, starts_deg, strict=False):
+            (i_trial,) = np.flatnonzero(
+                (trials.object_distance_m == distance_m)
+                & (np.abs(trials.vergence_error_deg[:, 0] - start_deg) < 1e-6)
+            )
+            found = np.stack([path.get_ydata(), path.get_xdata()], axis=1)
+            assert np.array_equal(found, runs[0].trials[400].activations[i_trial])
+    assert near.get_title() == "object at 0.5 m"
+
+
+def test_conditions_show_the_median_of_their_trials(runs: list[ReportedRun]) -> None:
+    figure = conditions_figure(groups_of(runs))
+    axes = figure.axes[0]
+    mask = np.ma.getmaskarray(np.ma.asarray(axes.images[0].get_array()))
+    assert mask.shape == (7, 10)
+    assert (~mask).sum() == 39
+    trials = runs[0].trials[400]
+    start_deg = np.round(trials.vergence_error_deg[:, 0])
+    here = (trials.object_distance_m == 2.0) & (start_deg == -1.0)
+    expected = np.median(np.abs(trials.vergence_error_deg[here, -1]))
+    row = [label.get_text() for label in axes.get_yticklabels()].index("2")
+    column = [label.get_text() for label in axes.get_xticklabels()].index("-1")
+    values = np.asarray(axes.images[0].get_array())
+    assert values[row, column] == pytest.approx(expected)
+    assert f"{expected:.2f}" in {text.get_text() for text in axes.texts}
+
+
+def test_encoding_is_binned_by_vergence_error(runs: list[ReportedRun]) -> None:
+    figure = encoding_figure(groups_of(runs[:1]))
+    assert figure is not None
+    (axes,) = figure.axes
+    before, after = (np.asarray(line.get_ydata()) for line in axes.lines)
+    at_deg = np.asarray(axes.lines[1].get_xdata())
+    assert runs[0].recorded is not None
+    test = runs[0].recorded.tests[-1]
+    here = np.abs(test.trials.vergence_error_deg[:, :20]) < 0.125
+    expected = np.median(test.reconstruction_error[:, :20][here])
+    assert after[at_deg == 0.0] == pytest.approx(expected)
+    # The fixture encodes better the less the error, once it has learned.
+    assert after[at_deg == 0.0] < np.nanmin(before) - 0.1
+
+
+def test_there_is_no_encoding_of_too_few_observations(
+    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("experiment_manager.analysis.report.picture_figures._LEAST_PER_BIN", 10**6)
+    assert encoding_figure(groups_of(runs)) is None
+
+
+def test_an_anaglyph_is_red_for_the_left_eye_and_cyan_for_the_right() -> None:
+    left, right = np.full((2, 3), 200, np.uint8), np.full((2, 3), 10, np.uint8)
+    assert anaglyph(left, right)[1, 2].tolist() == [200, 10, 10]
+
+
+def test_anaglyphs_show_a_trial_before_and_after_learning(runs: list[ReportedRun]) -> None:
+    run = runs[0].recorded
+    assert run is not None
+    figure = anaglyph_figure(run)
+    assert figure is not None
+    # Trials 0, 10, 20, 30 have pictures; the last two start without error. Of the others the
+    # lower median is the one that ends nearer.
+    final_deg = np.abs(run.tests[-1].trials.vergence_error_deg[:, -1])
+    trial = min((0, 10), key=lambda number: final_deg[number])
+    for axes, test, iteration in zip(
+        figure.axes, (run.tests[0],) * 2 + (run.tests[-1],) * 2, (0, 19, 0, 19), strict=True
+    ):
+        stamp_ns = int(test.stamps_ns[trial, iteration])
+        ((_, left),) = run.bag.images("left/image_raw", [stamp_ns])
+        ((_, right),) = run.bag.images("right/image_raw", [stamp_ns])
+        shown = np.asarray(axes.images[0].get_array())
+        assert np.array_equal(shown, anaglyph(left, right))
+        error_deg = test.trials.vergence_error_deg[trial, iteration]
+        assert f"error {error_deg:+.2f} deg ({error_deg / PX_DEG:+.1f} px)" in axes.get_title()
+
+
+def _gabor(shift: float) -> np.ndarray:
+    y, x = np.mgrid[-3.5:4.0, -3.5:4.0]
+    moved = x - shift
+    gabor: np.ndarray = np.exp(-(moved**2 + y**2) / 6) * np.cos(2 * np.pi * 0.12 * moved + 0.4)
+    return gabor
+
+
+@pytest.mark.parametrize("disparity", [-2.0, -1.0, -0.4, 0.0, 0.6, 1.0, 2.0])
+def test_the_preferred_disparity_of_a_shifted_pair(disparity: float) -> None:
+    atom = np.concatenate([_gabor(disparity / 2).ravel(), _gabor(-disparity / 2).ravel()])
+    found = preference(atom[None])
+    assert found.disparity[0] == pytest.approx(disparity, abs=0.2)
+    assert found.balance[0] > 0.9
+    assert found.binocular[0]
+
+
+def test_a_monocular_atom_prefers_nothing() -> None:
+    atoms = np.stack(
+        [
+            np.concatenate([_gabor(0).ravel(), 0.1 * _gabor(0).ravel()]),
+            np.concatenate([np.zeros(64), _gabor(0).ravel()]),
+            np.zeros(128),
+        ]
+    )
+    found = preference(atoms)
+    assert found.balance.tolist() == pytest.approx([0.1, 0.0, 0.0])
+    assert not found.binocular.any()
+
+
+def test_each_atom_becomes_one_tile() -> None:
+    atoms = np.zeros((2, 20, 128), np.float32)
+    atoms[0, 7, :64] = 2.0
+    figure = dictionary_figure(atoms)
+    mosaic = np.asarray(figure.axes[0].images[0].get_array())
+    assert mosaic.shape == (2 * 9 + 1, 16 * 19 + 1)
+    # None prefers anything, so they stay in their order: the seventh of the first row's sixteen.
+    first = 7 * 19 + 2
+    assert (mosaic[1:9, first : first + 8] == 1.0).all(), "the left eye's part"
+    assert (mosaic[1:9, first + 8 : first + 16] == 0.0).all(), "the right eye's"
+    assert (mosaic[10:18, 2:18] == 0.0).all()
+    with pytest.raises(InputError, match=r"expected atoms \(2, n_bases, 128\), got shape \(3, 4\)"):
+        dictionary_figure(np.zeros((3, 4)))
+
+
+def test_pictures_that_were_not_recorded_are_no_figure(
+    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = runs[1].recorded
+    assert run is not None
+    monkeypatch.setattr(run.bag, "has", lambda topic: False)
+    assert anaglyph_figure(run) is None
+
+
+# --- several seeds, and prices
+
+
+def _priced(run: ReportedRun, weight: float, error_factor: float) -> ReportedRun:
+    """The same run as if it had another lambda and other errors, but for the start."""
+    other = copy.copy(run)
+    other.about = {**run.about, "metabolic_cost_weight": weight}
+    factors = np.where(np.arange(21) > 0, error_factor, 1.0)
+    other.trials = {
+        at: replace(test, vergence_error_deg=test.vergence_error_deg * factors)
+        for at, test in run.trials.items()
+    }
+    return other
+
+
+def test_fig_2_has_each_seed_thin_behind_the_pooled_median(runs: list[ReportedRun]) -> None:
+    worse = _priced(runs[0], 0.0, 3.0)
+    worse.summaries = [summary(test) for test in worse.trials.values()]
+    groups = groups_of([runs[0], worse])
+    assert len(groups) == 1
+    lower = performance_figure(groups).axes[1]
+    pooled, *seeds = lower.lines[:3]
+    finals_deg = [run.trials[400].vergence_error_deg[:, 20] for run in (runs[0], worse)]
+    both = np.abs(np.concatenate(finals_deg))
+    assert np.asarray(pooled.get_ydata())[-1] == pytest.approx(np.median(both))
+    ends = [float(np.asarray(line.get_ydata())[-1]) for line in seeds]
+    single = float(np.median(np.abs(runs[0].trials[400].vergence_error_deg[:, 20])))
+    assert ends == pytest.approx([single, 3 * single])
+    assert all(line.get_linewidth() < pooled.get_linewidth() for line in seeds)
+
+
+@pytest.mark.parametrize("factor", [0.001, 1.0, 1.02])
+def test_fig_2_always_has_two_labelled_ticks_below(runs: list[ReportedRun], factor: float) -> None:
+    # Errors that hardly differ, far from any power of ten.
+    flat = _priced(runs[0], 0.0, factor)
+    flat.trials = {
+        at: replace(test, vergence_error_deg=np.full((39, 21), 0.3 * factor))
+        for at, test in flat.trials.items()
+    }
+    lower = performance_figure(groups_of([flat])).axes[1]
+    low, high = lower.get_ylim()
+    labels = [t.get_text() for t in lower.get_yticklabels() if low <= t.get_position()[1] <= high]
+    assert len([label for label in labels if label]) >= 2
+
+
+def test_ends_of_both_models_in_one_point_can_be_told_apart(runs: list[ReportedRun]) -> None:
+    grid = np.linspace(0, 0.1, 3)
+    space = MotorSpace(2 * grid, grid, np.eye(3), np.eye(3), 0.056)
+    near = motor_space_figure(space, groups_of(runs)).axes[0]
+    ends = [line for line in near.lines if len(np.asarray(line.get_xdata())) == 1]
+    looks = {(line.get_marker(), line.get_markersize(), line.get_color()) for line in ends}
+    assert len(looks) == 2
+    (below, *_), (above, *_) = (
+        [line for line in ends if line.get_marker() == marker] for marker in ("o", "D")
+    )
+    assert below.get_markersize() > 1.5 * above.get_markersize()
+    assert below.get_zorder() < above.get_zorder(), "the smaller one lies on the larger one"
+
+
+def test_prices_are_compared_where_nothing_else_differs(runs: list[ReportedRun]) -> None:
+    family = [_priced(runs[1], weight, factor) for weight, factor in ((0.2, 2), (0.01, 1))]
+    assert over_prices(groups_of([runs[1], *family[:1]])) == [], "two prices are no curve"
+    groups = over_prices(groups_of([*family, runs[1]]))
+    assert [group.common.weight for group in groups] == [0.01, 0.08, 0.2]
+    assert over_prices(groups_of([*runs, *family]))[0].model == "M", "without a price: lambda 0"
+    figure = price_figure(groups)
+    error, _, _, rate, trade = figure.axes[:5]
+    medians_deg = [
+        np.median(np.abs(group.last_trials.vergence_error_deg[:, 20])) for group in groups
+    ]
+    assert np.allclose(error.lines[0].get_ydata(), medians_deg)
+    assert np.allclose(error.lines[0].get_xdata(), [0.01, 0.08, 0.2])
+    rates_w = [np.median(group.last_trials.metabolic_rate_w[:, 20]) for group in groups]
+    assert np.allclose(rate.lines[0].get_ydata(), rates_w)
+    assert np.allclose(trade.lines[0].get_xdata(), rates_w)
+    assert np.allclose(trade.lines[0].get_ydata(), medians_deg)

@@ -1,0 +1,98 @@
+"""What ends a run, with which exit code, and what is waited for instead."""
+
+from pathlib import Path
+
+import pytest
+
+from experiment_manager.node.fault_detection import (
+    Fault,
+    Wait,
+    check_learning_steps,
+    of_doubled,
+    of_error,
+    of_refusal,
+    of_silence,
+)
+from experiment_manager.run.episode_record import EpisodeRecord
+from eye_plant.episode import Episode
+from lockstep.errors import InputError
+from lockstep.exit_codes import EXIT_FAULT, EXIT_UNWRITABLE
+from lockstep.wire.topics import TEST, TRAINING
+
+PERIOD_NS = 200_000_000
+
+
+def _record(phase: int) -> EpisodeRecord:
+    """Return the fourth training episode of 10 iterations, or a trial just before it."""
+    episode = Episode(
+        phase=phase,
+        test=-1,
+        trial=-1,
+        episode=3,
+        training_iteration=30,
+        stimulus=0,
+        object_distance_m=1.0,
+        medial_rectus=0.0,
+        lateral_rectus=0.0,
+        n_iterations=10,
+        first_observation=100,
+    )
+    return EpisodeRecord(episode, PERIOD_NS)
+
+
+def test_refused_input_and_a_full_disk_have_exit_codes_of_their_own() -> None:
+    assert of_error(InputError("expected a"), Path("run")) == Fault("expected a", EXIT_FAULT)
+    full = of_error(OSError(28, "No space left"), Path("run"))
+    assert full == Fault("run cannot be written: [Errno 28] No space left", EXIT_UNWRITABLE)
+
+
+@pytest.mark.parametrize(("kind", "code"), [("episode", EXIT_FAULT), ("save", EXIT_UNWRITABLE)])
+def test_a_refused_request(kind: str, code: int) -> None:
+    assert of_refusal("coder", kind, "why") == Fault(f"coder refused {kind}: why", code)
+
+
+def test_a_second_publisher() -> None:
+    assert of_doubled([]) is None
+    fault = of_doubled(["reward", "episode"])
+    assert fault == Fault("expected one publisher per topic, found more on reward, episode")
+
+
+@pytest.mark.parametrize(
+    ("absent", "silent_s", "supervised", "found"),
+    [
+        ([], 6.0, True, Fault("no message for 5 s; missing: 2 of reward")),
+        ([], 600.0, False, Wait("no message for 5 s; missing: 2 of reward")),
+        (["reward"], 60.0, True, Wait("waiting for reward")),
+        (["reward"], 61.0, True, Fault("nobody to publish reward for 61 s")),
+        (["reward", "actor_critic"], 600.0, False, Wait("waiting for reward, actor_critic")),
+    ],
+)
+def test_silence_is_a_fault_only_of_a_supervised_node_that_is_there_or_long_lost(
+    absent: list[str], silent_s: float, supervised: bool, found: Fault | Wait
+) -> None:
+    assert of_silence(5.0, "2 of reward", absent, silent_s, supervised=supervised) == found
+
+
+def test_a_gap_that_is_long_makes_a_lost_node_wait_longer() -> None:
+    found = of_silence(40.0, "2 of reward", ["reward"], 79.0, supervised=True)
+    assert found == Wait("waiting for reward")
+
+
+@pytest.mark.parametrize(
+    ("topic", "phase", "iteration", "expected"),
+    [
+        ("reward", TRAINING, 4, 34),  # one step per iteration, after the answer
+        ("actor_critic", TRAINING, 4, 31),  # none in the first iteration of 4 episodes
+        ("reward", TEST, 4, 30),
+        ("actor_critic", TEST, 4, 27),
+    ],
+)
+def test_learning_steps_must_be_those_of_the_protocol(
+    topic: str, phase: int, iteration: int, expected: int
+) -> None:
+    stamp_ns = (100 + iteration) * PERIOD_NS
+    check_learning_steps(topic, _record(phase), stamp_ns, float(expected))
+    for found in (expected - 1, expected + 1):
+        message = f"expected {expected} learning steps in episode 3, got {found}"
+        with pytest.raises(InputError, match=message):
+            check_learning_steps(topic, _record(phase), stamp_ns, float(found))

@@ -1,0 +1,167 @@
+"""evaluate.sh with a checkpoint: what frozen learners do with their own and with other pictures."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from experiment_manager.commands.evaluate import main
+from experiment_manager.frozen_evaluation import FrozenTest
+from lockstep.errors import InputError
+
+
+@pytest.fixture
+def run(small_run: Path, tmp_path: Path) -> Path:
+    """What a checkpoint copied to another machine has: no bag."""
+    directory = tmp_path / "run"
+    shutil.copytree(small_run, directory, ignore=shutil.ignore_patterns("bag", "results.json"))
+    return directory
+
+
+def _tests(run: Path) -> list[dict[str, Any]]:
+    tests: list[dict[str, Any]] = json.loads((run / "results.json").read_text())["tests"]
+    return tests
+
+
+def test_the_last_checkpoint_on_its_own_stimuli_gives_the_last_test(
+    small_run: Path, run: Path
+) -> None:
+    assert FrozenTest(run).document()["tests"] == [_tests(small_run)[-1]]
+
+
+def test_own_stimuli_from_their_directory_are_the_same(
+    small_run: Path, run: Path, pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out.json"
+    assert main([str(run), "--stimuli", str(pictures), "--out", str(out)]) == 0
+    document = json.loads(out.read_text())
+    assert document["tests"] == [_tests(small_run)[-1]]
+    assert document["stimuli"] == str(pictures)
+    text = capsys.readouterr().out
+    assert f"2 pictures of {pictures}" in text
+    assert json.dumps(document["tests"][0], indent=2) in text
+
+
+def test_the_first_checkpoint_gives_the_first_test(small_run: Path, run: Path) -> None:
+    # The one before the first episode: nothing learned, and the test at 0 is what comes next.
+    places = sorted(int(path.name) for path in (run / "checkpoints").iterdir())
+    assert places[0] == 0
+    assert FrozenTest(run, place=0).document()["tests"] == [_tests(small_run)[0]]
+
+
+def test_other_pictures_and_fewer_of_them(run: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    other.mkdir()
+    draw = np.random.default_rng(2)
+    for i in range(3):
+        cv2.imwrite(str(other / f"{i}.png"), draw.integers(0, 256, (80, 90), dtype=np.uint8))
+    document = FrozenTest(run, stimuli=other, n_stimuli=1).document()
+    n_conditions = document["tests"][0]["n_trials"]
+    assert (document["n_stimuli"], n_conditions) == (1, 5)
+    # As many as in the run's own tests, of which there were two.
+    assert FrozenTest(run, stimuli=other).document()["tests"][0]["n_trials"] == 2 * n_conditions
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        (("--checkpoint", "7"), "checkpoints: expected a checkpoint after 7 episodes, there is"),
+        (("--stimuli", "/nowhere"), "expected a directory of pictures, got /nowhere"),
+        (("--stimuli", ".", "--stimuli-per-test", "0"), "stimuli per test: expected 1 or more"),
+    ],
+)
+def test_what_is_not_there_is_one_line(
+    run: Path, line: tuple[str, ...], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([str(run), *line]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: ")
+    assert message in error
+    assert error.count("\n") == 1
+
+
+def test_a_damaged_state_is_one_line(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (newest,) = sorted((run / "checkpoints").iterdir())[-1:]
+    (newest / "vergence_rl.npz").write_bytes(b"")
+    assert main([str(run), "--checkpoint", newest.name]) == 2
+    assert "vergence_rl.npz is missing or was changed" in capsys.readouterr().err
+
+
+def test_a_run_without_checkpoints_is_one_line(
+    run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.rmtree(run / "checkpoints")
+    assert main([str(run), "--stimuli", "."]) == 2
+    assert "expected a checkpoint, found none" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("line", [("--out", "x.json"), ("--checkpoint", "0", "--write")])
+def test_options_that_do_not_go_together(
+    run: Path, line: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as exit_info:
+        main([str(run), *line])
+    assert exit_info.value.code == 2
+    assert "usage: evaluate.sh" in capsys.readouterr().err
+
+
+def test_a_test_with_altered_input_is_another_one(small_run: Path, run: Path) -> None:
+    same = FrozenTest(run, settings={"camera.left_blur_px": 0.0}).document()
+    assert same["tests"] == [_tests(small_run)[-1]]
+    blurred = FrozenTest(run, settings={"camera.left_blur_px": 40.0}).document()
+    assert blurred["settings"] == {"camera.left_blur_px": 40.0}
+    assert blurred["tests"] != same["tests"]
+
+
+def test_random_dot_stereograms(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([str(run), "--random-dots", "--stimuli-per-test", "2"]) == 0
+    assert "2 pictures of random-dot stereograms" in capsys.readouterr().out
+
+
+def test_generated_stimuli_of_a_run_that_was_trained_on_others(run: Path) -> None:
+    document = FrozenTest(run, n_stimuli=1, generated=True).document()
+    assert (document["n_stimuli"], document["stimuli"]) == (1, "the generated test stimuli")
+    assert document["tests"] != FrozenTest(run, n_stimuli=1).document()["tests"]
+
+
+def test_stereograms_of_a_directory(run: Path, tmp_path: Path) -> None:
+    directory = tmp_path / "pairs"
+    directory.mkdir()
+    draw = np.random.default_rng(3)
+    for side in ("left", "right"):
+        picture = draw.integers(0, 256, (80, 80), dtype=np.uint8)
+        cv2.imwrite(str(directory / f"a_{side}.png"), picture)
+    document = FrozenTest(run, stereograms=directory).document()
+    assert (document["n_stimuli"], document["stimuli"]) == (1, str(directory))
+
+
+def test_dictionary_and_actor_of_another_age(small_run: Path, run: Path) -> None:
+    first, *_ = sorted((run / "checkpoints").iterdir())
+    oldest = FrozenTest(run, place=int(first.name)).document()["tests"]
+    both = FrozenTest(run, dictionary=first, actor=first).document()
+    assert both["dictionary"] == both["actor"] == str(first)
+    # All but its age is that of the first test.
+    assert both["tests"] == [oldest[0] | {"iteration": 60}]
+    mixed = FrozenTest(run, dictionary=first).document()["tests"]
+    assert mixed != [_tests(small_run)[-1]]
+    assert mixed != both["tests"]
+
+
+def test_a_setting_that_is_not_the_plants_is_refused(
+    run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([str(run), "--set", "vergence_rl.discount=0.1"]) == 2
+    assert "expected each eye_plant.PARAMETER=VALUE" in capsys.readouterr().err
+    assert main([str(run), "--set", "eye_plant.camera.width_px=64"]) == 2
+    assert "camera.width_px: expected the same for a whole run" in capsys.readouterr().err
+
+
+def test_two_kinds_of_stimuli_are_refused(run: Path, pictures: Path) -> None:
+    with pytest.raises(
+        InputError, match="expected one of a directory, stereograms, random dots and"
+    ):
+        FrozenTest(run, stimuli=pictures, random_dots=True).document()
