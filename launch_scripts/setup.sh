@@ -132,8 +132,15 @@ make_environment() {
   pip_install -r <(awk '/^[a-z]/ {ours = /^setuptools==/} ours' "$root/requirements.lock")
   pip_install --no-build-isolation --use-pep517 -r "$root/requirements.lock"
   "$python" -m compileall -q -j 0 "$venv/lib" >/dev/null || true # only saves time at the first start
-  printf '%s\n' "$root"/src/{lockstep,eye_plant,sparse_coder,vergence_rl,experiment_manager} \
+  # From that folder on: Python reads the file in the encoding of the locale, and $root may have an umlaut.
+  printf '../../../../src/%s\n' lockstep eye_plant sparse_coder vergence_rl experiment_manager \
     >"$(echo "$venv"/lib/python3*/site-packages)/active_binocular_vision.pth"
+}
+
+require_own_environment() {
+  [[ ! -e $venv || -w $venv ]] || fail "$venv belongs to the user $(stat -c %U "$venv"), and as $(id -un) you can" \
+    "neither use nor change it: work in a checkout of your own (git clone $root), or have its owner make it again with a" \
+    "Python that everybody may start, for example: ABV_PYTHON=/usr/bin/python3 launch_scripts/setup.sh --again"
 }
 
 # Compiles what numba would compile at the first start. That start would show an error better than we can here.
@@ -147,13 +154,17 @@ main() {
       show_help
       exit
       ;;
-    --again) rm -f "$venv/set_up" ;;
+    --again)
+      require_own_environment
+      rm -f "$venv/set_up"
+      ;;
     '') ;;
     *) fail "expected no argument or --again, got $1" ;;
   esac
   exec {lock}<"$root" # whoever comes second waits, and finds the work done
   flock "$lock"
   is_set_up && exit
+  require_own_environment
   [[ $(uname -sm) == "Linux x86_64" ]] || fail "ROS 2 comes as wheels for x86-64 Linux only; this is $(uname -sm)."
   export_variables
   rm -f "$venv/set_up"

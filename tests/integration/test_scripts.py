@@ -3,6 +3,8 @@
 import os
 import shutil
 import subprocess
+import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -12,6 +14,7 @@ SCRIPTS = tuple(
     sorted(p.stem for p in (ROOT / "launch_scripts").glob("*.sh") if p.stem != "environment")
 )
 NODES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")
+NOBODY = 65534
 MODULES = {
     "run_experiment": "experiment_manager.commands.run_experiment",
     "sweep": "experiment_manager.commands.sweep",
@@ -62,8 +65,10 @@ class Checkout:
     """A copy of the scripts in a folder of its own, with stand-ins first on the path."""
 
     def __init__(self, folder: Path) -> None:
+        folder.mkdir(exist_ok=True)
         self.root = folder / "checkout"
         self.calls_file = folder / "calls"
+        self.user: int | None = None  # who starts the scripts: whoever runs the tests
         self._stand_ins = folder / "bin"
         shutil.copytree(ROOT / "launch_scripts", self.root / "launch_scripts")
         shutil.copy(ROOT / "requirements.lock", self.root)
@@ -86,6 +91,7 @@ class Checkout:
             [self.root / "launch_scripts" / f"{script}.sh", *arguments],
             env={**self.environment, **environment},
             cwd="/",
+            user=self.user,
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,
@@ -232,6 +238,43 @@ def test_two_at_once_set_up_once(checkout: Checkout) -> None:
     both = [subprocess.Popen(command, env=checkout.environment) for _ in range(2)]
     assert [process.wait(60) for process in both] == [0, 0]
     assert checkout.calls().count("python -I -m venv") == 1
+
+
+def test_a_path_with_an_umlaut_in_the_locale_c(tmp_path: Path) -> None:
+    checkout = Checkout(tmp_path / "Prüfstand")
+    packages = [checkout.root / "src" / name for name in ("lockstep", *NODES)]
+    for package in packages:
+        package.mkdir(parents=True)
+    assert checkout.start("setup", LC_ALL="C").returncode == 0
+    (folder,) = checkout.root.glob(".venv/lib/python3*/site-packages")
+    look = "import os, site, sys; site.addsitedir(sys.argv[1]); print(*map(os.fsencode, sys.path))"
+    found = subprocess.run(
+        [sys.executable, "-I", "-S", "-c", look, folder],
+        env={"LC_ALL": "C"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    for package in packages:
+        assert str(os.fsencode(package)) in found.stdout.split()
+    assert _variables(checkout.start("eye_plant", LC_ALL="C").stdout)["PYTHONUTF8"] == "1"
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="needs root, to be two users")
+def test_an_environment_of_another_user_is_named_as_such() -> None:
+    with tempfile.TemporaryDirectory() as shared:
+        Path(shared).chmod(0o755)
+        checkout = Checkout(Path(shared))
+        assert checkout.start("setup").returncode == 0
+        (checkout.root / ".venv" / "bin" / "python").chmod(0o700)
+        checkout.calls_file.chmod(0o666)
+        checkout.user = NOBODY
+        for arguments in ([], ["--again"]):
+            refused = checkout.start("setup", *arguments)
+            assert refused.returncode == 1
+            (line,) = refused.stderr.splitlines()
+            assert line.startswith(f"setup: {checkout.root}/.venv belongs to the user root, and ")
+            assert f"git clone {checkout.root}" in line
 
 
 def test_a_missing_python_is_said_in_one_sentence(checkout: Checkout) -> None:

@@ -27,6 +27,7 @@ from tests.stress.clock_jumps import jump
 from tests.stress.cuts import cut
 from tests.stress.fuzzed_graph import FuzzedGraph, FuzzReport, memory_mb
 from tests.stress.fuzzer import LARGEST_BYTES
+from tests.stress.hard_starts import kill_starts, limit_memory
 from tests.stress.smallest_failing_input import smallest
 from tests.stress.supervised_run import (
     SupervisedRun,
@@ -64,8 +65,18 @@ _COUNTS = {
     "cuts": "cuts",
     "clock jumps": "jumps",
     "soak": "iterations",
+    "start kills": "disturbances",
+    "memory limits": "disturbances",
 }
-_SLICES = {"kills": 25, "hostile input": 10_000, "cuts": 6, "clock jumps": 25, "soak": 200_000}
+_SLICES = {
+    "kills": 25,
+    "hostile input": 10_000,
+    "cuts": 6,
+    "clock jumps": 25,
+    "soak": 200_000,
+    "start kills": 10,
+    "memory limits": 10,
+}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -278,6 +289,8 @@ def _parser() -> argparse.ArgumentParser:
     line.add_argument("--soak", type=int, default=200_000, metavar="N", help="default 200000")
     line.add_argument("--cuts", type=int, default=0, metavar="N", help="needs root (default 0)")
     line.add_argument("--jumps", type=int, default=0, metavar="N", help="of the clock (default 0)")
+    line.add_argument("--start-kills", type=int, default=10, metavar="N", help="default 10")
+    line.add_argument("--memory-limits", type=int, default=10, metavar="N", help="default 10")
     line.add_argument("--seed", type=int, default=1, metavar="S", help="of all that is random")
     line.add_argument(
         "--totals",
@@ -302,6 +315,12 @@ _PARTS: dict[str, Part] = {
         "clock jumps", *jump(_disturbed_line(), directory, n, draw)
     ),
     "soak": lambda directory, n, draw, seed: soak(directory, n, seed),
+    "start kills": lambda directory, n, draw, seed: Outcome(
+        "start kills", *kill_starts(_disturbed_line(), directory, n, draw)
+    ),
+    "memory limits": lambda directory, n, draw, seed: Outcome(
+        "memory limits", *limit_memory(_disturbed_line(), directory, n, draw)
+    ),
 }
 
 
@@ -335,7 +354,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     wanted = dict(
         zip(
             _PARTS,
-            (options.kills, options.inputs, options.cuts, options.jumps, options.soak),
+            (
+                options.kills,
+                options.inputs,
+                options.cuts,
+                options.jumps,
+                options.soak,
+                options.start_kills,
+                options.memory_limits,
+            ),
             strict=True,
         )
     )

@@ -32,6 +32,13 @@ def test_segments_of_the_dead_go_and_of_the_living_stay(tmp_path: Path) -> None:
     assert {p.name for p in tmp_path.iterdir()} == {LIVING, LIVING + "_el", *others}
 
 
+def test_a_segment_whose_maker_died_before_it_had_a_lock_goes(tmp_path: Path) -> None:
+    _make(tmp_path, DEAD)
+    _make(tmp_path, LIVING, age_s=0.0)
+    assert remove_stale_segments(tmp_path) == 1
+    assert [p.name for p in tmp_path.iterdir()] == [LIVING]
+
+
 def test_a_node_that_is_just_starting_keeps_its_segment(tmp_path: Path) -> None:
     _make(tmp_path, DEAD, DEAD + "_el", age_s=0.0)
     assert remove_stale_segments(tmp_path) == 0

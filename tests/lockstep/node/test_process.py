@@ -1,5 +1,10 @@
-"""How a process ends whose node cannot be made."""
+"""How a process ends whose node cannot be made: by the phase in which it fails, not by the text."""
 
+import json
+import os
+import re
+import subprocess
+import sys
 from collections.abc import Callable
 
 import pytest
@@ -7,32 +12,104 @@ import rclpy
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
+from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
 from lockstep.node.process import run_node
 
+FAULTS = (
+    "error creating node: failed to create domain,\n at node.c:252",
+    "error creating node: Failed to create std::thread: Resource temporarily unavailable",
+    "failed to create service: Failed to register type for service, at service.c:198",
+    "Failed to create subscription: invalid allocator",
+)
 
-def failing(message: str) -> Callable[[], Node]:
+
+def failing(error: Exception) -> Callable[[], Node]:
     def make_node() -> Node:
-        raise rclpy_implementation.RCLError(message)
+        raise error
 
     return make_node
 
 
-def test_what_ros_refuses_is_bad_input_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    message = "error creating node: failed to create domain,\n at node.c:252"
-    assert run_node(failing(message), []) == EXIT_BAD_INPUT
-    assert capsys.readouterr().err == (
-        "error: error creating node: failed to create domain, at node.c:252\n"
-    )
+def test_a_refused_parameter_is_bad_input_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    error = InputError("n_bases: expected 1 or more,\n got 0")
+    assert run_node(failing(error), []) == EXIT_BAD_INPUT
+    assert capsys.readouterr().err == "error: n_bases: expected 1 or more, got 0\n"
     assert not rclpy.ok()
 
 
-@pytest.mark.parametrize("shortage", ["Resource temporarily unavailable", "Cannot allocate memory"])
-def test_a_shortage_is_a_fault_and_no_bad_input(
-    shortage: str, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("name", ["1st", "a b", ""])
+def test_a_name_that_ros_refuses_is_bad_input(
+    name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    message = f"error creating node: Failed to create std::thread: {shortage}"
-    with pytest.raises(rclpy_implementation.RCLError, match=shortage):
-        run_node(failing(message), [])
+    assert run_node(lambda: Node(name), []) == EXIT_BAD_INPUT
+    assert capsys.readouterr().err.startswith("error: Invalid node name: ")
+    assert not rclpy.ok()
+
+
+def test_a_parameter_of_a_wrong_type_is_bad_input(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["--ros-args", "-p", "use_sim_time:=5"]
+    assert run_node(lambda: Node("somebody"), arguments) == EXIT_BAD_INPUT
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: Trying to set parameter 'use_sim_time' to '5'")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error"),
+    [
+        (["--ros-args", "--params-file", "/nowhere.yaml"], "expected ROS arguments: .*/nowhere"),
+        (["--ros-args", "-r", "__node:=not-a-name"], "expected ROS arguments: .*not-a-name"),
+        (["--ros-args", "--no-such-flag"], "expected ROS arguments: .*--no-such-flag"),
+        (["--speed"], "unknown argument --speed: expected --ros-args"),
+    ],
+)
+def test_arguments_that_cannot_be_read_are_bad_input(
+    arguments: list[str], error: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_node(pytest.fail, arguments) == EXIT_BAD_INPUT
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("error: ")]
+    assert re.match(f"error: {error}", line)
+
+
+def test_a_domain_that_there_cannot_be_is_bad_input(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "233")
+    assert run_node(pytest.fail, []) == EXIT_BAD_INPUT
+    expected = "error: ROS_DOMAIN_ID: expected a whole number 0 to 232, got '233'\n"
+    assert capsys.readouterr().err == expected
+
+
+@pytest.mark.parametrize("message", FAULTS)
+def test_what_fails_while_the_node_is_made_is_a_fault(
+    message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(rclpy_implementation.RCLError) as raised:
+        run_node(failing(rclpy_implementation.RCLError(message)), [])
+    assert str(raised.value) == message
     assert "error: " not in capsys.readouterr().err
     assert not rclpy.ok()
+
+
+def test_what_fails_in_rclpy_init_is_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_LOG_DIR", "/proc/no_such_directory")
+    with pytest.raises(rclpy_implementation.RCLError, match="initialize logging"):
+        run_node(pytest.fail, [])
+    assert not rclpy.ok()
+
+
+def test_no_shortage_of_memory_is_bad_input() -> None:
+    # Without shared memory: what a node leaves there that dies early is not for others to find.
+    variables = os.environ | {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
+    variables.pop("FASTRTPS_DEFAULT_PROFILES_FILE", None)
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.lockstep.node.starts_with_little_memory"],
+        env=variables,
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
+    )
+    ends = json.loads(done.stdout)
+    assert EXIT_BAD_INPUT not in [code for code, _ in ends], ends
+    # The scan has met what it is for: errors of ROS.
+    assert any("RCLError: " in last for _, last in ends), ends

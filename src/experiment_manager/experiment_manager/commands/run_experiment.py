@@ -33,11 +33,13 @@ from experiment_manager.run.config_file import (
 )
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from experiment_manager.supervision.fork_server import ForkServer
+from experiment_manager.supervision.heartbeats import LISTENER
 from experiment_manager.supervision.in_process import run_in_process
 from experiment_manager.supervision.live_view import PACKAGE as LIVE_VIEW
 from experiment_manager.supervision.node_neighbours import refuse_neighbours
 from experiment_manager.supervision.processes import PACKAGES
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
+from eye_plant.camera.offscreen import OffscreenContext
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import count_missing, load_stimuli
 from lockstep.configuration import build
@@ -69,6 +71,16 @@ def _prepare_stimuli(configuration: Configuration) -> None:
         duration = "about a minute" if is_long else "some seconds"
         print(f"generating {n_missing} stimuli, which are kept for later runs ({duration})")
     load_stimuli(stimuli)
+
+
+def _check_graphics(configuration: Configuration, elsewhere: Collection[str]) -> None:
+    """Raise InputError when the plant is to draw with an OpenGL that does not work here.
+
+    In a node it might be memory that lacks: see there.
+    """
+    plant = build(EyePlantConfig, configuration["eye_plant"])
+    if plant.camera.renderer == "mujoco" and "eye_plant" not in elsewhere:
+        OffscreenContext(64, 64).close()
 
 
 def _with_share(configuration: Configuration, share: float) -> Configuration:
@@ -124,20 +136,26 @@ def _prepare(options: argparse.Namespace) -> Path:
     if options.branch is not None:
         branched = branch(options.branch, request, source_commit())
     directory = options.out or Path("runs") / time.strftime("%Y%m%d-%H%M%S")
-    return prepare_new(request, directory.resolve(), branched)
+    return prepare_new(request, directory.resolve(), branched, options.elsewhere)
 
 
-def prepare_new(request: RunRequest, directory: Path, branched: Branch | None = None) -> Path:
+def prepare_new(
+    request: RunRequest,
+    directory: Path,
+    branched: Branch | None = None,
+    elsewhere: Collection[str] = (),
+) -> Path:
     """Make the directory of a new run, with its config.yaml; return it.
 
-    branched: what the run begins from. Raises InputError for a request that no run can meet, and a
-    directory that holds something.
+    branched: what the run begins from; elsewhere: nodes on another machine. Raises InputError for a
+    request that no run can meet, and a directory that holds something.
     """
     if branched is not None:
         configuration = branched.configuration
     else:
         configuration = configuration_of(request, source_commit())
     _refuse_used(directory)
+    _check_graphics(configuration, elsewhere)
     _prepare_stimuli(configuration)
     if request.cost_share is not None:
         configuration = _with_share(configuration, request.cost_share)
@@ -161,6 +179,7 @@ def _prepare_old(options: argparse.Namespace, request: RunRequest) -> Path:
     check_old(directory, request)
     if options.extend is not None:
         extend(directory, options.extend)
+    _check_graphics(read_configuration(directory / CONFIG_FILE), options.elsewhere)
     return directory
 
 
@@ -208,7 +227,7 @@ def _run(options: argparse.Namespace) -> tuple[Path, int]:
     _check_in_process(options)
     if options.in_process:
         return in_one_process(_prepare(options))
-    packages = [package for package in PACKAGES if package not in options.elsewhere]
+    packages = [LISTENER, *(package for package in PACKAGES if package not in options.elsewhere)]
     if options.live is not None:
         packages.append(LIVE_VIEW)
     # Before anything that begins threads, as DDS does.

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from lockstep.errors import InputError
+from lockstep.node.domain import given_domain
 
 # Domains 0 to 101 stay below Linux' ephemeral ports; 0 and the documented one of nodes that are
 # started one by one are everybody's.
@@ -16,14 +17,6 @@ NODE_SCRIPTS_DOMAIN = 42
 _CANDIDATES = tuple(d for d in range(1, 102) if d != NODE_SCRIPTS_DOMAIN)
 # RTPS 2.2, 9.6.1.1: the first participant of a domain receives on these unicast ports.
 _PORT_BASE, _DOMAIN_GAIN, _UNICAST_OFFSETS = 7400, 250, (10, 11)
-
-
-def given_domain() -> int | None:
-    """Return ROS_DOMAIN_ID, None when it is not set; raise InputError when it is no domain."""
-    given = os.environ.get("ROS_DOMAIN_ID", "")
-    if given and (not given.isdigit() or int(given) > 232):
-        raise InputError(f"ROS_DOMAIN_ID: expected a whole number 0 to 232, got {given!r}")
-    return int(given) if given else None
 
 
 @contextmanager

@@ -1,17 +1,18 @@
 """What lies beyond this process' own nodes: others' graphs in a ROS domain, and the network."""
 
+import json
 import os
 import socket
-import time
+import subprocess
+import sys
 from collections.abc import Collection, Sequence
 
 import psutil
-from rclpy.context import Context
-from rclpy.node import Node
 
-from experiment_manager.node.presence import UNKNOWN_NODE
 from experiment_manager.supervision.domains import is_silent
+from experiment_manager.supervision.heartbeats import START_LIMIT_S, unfinished_text
 from lockstep.errors import InputError
+from lockstep.node.unfinished_ports import remove_unfinished_ports
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 
 PUBLISHES = {
@@ -21,7 +22,6 @@ PUBLISHES = {
 }
 # Longer than Fast DDS' period of announcements, 3 s.
 _LISTEN_S = 5.0
-_LOOK_PERIOD_S = 0.1
 
 
 def addresses() -> frozenset[str]:
@@ -57,20 +57,30 @@ def refuse_neighbours(domain: int, expected: Collection[str] = ()) -> None:
 
 
 def _found(domain: int, topics: Sequence[str]) -> dict[str, list[str]]:
-    """Return the names of the nodes that publish each topic, by topic, as soon as there are any."""
-    context = Context()
-    context.init(domain_id=domain)
-    node = Node("supervisor", context=context, start_parameter_services=False)
-    end_s = time.monotonic() + _LISTEN_S
-    found: dict[str, list[str]] = {}
-    while (not found or any(UNKNOWN_NODE in names for names in found.values())) and (
-        time.monotonic() < end_s
-    ):
-        time.sleep(_LOOK_PERIOD_S)
-        infos = {topic: node.get_publishers_info_by_topic(topic) for topic in topics}
-        found = {topic: [info.node_name for info in its] for topic, its in infos.items() if its}
-    node.destroy_node()
-    context.try_shutdown()
+    """Return the names of the nodes that publish each topic, by topic, as soon as there are any.
+
+    A process looks that a limit of time and Ctrl-C can end: to make a node may hang for ever.
+    """
+    remove_unfinished_ports()
+    module = "experiment_manager.supervision.listener.node_topics"
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", module, str(_LISTEN_S), *topics],
+            env=os.environ | {"ROS_DOMAIN_ID": str(domain)},
+            capture_output=True,
+            text=True,
+            timeout=START_LIMIT_S,
+            check=False,
+        )
+    except subprocess.TimeoutExpired as error:
+        raise InputError(
+            f"ROS domain {domain}: expected a node to start within {START_LIMIT_S:g} s, it hangs"
+            f"{unfinished_text()}"
+        ) from error
+    *_, last = ["", *(done.stderr if done.returncode else done.stdout).splitlines()]
+    if done.returncode:
+        raise InputError(f"ROS domain {domain}: expected a node to start in it, got {last}")
+    found: dict[str, list[str]] = json.loads(last)
     return found
 
 

@@ -5,15 +5,14 @@ fastrtps_port<number> with sem.fastrtps_port<number>_mutex. Beside each lies a f
 owner holds locked (flock) while it lives.
 """
 
-import contextlib
-import fcntl
 import os
 import re
 import time
 from pathlib import Path
 
-DIRECTORY = Path("/dev/shm")
-_SEGMENT_LOCK = re.compile(r"^fastrtps_[0-9a-f]{16}_el$")
+from lockstep.node.unfinished_ports import DIRECTORY, is_locked
+
+_SEGMENT = re.compile(r"^(fastrtps_[0-9a-f]{16})(_el)?$")
 # RTPS 2.2, 9.6.1.1: a domain's ports begin at 7400 + 250 times its number.
 _PORT_BASE, _DOMAIN_GAIN = 7400, 250
 # A file this young may belong to a node that is about to lock it.
@@ -25,11 +24,14 @@ def remove_stale_segments(directory: Path = DIRECTORY) -> int:
 
     Nobody else opens a segment anew, and who still has it open keeps it.
     """
+    found = {match[1] for path in _files(directory) if (match := _SEGMENT.match(path.name))}
     n_removed = 0
-    for lock in _files(directory):
-        if not _SEGMENT_LOCK.match(lock.name) or not _is_abandoned(lock):
+    for name in found:
+        segment, lock = directory / name, directory / f"{name}_el"
+        # One that died while it made the segment has no lock yet.
+        if not _is_abandoned(lock if lock.exists() else segment):
             continue
-        for path in (lock.with_name(lock.name.removesuffix("_el")), lock):
+        for path in (segment, lock):
             path.unlink(missing_ok=True)
         n_removed += 1
     return n_removed
@@ -45,7 +47,7 @@ def remove_ports(domain: int, directory: Path = DIRECTORY) -> int:
     for number in range(first, first + _DOMAIN_GAIN):
         port = directory / f"fastrtps_port{number}"
         lock = directory / f"{port.name}_el"
-        if not port.exists() or (lock.exists() and _is_locked(lock)):
+        if not port.exists() or (lock.exists() and is_locked(lock)):
             continue
         for path in (port, lock, directory / f"sem.{port.name}_mutex"):
             path.unlink(missing_ok=True)
@@ -57,19 +59,10 @@ def _files(directory: Path) -> list[Path]:
     return list(directory.iterdir()) if directory.is_dir() else []
 
 
-def _is_abandoned(lock: Path) -> bool:
+def _is_abandoned(path: Path) -> bool:
     try:
-        status = lock.stat()
+        status = path.stat()
     except FileNotFoundError:
         return False
     is_young = time.time() - status.st_mtime < _YOUNG_S
-    return status.st_uid == os.getuid() and not is_young and not _is_locked(lock)
-
-
-def _is_locked(lock: Path) -> bool:
-    with contextlib.suppress(FileNotFoundError), lock.open("rb") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return True
-    return False
+    return status.st_uid == os.getuid() and not is_young and not is_locked(path)

@@ -10,11 +10,11 @@ from pathlib import Path
 from experiment_manager.live.address import Address
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.supervision.attempt import goes_on, place_of
-from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, given_domain, own_domain
+from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
 from experiment_manager.supervision.fork_server import ForkServer
+from experiment_manager.supervision.heartbeats import Heartbeats
 from experiment_manager.supervision.live_view import LiveView
 from experiment_manager.supervision.network import Network
-from experiment_manager.supervision.node_heartbeats import Heartbeats
 from experiment_manager.supervision.node_neighbours import addresses
 from experiment_manager.supervision.processes import MANAGER, PACKAGES, NodeProcesses
 from experiment_manager.supervision.shared_memory import remove_ports, remove_stale_segments
@@ -28,7 +28,9 @@ from lockstep.exit_codes import (
     EXIT_UNWRITABLE,
     FAULT_TEXT,
 )
+from lockstep.node.domain import given_domain
 from lockstep.node.interrupts import Interrupts
+from lockstep.node.unfinished_ports import remove_unfinished_ports
 
 # For nodes elsewhere, in s: a cut shorter than this is not told from a hang. Longer than Fast DDS
 # goes on to count somebody whom it does not hear, 20 s.
@@ -123,6 +125,7 @@ class Supervisor:
         """Run the nodes until they are done or fail; return (exit code, fault or None)."""
         if self._interrupts.count:
             return EXIT_INTERRUPTED, None
+        remove_unfinished_ports()
         given = {
             "run_directory": self._directory,
             "resume": str(goes_on(self._directory)).lower(),
@@ -134,15 +137,17 @@ class Supervisor:
         directory, packages, network = self._directory, self._packages, Network(addresses())
         with (
             NodeProcesses(self._fork_server, directory, domain, more, packages) as processes,
-            Heartbeats(domain, packages) as heartbeats,
+            Heartbeats(self._fork_server, domain, packages) as heartbeats,
             LiveView(self._fork_server, self._live, domain, directory) as live_view,
         ):
             self._processes = processes
             while not (codes := processes.exit_codes()):
-                silent = heartbeats.wait()
+                fault = heartbeats.wait()
                 live_view.look()
-                if silent:
-                    return EXIT_FAULT, f"{silent} gives no sign of life"
+                if fault:
+                    return EXIT_FAULT, fault
+                if self._ends_before_it_began(heartbeats):
+                    return EXIT_INTERRUPTED, None
                 all_began = heartbeats.heard.issuperset(packages)
                 met = self._elsewhere <= heartbeats.heard
                 if self._elsewhere and network.is_back(addresses(), all_began=all_began, met=met):
@@ -151,6 +156,10 @@ class Supervisor:
             known = [MANAGER, *(name for name, code in codes.items() if code == EXIT_DIVERGED)]
             name = next((name for name in reversed(known) if name in codes), next(iter(codes)))
             return self._ended(name, codes[name])
+
+    def _ends_before_it_began(self, heartbeats: Heartbeats) -> bool:
+        """Return whether a stop is asked for and the manager, which may hang, has said nothing."""
+        return self._interrupts.count > 0 and MANAGER not in heartbeats.heard
 
     def _ended(self, name: str, code: int) -> tuple[int, str | None]:
         if name == MANAGER and code in (0, EXIT_INTERRUPTED):

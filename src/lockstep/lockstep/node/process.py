@@ -1,14 +1,12 @@
 """A node as a process: start, spin, stop, and one clear line when it cannot start."""
 
-import errno
-import os
 import signal
 import sys
 from collections.abc import Callable
 from types import FrameType
 
 import rclpy
-from rclpy.exceptions import NameValidationException
+from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
@@ -18,11 +16,13 @@ from rclpy.utilities import remove_ros_args
 from lockstep.errors import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, FAULT_TEXT
 from lockstep.node.cores import share_two_cores
+from lockstep.node.domain import given_domain
 from lockstep.node.executor import make_executor
+from lockstep.node.unfinished_ports import remove_unfinished_ports
 
-_ROS_ERRORS = (_rclpy.RCLError, _rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError)
-# How ROS words that the system is short of threads or memory: no fault of what the node was given.
-_SHORTAGES = tuple(os.strerror(code) for code in (errno.EAGAIN, errno.ENOMEM))
+# Bad input, by phase: what reading the arguments raises, and names and parameters of the node.
+_OF_ARGUMENTS = (InputError, _rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError)
+_OF_NAMES_AND_PARAMETERS = (InputError, NameValidationException, ParameterException)
 
 
 def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) -> int:
@@ -31,33 +31,24 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
     Where there are two cores, the process keeps to that of the node's `core_of_two`, 0 or 1, and
     does not interrupt others there if the node `gives_way`; see lockstep.node.cores.
     SIGTERM ends the process; so does SIGINT, unless the node has an `interrupt` to call instead.
-    The code is the node's `exit_code` if it has one, else 0; it is 2 when the node cannot start
-    because of what it was given, and 6 when what it learns diverges: then the reason is the last
-    line on standard error. Raises the error of a node that cannot start for want of threads or
-    memory: another attempt may find them.
+    The code is the node's `exit_code` if it has one, else 0; it is 2 when the arguments, or the
+    node's names and parameters, cannot be read, and 6 when what it learns diverges: then the reason
+    is the last line on standard error. Raises whatever else keeps the node from starting, such as a
+    shortage of memory or threads, however it is worded: another attempt may succeed.
     """
     try:
-        unknown = remove_ros_args(arguments)[0 if arguments is not None else 1 :]
-        if unknown:
-            raise InputError(
-                f"unknown argument {' '.join(unknown)}: expected --ros-args, and after it such as "
-                "-p NAME:=VALUE or --params-file FILE"
-            )
-        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return EXIT_BAD_INPUT
-    except _ROS_ERRORS as error:
-        print(f"error: expected ROS arguments: {_in_one_line(error)}", file=sys.stderr)
-        return EXIT_BAD_INPUT
+        _read_arguments(arguments)
+        remove_unfinished_ports()
+    except _OF_ARGUMENTS as error:
+        return _refused(error)
     try:
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
         node = make_node()
-    except (InputError, NameValidationException, *_ROS_ERRORS) as error:
+    except BaseException as error:
         rclpy.try_shutdown()
-        if any(shortage in str(error) for shortage in _SHORTAGES):
-            raise
-        print(f"error: {_in_one_line(error)}", file=sys.stderr)
-        return EXIT_BAD_INPUT
+        if isinstance(error, _OF_NAMES_AND_PARAMETERS):
+            return _refused(error)
+        raise
 
     share_two_cores(getattr(node, "core_of_two", 0), gives_way=getattr(node, "gives_way", False))
 
@@ -84,6 +75,24 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
         node.destroy_node()
         rclpy.try_shutdown()
     return int(getattr(node, "exit_code", 0))
+
+
+def _read_arguments(arguments: list[str] | None) -> None:
+    """Raise one of _OF_ARGUMENTS when they are not what ROS and this process take."""
+    given_domain()
+    unknown = remove_ros_args(arguments)[0 if arguments is not None else 1 :]
+    if unknown:
+        raise InputError(
+            f"unknown argument {' '.join(unknown)}: expected --ros-args, and after it such as "
+            "-p NAME:=VALUE or --params-file FILE"
+        )
+
+
+def _refused(error: Exception) -> int:
+    ours = isinstance(error, (InputError, *_OF_NAMES_AND_PARAMETERS))
+    expected = "" if ours else "expected ROS arguments: "
+    print(f"error: {expected}{_in_one_line(error)}", file=sys.stderr)
+    return EXIT_BAD_INPUT
 
 
 def _in_one_line(error: Exception) -> str:

@@ -1,0 +1,1 @@
+"""The supervisor's own node, in a process that may hang or die without it."""

@@ -1,0 +1,34 @@
+"""Prints who publishes topics in the domain of ROS_DOMAIN_ID, as JSON: {topic: [names]}."""
+
+import json
+import sys
+import time
+from collections.abc import Sequence
+
+import rclpy
+from rclpy.node import Node
+
+from experiment_manager.node.presence import UNKNOWN_NODE
+
+_LOOK_PERIOD_S = 0.1
+
+
+def main(listen_s: float, topics: Sequence[str]) -> None:
+    """Look until somebody is found whose name is known, for listen_s at most."""
+    rclpy.init(args=[])
+    node = Node("supervisor", start_parameter_services=False)
+    end_s = time.monotonic() + listen_s
+    found: dict[str, list[str]] = {}
+    while (not found or any(UNKNOWN_NODE in names for names in found.values())) and (
+        time.monotonic() < end_s
+    ):
+        time.sleep(_LOOK_PERIOD_S)
+        infos = {topic: node.get_publishers_info_by_topic(topic) for topic in topics}
+        found = {topic: [info.node_name for info in its] for topic, its in infos.items() if its}
+    node.destroy_node()
+    rclpy.try_shutdown()
+    print(json.dumps(found))
+
+
+if __name__ == "__main__":
+    main(float(sys.argv[1]), sys.argv[2:])

@@ -1,0 +1,63 @@
+"""Signs of life as a process passes them on that may itself hang or die; here it is a shell."""
+
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import IO
+
+import pytest
+
+from experiment_manager.supervision import heartbeats
+from experiment_manager.supervision.fork_server import ForkServer, NodeProcess
+from experiment_manager.supervision.heartbeats import Heartbeats
+
+
+class Shells(ForkServer):
+    """Starts a shell with a script, whatever is asked for."""
+
+    def __init__(self, script: str) -> None:
+        super().__init__(())
+        self.script = script
+        self.shells: dict[int, subprocess.Popen[bytes]] = {}
+
+    def start(
+        self, package: str, arguments: Sequence[str], variables: Mapping[str, str], log: IO[bytes]
+    ) -> NodeProcess:
+        shell = subprocess.Popen(["sh", "-c", self.script], stdout=log, stderr=log)
+        self.shells[shell.pid] = shell
+        return NodeProcess(self, shell.pid)
+
+    def exit_code(self, process_id: int) -> int | None:
+        return self.shells[process_id].poll()
+
+    def has_told_end_of(self, process_id: int) -> bool:
+        return self.shells[process_id].returncode is not None
+
+
+def _fault(listening: Heartbeats) -> str:
+    while (fault := listening.wait()) is None:
+        pass
+    return fault
+
+
+def test_who_is_heard_is_known() -> None:
+    shells = Shells("echo supervisor; printf 'eye_'; echo plant; exec sleep 600")
+    with Heartbeats(shells, 1, ["eye_plant", "sparse_coder"]) as listening:
+        while not listening.heard >= {"supervisor", "eye_plant"}:
+            assert listening.wait() is None
+    assert listening.heard == {"supervisor", "eye_plant"}
+    assert all(shells.has_told_end_of(shell) for shell in shells.shells)
+
+
+def test_its_own_node_may_die() -> None:
+    shells = Shells("echo supervisor; echo 'RCLError: no thread' >&2; exit 1")
+    with Heartbeats(shells, 1) as listening:
+        assert _fault(listening) == "the supervisor's own node ended: RCLError: no thread"
+
+
+def test_its_own_node_may_hang_deaf_to_signals(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(heartbeats, "START_LIMIT_S", 0.0)
+    port = Path("/dev/shm/fastrtps_port7000")
+    monkeypatch.setattr(heartbeats, "unfinished_ports", lambda: {port: 1})
+    with Heartbeats(Shells("trap '' TERM; exec sleep 600"), 1, []) as listening:
+        assert _fault(listening) == f"supervisor gives no sign of life; {port} was left unfinished"
