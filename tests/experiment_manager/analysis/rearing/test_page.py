@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiment_manager.analysis.rearing.basis_functions import tuning
+from experiment_manager.analysis.basis_functions import tuning
 from experiment_manager.analysis.rearing.figures import (
     curves_figure,
     histograms_figure,
@@ -22,7 +22,7 @@ from experiment_manager.analysis.rearing.reward_landscape import RewardLandscape
 from experiment_manager.commands.report import main
 from lockstep.errors import InputError
 from sparse_coder.patches import PX_PER_PIXEL
-from tests.experiment_manager.analysis.rearing.gabor_patch import gabor_patch
+from tests.experiment_manager.analysis.gabor_patch import gabor_patch
 
 ERRORS_DEG = np.array([-1.0, 0.0, 1.0])
 

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiment_manager.analysis.rearing.basis_functions import (
+from experiment_manager.analysis.basis_functions import (
     BINOCULARITY_EDGES,
     ORIENTATION_STEP_DEG,
 )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from experiment_manager.analysis.rearing.basis_functions import Tuning
+from experiment_manager.analysis.basis_functions import Tuning
 from experiment_manager.analysis.rearing.reared_run import RearedRun
 from experiment_manager.analysis.report.dictionary_figures import SCALES
 from lockstep.durable_files import replace_file

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from experiment_manager.analysis.rearing.basis_functions import Tuning, tuning
+from experiment_manager.analysis.basis_functions import Tuning, tuning
 from experiment_manager.analysis.rearing.reward_landscape import RewardLandscape, reward_landscape
 from experiment_manager.experiment.plant_changes import Schedule, read_schedule
 from experiment_manager.measures.results import RESULTS_FILE, read_results

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from experiment_manager.analysis.rearing.basis_functions import left_share
+from experiment_manager.analysis.basis_functions import left_share
 from eye_plant.episode import Episode
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.inverse import FULL_RANGE, Inverse

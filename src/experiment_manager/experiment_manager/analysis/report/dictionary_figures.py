@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiment_manager.analysis.rearing.basis_functions import (
+from experiment_manager.analysis.basis_functions import (
     LARGEST_SHIFT_PX,
     dominance,
     preferred_disparity_px,

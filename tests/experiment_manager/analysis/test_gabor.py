@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from experiment_manager.analysis.rearing.gabor import fit_gabors
+from experiment_manager.analysis.gabor import fit_gabors
 from lockstep.errors import InputError
-from tests.experiment_manager.analysis.rearing.gabor_patch import gabor_patch
+from tests.experiment_manager.analysis.gabor_patch import gabor_patch
 
 
 def patch(**changed):

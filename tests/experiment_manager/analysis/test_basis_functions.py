@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from experiment_manager.analysis.rearing.basis_functions import left_share, tuning
-from tests.experiment_manager.analysis.rearing.gabor_patch import gabor_patch
+from experiment_manager.analysis.basis_functions import left_share, tuning
+from tests.experiment_manager.analysis.gabor_patch import gabor_patch
 
 
 def half(x_px=0.0, **changed):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from experiment_manager.analysis.rearing.gabor import GOOD_RESIDUAL, Gabors, fit_gabors
+from experiment_manager.analysis.gabor import GOOD_RESIDUAL, Gabors, fit_gabors
 from eye_plant.geometry import degrees_per_px
 from lockstep.errors import InputError
 from sparse_coder.patches import N_PIXELS
