@@ -40,14 +40,6 @@ FREE_TO_CHANGE = {
     },
     "eye_plant": {"stimuli.cache_directory"},
 }
-# What earlier versions had, and the value at which it did nothing.
-_GONE = {
-    "vergence_rl": {
-        "wide_exploration_share": 0.0,
-        "final_exploration_share": 1.0,
-        "exploration_step_exponent": 0.0,
-    }
-}
 _PACKAGES = ("mujoco", "numpy", "opencv-python-headless", "ros-jazzy-rclpy", "mcap", "numba")
 
 Configuration = dict[str, dict[str, Any]]
@@ -94,9 +86,8 @@ def read_configuration(path: Path) -> Configuration:
     """Return the parameters by node of a config.yaml; raise InputError when it is none.
 
     So it is where parameters that must agree do not, or the section that says what the run is says
-    something else than they do. What the file lacks, being of an earlier version, follows from the
-    parameter that it must agree with, or is the default; what is gone since is left out where it
-    did nothing.
+    something else than they do. What the file lacks follows from the parameter that it must agree
+    with, or is the default.
     """
     try:
         document = yaml.safe_load(path.read_text())
@@ -117,16 +108,11 @@ def completed(given: Mapping[str, Mapping[str, Any]]) -> Configuration:
 
     Raises InputError for what no node has.
     """
-    complete = _with_partners({node: _without_gone(node, given[node]) for node in CONFIG_CLASSES})
+    complete = _with_partners({node: given[node] for node in CONFIG_CLASSES})
     return {
         node: flatten(build(config_class, complete[node]))
         for node, config_class in CONFIG_CLASSES.items()
     }
-
-
-def _without_gone(node: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    idle = _GONE.get(node, {})
-    return {name: v for name, v in values.items() if name not in idle or v != idle[name]}
 
 
 def _with_partners(given: Mapping[str, Mapping[str, Any]]) -> Configuration:
