@@ -6,7 +6,6 @@ import mujoco
 import numpy as np
 
 from eye_plant.camera.config import CameraConfig
-from eye_plant.camera.framebuffer import GreyFramebuffer
 from eye_plant.camera.landscape import landscape_picture
 from eye_plant.camera.offscreen import GraphicsError, OffscreenContext
 from eye_plant.camera.renderer import N_EYES, View
@@ -18,10 +17,10 @@ from eye_plant.camera.scene import (
     set_pose,
     set_projection,
 )
-from eye_plant.camera.textures import show_channel, upload_channels, upload_pictures
+from eye_plant.camera.textures import upload_both_sizes, upload_picture
 
-# A compiled scene, MuJoCo's renderer of it, and what that draws into.
-_Buffers = tuple[mujoco.MjModel, mujoco.MjrContext, GreyFramebuffer]
+# A compiled scene, and MuJoCo's renderer of it with the buffers that it draws into.
+_Drawing = tuple[mujoco.MjModel, mujoco.MjrContext]
 
 
 class MujocoRenderer:
@@ -45,16 +44,17 @@ class MujocoRenderer:
         """
         self._eye_height_m = eye_height_m
         self._offscreen = OffscreenContext(*_buffer_size_px(config, drawn_px))
-        self._textures = upload_pictures(
-            self._offscreen.gl, stimuli, with_mipmaps=config.texture_mipmaps
-        )
+        self._textures = [
+            upload_both_sizes(self._offscreen.gl, stimulus, with_mipmaps=config.texture_mipmaps)
+            for stimulus in stimuli
+        ]
         self._upload_landscape(config.landscape_seed)
         try:
-            buffers = self._make_buffers(config, drawn_px)
+            drawing = self._make_drawing(config, drawn_px)
         except GraphicsError:
             self._offscreen.close()
             raise
-        self._draw_into(buffers, config, drawn_px)
+        self._draw_with(drawing, config, drawn_px)
 
     def reconfigure(self, config: CameraConfig, drawn_px: tuple[int, int]) -> None:
         """Draw as another configuration has it; the stimuli stay in the graphics memory.
@@ -62,46 +62,38 @@ class MujocoRenderer:
         Raises GraphicsError, having changed nothing, when this machine cannot draw so.
         """
         self._offscreen.make_current()
-        buffers = self._make_buffers(config, drawn_px)
-        self._free_buffers()
+        drawing = self._make_drawing(config, drawn_px)
+        self._free_renderer()
         if config.landscape_seed != self._config.landscape_seed:
             self._offscreen.gl.glDeleteTextures([self._landscape_name])
             self._upload_landscape(config.landscape_seed)
-        self._draw_into(buffers, config, drawn_px)
+        self._draw_with(drawing, config, drawn_px)
 
-    def _make_buffers(self, config: CameraConfig, drawn_px: tuple[int, int]) -> _Buffers:
-        """Make a scene and the buffers to draw it in, beside those that are drawn into now."""
+    def _make_drawing(self, config: CameraConfig, drawn_px: tuple[int, int]) -> _Drawing:
+        """Make a scene and a renderer of it, beside those that draw now."""
         size_px = _buffer_size_px(config, drawn_px)
         model = build_scene_model(config, self._eye_height_m, size_px)
-        renderer = _context(model, size_px)
-        try:
-            framebuffer = GreyFramebuffer(self._offscreen.gl, renderer.offFBO, *size_px)
-        except GraphicsError:
-            renderer.free()
-            raise
-        return model, renderer, framebuffer
+        return model, _context(model, size_px)
 
-    def _draw_into(
-        self, buffers: _Buffers, config: CameraConfig, drawn_px: tuple[int, int]
+    def _draw_with(
+        self, drawing: _Drawing, config: CameraConfig, drawn_px: tuple[int, int]
     ) -> None:
-        """Draw with these buffers from here on."""
+        """Draw with these from here on."""
         self._config, self._drawn_px = config, drawn_px
         self._viewport = mujoco.MjrRect(0, 0, N_EYES * config.width_px, config.height_px)
-        model, self._renderer, self._framebuffer = buffers
+        model, self._renderer = drawing
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._renderer)
         self._scene = build_scene(model)
         for camera, magnification in zip(self._scene.camera, config.magnifications, strict=True):
             set_projection(camera, config, magnification)
         self._own_textures = np.array(self._renderer.texture)
         self._renderer.texture[LANDSCAPE_GEOM] = self._landscape_name
-        self._shown: tuple[int, int] | None = None
         self._left_pictures: np.ndarray | None = None
         self._mask_what_is_not_drawn()
 
-    def _free_buffers(self) -> None:
+    def _free_renderer(self) -> None:
         # The renderer frees the textures in its slots: its own, not ours.
         self._renderer.texture[:] = self._own_textures
-        self._framebuffer.delete()
         self._renderer.free()
 
     def start(self, view: View) -> None:
@@ -130,14 +122,14 @@ class MujocoRenderer:
     def close(self) -> None:
         """Free the graphics memory."""
         self._offscreen.make_current()
-        self._free_buffers()
+        self._free_renderer()
         self._offscreen.gl.glDeleteTextures(
             [*{name for t in self._textures for name in (t.full, t.reduced)}, self._landscape_name]
         )
         self._offscreen.close()
 
     def _upload_landscape(self, seed: int) -> None:
-        self._landscape_name = upload_channels(self._offscreen.gl, [landscape_picture(seed)])
+        self._landscape_name = upload_picture(self._offscreen.gl, landscape_picture(seed))
 
     def _draw(self, i_stimulus: int, distance_m: float) -> None:
         self._show(i_stimulus, distance_m)
@@ -150,11 +142,8 @@ class MujocoRenderer:
         """
         config, texture = self._config, self._textures[i_stimulus]
         pixel_m = distance_m / config.focal_length_px
-        name = texture.name_for(pixel_m * texture.size_px / config.plane_size_m)
-        if self._shown != (name, texture.channel):
-            show_channel(self._offscreen.gl, name, texture.channel)
-            self._renderer.texture[PLANE_GEOM] = name
-            self._shown = (name, texture.channel)
+        texels_per_pixel = pixel_m * texture.size_px / config.plane_size_m
+        self._renderer.texture[PLANE_GEOM] = texture.name_for(texels_per_pixel)
 
     def _mask_what_is_not_drawn(self) -> None:
         """Let the stencil buffer stop all drawing outside the region of interest, from here on.
