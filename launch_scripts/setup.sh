@@ -112,7 +112,7 @@ choose_gl() {
     fi
   fi
   if [[ $gl == disable ]]; then
-    say "no OpenGL here${gl_error:+ (${gl_error##*$'\n'})}: camera.renderer plane works without, mujoco (the default)" \
+    say "no OpenGL here${gl_error:+ (${gl_error##*$'\n'})}: runs draw with camera.renderer plane; mujoco" \
       "needs EGL or OSMesa, for example: sudo apt install ${gl_packages[*]}"
   fi
   printf '%s\n' "$gl" >"$venv/mujoco_gl"

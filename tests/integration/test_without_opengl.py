@@ -41,25 +41,23 @@ def refusing(tmp_path: Path) -> tuple[str, ...]:
     return (f"PYTHONPATH={folder}", "MUJOCO_GL=egl")
 
 
-def line(pictures: Path, renderer: str) -> list[str]:
-    return small_run(
-        pictures,
-        60,
-        f"eye_plant.camera.renderer={renderer}",
-        "sparse_coder.n_bases=32",
-        "vergence_rl.n_features=64",
-    )
+def line(pictures: Path, *more: str) -> list[str]:
+    settings = ("sparse_coder.n_bases=32", "vergence_rl.n_features=64", *more)
+    return small_run(pictures, 60, *settings)
 
 
+@pytest.mark.parametrize("is_named", [False, True])
 @pytest.mark.parametrize("in_process", [False, True])
 def test_the_plane_is_drawn(
-    refusing: Sequence[str], pictures: Path, tmp_path: Path, *, in_process: bool
+    refusing: Sequence[str], pictures: Path, tmp_path: Path, *, in_process: bool, is_named: bool
 ) -> None:
     directory = tmp_path / "run"
+    named = ["eye_plant.camera.renderer=plane"] if is_named else []
     with SupervisedRun(
-        line(pictures, "plane"), directory, in_process=in_process, prefix=("env", *refusing)
+        line(pictures, *named), directory, in_process=in_process, prefix=("env", *refusing)
     ) as run:
         assert run.wait() == 0, run.output()
+        assert run.output().count("eye_plant.camera.renderer is plane") == (not is_named)
     assert "renderer: plane" in (directory / "config.yaml").read_text()
     assert stamp_faults(directory) == []
     tested = subprocess.run(
@@ -80,7 +78,10 @@ def test_mujoco_says_what_is_missing(
     refusing: Sequence[str], pictures: Path, tmp_path: Path
 ) -> None:
     with SupervisedRun(
-        line(pictures, "mujoco"), tmp_path / "run", in_process=True, prefix=("env", *refusing)
+        line(pictures, "eye_plant.camera.renderer=mujoco"),
+        tmp_path / "run",
+        in_process=True,
+        prefix=("env", *refusing),
     ) as run:
         assert run.wait() == 2, run.output()
         assert run.output().count("error: ") == 1, run.output()

@@ -3,6 +3,7 @@
 import pytest
 
 from eye_plant.camera.offscreen import GraphicsError, choose_backend
+from lockstep.errors import InputError
 
 
 def test_a_machine_without_graphics_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -24,5 +25,5 @@ def test_the_environment_chooses_the_backend(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setenv("MUJOCO_GL", "OSMesa")
     assert choose_backend() == "osmesa"
     monkeypatch.setenv("MUJOCO_GL", "vulkan")
-    with pytest.raises(GraphicsError, match="MUJOCO_GL: expected egl or osmesa, got vulkan"):
+    with pytest.raises(InputError, match="MUJOCO_GL: expected egl or osmesa, got vulkan"):
         choose_backend()

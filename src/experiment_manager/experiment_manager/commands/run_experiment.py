@@ -14,7 +14,6 @@ from experiment_manager.live.server import why_unavailable
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.measures.tables import tests_table
 from experiment_manager.preparation.command_line import arguments, request_of
-from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.continuation import (
     Branch,
     branch,
@@ -23,6 +22,7 @@ from experiment_manager.preparation.continuation import (
     extend,
 )
 from experiment_manager.preparation.cost_weight import first_iterations, with_weight
+from experiment_manager.preparation.graphics import check_graphics, drawable_configuration
 from experiment_manager.preparation.plan import plan
 from experiment_manager.preparation.request import RunRequest
 from experiment_manager.run.config_file import (
@@ -39,7 +39,6 @@ from experiment_manager.supervision.live_view import PACKAGE as LIVE_VIEW
 from experiment_manager.supervision.node_neighbours import refuse_neighbours
 from experiment_manager.supervision.processes import PACKAGES
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
-from eye_plant.camera.offscreen import OffscreenContext
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import count_missing, load_stimuli
 from lockstep.configuration import build
@@ -71,16 +70,6 @@ def _prepare_stimuli(configuration: Configuration) -> None:
         duration = "about a minute" if is_long else "some seconds"
         print(f"generating {n_missing} stimuli, which are kept for later runs ({duration})")
     load_stimuli(stimuli)
-
-
-def _check_graphics(configuration: Configuration, elsewhere: Collection[str]) -> None:
-    """Raise InputError when the plant is to draw with an OpenGL that does not work here.
-
-    In a node it might be memory that lacks: see there.
-    """
-    plant = build(EyePlantConfig, configuration["eye_plant"])
-    if plant.camera.renderer == "mujoco" and "eye_plant" not in elsewhere:
-        OffscreenContext(64, 64).close()
 
 
 def _with_share(configuration: Configuration, share: float) -> Configuration:
@@ -150,12 +139,12 @@ def prepare_new(
     branched: what the run begins from; elsewhere: nodes on another machine. Raises InputError for a
     request that no run can meet, and a directory that holds something.
     """
+    _refuse_used(directory)
     if branched is not None:
         configuration = branched.configuration
+        check_graphics(configuration, elsewhere)
     else:
-        configuration = configuration_of(request, source_commit())
-    _refuse_used(directory)
-    _check_graphics(configuration, elsewhere)
+        configuration = drawable_configuration(request, source_commit(), elsewhere)
     _prepare_stimuli(configuration)
     if request.cost_share is not None:
         configuration = _with_share(configuration, request.cost_share)
@@ -179,7 +168,7 @@ def _prepare_old(options: argparse.Namespace, request: RunRequest) -> Path:
     check_old(directory, request)
     if options.extend is not None:
         extend(directory, options.extend)
-    _check_graphics(read_configuration(directory / CONFIG_FILE), options.elsewhere)
+    check_graphics(read_configuration(directory / CONFIG_FILE), options.elsewhere)
     return directory
 
 

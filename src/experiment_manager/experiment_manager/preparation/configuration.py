@@ -6,7 +6,7 @@ from typing import Any
 from experiment_manager.experiment.agreements import check_agreements, with_partners
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.reach import check_reach
-from experiment_manager.preparation.profiles import read_profile
+from experiment_manager.preparation.profiles import Profile, read_profile
 from experiment_manager.preparation.request import (
     ITERATIONS,
     MODEL,
@@ -25,13 +25,18 @@ from lockstep.errors import InputError
 from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
 
 
+def profile_of(request: RunRequest) -> Profile:
+    """Return the profile that a request names or implies; InputError for an unknown name."""
+    is_paper = request.model is not None or request.iterations is not None
+    return read_profile(request.profile or ("paper" if is_paper else "demonstration"))
+
+
 def configuration_of(request: RunRequest, commit: str) -> Configuration:
     """Return all parameters of all nodes of a new run, by node, checked.
 
     Raises InputError for whatever a node would refuse.
     """
-    is_paper = request.model is not None or request.iterations is not None
-    profile = read_profile(request.profile or ("paper" if is_paper else "demonstration"))
+    profile = profile_of(request)
     settings = {
         f"{node}.{name}": value
         for node, values in profile.settings.items()

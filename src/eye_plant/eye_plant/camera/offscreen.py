@@ -29,12 +29,12 @@ class GraphicsError(InputError):
 def choose_backend() -> str:
     """Return the name of the OpenGL backend to use, egl or osmesa.
 
-    Raises GraphicsError when MUJOCO_GL names another one, or when the machine has none.
+    Raises InputError when MUJOCO_GL names another one, GraphicsError when the machine has none.
     """
     wanted = os.environ.get("MUJOCO_GL", "").strip().lower()
     if wanted not in ("", _NONE):
         if wanted not in _BACKENDS:
-            raise GraphicsError(f"MUJOCO_GL: expected {' or '.join(_BACKENDS)}, got {wanted}")
+            raise InputError(f"MUJOCO_GL: expected {' or '.join(_BACKENDS)}, got {wanted}")
         return wanted
     if _has_egl_device():
         return "egl"
