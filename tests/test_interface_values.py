@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from sensor_msgs.msg import JointState
 
 from experiment_manager.loop import make_loop
 from experiment_manager.run.step_messages import StepMessages
@@ -18,7 +19,7 @@ from lockstep.command_space import MUSCLE_NAMES
 from lockstep.configuration import build
 from lockstep.settings import declarations
 from lockstep.wire.topics import TEST, TRAINING
-from lockstep.wire.vectors import Vector, VectorReader
+from lockstep.wire.vectors import read_vector
 from tests.pair import ACTOR_CRITIC_NAMES, HORIZONTAL_RECTI, pair_activations
 from tests.test_interfaces import PAGE, VECTORS, quoted, table
 from vergence_rl.config import VergenceRlConfig
@@ -28,7 +29,7 @@ N_ITERATIONS = 4
 # The last part of a name that is a quantity with a unit.
 UNITS = {"deg": "deg", "m": "m", "w": "W", "rad": "rad", "s": "s", "px": "px", "n": "N"}
 ALL_VECTORS = VECTORS | dict.fromkeys(("muscle_activations", "muscle_states"), MUSCLE_NAMES)
-Sent = dict[str, list[Vector]]
+Sent = dict[str, list[JointState]]
 
 
 def _rows() -> Iterator[tuple[str, str, list[str], str, str]]:
@@ -98,7 +99,7 @@ def sent(request: pytest.FixtureRequest, pictures: Path) -> Sent:
         for step in loop.run_episode(_episode(number, phase=TEST if number == 2 else TRAINING)):
             for topic, message in messages.small(step.observation.number, step):
                 if topic in ALL_VECTORS:
-                    found[topic].append(VectorReader(topic).read(message))
+                    found[topic].append(read_vector(message, topic))
     loop.plant.close()
     return found
 

@@ -3,15 +3,17 @@
 from collections.abc import Iterator
 
 import numpy as np
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.config import EyePlantConfig
 from eye_plant.observation import Observation
 from lockstep.command_space import MUSCLE_NAMES, SIDES
-from lockstep.wire.cdr import StampedBytes, clock_bytes
+from lockstep.wire.cdr import serialized
+from lockstep.wire.codec import writer_of
 from lockstep.wire.images import ImageBytes
-from lockstep.wire.padding import serialized
+from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import (
     CAMERA_INFOS,
     EPISODE_NAMES,
@@ -36,8 +38,7 @@ class ObservationMessages:
         self._pictures = [ImageBytes(picture_message(config.camera, i_eye)) for i_eye in range(2)]
         baseline_m = config.mechanics.baseline_m
         self._infos = [
-            StampedBytes(serialized(camera_info(config.camera, i_eye, baseline_m)))
-            for i_eye in range(2)
+            writer_of(camera_info(config.camera, i_eye, baseline_m)) for i_eye in range(2)
         ]
 
     def vectors(self, stamp_ns: int, observation: Observation) -> Iterator[tuple[str, bytes]]:
@@ -58,7 +59,7 @@ class ObservationMessages:
             "muscle_states",
             self._muscles.of(stamp_ns, state.lengths_m, state.velocities_m_s, state.forces_n),
         )
-        yield "/clock", clock_bytes(stamp_ns)
+        yield "/clock", serialized(Clock(clock=to_time(stamp_ns)))
         yield (
             "eye_states",
             self._eyes.of(
@@ -77,8 +78,8 @@ class ObservationMessages:
 
     def camera_infos(self, stamp_ns: int) -> Iterator[tuple[str, bytes]]:
         """Yield the intrinsics that belong to the pictures."""
-        for topic, layout in zip(CAMERA_INFOS, self._infos, strict=True):
-            yield topic, layout.fill(stamp_ns)
+        for topic, write in zip(CAMERA_INFOS, self._infos, strict=True):
+            yield topic, write(stamp_ns)
 
 
 def camera_info(config: CameraConfig, i_eye: int, baseline_m: float) -> CameraInfo:

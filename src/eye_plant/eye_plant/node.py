@@ -19,9 +19,11 @@ from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.process import run_node
 from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, RequestServer, expect_none
 from lockstep.node.ros_parameters import declare_config
+from lockstep.wire.cdr import stamp_ns_of
+from lockstep.wire.codec import reader_of
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import period_ns, stamp_of
-from lockstep.wire.vectors import VectorReader, values_of
+from lockstep.wire.vectors import values_of
 
 REPEAT_PERIOD_S = 1.0
 
@@ -61,7 +63,7 @@ class EyePlantNode(Node):
             self._wait_for_episodes()
 
     def _wait_for_episodes(self) -> None:
-        self._reader = VectorReader("muscle_command")
+        self._read = reader_of(JointState, "muscle_command")
         self.create_subscription(
             JointState, "muscle_command", self._command, LOCKSTEP_QOS, raw=True
         )
@@ -110,13 +112,13 @@ class EyePlantNode(Node):
             return
         expected_ns = observation.number * self._period_ns
         try:
-            command = self._reader.read(data)
-            if command.stamp_ns < expected_ns:
+            command, stamp_ns = self._read(data), stamp_ns_of(data)
+            if stamp_ns < expected_ns:
                 return
-            if command.stamp_ns > expected_ns:
+            if stamp_ns > expected_ns:
                 raise InputError(
                     f"muscle_command: expected the stamp of the observation it answers, "
-                    f"{expected_ns} ns, got {command.stamp_ns} ns"
+                    f"{expected_ns} ns, got {stamp_ns} ns"
                 )
             values = values_of(command, command.name, "muscle_command")
             targets = self._plant.targets(command.name, values)

@@ -4,11 +4,10 @@ import numpy as np
 from sensor_msgs.msg import Image
 
 from lockstep.errors import InputError
-from lockstep.wire.images import Picture
 from sparse_coder.patches import N_PIXELS
 
 
-def picture_of(message: Image | Picture, topic: str) -> np.ndarray:
+def picture_of(message: Image, topic: str) -> np.ndarray:
     """Return the grey picture (height, width) uint8 that a mono8 message holds, without a copy.
 
     Raises InputError for another encoding and for data that does not match the stated size.

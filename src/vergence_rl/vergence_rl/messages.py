@@ -5,14 +5,13 @@ from sensor_msgs.msg import Image, JointState
 
 from lockstep.command_space import CommandSpace
 from lockstep.errors import InputError
-from lockstep.wire.images import Picture
-from lockstep.wire.vectors import Vector, values_of
+from lockstep.wire.vectors import values_of
 from vergence_rl.learning_rule import Decision
 
 _SCALES = 2
 
 
-def features_of(message: Image | Picture) -> np.ndarray:
+def features_of(message: Image) -> np.ndarray:
     """Return the features (2, n_bases) float32 of a 32FC1 message, without a copy.
 
     Raises InputError for another encoding, another number of rows, data that does not match the
@@ -35,7 +34,7 @@ def features_of(message: Image | Picture) -> np.ndarray:
     return features
 
 
-def activations_of(message: JointState | Vector, space: CommandSpace) -> np.ndarray:
+def activations_of(message: JointState, space: CommandSpace) -> np.ndarray:
     """Return the activations (n_names,) that commands of the space set.
 
     Raises InputError as `values_of`, and for an activation out of [0, 1].

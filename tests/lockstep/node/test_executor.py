@@ -10,14 +10,16 @@ from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rclpy.client import Client
 from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
 
 from lockstep.node import executor as executor_module
-from lockstep.node.executor import LockstepExecutor, make_executor
+from lockstep.node.executor import make_executor
+from lockstep.node.fast_executor import LockstepExecutor
+from lockstep.plain import VARIABLE
 from lockstep.wire.qos import LOCKSTEP_QOS
 from tests.node_harness import Graph, ros_graph
 
@@ -116,6 +118,13 @@ def test_messages_not_waited_for_are_taken_with_those_that_are(graph: Graph) -> 
 def test_this_rclpy_has_what_the_executor_needs(graph: Graph) -> None:
     executor = make_executor(graph.context)
     assert type(executor) is LockstepExecutor
+    executor.shutdown()
+
+
+def test_the_environment_asks_for_rclpys_own(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, "1")
+    executor = make_executor(graph.context)
+    assert type(executor) is SingleThreadedExecutor
     executor.shutdown()
 
 

@@ -213,7 +213,7 @@ def _tables(data: np.ndarray, entries: np.ndarray) -> Iterator[VectorTable]:
     while len(offsets):
         first = message_at(data, int(offsets[0]))
         layout = VectorLayout.of(first)
-        lengths = {n for _, n in layout.blocks} - {0, len(layout.names)}
+        lengths = {block.length for block in layout.blocks} - {0, len(layout.names)}
         if lengths:
             raise InputError(
                 f"expected a number for each of {len(layout.names)} names, got {lengths.pop()}"

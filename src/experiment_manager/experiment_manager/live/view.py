@@ -20,7 +20,7 @@ from lockstep.wire.topics import (
     TRAINING,
     VECTOR,
 )
-from lockstep.wire.vectors import VectorReader, values_of
+from lockstep.wire.vectors import read_vector, values_of
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.patches import N_PIXELS
@@ -59,7 +59,6 @@ class View:
         self._n_selections = n_selections
         self._coder: SparseCoder | None = None
         self._atoms: NDArray[np.float32] = np.zeros(0, np.float32)
-        self._truth = VectorReader("ground_truth")
         self._running_error = RunningError()
 
     def wanted_topics(self) -> set[str]:
@@ -81,7 +80,7 @@ class View:
 
     def count(self, ground_truth: bytes) -> None:
         """Take note of an observation's ground truth, sent or not."""
-        vector = self._truth.read(ground_truth)
+        vector = read_vector(ground_truth, "ground_truth")
         self.count_values(values_of(vector, TRUTH_NAMES, "ground_truth"))
 
     def count_values(self, truth: np.ndarray) -> None:

@@ -8,6 +8,7 @@ from importlib import import_module
 
 from rclpy.node import Node
 from rclpy.subscription import Subscription
+from sensor_msgs.msg import JointState
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.node.fault_detection import LEARNER_OF, check_learning_steps
@@ -21,6 +22,7 @@ from experiment_manager.run.episode_record import (
 from experiment_manager.run.run_directory import Run
 from eye_plant.episode import Episode
 from lockstep.wire.cdr import stamp_of
+from lockstep.wire.codec import reader_of
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import NS_PER_S, period_ns
 from lockstep.wire.topics import (
@@ -29,7 +31,7 @@ from lockstep.wire.topics import (
     TEST,
     TOPIC_TYPES,
 )
-from lockstep.wire.vectors import Vector, VectorReader, values_of
+from lockstep.wire.vectors import values_of
 
 # Of an observation, the plant sends its small messages while the others compute, this one last.
 _LAST_TOPIC = "eye_states"
@@ -62,7 +64,7 @@ class Recorder:
         self._hear()
         self._others_are_late = False
         measured = ("ground_truth", "muscle_activations", *LEARNER_OF)
-        self._readers = {name: VectorReader(name) for name in measured}
+        self._readers = {name: reader_of(JointState, name) for name in measured}
         self._subscriptions_of_pictures: list[Subscription] = []
         self._recorded = {topic: self._subscribe(topic) for topic in (*SMALL_TOPICS, *FREE_TOPICS)}
 
@@ -169,7 +171,7 @@ class Recorder:
     def _measure(self, topic: str, message: bytes, record: EpisodeRecord, stamp_ns: int) -> None:
         if topic == "muscle_activations" and record.episode.phase != TEST:
             return
-        vector = self._readers[topic].read(message)
+        vector = self._readers[topic](message)
         if topic == "ground_truth":
             is_last = stamp_ns == record.last_ns
             self._run.add_truth(values_of(vector, GROUND_TRUTH_NAMES, topic), is_last=is_last)
@@ -180,7 +182,7 @@ class Recorder:
             self._measure_learner(topic, vector, record, stamp_ns)
 
     def _measure_learner(
-        self, topic: str, vector: Vector, record: EpisodeRecord, stamp_ns: int
+        self, topic: str, vector: JointState, record: EpisodeRecord, stamp_ns: int
     ) -> None:
         if LEARNER_OF[topic] in self.checked_learners:
             (found,) = values_of(vector, ("learning_steps",), topic)

@@ -1,7 +1,7 @@
 """What both learners have in common: gathering, answering once, and the requests of a run."""
 
 from abc import abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
@@ -9,7 +9,6 @@ from typing import Any, Generic, Protocol, TypeVar
 import numpy as np
 from rclpy.node import Node
 from rclpy.subscription import Subscription
-from sensor_msgs.msg import Image, JointState
 
 from lockstep.errors import InputError
 from lockstep.node.answer_once import AnswerOnce, Verdict
@@ -18,14 +17,9 @@ from lockstep.node.gather import Gather
 from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer, expect_none
 from lockstep.node.ros_parameters import declare_config
 from lockstep.state_file import read_state, write_state
-from lockstep.wire.images import ImageReader
+from lockstep.wire.cdr import stamp_ns_of
+from lockstep.wire.codec import Reader, reader_of
 from lockstep.wire.qos import LOCKSTEP_QOS
-from lockstep.wire.vectors import VectorReader
-
-_READERS: Mapping[type, Callable[[str], ImageReader | VectorReader]] = {
-    Image: ImageReader,
-    JointState: VectorReader,
-}
 
 
 class Learner(Protocol):
@@ -69,7 +63,7 @@ class LearnerNode(Node, Generic[L]):
             self.create_subscription(
                 kind,
                 topic,
-                partial(self._receive, topic, _READERS[kind](topic)),
+                partial(self._receive, topic, reader_of(kind, topic)),
                 LOCKSTEP_QOS,
                 raw=True,
             )
@@ -107,12 +101,12 @@ class LearnerNode(Node, Generic[L]):
         """
         return self._inputs if self._gather.holds(self._last_topic) else self._inputs[-1:]
 
-    def _receive(self, topic: str, reader: ImageReader | VectorReader, data: bytes) -> None:
+    def _receive(self, topic: str, read: Reader, data: bytes) -> None:
         try:
-            message = reader.read(data)
-            observation = self._gather.add(topic, message.stamp_ns, message)
+            message, stamp_ns = read(data), stamp_ns_of(data)
+            observation = self._gather.add(topic, stamp_ns, message)
             if observation is not None:
-                self._observe(message.stamp_ns, observation)
+                self._observe(stamp_ns, observation)
         except InputError as error:
             self.diagnostics.refuse(str(error))
 

@@ -1,198 +1,181 @@
-"""Messages as the bytes that travel: where the numbers are, how to read them and fill them in.
+"""Messages as the bytes that travel: made and read by rclpy, and where their numbers are.
 
 CDR (OMG XCDR version 1) puts a 4-byte header before the message and aligns each number to its own
-size, counted from behind that header. The messages of a topic have the same names and lengths for a
-whole run, so the first one tells where the numbers of all are. To make a message, convert and
-serialize it costs five times as much as to put its numbers in here, and to deserialize one ten
-times as much as to take them out: at each message of the loop.
+size, counted from behind that header. Fast CDR does not write what it skips, so that it holds
+whatever lay in memory there; and some bytes too many may come behind empty arrays of numbers, which
+strict readers of a bag refuse. What is serialized here has neither.
 """
 
+import re
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+from rclpy.serialization import deserialize_message, serialize_message
+from sensor_msgs.msg import Image, JointState
 
 from lockstep.errors import InputError
-from lockstep.wire.stamps import NS_PER_S, checked_stamp
+from lockstep.wire.stamps import checked_stamp
 
-_HEADER_BYTES = 4
+HEADER_BYTES = 4
+STAMP = slice(HEADER_BYTES, HEADER_BYTES + 8)  # int32 sec, uint32 nanosec: a header comes first
 _ORDERS = {b"\x00\x01": "<", b"\x00\x00": ">"}
-_LITTLE_ENDIAN_HEADER = b"\x00\x01\x00\x00"
-_STAMP_BYTES = 8  # int32 sec, uint32 nanosec: the first part of a message's header
+_DTYPES = {"boolean": "?", "octet": "u1", "char": "u1", "float": "f4", "double": "f8"}
+_DTYPES |= {f"{u}int{8 * n}": f"{u or 'i'}{n}" for u in ("u", "") for n in (1, 2, 4, 8)}
+# As a message's class tells it: sequence<double>, sequence<double, 3>, double[9], std_msgs/Header.
+_SEQUENCE = re.compile(r"^sequence<([^,>]+)")
+_ARRAY = re.compile(r"^(.+)\[\d+\]$")
 
-# Offset in the message, its header included, and number of values.
-Block = tuple[int, int]
+
+def serialized(message: Any) -> bytes:
+    """Return the serialized message, with zeros for padding and nothing behind the last part."""
+    data = serialize_message(message)
+    layout = Layout(message)
+    whole = bytearray(layout.n_bytes)
+    for part in layout.parts:
+        whole[part] = data[part]
+    return bytes(whole)
 
 
-class _Cursor:
-    """A position in a message, counted from behind the CDR header.
+def deserialized(data: bytes, kind: type, topic: str = "") -> Any:
+    """Return the message of that kind; InputError, which names the topic, when it is none."""
+    where = f"{topic}: " if topic else ""
+    refusal = InputError(f"{where}expected a serialized {kind.__name__}, got {len(data)} bytes")
+    if data[:2] not in _ORDERS:
+        raise refusal
+    try:
+        return deserialize_message(data, kind)
+    except (_rclpy.RMWError, UnicodeDecodeError) as error:
+        raise refusal from error
 
-    told: the parts read so far, without the padding between them. Fast CDR leaves in its padding
-    whatever its buffer held before, so equal messages need not be equal byte by byte.
+
+class Block(NamedTuple):
+    """Where a message keeps a sequence of numbers; dtype: such as "f8"."""
+
+    start: int
+    length: int
+    dtype: str
+
+    @property
+    def bytes(self) -> slice:
+        """The bytes that hold the numbers."""
+        return slice(self.start, self.start + self.length * np.dtype(self.dtype).itemsize)
+
+
+class Layout:
+    """The parts of a message as CDR puts them one behind the other, without what lies between."""
+
+    def __init__(self, message: Any) -> None:
+        """Go through a message with all its parts."""
+        self.parts = [slice(0, HEADER_BYTES)]
+        self.n_bytes = HEADER_BYTES
+        self.blocks: dict[str, Block] = {}
+        for name, kind in message.get_fields_and_field_types().items():
+            value = getattr(message, name)
+            self._part(value, kind)
+            sequence = _SEQUENCE.match(kind)
+            if sequence and sequence[1] in _DTYPES:
+                start = self.parts[-1].start if len(value) else self.n_bytes
+                self.blocks[name] = Block(start, len(value), _DTYPES[sequence[1]])
+
+    def _part(self, value: Any, kind: str) -> None:
+        sequence, array = _SEQUENCE.match(kind), _ARRAY.match(kind)
+        if sequence:
+            self._skip("u4")
+            self._parts(value, sequence[1])
+        elif array:
+            self._parts(value, array[1])
+        elif kind.startswith("string"):
+            self._skip("u4")
+            self._skip("u1", len(value.encode()) + 1)
+        elif kind in _DTYPES:
+            self._skip(_DTYPES[kind])
+        else:
+            for name, inner in value.get_fields_and_field_types().items():
+                self._part(getattr(value, name), inner)
+
+    def _parts(self, values: Sequence[Any], kind: str) -> None:
+        if kind in _DTYPES:
+            self._skip(_DTYPES[kind], len(values))
+            return
+        for value in values:
+            self._part(value, kind)
+
+    def _skip(self, dtype: str, count: int = 1) -> None:
+        if count:
+            n_bytes = np.dtype(dtype).itemsize
+            start = HEADER_BYTES - (HEADER_BYTES - self.n_bytes) // n_bytes * n_bytes
+            self.n_bytes = start + n_bytes * count
+            self.parts.append(slice(start, self.n_bytes))
+
+
+def layout_in(data: bytes, message: Any) -> Layout | None:
+    """Return the layout of the bytes that a message was read from.
+
+    None where it is another than that of the message: in the other byte order, and for text that is
+    no UTF-8 or has a zero in it.
     """
-
-    def __init__(self, message: bytes) -> None:
-        order = _ORDERS.get(bytes(message[:2]))
-        if order is None or len(message) < _HEADER_BYTES + _STAMP_BYTES:
-            raise InputError(f"expected a CDR message, got {bytes(message[:4]).hex() or 'nothing'}")
-        self.order = order
-        self._count = struct.Struct(order + "I")
-        self.body = message[_HEADER_BYTES:]
-        self.position = _STAMP_BYTES
-        self.told: list[slice] = []
-
-    def count(self) -> int:
-        self._align(4)
-        start = self.skip(4)
-        (value,) = self._count.unpack_from(self.body, start)
-        return int(value)
-
-    def skip(self, n_bytes: int) -> int:
-        start = self.position
-        self.position += n_bytes
-        if self.position > len(self.body):
-            raise InputError(
-                f"expected a message of at least {self.position} bytes, got {len(self.body)}"
-            )
-        self.told.append(slice(start + _HEADER_BYTES, self.position + _HEADER_BYTES))
-        return start
-
-    def string(self) -> str:
-        length = self.count()
-        start = self.skip(length)
-        try:
-            return self.body[start : start + length].rstrip(b"\0").decode()
-        except UnicodeDecodeError as error:
-            raise InputError(f"expected text in UTF-8: {error}") from error
-
-    def block(self, item_bytes: int) -> Block:
-        """Skip a sequence of numbers, of which only the length is told."""
-        length = self.count()
-        if length:
-            self._align(item_bytes)
-        start = self.skip(item_bytes * length)
-        self.told.pop()
-        return start + _HEADER_BYTES, length
-
-    def _align(self, n_bytes: int) -> None:
-        self.position = -(-self.position // n_bytes) * n_bytes
+    layout, again = Layout(message), serialized(message)
+    return layout if all(again[part] == data[part] for part in layout.parts) else None
 
 
 @dataclass(frozen=True)
 class VectorLayout:
-    """Where a sensor_msgs/JointState keeps its numbers.
+    """Where equally long sensor_msgs/JointState of the same names keep their numbers.
 
-    order: "<" or ">", as in struct; blocks: of position, velocity and effort; told: the bytes that
-    hold its frame, its names and its lengths.
+    blocks: of position, velocity and effort; fixed: (n_bytes,) bool, the bytes that hold frame,
+    names and lengths.
     """
 
     names: tuple[str, ...]
-    order: str
-    blocks: tuple[Block, Block, Block]
-    told: tuple[slice, ...]
+    blocks: tuple[Block, ...]
+    fixed: np.ndarray
 
     @classmethod
-    def of(cls, message: bytes) -> "VectorLayout":
-        """Read the layout from a message; InputError when it is no JointState."""
-        try:
-            cursor = _Cursor(message)
-            cursor.string()
-            names = tuple(cursor.string() for _ in range(cursor.count()))
-            blocks = (cursor.block(8), cursor.block(8), cursor.block(8))
-        except InputError as error:
-            raise _no_message("JointState", message, error) from error
-        return cls(names, cursor.order, blocks, tuple(cursor.told))
-
-    @cached_property
-    def dtype(self) -> np.dtype[Any]:
-        """The type of the numbers."""
-        return np.dtype(f"{self.order}f8")
+    def of(cls, data: bytes) -> "VectorLayout":
+        """Read the layout from a serialized message; InputError when it is no JointState."""
+        message = deserialized(data, JointState)
+        layout = layout_in(data, message)
+        if layout is None:
+            raise InputError("expected little-endian messages with names in UTF-8, got others")
+        fixed = np.zeros(len(data), bool)
+        for part in layout.parts:
+            fixed[part] = True
+        for part in (STAMP, *(block.bytes for block in layout.blocks.values())):
+            fixed[part] = False
+        return cls(tuple(message.name), tuple(layout.blocks.values()), fixed)
 
     def fits(self, messages: np.ndarray, first: np.ndarray) -> np.ndarray:
         """Return which messages (n, n_bytes) have the frame, names and lengths of the first."""
-        mask = np.zeros(messages.shape[1], np.uint8)
-        for part in (slice(0, _HEADER_BYTES), *self.told):
-            mask[part] = 0xFF
-        return ~((messages ^ first) & mask).any(axis=1)
+        return ~((messages != first) & self.fixed).any(axis=1)
 
     def values(self, messages: np.ndarray, i_field: int) -> np.ndarray:
         """Return field 0, 1 or 2 of messages (n, n_bytes) uint8: (n, length) float64."""
-        start, length = self.blocks[i_field]
-        numbers = np.ascontiguousarray(messages[:, start : start + 8 * length]).view(self.dtype)
-        values: np.ndarray = numbers.astype(np.float64, copy=False)
-        return values.reshape(len(messages), length)
+        block = self.blocks[i_field]
+        numbers = np.ascontiguousarray(messages[:, block.bytes]).view(block.dtype)
+        return numbers.reshape(len(messages), block.length)
 
 
-@dataclass(frozen=True)
-class ImageLayout:
-    """What a sensor_msgs/Image says of its picture, and where it is; block: of its bytes."""
-
-    height: int
-    width: int
-    encoding: str
-    is_bigendian: int
-    step: int
-    block: Block
-
-    @classmethod
-    def of(cls, message: bytes) -> "ImageLayout":
-        """Read the layout from a message; InputError when it is no Image."""
-        try:
-            cursor = _Cursor(message)
-            cursor.string()
-            height, width = cursor.count(), cursor.count()
-            encoding = cursor.string()
-            is_bigendian = cursor.body[cursor.skip(1)]
-            return cls(height, width, encoding, is_bigendian, cursor.count(), cursor.block(1))
-        except InputError as error:
-            raise _no_message("Image", message, error) from error
-
-
-def _no_message(kind: str, message: bytes, error: InputError) -> InputError:
-    return InputError(f"expected a serialized {kind}, got {len(message)} bytes: {error}")
-
-
-def image_array(message: bytes) -> np.ndarray:
+def image_array(data: bytes) -> np.ndarray:
     """Return the picture of a serialized sensor_msgs/Image.
 
     mono8: (height, width) uint8; 32FC1: (height, width) float32. Raises InputError for any other.
     """
-    layout = ImageLayout.of(message)
+    image = deserialized(data, Image)
     kinds: dict[str, np.dtype[Any]] = {"mono8": np.dtype("u1"), "32FC1": np.dtype("<f4")}
-    if layout.encoding not in kinds or layout.is_bigendian:
+    if image.encoding not in kinds or image.is_bigendian:
+        raise InputError(f"expected a little-endian mono8 or 32FC1 picture, got {image.encoding!r}")
+    kind, row_bytes = kinds[image.encoding], image.width * kinds[image.encoding].itemsize
+    if len(image.data) != image.step * image.height or image.step < row_bytes:
         raise InputError(
-            f"expected a little-endian mono8 or 32FC1 picture, got {layout.encoding!r}"
+            f"expected {image.height} rows of {image.width} {image.encoding}, "
+            f"got {len(image.data)} bytes in steps of {image.step}"
         )
-    kind, row_bytes = kinds[layout.encoding], layout.width * kinds[layout.encoding].itemsize
-    start, n_bytes = layout.block
-    if n_bytes != layout.step * layout.height or layout.step < row_bytes:
-        raise InputError(
-            f"expected {layout.height} rows of {layout.width} {layout.encoding}, "
-            f"got {n_bytes} bytes in steps of {layout.step}"
-        )
-    rows = np.frombuffer(message, np.uint8, n_bytes, start).reshape(layout.height, layout.step)
+    rows = np.frombuffer(image.data, np.uint8).reshape(image.height, image.step)
     return np.ascontiguousarray(rows[:, :row_bytes]).view(kind)
-
-
-class Alike:
-    """Tells messages that differ from a first one in nothing but stamp and numbers."""
-
-    def __init__(self, first: bytes, blocks: Sequence[slice]) -> None:
-        """blocks: the bytes of first that hold numbers, one behind the other."""
-        self._n_bytes = len(first)
-        starts = [_HEADER_BYTES + _STAMP_BYTES, *(block.stop for block in blocks)]
-        ends = [*(block.start for block in blocks), len(first)]
-        between = [slice(*part) for part in zip(starts, ends, strict=True)]
-        self._fixed = [(part, first[part]) for part in (slice(0, _HEADER_BYTES), *between)]
-
-    def fits(self, message: bytes) -> bool:
-        """Whether a message has the same frame, names and lengths, and the same padding."""
-        return len(message) == self._n_bytes and all(
-            message[part] == held for part, held in self._fixed
-        )
 
 
 def stamp_of(message: bytes) -> tuple[int, int]:
@@ -200,36 +183,12 @@ def stamp_of(message: bytes) -> tuple[int, int]:
 
     Raises InputError for a message that is too short to have them.
     """
-    if len(message) < _HEADER_BYTES + _STAMP_BYTES:
+    if len(message) < STAMP.stop or message[:2] not in _ORDERS:
         raise InputError(f"expected a message with a header, got {len(message)} bytes")
-    order = "<" if message[1] else ">"
-    seconds, nanoseconds = struct.unpack_from(f"{order}iI", message, _HEADER_BYTES)
+    seconds, nanoseconds = struct.unpack_from(f"{_ORDERS[message[:2]]}iI", message, STAMP.start)
     return seconds, nanoseconds
 
 
 def stamp_ns_of(message: bytes) -> int:
     """Return the stamp of a message that begins with a header; InputError for an impossible one."""
     return checked_stamp(*stamp_of(message))
-
-
-class StampedBytes:
-    """A serialized message of a type with a header, whose stamp and numbers change."""
-
-    _STAMP = struct.Struct("<iI")
-
-    def __init__(self, message: bytearray, blocks: Sequence[tuple[Any, Block]] = ()) -> None:
-        """message: little-endian, taken over; blocks: type and block of what changes."""
-        self._data = message
-        self._fields = [np.frombuffer(message, kind, n, start) for kind, (start, n) in blocks]
-
-    def fill(self, stamp_ns: int, *values: Any) -> bytes:
-        """Return the message of a stamp with values in the blocks, each as large as its block."""
-        self._STAMP.pack_into(self._data, _HEADER_BYTES, *divmod(stamp_ns, NS_PER_S))
-        for field, value in zip(self._fields, values, strict=True):
-            field[:] = value
-        return bytes(self._data)
-
-
-def clock_bytes(stamp_ns: int) -> bytes:
-    """Return the serialized rosgraph_msgs/Clock of a stamp."""
-    return struct.pack("<4siI", _LITTLE_ENDIAN_HEADER, *divmod(stamp_ns, NS_PER_S))

@@ -5,7 +5,6 @@ JointState is the one standard message that names its numbers, and every plottin
 
 import array
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -14,30 +13,15 @@ from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
 
 from lockstep.errors import InputError
-from lockstep.wire.cdr import Alike, StampedBytes, VectorLayout, stamp_ns_of
-from lockstep.wire.padding import serialized
+from lockstep.wire.cdr import deserialized
+from lockstep.wire.codec import Writer, writer_of
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import to_time
 
 # Up to here every whole number is a double of its own.
 _MAX_WHOLE = 2.0**53
-_NO_VALUES = np.zeros(0)
 
 Values = np.ndarray | Sequence[float]
-
-
-@dataclass(frozen=True, slots=True)
-class Vector:
-    """What a message of named values holds, under the names of sensor_msgs/JointState.
-
-    position, velocity, effort: (n_names,) float64 or empty, not to be written to.
-    """
-
-    stamp_ns: int
-    name: list[str]
-    position: np.ndarray
-    velocity: np.ndarray
-    effort: np.ndarray
 
 
 def _doubles(values: Values) -> array.array:
@@ -62,29 +46,31 @@ def vector_message(
     return message
 
 
+def read_vector(data: bytes, topic: str) -> JointState:
+    """Return a serialized message; InputError, which names the topic, when it is no vector."""
+    message: JointState = deserialized(data, JointState, topic)
+    return message
+
+
 class VectorBytes:
     """Serializes vectors with fixed names."""
 
     def __init__(self, names: Sequence[str]) -> None:
         """names: the entries of each vector, in order."""
         self._names = tuple(names)
-        self._layouts: dict[tuple[bool, bool], StampedBytes] = {}
+        self._writers: dict[tuple[bool, bool], Writer] = {}
 
     def of(
         self, stamp_ns: int, position: Values, velocity: Values = (), effort: Values = ()
     ) -> bytes:
         """Return the message of (n_names,) values; velocity and effort may be empty."""
-        has_velocity, has_effort = len(velocity) > 0, len(effort) > 0
-        layout = self._layouts.get((has_velocity, has_effort))
-        if layout is None:
-            layout = _stamped_bytes(self._names, (True, has_velocity, has_effort))
-            self._layouts[has_velocity, has_effort] = layout
-        values = [position]
-        if has_velocity:
-            values.append(velocity)
-        if has_effort:
-            values.append(effort)
-        return layout.fill(stamp_ns, *values)
+        has = len(velocity) > 0, len(effort) > 0
+        fields = [position, *([velocity] if has[0] else []), *([effort] if has[1] else [])]
+        if has not in self._writers:
+            self._writers[has] = writer_of(
+                vector_message(stamp_ns, self._names, position, velocity, effort)
+            )
+        return self._writers[has](stamp_ns, *fields)
 
 
 class VectorPublisher:
@@ -109,50 +95,8 @@ class VectorPublisher:
             self.publisher.publish(self._last)
 
 
-class VectorReader:
-    """Reads the serialized vectors of one topic."""
-
-    def __init__(self, topic: str) -> None:
-        """topic: for error messages."""
-        self._topic = topic
-        self._alike: Alike | None = None
-        self._name: list[str] = []
-        self._layout: VectorLayout
-
-    def read(self, data: bytes) -> Vector:
-        """Return what a message holds, quickly when it is laid out like the one before.
-
-        Raises InputError for bytes that are no sensor_msgs/JointState, and for its stamp.
-        """
-        if self._alike is None or not self._alike.fits(data):
-            self._learn(data)
-        layout = self._layout
-        fields = [
-            np.frombuffer(data, layout.dtype, n, start) if n else _NO_VALUES
-            for start, n in layout.blocks
-        ]
-        return Vector(stamp_ns_of(data), self._name, *fields)
-
-    def _learn(self, data: bytes) -> None:
-        try:
-            layout = VectorLayout.of(data)
-        except InputError as error:
-            raise InputError(f"{self._topic}: {error}") from error
-        self._layout = layout
-        self._name = list(layout.names)
-        self._alike = Alike(data, [slice(start, start + 8 * n) for start, n in layout.blocks])
-
-
-def _stamped_bytes(names: Sequence[str], has: Sequence[bool]) -> StampedBytes:
-    """Return the message with or without each of position, velocity and effort."""
-    zeros = np.zeros(len(names))
-    message = serialized(vector_message(0, names, *(zeros if there else () for there in has)))
-    layout = VectorLayout.of(bytes(message))
-    return StampedBytes(message, [(layout.dtype, block) for block in layout.blocks if block[1]])
-
-
 def values_of(
-    message: JointState | Vector, names: Sequence[str], topic: str, field: str = "position"
+    message: JointState, names: Sequence[str], topic: str, field: str = "position"
 ) -> np.ndarray:
     """Return the finite values (n_names,) of a message, in the order of names.
 
@@ -178,7 +122,7 @@ def values_of(
     return values
 
 
-def whole_values_of(message: JointState | Vector, names: Sequence[str], topic: str) -> list[int]:
+def whole_values_of(message: JointState, names: Sequence[str], topic: str) -> list[int]:
     """Return positions that count something, in the order of names.
 
     Raises InputError as `values_of`, and for a value that is no whole number from 0 to 2^53.

@@ -1,0 +1,178 @@
+"""The fast way to and from bytes does what the plain one does, on which it is tested."""
+
+import itertools
+from collections.abc import Callable, Iterator
+from typing import Any
+from unittest import mock
+
+import numpy as np
+import pytest
+from rclpy.context import Context
+from rclpy.node import Node
+from rosbags.typesys import Stores, get_typestore
+from sensor_msgs.msg import Image, JointState
+
+from eye_plant.camera.config import CameraConfig
+from eye_plant.messages import camera_info
+from lockstep.errors import InputError
+from lockstep.plain import VARIABLE
+from lockstep.wire import fast_codec
+from lockstep.wire.cdr import serialized
+from lockstep.wire.codec import Reader, Writer, plain_reader, plain_writer, reader_of, writer_of
+from lockstep.wire.fast_codec import FastReader, FastWriter
+from lockstep.wire.images import ImagePublisher
+from lockstep.wire.stamps import to_time
+from lockstep.wire.vectors import VectorPublisher, values_of, vector_message
+
+NAMES = ["a", "longer", ""]
+STAMPS_NS = (3, 1_500_000_000, 7)
+BOTH = pytest.mark.parametrize("reader", [plain_reader, FastReader])
+
+
+def vector(stamp_ns: int, has: tuple[bool, ...] = (True, False, False)) -> JointState:
+    """Return a vector of random numbers, one row per field that it has."""
+    rows = np.random.default_rng(stamp_ns).normal(size=(3, len(NAMES)))
+    fields = [row if is_there else () for row, is_there in zip(rows, has, strict=True)]
+    return vector_message(stamp_ns, NAMES, *fields)
+
+
+def picture(stamp_ns: int, encoding: str = "mono8", n_bytes: int = 15) -> Image:
+    """Return a picture of random pixels."""
+    message = Image(height=3, width=5, step=5, encoding=encoding)
+    message.header.stamp, message.header.frame_id = to_time(stamp_ns), "left_eye"
+    message.data = np.random.default_rng(stamp_ns).integers(0, 256, n_bytes, np.uint8).tobytes()
+    return message
+
+
+def fields_of(read: Any, kind: type) -> dict[str, Any]:
+    """Return the fields of what was read, but for the header, whose stamp comes from the bytes."""
+    names = [name for name in kind.get_fields_and_field_types() if name != "header"]  # type: ignore[attr-defined]
+    return {n: v if isinstance(v := getattr(read, n), str | int) else list(v) for n in names}
+
+
+@pytest.fixture
+def learned() -> Iterator[mock.Mock]:
+    """Count the messages that the fast reader deserializes."""
+    with mock.patch.object(
+        fast_codec, "deserialized", side_effect=fast_codec.deserialized
+    ) as counted:
+        yield counted
+
+
+@pytest.mark.parametrize("has", [*itertools.product((False, True), repeat=3)])
+def test_vectors_are_written_alike(has: tuple[bool, ...]) -> None:
+    plain, fast = (make(vector(0, has)) for make in (plain_writer, FastWriter))
+    for stamp_ns in STAMPS_NS:
+        message = vector(stamp_ns, has)
+        values = [f for f in (message.position, message.velocity, message.effort) if len(f)]
+        assert plain(stamp_ns, *values) == fast(stamp_ns, *values) == serialized(message)
+
+
+@pytest.mark.parametrize("make", [plain_writer, FastWriter])
+def test_pictures_and_what_changes_its_stamp_alone(make: Callable[[Any], Writer]) -> None:
+    write = make(picture(0))
+    for stamp_ns in STAMPS_NS:
+        expected = picture(stamp_ns)
+        assert write(stamp_ns, np.frombuffer(expected.data, np.uint8)) == serialized(expected)
+    info = camera_info(CameraConfig(), 1, 0.056)
+    written = make(camera_info(CameraConfig(), 1, 0.056))(7_000_000_008)
+    info.header.stamp = to_time(7_000_000_008)
+    assert written == serialized(info)
+
+
+@pytest.mark.parametrize("make", [plain_writer, FastWriter])
+def test_numbers_travel_bit_for_bit_and_stay(make: Callable[[Any], Writer]) -> None:
+    write = make(vector_message(0, "abc", [0.0] * 3))
+    values = np.array([np.nan, -np.inf, 5e-324])
+    first = write(0, values)
+    assert first == serialized(vector_message(0, "abc", values))
+    write(1, [1.0, 2.0, 3.0])
+    assert first == serialized(vector_message(0, "abc", values))
+
+
+@pytest.mark.parametrize("has", [*itertools.product((False, True), repeat=3)])
+def test_vectors_are_read_alike_and_deserialized_once(
+    learned: mock.Mock, has: tuple[bool, ...]
+) -> None:
+    plain, fast = plain_reader(JointState, "vector"), FastReader(JointState, "vector")
+    for stamp_ns in STAMPS_NS:
+        data = serialized(vector(stamp_ns, has))
+        read = fields_of(fast(data), JointState)
+        assert read == fields_of(plain(data), JointState)
+        assert read == fields_of(vector(stamp_ns, has), JointState)
+    assert learned.call_count == 1
+
+
+def test_a_change_of_layout_is_noticed_and_taken_over(learned: mock.Mock) -> None:
+    plain, fast = plain_reader(Image, "picture"), FastReader(Image, "picture")
+    kinds = [("mono8", 15), ("mono9", 15), ("mono9", 15), ("mono9", 16), ("mono9", 0), ("mono9", 1)]
+    for stamp_ns, (encoding, n_bytes) in enumerate(kinds):
+        data = serialized(picture(stamp_ns, encoding, n_bytes))
+        assert fields_of(fast(data), Image) == fields_of(plain(data), Image)
+    assert learned.call_count == 5
+
+
+@BOTH
+def test_the_other_byte_order_is_read_too(reader: Callable[..., Reader]) -> None:
+    store = get_typestore(Stores.ROS2_JAZZY)
+    kind = "sensor_msgs/msg/JointState"
+    foreign = store.deserialize_cdr(serialized(vector(5)), kind)
+    read = reader(JointState, "vector")
+    for little_endian in (True, False, False, True):
+        data = bytes(store.serialize_cdr(foreign, kind, little_endian=little_endian))
+        values = values_of(read(data), NAMES, "vector")
+        np.testing.assert_array_equal(values, vector(5).position)
+
+
+@pytest.mark.parametrize("name", [b"l\xff\xfeger", b"l\0nger"])
+def test_odd_text_is_read_alike(name: bytes) -> None:
+    data = serialized(vector(5)).replace(b"longer", name)
+    plain, fast = plain_reader(JointState, "vector"), FastReader(JointState, "vector")
+    fast(serialized(vector(5)))
+    assert fields_of(fast(data), JointState) == fields_of(plain(data), JointState)
+
+
+@BOTH
+def test_what_was_refused_leaves_no_trace(reader: Callable[..., Reader]) -> None:
+    read = reader(JointState, "eye")
+    data = serialized(vector(1))
+    before = fields_of(read(data), JointState)
+    for n_bytes in (0, 3, 11, 40):
+        with pytest.raises(InputError, match=f"eye: expected a serialized .*, got {n_bytes} bytes"):
+            read(data[:n_bytes])
+    assert fields_of(read(data), JointState) == before
+
+
+@BOTH
+def test_what_was_read_stays_when_the_next_is_read(reader: Callable[..., Reader]) -> None:
+    read = reader(JointState, "vector")
+    first = read(serialized(vector(1)))
+    read(serialized(vector(2)))
+    assert list(first.position) == list(vector(1).position)
+
+
+def test_the_environment_chooses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(VARIABLE, raising=False)
+    assert isinstance(writer_of(vector(0)), FastWriter)
+    assert isinstance(reader_of(JointState, "vector"), FastReader)
+    monkeypatch.setenv(VARIABLE, "1")
+    assert not isinstance(writer_of(vector(0)), FastWriter)
+    assert not isinstance(reader_of(JointState, "vector"), FastReader)
+
+
+def test_a_repeat_sends_the_last_one_again_and_nothing_before_the_first() -> None:
+    context = Context()
+    context.init(domain_id=97)
+    node = Node("codec", context=context)
+    image = Image(height=2, width=3, encoding="mono8", step=3)
+    publishers: list[Any] = [VectorPublisher(node, "v", ("a",)), ImagePublisher(node, "i", image)]
+    for publisher, value in zip(publishers, ((1.0,), np.zeros((2, 3), np.uint8)), strict=True):
+        publisher.publisher = recorder = mock.Mock()
+        publisher.repeat()
+        assert recorder.publish.call_count == 0
+        publisher.publish(5, value)
+        publisher.repeat()
+        first, second = recorder.publish.call_args_list
+        assert first == second
+    node.destroy_node()
+    context.try_shutdown()
