@@ -290,7 +290,7 @@ def test_one_test_is_expected() -> None:
         test_summary(np.array(two))
     with pytest.raises(InputError, match="expected the rows of one test, got those of 0"):
         test_summary(np.array(one)[1:])
-    with pytest.raises(InputError, match=r"expected rows of 20 values, got .*\(3,\)"):
+    with pytest.raises(InputError, match=r"expected rows of 23 values, got .*\(3,\)"):
         test_summary(np.zeros(3))
 
 

@@ -182,7 +182,7 @@ def test_trials_of_another_shape_are_refused() -> None:
     progress = Progress(0)
     old = np.zeros((3, len(GROUND_TRUTH_NAMES)))
     progress.restore(Progress(0).document(), old[:0])
-    with pytest.raises(InputError, match=r"expected trials with .*shape \(3, 18\)"):
+    with pytest.raises(InputError, match=r"expected trials with .*shape \(3, 21\)"):
         progress.restore(Progress(0).document(), old)
 
 
