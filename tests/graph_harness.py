@@ -13,10 +13,11 @@ from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.loop import Step, make_loop
 from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
-from experiment_manager.run.config_file import configuration_text, read_configuration
+from experiment_manager.run.config_file import Configuration, configuration_text
 from eye_plant.episode import Episode
 from lockstep.configuration import build
 from lockstep.state_file import read_state
+from lockstep.wire.stamps import period_ns
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 from tests.supervisor import PATIENCE_S, environment
 
@@ -102,23 +103,13 @@ def vectors(directory: Path) -> dict[str, VectorTable]:
     return Bag(directory / "bag").vectors(*SMALL_VECTORS)
 
 
-def assert_same_numbers(one: Path, other: Path) -> None:
-    """Check that two runs recorded the same small messages, bit for bit."""
-    first, second = vectors(one), vectors(other)
-    for topic in SMALL_VECTORS:
-        for field in ("stamps_ns", "position", "velocity", "effort"):
-            a, b = getattr(first[topic], field), getattr(second[topic], field)
-            assert a.shape == b.shape, f"{topic}.{field}: {a.shape} and {b.shape}"
-            assert a.tobytes() == b.tobytes(), f"{topic}.{field} differs"
-
-
 class OracleRun:
-    """The same run as in a config.yaml, in this process and without ROS."""
+    """The run of a configuration in this process and without ROS."""
 
-    def __init__(self, config_file: Path) -> None:
-        configuration = read_configuration(config_file)
+    def __init__(self, configuration: Configuration) -> None:
         manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
         self.protocol = make_protocol(manager)
+        self.period_ns = period_ns(manager.mechanics.period_s)
         self._loop = make_loop(configuration)
         self.plant, self.coder, self.agent = self._loop.plant, self._loop.coder, self._loop.agent
 

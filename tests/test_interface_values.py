@@ -20,8 +20,8 @@ from lockstep.configuration import build
 from lockstep.settings import declarations
 from lockstep.wire.topics import TEST, TRAINING
 from lockstep.wire.vectors import read_vector
+from tests.interfaces_page import PAGE, VECTORS, quoted, table
 from tests.pair import ACTOR_CRITIC_NAMES, HORIZONTAL_RECTI, pair_activations
-from tests.test_interfaces import PAGE, VECTORS, quoted, table
 from vergence_rl.config import VergenceRlConfig
 
 N_BASES = 32

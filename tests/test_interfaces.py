@@ -2,7 +2,6 @@
 
 import re
 from functools import partial
-from pathlib import Path
 from typing import get_type_hints
 
 import pytest
@@ -14,31 +13,9 @@ from lockstep.command_space import MUSCLE_NAMES
 from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, RequestClient
 from lockstep.wire import topics
 from lockstep.wire.qos import LOCKSTEP_QOS, QUEUE_DEPTH
+from tests.interfaces_page import PAGE, VECTORS, quoted, table
 from tests.node_harness import Outsider, ros_graph
-from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
 from vergence_rl.node import VergenceRlNode
-
-PAGE = (Path(__file__).parents[1] / "docs" / "interfaces.md").read_text()
-VECTORS = {
-    "episode": topics.EPISODE_NAMES,
-    "ground_truth": topics.GROUND_TRUTH_NAMES[len(topics.EPISODE_NAMES) :],
-    "eye_states": topics.EYE_STATE_NAMES,
-    "reward": topics.REWARD_NAMES,
-    "muscle_command": COMMAND_NAMES,
-    "actor_critic": ACTOR_CRITIC_NAMES,
-}
-
-
-def table(section: str, i_table: int = 0) -> list[list[str]]:
-    """Return the cells of a section's table, without its head."""
-    text = PAGE.split(f"\n## {section}\n")[1].split("\n## ")[0]
-    found = [block for block in re.split(r"\n\s*\n", text) if block.lstrip().startswith("|")]
-    lines = found[i_table].strip().splitlines()[2:]
-    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
-
-
-def quoted(cell: str) -> list[str]:
-    return re.findall(r"`([^`]+)`", cell)
 
 
 def test_every_topic_with_its_type() -> None:

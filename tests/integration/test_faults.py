@@ -4,42 +4,9 @@ import signal
 from collections.abc import Callable
 from pathlib import Path
 
-import pytest
-
 from experiment_manager.supervision.processes import PACKAGES
-from tests.graph_harness import small_run
-from tests.stress.supervised_run import (
-    SupervisedRun,
-    are_gone,
-    differences,
-    is_alive,
-    is_intact,
-    stamp_faults,
-)
-
-N_TRAINING = 400
-SETTINGS = (
-    "experiment_manager.checkpoint_period_s=0.5",
-    "experiment_manager.gap_s=8.0",
-    "sparse_coder.n_bases=32",
-    "vergence_rl.n_features=64",
-)
-
-
-@pytest.fixture(scope="module")
-def line(pictures: Path) -> list[str]:
-    """Return the command line of a run with a checkpoint every half second."""
-    return small_run(pictures, N_TRAINING, *SETTINGS)
-
-
-@pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory: pytest.TempPathFactory, line: list[str]) -> Path:
-    """Return the directory of a run that nothing disturbed: one in one process."""
-    directory = tmp_path_factory.mktemp("undisturbed") / "run"
-    with SupervisedRun(line, directory, in_process=True) as run:
-        assert run.wait() == 0, run.output()
-    assert stamp_faults(directory) == []
-    return directory
+from tests.loop_contract import assert_as_the_loop, run_line
+from tests.stress.supervised_run import SupervisedRun, is_alive, is_intact
 
 
 def _beyond(run: SupervisedRun, n_episodes: int) -> Callable[[], bool]:
@@ -58,11 +25,11 @@ def _recording(run: SupervisedRun) -> Callable[[], bool]:
     return lambda: len(list((run.directory / "bag").glob("*.mcap"))) > n_before
 
 
-def test_each_node_killed_once_and_one_stopped(
-    line: list[str], undisturbed: Path, tmp_path: Path
+def test_each_node_killed_once_and_one_stopped_beside_another_run(
+    pictures: Path, tmp_path: Path
 ) -> None:
-    directory = tmp_path / "run"
-    with SupervisedRun(line, directory) as run:
+    line, directory, other = run_line(pictures), tmp_path / "run", tmp_path / "other"
+    with SupervisedRun(line, directory) as run, SupervisedRun(line, other) as beside:
         # One that is only starting, before there is any checkpoint ...
         assert run.wait_until(lambda: "eye_plant" in run.nodes(), "the first nodes")
         assert run.signal_node("eye_plant", signal.SIGKILL)
@@ -77,6 +44,8 @@ def test_each_node_killed_once_and_one_stopped(
         assert run.signal_node("sparse_coder", signal.SIGSTOP)
         assert run.wait() == 0, run.output()
         output = run.output()
+        assert beside.wait() == 0, beside.output()
+        assert "fault" not in beside.output()
     for fault in (
         "fault: eye_plant was killed by SIGKILL",
         "fault: sparse_coder was killed by SIGKILL",
@@ -87,38 +56,14 @@ def test_each_node_killed_once_and_one_stopped(
     # Whoever misses the hanging node first says so: the manager, or during a checkpoint we do.
     hang = ("ended: no message for 8 s; missing: ", "fault: sparse_coder gives no sign of life")
     assert sum(output.count(text) for text in hang) == 1, output
-    assert differences(directory, undisturbed) == []
-    assert stamp_faults(directory) == []
-
-
-def test_a_killed_supervisor_takes_its_nodes_with_it_and_the_run_goes_on(
-    line: list[str], undisturbed: Path, tmp_path: Path
-) -> None:
-    directory = tmp_path / "run"
-    with SupervisedRun(line, directory) as run:
-        assert run.wait_until(_beyond(run, 5), "a checkpoint")
-        nodes = run.nodes()
-        run.process.kill()
-        run.process.wait()
-        assert are_gone(nodes.values())
-    with SupervisedRun(line, directory, resume=True) as run:
-        # Ctrl-C: the episode under way is ended, a checkpoint made.
-        assert run.wait_until(_beyond(run, run.place() + 1), "another checkpoint")
-        run.process.send_signal(signal.SIGINT)
-        assert run.wait() == 130, run.output()
-        assert f"--resume {directory}" in run.output()
-        assert is_intact(directory)
-    with SupervisedRun(line, directory, resume=True) as run:
-        assert run.wait() == 0, run.output()
-        assert "fault: " not in run.output()
-    assert differences(directory, undisturbed) == []
-    assert stamp_faults(directory) == []
+    assert_as_the_loop(directory)
+    assert_as_the_loop(other)
 
 
 def test_the_same_fault_three_times_ends_with_one_error(pictures: Path, tmp_path: Path) -> None:
     directory = tmp_path / "run"
     never = "experiment_manager.checkpoint_period_s=1e9"
-    with SupervisedRun(small_run(pictures, N_TRAINING, *SETTINGS, never), directory) as run:
+    with SupervisedRun(run_line(pictures, never), directory) as run:
         killed: set[int] = set()
         for _ in range(3):
             assert run.wait_until(
@@ -134,13 +79,3 @@ def test_the_same_fault_three_times_ends_with_one_error(pictures: Path, tmp_path
     assert output.count("error: ") == 1
     assert error in output
     assert is_intact(directory)
-
-
-def test_two_runs_side_by_side_do_not_see_each_other(
-    line: list[str], undisturbed: Path, tmp_path: Path
-) -> None:
-    with SupervisedRun(line, tmp_path / "a") as a, SupervisedRun(line, tmp_path / "b") as b:
-        assert (a.wait(), b.wait()) == (0, 0), a.output() + b.output()
-        assert "fault" not in a.output() + b.output()
-    for name in ("a", "b"):
-        assert differences(tmp_path / name, undisturbed) == []

@@ -1,114 +1,183 @@
-"""The graph as processes: the same numbers as the loop in one process, and a bag of all of them."""
+"""Graph and one process compute what the loop does, and record it alike, however they take turns.
+
+The contract itself is assert_as_the_loop; test_faults.py, test_hosts.py, test_node_by_node.py,
+test_resources.py and test_live_view.py hold disturbed graphs to it.
+"""
 
 import json
+import resource
+import shutil
+import signal
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
+from mcap.reader import make_reader
 from mcap_ros2.reader import read_ros2_messages
 from rosbags.highlevel import AnyReader
 
 from experiment_manager.bag.reader import Bag
-from lockstep.wire.topics import (
-    CODER_VECTORS,
-    GROUND_TRUTH_NAMES,
-    LEARNER_VECTORS,
-    PICTURES,
-    PLANT_VECTORS,
-    REWARD_NAMES,
-    TOPIC_TYPES,
+from lockstep.wire.topics import TOPIC_TYPES
+from tests.graph_harness import small_run
+from tests.loop_contract import (
+    N_TRAINING,
+    N_TRIALS,
+    assert_as_the_loop,
+    run_line,
+    whole_graph,
 )
-from tests.graph_harness import OracleRun, small_run, stacked, vectors
-from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
+from tests.stress.supervised_run import SupervisedRun, are_gone
 from tests.supervisor import finished, start_supervisor
 
-N_TRAINING, N_TRIALS = 200, 8
 N_ANSWERED = N_TRAINING + 20 * N_TRIALS
-N_OBSERVATIONS = N_ANSWERED + N_TRAINING // 10 + N_TRIALS
+# Of each node's health, by the clock on the wall.
+NOT_COMPARED = "/diagnostics"
 
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
-    """Return the directory of a finished run of model M_C."""
-    directory = tmp_path_factory.mktemp("graph") / "run"
-    line = small_run(pictures, N_TRAINING)
-    finished(start_supervisor([*line, "--model", "M_C", "--out", str(directory)]))
-    return directory
+    """Return the directory of a run of model M_C that a graph has made."""
+    return whole_graph(tmp_path_factory, pictures)
 
 
-def test_the_graph_computes_what_the_loop_in_one_process_does(run: Path) -> None:
-    oracle = OracleRun(run / "config.yaml")
-    expected: dict[str, list[Any]] = {"ground_truth": [], "reward": [], "muscle_command": []}
-    expected |= {"actor_critic": [], "lengths": [], "forces": [], "angles": []}
-    bag = Bag(run / "bag")
-    recorded = {topic: dict(bag.images(topic)) for topic in (*PICTURES, "features")}
-    period_ns = int(np.diff(bag.stamps_ns("episode")[:2])[0])
-    n_compared = 0
-    for _, step in oracle.steps():
-        observation, answer = step.observation, step.answer
-        expected["ground_truth"].append(observation.ground_truth_values())
-        expected["lengths"].append(observation.state.lengths_m)
-        expected["forces"].append(observation.state.forces_n)
-        expected["angles"].append(observation.state.eye_angles_rad.ravel())
-        if answer is None or observation.pictures is None:
-            continue
-        expected["reward"].append(answer.percept.reward_values())
-        decision = answer.decision
-        expected["muscle_command"].append(decision.command)
-        expected["actor_critic"].append(
-            (
-                decision.value,
-                decision.td_error,
-                decision.td_variance,
-                decision.actor_learning_rate,
-                decision.critic_learning_rate,
-                *decision.action,
-                oracle.agent.learning_steps,
-            )
-        )
-        stamp_ns = observation.number * period_ns
-        if stamp_ns in recorded["features"]:
-            n_compared += 1
-            assert (
-                recorded["features"][stamp_ns].tobytes()
-                == answer.percept.encoding.features.tobytes()
-            )
-            for topic, picture in zip(PICTURES, observation.pictures, strict=True):
-                assert recorded[topic][stamp_ns].tobytes() == picture.tobytes()
-    got = vectors(run)
-    assert got["ground_truth"].names == GROUND_TRUTH_NAMES
-    assert got["reward"].names == REWARD_NAMES
-    assert got["muscle_command"].names == COMMAND_NAMES
-    assert got["actor_critic"].names == ACTOR_CRITIC_NAMES
-    pairs = {
-        "ground_truth": got["ground_truth"].position,
-        "reward": got["reward"].position,
-        "muscle_command": got["muscle_command"].position,
-        "actor_critic": got["actor_critic"].position,
-        "lengths": got["muscle_states"].position,
-        "forces": got["muscle_states"].effort,
-        "angles": got["eye_states"].position,
+def _whole_run(line: list[str], directory: Path) -> None:
+    with SupervisedRun(line, directory, in_process=True) as run:
+        assert run.wait() == 0, run.output()
+
+
+def _interrupted_and_resumed(line: list[str], directory: Path, *, begins_in_process: bool) -> None:
+    with SupervisedRun(line, directory, in_process=begins_in_process) as run:
+        assert run.wait_until(lambda: run.place() >= 2, "a checkpoint")
+        run.process.send_signal(signal.SIGINT)
+        assert run.wait() == 130, run.output()
+        assert "stopping after this episode, with a checkpoint" in run.output()
+        option = " --in-process" if begins_in_process else ""
+        assert f"run_experiment.sh --resume {directory}{option}\n" in run.output()
+        stopped_at = run.place()
+    assert not (directory / "results.json").exists()
+    with SupervisedRun(line, directory, resume=True, in_process=not begins_in_process) as run:
+        assert run.wait() == 0, run.output()
+        assert run.place() > stopped_at
+
+
+def _killed_in_process_and_as_a_graph(line: list[str], directory: Path) -> None:
+    for n_episodes, in_process in ((1, True), (12, False)):
+        is_begun = n_episodes > 1
+        with SupervisedRun(line, directory, resume=is_begun, in_process=in_process) as run:
+            assert run.wait_until(partial(_is_beyond, run, n_episodes), "a checkpoint")
+            nodes = run.nodes()
+            run.process.kill()
+            run.process.wait()
+            assert are_gone(nodes.values())
+    with SupervisedRun(line, directory, resume=True, in_process=True) as run:
+        assert run.wait() == 0, run.output()
+
+
+def _out_of_disk_and_stopped_at_once(line: list[str], directory: Path) -> None:
+    with SupervisedRun(line, directory, in_process=True) as run:
+        assert run.wait_until(partial(_is_beyond, run, 1), "a checkpoint")
+        resource.prlimit(run.process.pid, resource.RLIMIT_FSIZE, (1000, 1000))
+        assert run.wait() == 3, run.output()
+        assert run.output().count("error: ") == 1
+        assert f"{directory} cannot be written: " in run.output()
+        stopped_at = run.place()
+    with SupervisedRun(line, directory, resume=True, in_process=True) as run:
+        assert run.wait_until(partial(_is_beyond, run, stopped_at + 1), "another checkpoint")
+        run.process.send_signal(signal.SIGTERM)
+        run.process.send_signal(signal.SIGINT)
+        assert run.wait() == 130, run.output()
+    with SupervisedRun(line, directory, resume=True, in_process=True) as run:
+        assert run.wait() == 0, run.output()
+
+
+def _is_beyond(run: SupervisedRun, n_episodes: int) -> bool:
+    return run.place() >= n_episodes
+
+
+@pytest.mark.parametrize(
+    ("rule", "make"),
+    [
+        ("cacla", _whole_run),
+        ("cacla", partial(_interrupted_and_resumed, begins_in_process=False)),
+        ("hindsight", partial(_interrupted_and_resumed, begins_in_process=True)),
+        ("hindsight", _killed_in_process_and_as_a_graph),
+        ("cacla", _out_of_disk_and_stopped_at_once),
+    ],
+    ids=["whole", "from graph to process", "from process to graph", "killed", "no disk"],
+)
+def test_a_run_records_what_the_loop_computes(
+    pictures: Path, run: Path, tmp_path: Path, rule: str, make: Any
+) -> None:
+    directory = tmp_path / "run"
+    make(run_line(pictures, rule=rule), directory)
+    assert_as_the_loop(directory)
+    if rule == "cacla":
+        _assert_same_files(directory, run)
+
+
+def test_a_graph_records_what_the_loop_computes(run: Path) -> None:
+    assert_as_the_loop(run)
+
+
+def _assert_same_files(one: Path, other: Path) -> None:
+    assert _configuration(one) == _configuration(other)
+    assert _order(one) == _order(other)
+    assert (one / "results.json").read_text() == (other / "results.json").read_text()
+    assert {path.name for path in (one / "figures").iterdir()} == {
+        path.name for path in (other / "figures").iterdir()
     }
-    for name, values in pairs.items():
-        np.testing.assert_array_equal(values, stacked(expected[name]), err_msg=name)
-    # Episodes 0, 7, 14 of training and trials 0, 3 of two tests were sampled with pictures.
-    assert n_compared == 3 * 10 + 4 * 20
 
 
-def test_exactly_one_of_each_small_message_per_stamp(run: Path) -> None:
-    tables = vectors(run)
-    stamps_ns = tables["episode"].stamps_ns
-    period_ns = int(stamps_ns[1] - stamps_ns[0])
-    every = np.arange(N_OBSERVATIONS) * period_ns
-    iteration = tables["episode"].column("iteration")
-    phase = tables["episode"].column("phase")
-    answered = every[iteration < np.where(phase == 0, 10, 20)]
-    assert len(answered) == N_ANSWERED
-    for topic in PLANT_VECTORS:
-        assert tables[topic].stamps_ns.tolist() == every.tolist()
-    for topic in (*CODER_VECTORS, *LEARNER_VECTORS):
-        assert tables[topic].stamps_ns.tolist() == answered.tolist()
+def _order(directory: Path) -> list[tuple[str, int]]:
+    """Return topic and stamp of one message after the other, as the files have them."""
+    found = []
+    for i_file in range(len([*(directory / "bag").glob("*.mcap")])):
+        with (directory / "bag" / f"bag_{i_file}.mcap").open("rb") as stream:
+            for _, channel, message in make_reader(stream).iter_messages(log_time_order=False):
+                # The plant may repeat its clock, as nobody misses it.
+                if channel.topic not in ("/clock", NOT_COMPARED):
+                    found.append((channel.topic, message.log_time))
+    return found
+
+
+def _configuration(directory: Path) -> dict[str, dict[str, object]]:
+    document = yaml.safe_load((directory / "config.yaml").read_text())
+    del document["run"]["ros__parameters"]["date"]
+    return document
+
+
+def test_pictures_are_of_the_sampled_episodes(run: Path) -> None:
+    # Episodes 0, 7, ... 28 of training and trials 0, 3 of both tests, with and without answers.
+    bag = Bag(run / "bag")
+    assert len(bag.stamps_ns("features")) == 5 * 10 + 4 * 20
+    assert len(bag.stamps_ns("left/camera_info")) == len(bag.stamps_ns("right/image_raw")) == 130
+
+
+def test_a_schedule_is_recorded(run: Path) -> None:
+    with AnyReader([run / "bag"]) as bag:
+        found = [
+            (bag.deserialize(raw, connection.msgtype), stamp_ns)
+            for connection, stamp_ns, raw in bag.messages(
+                [c for c in bag.connections if c.topic == "/parameter_changes"]
+            )
+        ]
+    told = [dict(zip(message.name, message.position, strict=True)) for message, _ in found]
+    assert told == [
+        {
+            "eye_plant.mechanics.rest_adduction_deg[0]": 0.0,
+            "eye_plant.mechanics.rest_adduction_deg[1]": 1.5,
+            "eye_plant.camera.left_blur_px": 2.5,
+            "eye_plant.camera.focal_length_px": 250.0,
+        },
+        {"eye_plant.camera.left_blur_px": 0.0, "eye_plant.camera.left_occluded": 1.0},
+    ]
+    truth = Bag(run / "bag").vectors("ground_truth")["ground_truth"]
+    rows = truth.at(np.array([stamp_ns for _, stamp_ns in found]))
+    assert truth.column("training_iteration")[rows].tolist() == [90, 180]
+    assert truth.column("iteration")[rows].tolist() == [0, 0]
 
 
 def test_every_reader_decodes_every_message(run: Path) -> None:
@@ -136,23 +205,14 @@ def test_every_reader_decodes_every_message(run: Path) -> None:
             assert item.log_time_ns == item.publish_time_ns
     assert n_mcap == n_rosbags
     assert n_rosbags["reward"] == N_ANSWERED
-    assert n_rosbags["/clock"] > N_OBSERVATIONS // 2
+    assert n_rosbags["/clock"] > N_ANSWERED // 2
     assert n_rosbags["/diagnostics"] > 0
 
 
-def test_results_are_of_both_tests(run: Path) -> None:
+def test_the_run_says_what_it_is(run: Path) -> None:
     results = json.loads((run / "results.json").read_text())
     assert (results["model"], results["seed"], results["iterations"]) == ("M_C", 1, N_TRAINING)
-    assert [(t["iteration"], t["n_trials"]) for t in results["tests"]] == [(0, 4), (200, 4)]
-    tables = vectors(run)
-    truth = tables["ground_truth"]
-    for i_test, test in enumerate(results["tests"]):
-        rows = (truth.column("test") == i_test) & (truth.column("iteration") == 20)
-        errors_deg = np.abs(truth.column("vergence_error_deg")[rows])
-        assert test["median_abs_vergence_error_deg"] == pytest.approx(np.median(errors_deg))
-
-
-def test_the_bag_carries_its_configuration(run: Path) -> None:
+    assert [(t["iteration"], t["n_trials"]) for t in results["tests"]] == [(0, 4), (N_TRAINING, 4)]
     bag = Bag(run / "bag")
     assert bag.attachment("config.yaml") == (run / "config.yaml").read_bytes()
     assert bag.metadata["run"]["model"] == "M_C"
@@ -166,10 +226,20 @@ def test_a_directory_that_holds_a_run_is_refused(run: Path, pictures: Path) -> N
     assert sorted(run.rglob("*")) == before
 
 
-def test_resuming_a_finished_run_changes_nothing_but_says_its_results(run: Path) -> None:
-    before = vectors(run)["ground_truth"].position.tobytes()
-    results = (run / "results.json").read_text()
-    output = finished(start_supervisor(["--resume", str(run)]))
-    assert f"results: {run / 'results.json'}" in output
-    assert vectors(run)["ground_truth"].position.tobytes() == before
-    assert (run / "results.json").read_text() == results
+def test_resuming_a_finished_run_changes_nothing_but_says_its_results(
+    run: Path, tmp_path: Path
+) -> None:
+    again = tmp_path / "run"
+    shutil.copytree(run, again)
+    output = finished(start_supervisor(["--resume", str(again)]))
+    assert f"results: {again / 'results.json'}" in output
+    assert (again / "results.json").read_text() == (run / "results.json").read_text()
+    assert_as_the_loop(again)
+
+
+def test_nodes_elsewhere_are_none_of_one_process(pictures: Path, tmp_path: Path) -> None:
+    line = run_line(pictures)
+    with SupervisedRun(line, tmp_path / "run", in_process=True, elsewhere=["eye_plant"]) as run:
+        assert run.wait() == 2
+        assert "error: --in-process: expected it without --elsewhere, got both\n" in run.output()
+    assert not (tmp_path / "run").exists()

@@ -8,17 +8,11 @@ from pathlib import Path
 import pytest
 
 from experiment_manager.run.config_file import CONFIG_FILE
-from tests.graph_harness import OracleRun, small_run, stacked, vectors
-from tests.stress.supervised_run import SupervisedRun, are_gone, is_alive, stamp_faults
+from tests.loop_contract import N_TRAINING, N_TRIALS, PICTURE_PX, assert_as_the_loop, run_line
+from tests.stress.supervised_run import SupervisedRun, are_gone, is_alive
 from tests.stress.two_hosts import NodeOnHost, TwoHosts
 
-N_TRAINING, N_TRIALS = 300, 8
-SETTINGS = (
-    "experiment_manager.checkpoint_period_s=0.2",
-    "sparse_coder.n_bases=32",
-    "vergence_rl.n_features=64",
-)
-N_PICTURE_BYTES = (N_TRAINING + 20 * N_TRIALS) * 2 * 320 * 240
+N_PICTURE_BYTES = (N_TRAINING + 20 * N_TRIALS) * 2 * PICTURE_PX**2
 
 
 @pytest.fixture
@@ -62,7 +56,7 @@ def test_the_plant_on_another_machine_behind_a_network_that_breaks(
     hosts: TwoHosts, pictures: Path, tmp_path: Path
 ) -> None:
     directory = tmp_path / "run"
-    line = small_run(pictures, N_TRAINING, *SETTINGS)
+    line = run_line(pictures)
     log = directory / "logs" / "experiment_manager.log"
     start = partial(SupervisedRun, line, directory, elsewhere=("eye_plant",), prefix=hosts.a.prefix)
     with start() as first:
@@ -83,12 +77,6 @@ def test_the_plant_on_another_machine_behind_a_network_that_breaks(
     assert "eye_plant is awaited; on its machine, with a copy of " in output
     assert output.count("fault: ") == output.count("fault: vergence_rl was killed by SIGKILL") == 1
     assert "the network is back: starting the nodes again" in output
-    assert stamp_faults(directory) == []
-    steps = [step for _, step in OracleRun(directory / CONFIG_FILE).steps()]
-    tables = vectors(directory)
-    truth = [step.observation.ground_truth_values() for step in steps]
-    commands = [step.answer.decision.command for step in steps if step.answer is not None]
-    assert tables["ground_truth"].position.tolist() == stacked(truth).tolist()
-    assert tables["muscle_command"].position.tolist() == stacked(commands).tolist()
+    assert_as_the_loop(directory)
     # The pictures came over the cable, not through shared memory.
     assert hosts.n_bytes() > N_PICTURE_BYTES

@@ -16,10 +16,10 @@ from experiment_manager.live.view import ANAGLYPH, LEARNING, RECONSTRUCTIONS, SH
 from lockstep.wire.cdr import image_array
 from lockstep.wire.topics import PICTURES
 from tests.foxglove_client import FoxgloveClient
-from tests.graph_harness import assert_same_numbers, small_run
+from tests.graph_harness import small_run
+from tests.loop_contract import PICTURE_PX, assert_as_the_loop, run_line, whole_graph
 from tests.supervisor import environment, finished, start_supervisor
 
-N_ITERATIONS = 300
 ALL_TOPICS = tuple(f"/{topic}" for topic in (*SHOWN_TOPICS, ANAGLYPH, *RECONSTRUCTIONS, LEARNING))
 
 
@@ -38,15 +38,7 @@ def _free_port() -> int:
 
 def _line(pictures: Path, out: Path) -> list[str]:
     # Bags keep pictures of some episodes only; viewers see all.
-    return [*small_run(pictures, N_ITERATIONS), "--out", str(out)]
-
-
-@pytest.fixture(scope="module")
-def plain(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
-    """Return the directory of a run that nobody watched."""
-    out = tmp_path_factory.mktemp("plain") / "run"
-    finished(start_supervisor(_line(pictures, out)))
-    return out
+    return [*run_line(pictures), "--out", str(out)]
 
 
 @contextmanager
@@ -69,7 +61,7 @@ def _live_view_of(supervisor_id: int) -> psutil.Process:
 
 
 def test_viewers_see_the_run_and_a_stalled_one_costs_it_nothing(
-    plain: Path, pictures: Path, tmp_path: Path
+    pictures: Path, tmp_path: Path
 ) -> None:
     port, out = _free_port(), tmp_path / "run"
     with (
@@ -81,16 +73,16 @@ def test_viewers_see_the_run_and_a_stalled_one_costs_it_nothing(
         viewer.subscribe(ALL_TOPICS)
         viewer.receive_of_each(ALL_TOPICS, n_messages=3)
         assert f"live view: ws://127.0.0.1:{port}" in finished(run)
-    assert_same_numbers(plain, out)
+    assert_as_the_loop(out)
     first, second = (image_array(m) for m in viewer.received["/left/image_raw"][:2])
-    assert first.shape == second.shape == (240, 320)
+    assert first.shape == second.shape == (PICTURE_PX, PICTURE_PX)
     errors = [json.loads(m)["running_median_error_deg"] for m in viewer.received[f"/{LEARNING}"]]
     assert all(0.0 <= error_deg < 20.0 for error_deg in errors)
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
 def test_a_run_whose_live_view_dies_or_stops_goes_on(
-    plain: Path, pictures: Path, tmp_path: Path, number: signal.Signals
+    pictures: Path, tmp_path: Path, number: signal.Signals
 ) -> None:
     port, out = _free_port(), tmp_path / "run"
     with _watched(_line(pictures, out), port) as run, FoxgloveClient(port) as viewer:
@@ -101,7 +93,7 @@ def test_a_run_whose_live_view_dies_or_stops_goes_on(
         output = finished(run)
     assert ("the live view has ended" in output) == (number == signal.SIGKILL)
     assert "fault" not in output
-    assert_same_numbers(plain, out)
+    assert_as_the_loop(out)
 
 
 def test_a_port_in_use_is_one_error_and_the_run_goes_on(pictures: Path, tmp_path: Path) -> None:
@@ -125,9 +117,13 @@ def _inspect(*arguments: str | Path) -> "subprocess.Popen[str]":
     )
 
 
-def test_a_recorded_bag_is_played_to_the_same_view(plain: Path) -> None:
+def test_a_recorded_bag_is_played_to_the_same_view(
+    tmp_path_factory: pytest.TempPathFactory, pictures: Path
+) -> None:
     port = _free_port()
-    process = _inspect(plain, "--play", "--rate", "1000", "--at", f":{port}")
+    process = _inspect(
+        whole_graph(tmp_path_factory, pictures), "--play", "--rate", "1000", "--at", f":{port}"
+    )
     with FoxgloveClient(port) as viewer:
         viewer.subscribe(ALL_TOPICS)
         viewer.receive_to_the_end()
@@ -136,6 +132,6 @@ def test_a_recorded_bag_is_played_to_the_same_view(plain: Path) -> None:
     assert set(viewer.received) == set(ALL_TOPICS)
 
 
-def test_rates_that_are_none_are_refused(plain: Path) -> None:
-    process = _inspect(plain, "--play", "--rate", "0")
+def test_rates_that_are_none_are_refused(tmp_path: Path) -> None:
+    process = _inspect(tmp_path, "--play", "--rate", "0")
     assert finished(process, code=2) == "error: --rate: expected more than 0, got 0\n"

@@ -3,7 +3,6 @@
 import contextlib
 import os
 import pty
-import resource
 import signal
 import subprocess
 import sys
@@ -14,47 +13,17 @@ import pytest
 
 from experiment_manager.bag.reader import Bag
 from experiment_manager.supervision.processes import PACKAGES
-from tests.graph_harness import (
-    PATIENCE_S,
-    OracleRun,
-    small_run,
-    stacked,
-    vectors,
-    write_configuration,
-)
+from tests.graph_harness import PATIENCE_S, write_configuration
+from tests.loop_contract import assert_as_the_loop, run_line
 from tests.stress.clock_jumps import jumping_clock
-from tests.stress.supervised_run import SupervisedRun, is_intact, stamp_faults
+from tests.stress.supervised_run import SupervisedRun, is_intact, n_messages, stamp_faults
 from tests.supervisor import finished, start_supervisor
-
-N_TRAINING = 200
-SETTINGS = (
-    "experiment_manager.checkpoint_period_s=0.2",
-    "sparse_coder.n_bases=32",
-    "vergence_rl.n_features=64",
-)
-# Less than a node needs to begin.
-FEW_BYTES = 200 << 20
 
 
 @pytest.fixture(scope="module")
 def line(pictures: Path) -> list[str]:
     """Return the command line of a run with a checkpoint five times a second."""
-    return small_run(pictures, N_TRAINING, *SETTINGS)
-
-
-@pytest.fixture(scope="module")
-def commands(line: list[str], tmp_path_factory: pytest.TempPathFactory) -> list[list[float]]:
-    """Return all muscle commands of the run, as one process computes them."""
-    config_file = tmp_path_factory.mktemp("oracle") / "config.yaml"
-    write_configuration(config_file, line)
-    steps = OracleRun(config_file).steps()
-    rows = [step.answer.decision.command for _, step in steps if step.answer is not None]
-    return stacked(rows).tolist()
-
-
-def _assert_undisturbed(directory: Path, commands: list[list[float]]) -> None:
-    assert stamp_faults(directory) == []
-    assert vectors(directory)["muscle_command"].position.tolist() == commands
+    return run_line(pictures)
 
 
 class Disk:
@@ -93,7 +62,7 @@ class Disk:
         self._anchor.communicate()
 
 
-def test_a_full_disk(line: list[str], commands: list[list[float]], tmp_path: Path) -> None:
+def test_a_full_disk(line: list[str], tmp_path: Path) -> None:
     disk = Disk(tmp_path / "run", "size=32m")
     try:
         with SupervisedRun(line, disk.root, prefix=disk.prefix) as run:
@@ -113,7 +82,7 @@ def test_a_full_disk(line: list[str], commands: list[list[float]], tmp_path: Pat
         ballast.unlink()
         with SupervisedRun(line, disk.root, resume=True, prefix=disk.prefix) as run:
             assert run.wait() == 0, run.output()
-        _assert_undisturbed(disk.root, commands)
+        assert_as_the_loop(disk.root)
     finally:
         disk.close()
 
@@ -149,22 +118,21 @@ def test_a_run_that_may_only_be_read_is_not_resumed(line: list[str], tmp_path: P
 
 
 def test_a_node_without_memory(line: list[str], tmp_path: Path) -> None:
+    """With weights of half a petabyte: a limit set from outside would hit Fast DDS, which may hang.
+
+    What a shortage in ROS looks like, lockstep/node/test_process.py tests.
+    """
     directory = tmp_path / "run"
-    with SupervisedRun(line, directory) as run:
-        limited: set[int] = set()
-        while run.wait_until(
-            lambda: not {run.nodes().get("vergence_rl")} <= {None, *limited}, "another life"
-        ):
-            node = run.nodes().get("vergence_rl")
-            if node is not None:
-                resource.prlimit(node, resource.RLIMIT_AS, (FEW_BYTES, FEW_BYTES))
-                limited.add(node)
+    n_hidden = 10**12
+    with SupervisedRun(
+        [*line, "--set", f"vergence_rl.cacla.n_hidden={n_hidden}"], directory
+    ) as run:
         assert run.wait() == 3, run.output()
         output = run.output()
-    assert len(limited) >= 3
+    assert output.count("fault: vergence_rl ended: ") == 3, output
     assert output.count("error: ") == 1, output
     assert "before the first checkpoint" in output
-    assert "vergence_rl ended: " in output
+    assert "Unable to allocate" in output
     assert not (directory / "results.json").exists()
 
 
@@ -178,14 +146,12 @@ def _with_port_of_the_dead(then: str) -> tuple[str, ...]:
     return ("unshare", "--mount", "--propagation=private", "sh", "-c", script)
 
 
-def test_a_node_that_died_while_it_made_its_shared_memory(
-    line: list[str], commands: list[list[float]], tmp_path: Path
-) -> None:
+def test_a_node_that_died_while_it_made_its_shared_memory(line: list[str], tmp_path: Path) -> None:
     directory = tmp_path / "run"
     with SupervisedRun(line, directory, prefix=_with_port_of_the_dead("true")) as run:
         assert run.wait() == 0, run.output()
         assert "fault: " not in run.output()
-    _assert_undisturbed(directory, commands)
+    assert_as_the_loop(directory)
 
 
 def test_shared_memory_of_the_dead_that_cannot_be_removed(line: list[str], tmp_path: Path) -> None:
@@ -235,7 +201,7 @@ def test_no_graphics(line: list[str], tmp_path: Path) -> None:
     assert "apt-get install libegl1 libgl1-mesa-dri" in output
 
 
-def test_a_clock_that_jumps(line: list[str], commands: list[list[float]], tmp_path: Path) -> None:
+def test_a_clock_that_jumps(line: list[str], tmp_path: Path) -> None:
     directory = tmp_path / "run"
     with SupervisedRun(line, directory, prefix=jumping_clock(tmp_path)) as run:
         for seconds in (86400.0, -86400.0):
@@ -245,7 +211,7 @@ def test_a_clock_that_jumps(line: list[str], commands: list[list[float]], tmp_pa
         assert run.wait() == 0, run.output()
         assert "fault: " not in run.output()
     assert list(tmp_path.glob("seen_by_*"))
-    _assert_undisturbed(directory, commands)
+    assert_as_the_loop(directory)
 
 
 def _beyond(run: SupervisedRun, place: int) -> Callable[[], bool]:
@@ -266,7 +232,7 @@ os.execvp(sys.argv[2], sys.argv[2:])
 
 
 def test_a_terminal_that_is_closed_and_a_reader_that_leaves(
-    line: list[str], commands: list[list[float]], tmp_path: Path
+    line: list[str], tmp_path: Path
 ) -> None:
     directory = tmp_path / "run"
     ours, theirs = pty.openpty()
@@ -280,8 +246,8 @@ def test_a_terminal_that_is_closed_and_a_reader_that_leaves(
         assert run.wait() == 130
     assert is_intact(directory)
     assert stamp_faults(directory) == []
-    n_recorded = len(vectors(directory)["muscle_command"].stamps_ns)
-    assert 0 < n_recorded < len(commands)
+    assert n_messages(directory) > 0
+    assert not (directory / "results.json").exists()
     # And one that speaks to a pipe, whose reader leaves at once.
     resumed = start_supervisor(["--resume", str(directory)])
     assert resumed.stdout is not None
@@ -290,4 +256,4 @@ def test_a_terminal_that_is_closed_and_a_reader_that_leaves(
         assert resumed.wait(PATIENCE_S) == 0
     finally:
         resumed.kill()
-    _assert_undisturbed(directory, commands)
+    assert_as_the_loop(directory)

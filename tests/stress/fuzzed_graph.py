@@ -32,6 +32,7 @@ from lockstep.wire.stamps import period_ns
 from tests.stamps import to_ns
 from tests.stress.fuzzer import IMAGE_TOPICS, VECTOR_NAMES, Hostility
 from tests.stress.lone_nodes import LoneNodes
+from vergence_rl.messages import actor_critic_values
 
 NODES = tuple(package for package in PACKAGES if package != MANAGER)
 _RUN = "fuzzed"
@@ -201,15 +202,8 @@ class FuzzedGraph:
                 stamp_ns = step.observation.number * self._period_ns
                 expected["ground_truth"][stamp_ns] = step.observation.ground_truth_values()
                 if step.answer is not None:
-                    decision = step.answer.decision
-                    expected["actor_critic"][stamp_ns] = (
-                        decision.value,
-                        decision.td_error,
-                        decision.td_variance,
-                        decision.actor_learning_rate,
-                        decision.critic_learning_rate,
-                        *decision.action.tolist(),
-                        loop.agent.learning_steps,
+                    expected["actor_critic"][stamp_ns] = actor_critic_values(
+                        step.answer.decision, step.answer.agent_learning_steps
                     )
         loop.plant.close()
         found = [

@@ -21,6 +21,7 @@ from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES, HORIZONTAL_RECTI
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
 from vergence_rl.learning_rule import Decision
+from vergence_rl.messages import actor_critic_values
 from vergence_rl.node import INPUTS, VergenceRlNode
 
 N_BASES = 8
@@ -99,18 +100,6 @@ def _decide(agent: Agent, number: int, phase: int = TRAINING) -> Decision:
     )
 
 
-def _expected(decision: Decision, learning_steps: int) -> list[float]:
-    return [
-        decision.value,
-        decision.td_error,
-        decision.td_variance,
-        decision.actor_learning_rate,
-        decision.critic_learning_rate,
-        *decision.action,
-        learning_steps,
-    ]
-
-
 def _weights(bench: Bench) -> dict[str, bytes]:
     return {name: array.tobytes() for name, array in bench.node.learner.state().items()}
 
@@ -126,11 +115,33 @@ def test_commands_and_thoughts_are_the_agents(bench: Bench) -> None:
         assert tuple(command.name) == COMMAND_NAMES
         assert list(command.position) == decision.command.tolist()
         assert tuple(thought.name) == ACTOR_CRITIC_NAMES
-        assert list(thought.position) == pytest.approx(
-            _expected(decision, number), rel=0.0, abs=0.0, nan_ok=True
+        assert tuple(thought.position) == pytest.approx(
+            actor_critic_values(decision, number), rel=0.0, abs=0.0, nan_ok=True
         )
     # Four observations of an episode are three TD updates.
     assert bench.node.learner.learning_steps == agent.learning_steps == 3
+
+
+def test_thoughts_are_in_the_order_of_their_names() -> None:
+    decision = Decision(
+        command=np.array([0.1, 0.2]),
+        action=np.array([0.6, 0.7]),
+        value=0.1,
+        td_error=0.2,
+        td_variance=0.3,
+        actor_learning_rate=0.4,
+        critic_learning_rate=0.5,
+    )
+    assert dict(zip(ACTOR_CRITIC_NAMES, actor_critic_values(decision, 8), strict=True)) == {
+        "value": 0.1,
+        "td_error": 0.2,
+        "td_variance": 0.3,
+        "actor_learning_rate": 0.4,
+        "critic_learning_rate": 0.5,
+        "medial_rectus_action": 0.6,
+        "lateral_rectus_action": 0.7,
+        "learning_steps": 8,
+    }
 
 
 def test_the_same_observation_is_answered_again_and_learned_from_once(bench: Bench) -> None:
@@ -266,7 +277,7 @@ def test_a_bad_observation_is_refused_and_the_good_one_answered(
     assert _weights(bench) == before
     _show(bench, _observation(1))
     thought = bench.wait_distinct("actor_critic", 2)[1]
-    assert list(thought.position) == _expected(_decide(agent, 1), 1)
+    assert tuple(thought.position) == actor_critic_values(_decide(agent, 1), 1)
     assert _weights(bench) == {k: v.tobytes() for k, v in agent.state().items()}
 
 

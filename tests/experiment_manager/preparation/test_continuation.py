@@ -13,6 +13,7 @@ from experiment_manager.analysis.recorded_run import RecordedRun
 from experiment_manager.commands.evaluate import main as evaluate
 from experiment_manager.commands.run_experiment import main as run_experiment
 from experiment_manager.run import checkpoint
+from experiment_manager.run.config_file import read_configuration
 from tests.graph_harness import OracleRun, stacked, vectors
 from tests.supervisor import finished, start_supervisor
 
@@ -139,7 +140,7 @@ def test_an_extended_run_has_the_numbers_of_the_new_schedule(small_run: Path, ru
     )
 
     manifest, states = checkpoint.everyone(small_run / "checkpoints")[-1]
-    oracle = OracleRun(run / "config.yaml")
+    oracle = OracleRun(read_configuration(run / "config.yaml"))
     oracle.restore(states)
     truth = [s.observation.ground_truth_values() for _, s in oracle.steps(manifest.place)]
     table = vectors(run)["ground_truth"]
@@ -173,7 +174,7 @@ def test_a_branch_goes_on_from_the_learners_of_another_run(run: Path, tmp_path: 
     line += ["--set", "vergence_rl.cacla.discount=0.5", "--seed", "4"]
     finished(start_supervisor(line))
     _, states = checkpoint.everyone(run / "checkpoints")[-1]
-    oracle = OracleRun(out / "config.yaml")
+    oracle = OracleRun(read_configuration(out / "config.yaml"))
     oracle.restore(states)
     first = oracle.protocol.place_after(60)
     truth = [s.observation.ground_truth_values() for _, s in oracle.steps(first)]

@@ -1,7 +1,6 @@
 """Other graphs in the domain that a run is to use."""
 
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -30,6 +29,8 @@ def _publishes(topic: str) -> type[Node]:
         def __init__(self, **kwargs: object) -> None:
             super().__init__("somebody", **kwargs)
             self.create_publisher(JointState, topic, LOCKSTEP_QOS)
+            # Who only listens may be there: what is refused names nothing of this.
+            self.create_subscription(JointState, "ground_truth", print, LOCKSTEP_QOS)
 
     return Somebody
 
@@ -64,19 +65,17 @@ def test_a_run_is_refused_before_anything_is_written(
     assert error.startswith(f"error: ROS domain {graph.domain}: expected no other graph in it, ")
 
 
-def test_who_only_listens_may_be_there(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(node_neighbours, "_LISTEN_S", 0.5)
-    node = graph.add(partial(Node, "listener"))
-    node.create_subscription(JointState, "reward", print, LOCKSTEP_QOS)
-    refuse_neighbours(graph.domain)
-
-
-def test_an_empty_domain_is_not_listened_to(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+def test_only_a_domain_that_others_can_be_in_is_listened_to(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("sys.executable", "/nowhere/python")  # which would listen
     monkeypatch.delenv("ROS_STATIC_PEERS", raising=False)
-    monkeypatch.setattr("experiment_manager.supervision.node_neighbours._found", pytest.fail)
     with own_domain() as domain:
+        monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         refuse_neighbours(domain)
+        monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+        with pytest.raises(FileNotFoundError, match="/nowhere/python"):
+            refuse_neighbours(domain)
 
 
 def test_the_domain_of_nodes_elsewhere_is_known(monkeypatch: pytest.MonkeyPatch) -> None:

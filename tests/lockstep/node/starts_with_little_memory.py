@@ -1,12 +1,14 @@
 """Starts a node under limits of its address space, and prints how each ended, as JSON.
 
-All are forked from here, so that a limit means the same for each; the limits are those just below
-the least one with which it starts, where it is ROS that lacks memory, and no import.
+All are forked from here, so that a limit means the same for each. The limits are those just below
+the least one with which it starts, where it is chance what in ROS or Python lacks memory, and some
+far below, where it is always the stack of a thread of Fast DDS.
 """
 
 import json
 import os
 import resource
+import signal
 import sys
 import tempfile
 import traceback
@@ -21,7 +23,10 @@ from lockstep.node.process import run_node
 
 MOST_BYTES = 1 << 29
 STEP_BYTES = 3 << 17
-N_LIMITS = 32
+N_LIMITS = 20
+THREAD_STEPS = range(48, 80, 8)
+# Fast DDS may wait for ever when it lacks memory.
+_START_LIMIT_S = 10
 
 
 class SmallNode(Node):
@@ -45,6 +50,7 @@ def start(more_bytes: int) -> tuple[int, str]:
         if process_id == 0:
             for number in (1, 2):
                 os.dup2(log.fileno(), number)
+            signal.alarm(_START_LIMIT_S)
             resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
             os._exit(_node())
         _, status = os.waitpid(process_id, 0)
@@ -67,7 +73,8 @@ def main() -> None:
     while starts - fails > STEP_BYTES:
         tried = (fails + starts) // 2
         fails, starts = (fails, tried) if start(tried)[0] == 0 else (tried, starts)
-    json.dump([start(starts - i * STEP_BYTES) for i in range(N_LIMITS)], sys.stdout)
+    steps = (*range(N_LIMITS), *THREAD_STEPS)
+    json.dump([start(starts - i * STEP_BYTES) for i in steps], sys.stdout)
 
 
 if __name__ == "__main__":

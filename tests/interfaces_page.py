@@ -1,0 +1,30 @@
+"""What docs/interfaces.md says, for the tests that hold it against the code."""
+
+import re
+from pathlib import Path
+
+from lockstep.wire import topics
+from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
+
+PAGE = (Path(__file__).parents[1] / "docs" / "interfaces.md").read_text()
+VECTORS = {
+    "episode": topics.EPISODE_NAMES,
+    "ground_truth": topics.GROUND_TRUTH_NAMES[len(topics.EPISODE_NAMES) :],
+    "eye_states": topics.EYE_STATE_NAMES,
+    "reward": topics.REWARD_NAMES,
+    "muscle_command": COMMAND_NAMES,
+    "actor_critic": ACTOR_CRITIC_NAMES,
+}
+
+
+def table(section: str, i_table: int = 0) -> list[list[str]]:
+    """Return the cells of a section's table, without its head."""
+    text = PAGE.split(f"\n## {section}\n")[1].split("\n## ")[0]
+    found = [block for block in re.split(r"\n\s*\n", text) if block.lstrip().startswith("|")]
+    lines = found[i_table].strip().splitlines()[2:]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+
+
+def quoted(cell: str) -> list[str]:
+    """Return what a cell has in code spans."""
+    return re.findall(r"`([^`]+)`", cell)
