@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiment_manager.analysis.pictured_episodes import PicturedEpisodes, pictured_episodes
-from experiment_manager.analysis.recorded_run import test_settings_of
+from experiment_manager.analysis.recorded_run import evaluation_settings_of
 from experiment_manager.bag.reader import Bag, VectorTable
 from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.wire.topics import PICTURES, TEST
@@ -91,7 +91,7 @@ def chosen_stages(episodes: Sequence[Episode]) -> list[tuple[str, list[Episode]]
         return [(_after(ends[0]), _spread(before))]
     common = {e.trial for e in before} & {e.trial for e in after}
     if common:
-        before, after = ([e for e in its if e.trial in common] for its in (before, after))
+        before, after = ([e for e in of_stage if e.trial in common] for of_stage in (before, after))
     during = [e for e in episodes if ends[0] < e.training_iteration < ends[1]]
     stages = [(_after(ends[0]), _by_error(before))]
     stages += [(_after(e.training_iteration), [e]) for e in _spread(during)]
@@ -115,8 +115,8 @@ def _by_error(episodes: Sequence[Episode]) -> list[Episode]:
 
 def _spread(episodes: Sequence[Episode]) -> list[Episode]:
     n_scenes = min(SCENES_PER_STAGE, len(episodes))
-    places = np.linspace(0, len(episodes) - 1, n_scenes).round().astype(int)
-    return [episodes[place] for place in places]
+    chosen = np.linspace(0, len(episodes) - 1, n_scenes).round().astype(int)
+    return [episodes[i] for i in chosen]
 
 
 def _scene(
@@ -135,5 +135,5 @@ def _scene(
         np.stack([[pair[s] for pair in pairs] for s in stamps_ns]),
         truth.column("vergence_error_deg")[rows],
         of_scene,
-        test_settings_of(bag).criteria(episode.training_iteration).px_deg,
+        evaluation_settings_of(bag).criteria(episode.training_iteration).px_deg,
     )

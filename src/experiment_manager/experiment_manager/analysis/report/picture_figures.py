@@ -73,7 +73,7 @@ def _draw_binned(axes: Axes, tests: Sequence[RecordedTest], colour: str, label: 
 
 @dataclass(frozen=True)
 class RecordedTrial:
-    """A trial of which all pictures are in the bag: its test, its place there, its start error."""
+    """A trial of which all pictures are in the bag: its test, and its index there."""
 
     test: RecordedTest
     i_trial: int
@@ -131,7 +131,7 @@ def anaglyph_figure(run: RecordedRun) -> Figure | None:
 def _draw_trial(axes_row: Sequence[Axes], run: RecordedRun, recorded: RecordedTrial) -> None:
     trials = recorded.test.trials
     n_answered = trials.n_iterations - 1
-    px_deg = run.test_settings.criteria(trials.training_iteration).px_deg
+    px_deg = run.evaluation_settings.criteria(trials.training_iteration).px_deg
     for axes, iteration in zip(axes_row, (0, n_answered), strict=True):
         stamp_ns = int(recorded.test.stamps_ns[recorded.i_trial, iteration])
         left, right = (
