@@ -53,7 +53,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="report.sh",
         description="Draw the paper's figures and tables of runs into one report.html, from "
         "results.json, trials.npz and checkpoints, and from bags where they are. Runs that differ "
-        "in their seed alone, or in it and the seed of their pictures, are pooled, as in the paper.",
+        "in their seed alone, or in it and the seed of their pictures, are pooled, as in K17.",
     )
     parser.add_argument(
         "runs", type=Path, nargs="+", metavar="RUN", help="run directory, or that of a sweep"
