@@ -88,7 +88,7 @@ def test_every_kind_of_request() -> None:
 
 def test_every_argument_of_an_episode_with_its_type() -> None:
     found = {name: row[1] for row in table("Requests", 1) for name in quoted(row[0])}
-    words = {int: "integer", float: "double"}
+    words = {int: "integer", float: "double", tuple[float, ...]: "double array"}
     assert found == {name: words[kind] for name, kind in get_type_hints(Episode).items()}
 
 

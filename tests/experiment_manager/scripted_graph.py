@@ -85,13 +85,22 @@ class ScriptedPlant(Scripted):
         number = episode.first_observation + i
         training = episode.training_iteration + (i if episode.phase == 0 else 0)
         numbers = (episode.phase, episode.test, episode.trial, episode.episode, i, training, number)
-        deviations = (0.0, -0.5, -0.5)
-        costs = (1.5, 2.0, 1.0)
-        shown = (episode.stimulus, episode.object_distance_m)
-        measures = (*shown, 1.0, 2.0, 1.0, *deviations, *costs)
+        measures = {
+            "stimulus": episode.stimulus,
+            "object_distance_m": episode.object_distance_m,
+            "vergence_deg": 1.0,
+            "desired_vergence_deg": 2.0,
+            "vergence_error_deg": 1.0,
+            "left_deviation_deg": -0.5,
+            "right_deviation_deg": -0.5,
+            "metabolic_rate_w": 1.5,
+            "initial_metabolic_rate_w": 2.0,
+            "optimal_metabolic_rate_w": 1.0,
+        }
+        of_truth = GROUND_TRUTH_NAMES[len(EPISODE_NAMES) :]
         values = {
             "episode": numbers,
-            "ground_truth": (*numbers, *measures),
+            "ground_truth": (*numbers, *(measures.get(name, 0.0) for name in of_truth)),
             "muscle_activations": (0.1, 0.0, 0.1, 0.0),
         }
         for topic, end in self._ends.items():

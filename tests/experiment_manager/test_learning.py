@@ -26,9 +26,9 @@ PARAMETERS: dict[str, dict[str, Any]] = {
         "n_training_iterations": N_ITERATIONS,
         "n_features": 128,
         "feature_exponent": 0.5,
-        "output_initial_width": 0.2,
-        "actor_learning_rate": 1.0,
-        "exploration_variance": 5e-5,
+        "cacla.output_initial_width": 0.2,
+        "cacla.actor_learning_rate": 1.0,
+        "cacla.exploration_variance": 5e-5,
     },
 }
 

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from eye_plant.gaze_error import GazeError
 from eye_plant.geometry import (
     degrees_per_px,
     desired_vergence_deg,
@@ -35,6 +36,8 @@ def test_fixation_distance_inverts_desired_vergence(distance_m: float) -> None:
 def test_vergence_error_is_positive_when_the_eyes_converge_too_little() -> None:
     truth = GroundTruth(
         adduction_deg=(1.6, 1.61),
+        elevation_deg=(0.0, 0.0),
+        gaze_error=GazeError(3.2, 0.0, 0.0),
         desired_vergence_deg=6.41,
         metabolic_rate_w=0.0,
         initial_metabolic_rate_w=0.0,

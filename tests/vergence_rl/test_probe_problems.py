@@ -14,9 +14,10 @@ from vergence_rl.learning_rule import Decision
 MID = np.array([0.1, 0.05])
 
 
-def config(**settings: Any) -> VergenceRlConfig:
+def config(seed: int = 1, **settings: Any) -> VergenceRlConfig:
     """A small agent with a state large enough to learn in a few hundred steps."""
     small = {
+        "seed": seed,
         "n_features": 2,
         "n_training_iterations": 6000,
         "state_standard_deviation": 0.5,

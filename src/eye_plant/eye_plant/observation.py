@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from eye_plant.episode import Episode
+from eye_plant.gaze_error import GazeError
 from eye_plant.mechanics.oculomotor import OculomotorState
 from lockstep.wire.topics import TRAINING
 
@@ -13,11 +14,15 @@ from lockstep.wire.topics import TRAINING
 class GroundTruth:
     """What only an experimenter knows; learners never see it.
 
-    adduction_deg: of the left and the right eye; metabolic_rate_w is C, the charged settled rate of
-    both eyes; initial_... is C_0, optimal_... is C* (K17 eq. 8).
+    adduction_deg, elevation_deg: of the left and the right eye; gaze_error: of the plane at the
+    left fovea, whose horizontal part is not K17's vergence error, which is vergence_error_deg;
+    metabolic_rate_w is C, the charged settled rate of both eyes; initial_... is C_0, optimal_... is
+    C* (K17 eq. 8).
     """
 
     adduction_deg: tuple[float, float]
+    elevation_deg: tuple[float, float]
+    gaze_error: GazeError
     desired_vergence_deg: float
     metabolic_rate_w: float
     initial_metabolic_rate_w: float
@@ -98,7 +103,10 @@ class Observation:
             truth.vergence_deg,
             truth.desired_vergence_deg,
             truth.vergence_error_deg,
+            truth.gaze_error.vertical_deg,
+            truth.gaze_error.torsional_deg,
             truth.version_deg,
+            sum(truth.elevation_deg) / 2.0,
             *truth.deviations_deg,
             truth.metabolic_rate_w,
             truth.initial_metabolic_rate_w,

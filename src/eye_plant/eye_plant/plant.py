@@ -9,6 +9,7 @@ from eye_plant.camera.stereo_camera import StereoCamera
 from eye_plant.commands import target_activations
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.episode import Episode
+from eye_plant.gaze_error import gaze_error
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.inverse import Inverse
 from eye_plant.mechanics.oculomotor import Oculomotor, OculomotorState
@@ -147,9 +148,16 @@ class EyePlant:
             )
 
     def _observe(self, episode: Episode, state: OculomotorState) -> Observation:
-        left_deg, right_deg = np.degrees(state.eye_angles_rad[:, 0]).tolist()
+        adduction_deg, elevation_deg, _ = np.degrees(state.eye_angles_rad).T.tolist()
         truth = GroundTruth(
-            adduction_deg=(left_deg, right_deg),
+            adduction_deg=tuple(adduction_deg),
+            elevation_deg=tuple(elevation_deg),
+            gaze_error=gaze_error(
+                self.oculomotor.eye_positions_m(),
+                self.oculomotor.eye_rotations(),
+                episode.object_distance_m,
+                self._camera.parallax_m(episode.stimulus),
+            ),
             desired_vergence_deg=self._desired_deg,
             metabolic_rate_w=self._charged_rate_w(state),
             initial_metabolic_rate_w=self._initial_rate_w,

@@ -13,6 +13,7 @@ from eye_plant.mechanics.muscles import N_MUSCLES
 from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.wire.topics import TEST, TRAINING
+from tests.pair import pair_activations
 
 PATCHING = """
 - {at: 40, set: {eye_plant.camera.left_occluded: true}}
@@ -131,7 +132,7 @@ def protocol_in_stages(ats):
     )
 
     def eyes(stage, at):
-        return Eyes(at, 0.056, lambda _, fraction: (0.01 * stage, fraction / 10.0))
+        return Eyes(at, 0.056, lambda _, fraction: pair_activations(0.01 * stage, fraction / 10.0))
 
     return Protocol(config, 1, [eyes(stage, at) for stage, at in enumerate(ats)])
 

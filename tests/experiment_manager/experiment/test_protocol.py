@@ -15,6 +15,7 @@ from experiment_manager.experiment.config import (
 from experiment_manager.experiment.protocol import Eyes, Protocol, conditions, make_protocol
 from lockstep.errors import InputError
 from lockstep.wire.topics import TEST, TRAINING
+from tests.pair import pair_activations
 
 BASELINE_M = 0.056
 SMALL: dict[str, Any] = {
@@ -26,13 +27,13 @@ SMALL: dict[str, Any] = {
 }
 
 
-def _pair(vergence_deg: float, fraction: float) -> tuple[float, float]:
+def _activations(vergence_deg: float, fraction: float) -> tuple[float, ...]:
     """Stand in for the plant's inverse: any function will do."""
-    return vergence_deg / 100.0, fraction / 10.0
+    return pair_activations(vergence_deg / 100.0, fraction / 10.0)
 
 
 def _protocol(seed: int = 1, **settings: Any) -> Protocol:
-    return Protocol(ProtocolConfig(**(SMALL | settings)), seed, [Eyes(0, BASELINE_M, _pair)])
+    return Protocol(ProtocolConfig(**(SMALL | settings)), seed, [Eyes(0, BASELINE_M, _activations)])
 
 
 def test_the_papers_conditions() -> None:
@@ -47,7 +48,7 @@ def test_the_papers_conditions() -> None:
 
 
 def test_the_papers_tests() -> None:
-    paper = Protocol(ProtocolConfig(), 1, [Eyes(0, BASELINE_M, _pair)])
+    paper = Protocol(ProtocolConfig(), 1, [Eyes(0, BASELINE_M, _activations)])
     assert paper.n_trials == 1560
     assert paper.test_iterations == PAPER_TEST_ITERATIONS
     assert len(PAPER_TEST_ITERATIONS) == 13

@@ -121,7 +121,7 @@ def test_the_trials_that_are_made_are_checked_not_those_of_another_baseline() ->
     # At 0.5 m eyes 56 mm apart converge by 6.41 deg, and the tests begin with errors up to 6 deg.
     # With 70.5 mm it is 8.07 deg. A trial that begins with 8 deg would ask for 0.07 deg, but those
     # of 56 mm ask for 0.41 deg at least; lateral recti up to 0.008 give 0.32 deg.
-    only_near.append("vergence_rl.lateral_limits=[0.0, 0.008]")
+    only_near.append("vergence_rl.highest_activations=[0.2, 0.008]")
     _check(*only_near, _eyes_of(0.0705, 100))
     # With 30 mm it is 3.44 deg: -2.56 deg at the start of a trial of 6 deg.
     with pytest.raises(InputError, match=r"schedule, at 100: .* from -2\.56 to "):

@@ -18,7 +18,7 @@ FULL = RunRequest(
     metabolic_cost_weight=0.02,
     tests=(0, 1000),
     test_stimuli=2,
-    overrides={"eye_plant.camera.left_blur_px": 1e-5, "vergence_rl.medial_limits": (0.0, 0.3)},
+    overrides={"eye_plant.camera.left_blur_px": 1e-5, "vergence_rl.highest_activations": (0.0, 0.3)},
     names={"iterations": "--iterations 2e3"},
 )
 
@@ -42,9 +42,11 @@ def test_what_is_asked_is_settings_of_parameters() -> None:
         f"{protocol}.n_stimuli_per_test": 2,
         "eye_plant.stimuli.directory": "/pictures",
         "eye_plant.camera.left_blur_px": 1e-5,
-        "vergence_rl.medial_limits": [0.0, 0.3],
+        "vergence_rl.highest_activations": [0.0, 0.3],
     }
-    assert settings[f"{protocol}.n_training_iterations"] == Given(2000, "--iterations 2e3")
+    assert settings[f"{protocol}.n_training_iterations"] == Given(
+        2000, "--iterations 2e3", is_option=True
+    )
     assert settings["sparse_coder.seed"].by == "seed"
     assert RunRequest().settings() == {}
 
@@ -55,7 +57,7 @@ def test_what_is_asked_is_settings_of_parameters() -> None:
         ("vergence_rl.cacla.discount", "1e-5", 1e-5),
         ("vergence_rl.cacla.discount", math.inf, math.inf),
         ("eye_plant.stimuli.directory", "photos", "photos"),
-        ("vergence_rl.medial_limits", (0.0, 0.3), [0.0, 0.3]),
+        ("vergence_rl.highest_activations", (0.0, 0.3), [0.0, 0.3]),
         ("experiment_manager.schedule", [{"at": 10, "set": {}}], '[{"at": 10, "set": {}}]'),
         ("experiment_manager.schedule", "1e5", "1e5"),
     ],

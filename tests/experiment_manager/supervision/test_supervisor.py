@@ -130,7 +130,7 @@ def test_a_disk_that_refuses_is_said_once_and_not_tried_again(
     # The log may lie on the same disk.
     log.write_text("[INFO] [1.5] [n]: all is well\n")
     _supervisor(tmp_path)._ended("experiment_manager", EXIT_UNWRITABLE)
-    first, second = capsys.readouterr().err.splitlines()
+    first, second = filter(None, capsys.readouterr().err.splitlines())
     assert first == "error: no space; what was saved before is whole"
     assert second == f"error: {tmp_path} cannot be written; what was saved before is whole"
 

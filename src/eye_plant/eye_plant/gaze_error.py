@@ -1,0 +1,81 @@
+"""How far two eyes are from looking at the same thing: the disparity where the left fovea looks.
+
+World frame: x forward, y left, z up; the plane stands at x = distance_m, facing the eyes.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class GazeError:
+    """Disparity of the plane at the left fovea, as the right eye sees it; all 0 when both fixate.
+
+    horizontal_deg: above 0 when the eyes converge too little; vertical_deg: above 0 when the left
+    eye is higher; torsional_deg: rotation of what lies around, above 0 when the right eye sees it
+    turned clockwise against the left one: the eyes' upper poles lean towards each other too far
+    (incyclovergence). NaN when the left eye does not look towards the plane.
+    """
+
+    horizontal_deg: float
+    vertical_deg: float
+    torsional_deg: float
+
+
+def gaze_error(
+    positions_m: NDArray[np.float64],
+    rotations: NDArray[np.float64],
+    distance_m: float,
+    parallax_m: float = 0.0,
+) -> GazeError:
+    """Return the error of two eyes before a plane.
+
+    positions_m: (2, 3) of left and right eye; rotations: (2, 3, 3), columns forward, left and up of
+    each eye; parallax_m: of a stereogram, how much farther right the left eye's picture shows what
+    both show. The rotation is the antisymmetric part of the map from directions in the left eye to
+    those in the right one. (ours: what the pictures show, whatever the eyes' version.)
+    """
+    (forward, left, up), right_axes = rotations.transpose(0, 2, 1).tolist()
+    (left_x, left_y, left_z), (right_x, right_y, right_z) = positions_m.tolist()
+    if forward[0] <= 0.0:
+        return GazeError(math.nan, math.nan, math.nan)
+    reach = (distance_m - left_x) / forward[0]
+    # From the right eye to what it sees of the point on the plane at which the left one looks.
+    point = (
+        distance_m - right_x,
+        left_y + reach * forward[1] + parallax_m - right_y,
+        left_z + reach * forward[2] - right_z,
+    )
+    ahead, leftward, upward = _in(right_axes, point)
+    # The point moves over the plane as the direction turns, by one unit of tan, left or up.
+    to_left, to_up = (
+        _in(
+            right_axes,
+            [reach * (a - f * axis[0] / forward[0]) for a, f in zip(axis, forward, strict=True)],
+        )
+        for axis in (left, up)
+    )
+    turned = math.atan2(
+        _turn(to_up[1], leftward, to_up[0], ahead) - _turn(to_left[2], upward, to_left[0], ahead),
+        _turn(to_left[1], leftward, to_left[0], ahead) + _turn(to_up[2], upward, to_up[0], ahead),
+    )
+    return GazeError(
+        math.degrees(math.atan2(leftward, ahead)),
+        math.degrees(math.atan2(upward, ahead)),
+        -math.degrees(turned),
+    )
+
+
+def _in(axes: Sequence[Sequence[float]], vector: Sequence[float]) -> list[float]:
+    """Return the components of a vector along three axes."""
+    x, y, z = vector
+    return [a * x + b * y + c * z for a, b, c in axes]
+
+
+def _turn(aside_rate: float, aside: float, ahead_rate: float, ahead: float) -> float:
+    """Return the derivative of atan2(aside, ahead)."""
+    return (ahead * aside_rate - aside * ahead_rate) / (ahead * ahead + aside * aside)

@@ -1,0 +1,76 @@
+import math
+
+import numpy as np
+import pytest
+
+from eye_plant.gaze_error import gaze_error
+from eye_plant.geometry import desired_vergence_deg
+
+BASELINE_M = 0.056
+POSITIONS_M = np.array([[0.0, BASELINE_M / 2, 1.7], [0.0, -BASELINE_M / 2, 1.7]])
+
+
+def rotation(leftward_deg: float, upward_deg: float, clockwise_deg: float = 0.0) -> np.ndarray:
+    """Return forward, left and up of an eye that turns left, then up, then about its line of sight.
+
+    clockwise as the eye itself sees it: its upper pole goes to the right.
+    """
+    a, e, t = np.radians([leftward_deg, upward_deg, clockwise_deg])
+    about_up = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])
+    about_left = np.array([[np.cos(e), 0, -np.sin(e)], [0, 1, 0], [np.sin(e), 0, np.cos(e)]])
+    about_forward = np.array([[1, 0, 0], [0, np.cos(t), -np.sin(t)], [0, np.sin(t), np.cos(t)]])
+    return about_up @ about_left @ about_forward
+
+
+def fixating(point_m: np.ndarray) -> np.ndarray:
+    """Return the rotations (2, 3, 3) of eyes without torsion that look at a point."""
+    eyes = []
+    for x, y, z in point_m - POSITIONS_M:
+        eyes.append(rotation(math.degrees(math.atan2(y, x)), math.degrees(math.atan2(z, x))))
+    return np.array(eyes)
+
+
+@pytest.mark.parametrize("distance_m", [0.5, 1.0, 6.0])
+def test_eyes_that_fixate_the_middle_have_no_error(distance_m: float) -> None:
+    error = gaze_error(POSITIONS_M, fixating(np.array([distance_m, 0.0, 1.7])), distance_m)
+    assert error.horizontal_deg == pytest.approx(0.0, abs=1e-9)
+    assert error.vertical_deg == pytest.approx(0.0, abs=1e-9)
+    assert error.torsional_deg == pytest.approx(0.0, abs=1e-6)
+
+
+def test_too_little_convergence_is_positive_and_counts_in_degrees() -> None:
+    half_deg = desired_vergence_deg(1.0, BASELINE_M) / 2.0
+    left = rotation(-half_deg, 0.0)
+    for short_deg in (0.5, -2.0):
+        eyes = np.array([left, rotation(half_deg - short_deg, 0.0)])
+        error = gaze_error(POSITIONS_M, eyes, 1.0)
+        assert error.horizontal_deg == pytest.approx(short_deg, abs=1e-9)
+        assert error.vertical_deg == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_higher_left_eye_is_positive() -> None:
+    # Far away and straight ahead: both lines of sight are parallel.
+    error = gaze_error(POSITIONS_M, np.array([rotation(0, 1.5), rotation(0, 1.0)]), 1e6)
+    assert error.vertical_deg == pytest.approx(0.5, abs=1e-4)
+    assert error.horizontal_deg == pytest.approx(0.0, abs=1e-4)
+
+
+def test_a_right_eye_turned_counterclockwise_sees_things_turned_clockwise() -> None:
+    eyes = np.array([rotation(0, 0), rotation(0, 0, -3.0)])
+    assert gaze_error(POSITIONS_M, eyes, 1e6).torsional_deg == pytest.approx(3.0, abs=1e-4)
+    both = np.array([rotation(0, 0, -2.0), rotation(0, 0, -2.0)])
+    assert gaze_error(POSITIONS_M, both, 1e6).torsional_deg == pytest.approx(0.0, abs=1e-4)
+
+
+def test_a_stereogram_is_fixated_where_its_lines_of_sight_meet() -> None:
+    parallax_m = 0.01
+    half_deg = desired_vergence_deg(0.8, BASELINE_M, parallax_m) / 2.0
+    eyes = np.array([rotation(-half_deg, 0.0), rotation(half_deg, 0.0)])
+    error = gaze_error(POSITIONS_M, eyes, 0.8, parallax_m)
+    assert error.horizontal_deg == pytest.approx(0.0, abs=1e-9)
+
+
+def test_an_eye_that_looks_away_from_the_plane_has_no_error_to_tell() -> None:
+    error = gaze_error(POSITIONS_M, np.array([rotation(95, 0), rotation(0, 0)]), 1.0)
+    assert math.isnan(error.horizontal_deg)
+    assert math.isnan(error.torsional_deg)
