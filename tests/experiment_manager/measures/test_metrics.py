@@ -280,7 +280,7 @@ def test_one_test_is_expected() -> None:
         summary_of(np.array(two))
     with pytest.raises(InputError, match="expected the rows of one test, got those of 0"):
         summary_of(np.array(one)[1:])
-    with pytest.raises(InputError, match=rf"expected rows of {len(TRIAL_NAMES)} values, .*; got .*\(3,\)"):
+    with pytest.raises(InputError, match=r"expected rows of .*; got .*\(3,\)"):
         summary_of(np.zeros(3))
 
 

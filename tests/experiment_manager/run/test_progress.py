@@ -179,7 +179,7 @@ def test_activations_come_before_or_after_their_ground_truth() -> None:
 
 
 def test_trials_of_another_shape_are_refused() -> None:
-    with pytest.raises(InputError, match=rf"expected rows of {len(TRIAL_NAMES)} values, .*shape \(3, "):
+    with pytest.raises(InputError, match=r"expected rows of .*shape \(3, "):
         TrialTable(np.zeros((3, len(GROUND_TRUTH_NAMES))))
 
 
