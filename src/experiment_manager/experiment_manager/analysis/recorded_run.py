@@ -12,7 +12,7 @@ from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import KeptTrials, with_test
 from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, summary_of
 from experiment_manager.measures.results import Results, Summary
-from experiment_manager.measures.trials import Trials, TrialTable, split_tests
+from experiment_manager.measures.trials import ACTIVATION_NAMES, Trials, TrialTable, split_tests
 from experiment_manager.run.described_run import DescribedRun
 from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.errors import InputError
@@ -168,13 +168,18 @@ def _total_error(reward: VectorTable) -> np.ndarray:
 
 def trial_table(truth: VectorTable, activations: VectorTable | None) -> TrialTable:
     """Return ground truth and the activations at its stamps, nan for gaps."""
-    space = COMMAND_SPACES[PAIR]
-    of_commands = np.full((len(truth.stamps_ns), len(space.names)), np.nan)
+    of_commands = np.full((len(truth.stamps_ns), len(ACTIVATION_NAMES)), np.nan)
     if activations is not None and len(activations.stamps_ns):
-        values = np.stack([activations.column(name) for name in space.muscle_names], axis=1)
-        of_commands = _at_stamps(activations, space.from_muscles(values), truth.stamps_ns)
+        of_commands = _at_stamps(activations, commanded(activations), truth.stamps_ns)
     columns = [truth.column(name) for name in GROUND_TRUTH_NAMES]
     return TrialTable.of(np.stack(columns, axis=1), of_commands)
+
+
+def commanded(activations: VectorTable) -> np.ndarray:
+    """Return what commands set, (n, n_commands), from the activations of the muscles."""
+    space = COMMAND_SPACES[PAIR]
+    values = np.stack([activations.column(name) for name in space.muscle_names], axis=1)
+    return space.from_muscles(values)
 
 
 def _recorded(trials: Trials, truth: VectorTable, reward: VectorTable) -> RecordedTest:

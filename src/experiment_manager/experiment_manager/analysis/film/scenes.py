@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiment_manager.analysis.pictured_episodes import PicturedEpisodes, pictured_episodes
-from experiment_manager.analysis.recorded_run import evaluation_settings_of
+from experiment_manager.analysis.recorded_run import commanded, evaluation_settings_of
 from experiment_manager.bag.reader import Bag, VectorTable
-from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.wire.topics import PICTURES, TEST
 
 SCENES_PER_STAGE = 3
@@ -127,13 +126,10 @@ def _scene(
     pairs = [dict(bag.images(topic, wanted.tolist())) for topic in PICTURES]
     stamps_ns = [s for s in wanted.tolist() if all(s in pair for pair in pairs)][:MOST_ITERATIONS]
     rows = truth.at(np.array(stamps_ns))
-    space = COMMAND_SPACES[PAIR]
-    values = np.stack([muscles.column(name) for name in space.muscle_names], axis=1)
-    of_scene = space.from_muscles(values[muscles.at(np.array(stamps_ns))])
     return Scene(
         caption,
         np.stack([[pair[s] for pair in pairs] for s in stamps_ns]),
         truth.column("vergence_error_deg")[rows],
-        of_scene,
+        commanded(muscles)[muscles.at(np.array(stamps_ns))],
         evaluation_settings_of(bag).criteria(episode.training_iteration).px_deg,
     )
