@@ -42,6 +42,11 @@ class TrialTable:
         """Join ground truth (n, len(GROUND_TRUTH_NAMES)) and activations, of the same rows."""
         return cls(np.concatenate([truth, activations], axis=1))
 
+    @classmethod
+    def saved(cls, rows: np.ndarray) -> "TrialTable":
+        """Return the table of saved rows; if there are none, whatever columns they had."""
+        return cls(rows if len(rows) else np.zeros((0, len(TRIAL_NAMES))))
+
     def column(self, name: str) -> np.ndarray:
         """Return one column (n,)."""
         column: np.ndarray = self.rows[:, _INDEX[name]]

@@ -99,7 +99,7 @@ def extend(directory: Path, n_more: int) -> None:
         check_unchanged(directory, manifest, before)
         progress = Progress(end)
         rows = read_state(states / TRIALS_FILE, TRIALS_KIND)["rows"]
-        progress.restore(manifest.progress, TrialTable(rows))
+        progress.restore(manifest.progress, TrialTable.saved(rows))
         progress.extend(end + n_more, protocol.training_iterations_before(manifest.place))
         manifests.append(
             dataclasses.replace(manifest, parameters=after, progress=progress.document())

@@ -223,7 +223,7 @@ class Run:
         self._loaded_from = states
         self.place = self._checkpoint_place = manifest.place
         trials = read_state(states / TRIALS_FILE, TRIALS_KIND)
-        table = TrialTable(trials.pop(_ROWS))
+        table = TrialTable.saved(trials.pop(_ROWS))
         self.progress.restore(manifest.progress, table, from_arrays(trials))
         # A checkpoint that was copied without the bag is enough to go on.
         bag = self.directory / "bag"
