@@ -18,7 +18,10 @@ FULL = RunRequest(
     metabolic_cost_weight=0.02,
     tests=(0, 1000),
     test_stimuli=2,
-    overrides={"eye_plant.camera.left_blur_px": 1e-5, "vergence_rl.highest_activations": (0.0, 0.3)},
+    overrides={
+        "eye_plant.camera.left_blur_px": 1e-5,
+        "vergence_rl.highest_activations": (0.0, 0.3),
+    },
     names={"iterations": "--iterations 2e3"},
 )
 

@@ -53,22 +53,15 @@ class ProgressBar:
         bar = self._started()
         is_test = self._protocol.segment(self._place).i_test >= 0
         self._place += 1
-        told = [self._trials_left(bar.format_dict["rate"])]
+        notes = []
+        if n_trials := self._protocol.trials_from(self._place):
+            notes.append(f"of it {n_trials:,} test trials")
         if running_median_error_deg is not None:
-            told.append(f"|error| {running_median_error_deg:.2f} deg")
-        bar.set_postfix_str(", ".join(text for text in told if text), refresh=False)
+            notes.append(f"|error| {running_median_error_deg:.2f} deg")
+        bar.set_postfix_str(", ".join(notes), refresh=False)
         bar.set_description("test" if is_test else "training", refresh=False)
         config = self._protocol.config
         bar.update(config.iterations_per_trial if is_test else config.iterations_per_episode)
-
-    def _trials_left(self, rate_hz: float | None) -> str:
-        """Return how much of the rest is tests, "" when nothing is."""
-        n_trials = self._protocol.trials_from(self._place)
-        if not n_trials:
-            return ""
-        n_iterations = n_trials * self._protocol.config.iterations_per_trial
-        time_left = f" in {tqdm.format_interval(n_iterations / rate_hz)}" if rate_hz else ""
-        return f"{n_trials:,} test trials left{time_left}"
 
     def say(self, text: str) -> None:
         """Print a line above the bar."""
