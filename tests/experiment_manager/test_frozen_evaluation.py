@@ -1,16 +1,17 @@
 """evaluate.sh with a checkpoint: what frozen learners do with their own and with other pictures."""
 
+import dataclasses
 import json
 import shutil
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 
 from experiment_manager.commands.evaluate import main
-from experiment_manager.frozen_evaluation import FrozenTest
+from experiment_manager.frozen_evaluation import FrozenEvaluation
+from experiment_manager.measures.results import Summary, read_results
 from lockstep.errors import InputError
 
 
@@ -22,15 +23,14 @@ def run(small_run: Path, tmp_path: Path) -> Path:
     return directory
 
 
-def _tests(run: Path) -> list[dict[str, Any]]:
-    tests: list[dict[str, Any]] = json.loads((run / "results.json").read_text())["tests"]
-    return tests
+def _tests(run: Path) -> tuple[Summary, ...]:
+    return read_results(run / "results.json").tests
 
 
 def test_the_last_checkpoint_on_its_own_stimuli_gives_the_last_test(
     small_run: Path, run: Path
 ) -> None:
-    assert FrozenTest(run).document()["tests"] == [_tests(small_run)[-1]]
+    assert FrozenEvaluation(run).results().test == _tests(small_run)[-1]
 
 
 def test_own_stimuli_from_their_directory_are_the_same(
@@ -39,7 +39,7 @@ def test_own_stimuli_from_their_directory_are_the_same(
     out = tmp_path / "out.json"
     assert main([str(run), "--stimuli", str(pictures), "--out", str(out)]) == 0
     document = json.loads(out.read_text())
-    assert document["tests"] == [_tests(small_run)[-1]]
+    assert document["tests"] == [_tests(small_run)[-1].to_json()]
     assert document["stimuli"] == str(pictures)
     text = capsys.readouterr().out
     assert f"2 pictures of {pictures}" in text
@@ -50,7 +50,7 @@ def test_the_first_checkpoint_gives_the_first_test(small_run: Path, run: Path) -
     # The one before the first episode: nothing learned, and the test at 0 is what comes next.
     places = sorted(int(path.name) for path in (run / "checkpoints").iterdir())
     assert places[0] == 0
-    assert FrozenTest(run, place=0).document()["tests"] == [_tests(small_run)[0]]
+    assert FrozenEvaluation(run, n_episodes=0).results().test == _tests(small_run)[0]
 
 
 def test_other_pictures_and_fewer_of_them(run: Path, tmp_path: Path) -> None:
@@ -59,11 +59,11 @@ def test_other_pictures_and_fewer_of_them(run: Path, tmp_path: Path) -> None:
     draw = np.random.default_rng(2)
     for i in range(3):
         cv2.imwrite(str(other / f"{i}.png"), draw.integers(0, 256, (80, 90), dtype=np.uint8))
-    document = FrozenTest(run, stimuli=other, n_stimuli=1).document()
-    n_conditions = document["tests"][0]["n_trials"]
-    assert (document["n_stimuli"], n_conditions) == (1, 5)
+    results = FrozenEvaluation(run, stimuli=other, n_stimuli=1).results()
+    n_conditions = results.test.n_trials
+    assert (results.n_stimuli, n_conditions) == (1, 5)
     # As many as in the run's own tests, of which there were two.
-    assert FrozenTest(run, stimuli=other).document()["tests"][0]["n_trials"] == 2 * n_conditions
+    assert FrozenEvaluation(run, stimuli=other).results().test.n_trials == 2 * n_conditions
 
 
 @pytest.mark.parametrize(
@@ -110,11 +110,11 @@ def test_options_that_do_not_go_together(
 
 
 def test_a_test_with_altered_input_is_another_one(small_run: Path, run: Path) -> None:
-    same = FrozenTest(run, settings={"camera.left_blur_px": 0.0}).document()
-    assert same["tests"] == [_tests(small_run)[-1]]
-    blurred = FrozenTest(run, settings={"camera.left_blur_px": 40.0}).document()
-    assert blurred["settings"] == {"camera.left_blur_px": 40.0}
-    assert blurred["tests"] != same["tests"]
+    same = FrozenEvaluation(run, settings={"camera.left_blur_px": 0.0}).results()
+    assert same.test == _tests(small_run)[-1]
+    blurred = FrozenEvaluation(run, settings={"camera.left_blur_px": 40.0}).results()
+    assert blurred.settings == {"camera.left_blur_px": 40.0}
+    assert blurred.test != same.test
 
 
 def test_random_dot_stereograms(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -123,9 +123,9 @@ def test_random_dot_stereograms(run: Path, capsys: pytest.CaptureFixture[str]) -
 
 
 def test_generated_stimuli_of_a_run_that_was_trained_on_others(run: Path) -> None:
-    document = FrozenTest(run, n_stimuli=1, generated=True).document()
-    assert (document["n_stimuli"], document["stimuli"]) == (1, "the generated test stimuli")
-    assert document["tests"] != FrozenTest(run, n_stimuli=1).document()["tests"]
+    results = FrozenEvaluation(run, n_stimuli=1, generated=True).results()
+    assert (results.n_stimuli, results.stimuli) == (1, "the generated test stimuli")
+    assert results.test != FrozenEvaluation(run, n_stimuli=1).results().test
 
 
 def test_stereograms_of_a_directory(run: Path, tmp_path: Path) -> None:
@@ -135,20 +135,20 @@ def test_stereograms_of_a_directory(run: Path, tmp_path: Path) -> None:
     for side in ("left", "right"):
         picture = draw.integers(0, 256, (80, 80), dtype=np.uint8)
         cv2.imwrite(str(directory / f"a_{side}.png"), picture)
-    document = FrozenTest(run, stereograms=directory).document()
-    assert (document["n_stimuli"], document["stimuli"]) == (1, str(directory))
+    results = FrozenEvaluation(run, stereograms=directory).results()
+    assert (results.n_stimuli, results.stimuli) == (1, str(directory))
 
 
 def test_dictionary_and_actor_of_another_age(small_run: Path, run: Path) -> None:
     first, *_ = sorted((run / "checkpoints").iterdir())
-    oldest = FrozenTest(run, place=int(first.name)).document()["tests"]
-    both = FrozenTest(run, dictionary=first, actor=first).document()
-    assert both["dictionary"] == both["actor"] == str(first)
+    oldest = FrozenEvaluation(run, n_episodes=int(first.name)).results().test
+    both = FrozenEvaluation(run, dictionary=first, actor=first).results()
+    assert both.dictionary == both.actor == str(first)
     # All but its age is that of the first test.
-    assert both["tests"] == [oldest[0] | {"iteration": 60}]
-    mixed = FrozenTest(run, dictionary=first).document()["tests"]
+    assert both.test == dataclasses.replace(oldest, iteration=60)
+    mixed = FrozenEvaluation(run, dictionary=first).results().test
     assert mixed != [_tests(small_run)[-1]]
-    assert mixed != both["tests"]
+    assert mixed != both.test
 
 
 def test_a_setting_that_is_not_the_plants_is_refused(
@@ -164,4 +164,4 @@ def test_two_kinds_of_stimuli_are_refused(run: Path, pictures: Path) -> None:
     with pytest.raises(
         InputError, match="expected one of a directory, stereograms, random dots and"
     ):
-        FrozenTest(run, stimuli=pictures, random_dots=True).document()
+        FrozenEvaluation(run, stimuli=pictures, random_dots=True).results()

@@ -5,6 +5,7 @@ import os
 import signal
 import time
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -151,7 +152,7 @@ def differences(one: Path, other: Path) -> list[str]:
             elif a.tobytes() != b.tobytes():
                 rows = np.flatnonzero((a != b).reshape(len(a), -1).any(axis=1))
                 found.append(f"{topic}.{field}: {len(rows)} rows from row {rows[:1]}")
-    results = [read_results(path / RESULTS_FILE) | {"commit": ""} for path in (one, other)]
+    results = [replace(read_results(path / RESULTS_FILE), commit="") for path in (one, other)]
     if results[0] != results[1]:
         found.append(RESULTS_FILE)
     return found

@@ -15,7 +15,9 @@ from experiment_manager.experiment.plant_changes import read_schedule
 from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.loop import InProcessLoop, make_loop
 from experiment_manager.measures.criteria import criteria_of
-from experiment_manager.measures.metrics import test_summary
+from experiment_manager.measures.metrics import summary_of
+from experiment_manager.measures.results import Summary
+from experiment_manager.measures.trials import TrialTable, only_test
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
 from eye_plant.config import EyePlantConfig, changed
@@ -32,16 +34,16 @@ from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
 from lockstep.wire.topics import TEST
 
-# How many random-dot stereograms are shown unless told otherwise.
+# How many random-dot stereograms are shown by default.
 _N_STEREOGRAMS = 10
 
 
 @dataclass(frozen=True)
-class FrozenTest:
+class FrozenEvaluation:
     """What to test, and with what.
 
-    run: directory with config.yaml and checkpoints/, the bag is not needed; place: episodes done
-    at the checkpoint, None is the newest; n_stimuli: so many at most, None is as many as in the
+    run: directory with config.yaml and checkpoints/, the bag is not needed; n_episodes: done at the
+    checkpoint, None is the newest; n_stimuli: so many at most, None is as many as in the
     run's own tests. What is shown: stimuli, a directory of pictures; stereograms, a directory of
     pairs; random_dots, random-dot stereograms, nothing else; generated, the generated test stimuli,
     of a run that was trained on others; without any of them the run's own test stimuli.
@@ -51,7 +53,7 @@ class FrozenTest:
     """
 
     run: Path
-    place: int | None = None
+    n_episodes: int | None = None
     stimuli: Path | None = None
     n_stimuli: int | None = None
     stereograms: Path | None = None
@@ -61,16 +63,16 @@ class FrozenTest:
     actor: Path | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
 
-    def document(self) -> dict[str, Any]:
-        """Make the test; return its summary as in results.json, and what it is a test of.
+    def results(self) -> "FrozenResults":
+        """Make the test; return its summary, and what it is a test of.
 
         Raises InputError for a run, checkpoint, state or picture that cannot be used.
         """
-        found = read_configuration(self.run / CONFIG_FILE)
-        place, states = self._checkpoint()
-        manager = build(ExperimentManagerConfig, found["experiment_manager"])
-        trained = make_protocol(manager).training_iterations_before(place)
-        configuration, manager = _at_age(found, trained, self.settings)
+        of_run = read_configuration(self.run / CONFIG_FILE)
+        n_episodes, states = self._checkpoint()
+        manager = build(ExperimentManagerConfig, of_run["experiment_manager"])
+        trained = make_protocol(manager).training_iterations_before(n_episodes)
+        configuration, manager = _at_age(of_run, trained, self.settings)
         plant = build(EyePlantConfig, configuration["eye_plant"])
         criteria = criteria_of(plant.camera.focal_length_px, plant.mechanics)
         shown = self._shown(plant.stimuli, manager)
@@ -84,22 +86,23 @@ class FrozenTest:
             }
         )
         try:
-            rows = _trial_rows(loop, protocol)
+            table = _trial_table(loop, protocol)
         finally:
             loop.plant.close()
-        return {
-            "model": manager.model,
-            "seed": manager.seed,
-            "commit": manager.commit,
-            "lambda": manager.metabolic_cost_weight,
-            "checkpoint": place,
-            "dictionary": str(self.dictionary.resolve()) if self.dictionary else "",
-            "actor": str(self.actor.resolve()) if self.actor else "",
-            "settings": dict(self.settings),
-            "stimuli": self.shown,
-            "n_stimuli": n_stimuli,
-            "tests": [test_summary(rows, manager.protocol.iterations_per_trial, criteria)],
-        }
+        trials = only_test(table, manager.protocol.iterations_per_trial)
+        return FrozenResults(
+            model=manager.model,
+            seed=manager.seed,
+            commit=manager.commit,
+            metabolic_cost_weight=manager.metabolic_cost_weight,
+            checkpoint=n_episodes,
+            dictionary=str(self.dictionary.resolve()) if self.dictionary else "",
+            actor=str(self.actor.resolve()) if self.actor else "",
+            settings=self.settings,
+            stimuli=self.shown,
+            n_stimuli=n_stimuli,
+            test=summary_of(trials, criteria),
+        )
 
     @property
     def shown(self) -> str:
@@ -113,13 +116,14 @@ class FrozenTest:
 
     def _checkpoint(self) -> tuple[int, Path]:
         checkpoints = self.run / "checkpoints"
-        if self.place is not None:
-            manifest, states = checkpoint.at(checkpoints, self.place)
-            return manifest.place, states
-        found = checkpoint.newest(checkpoints)
-        if found is None:
+        if self.n_episodes is not None:
+            found = checkpoint.at(checkpoints, self.n_episodes)
+        elif (newest := checkpoint.newest(checkpoints)) is not None:
+            found = newest
+        else:
             raise InputError(f"{self.run}: expected a checkpoint, found none")
-        return found[0].place, found[1]
+        manifest, states = found
+        return manifest.place, states
 
     def _shown(self, config: StimuliConfig, manager: ExperimentManagerConfig) -> StimulusSet:
         directories = (self.stimuli is not None, self.stereograms is not None)
@@ -145,6 +149,35 @@ class FrozenTest:
         if self.stimuli is None:
             return StimulusSet((), load_stimuli(config).test[:n_most])
         return StimulusSet((), load_unseen_stimuli(str(self.stimuli), config, n_most))
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrozenResults:
+    """What frozen learners did in a test.
+
+    checkpoint: episodes that its run had done; dictionary, actor: directories of the checkpoints
+    that took their place, "" for none; settings: of the plant, other than at the learners' age;
+    stimuli: what was shown, in words, "" for the run's own.
+    """
+
+    model: str
+    seed: int
+    commit: str
+    metabolic_cost_weight: float
+    checkpoint: int
+    dictionary: str
+    actor: str
+    settings: Mapping[str, Any]
+    stimuli: str
+    n_stimuli: int
+    test: Summary
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what evaluate.sh writes."""
+        names = {"metabolic_cost_weight": "lambda"}
+        document = {names.get(name, name): value for name, value in vars(self).items()}
+        del document["test"]
+        return document | {"settings": dict(self.settings), "tests": [self.test.to_json()]}
 
 
 def _at_age(
@@ -178,15 +211,15 @@ def _test_protocol(config: ExperimentManagerConfig, trained: int, n_stimuli: int
     return make_protocol(dataclasses.replace(config, protocol=tested))
 
 
-def _trial_rows(loop: InProcessLoop, protocol: Protocol) -> np.ndarray:
-    """Return the observations of all trials, (n, len(TRIAL_NAMES))."""
+def _trial_table(loop: InProcessLoop, protocol: Protocol) -> TrialTable:
+    """Return the observations of all trials."""
     test = protocol.segments[-1]
     n_training = protocol.config.n_training_stimuli
     rows: list[tuple[float, ...]] = []
-    places = range(test.first, test.first + test.n_episodes)
-    for place in tqdm(places, desc="test", unit="trial", file=sys.stderr, dynamic_ncols=True):
-        rows += _trial(loop, protocol.episode(place), n_training)
-    return np.array(rows, dtype=np.float64)
+    numbers = range(test.first, test.first + test.n_episodes)
+    for i in tqdm(numbers, desc="test", unit="trial", file=sys.stderr, dynamic_ncols=True):
+        rows += _trial(loop, protocol.episode(i), n_training)
+    return TrialTable(np.array(rows, dtype=np.float64))
 
 
 def _trial(loop: InProcessLoop, episode: Episode, n_training: int) -> list[tuple[float, ...]]:

@@ -4,25 +4,18 @@ import numpy as np
 import pytest
 
 from experiment_manager.analysis.resting_places import resting_places
-from experiment_manager.measures.trials import TestTrials
+from experiment_manager.measures.trials import Trials
 
 
-def _trials(errors_deg: list[list[float]], pairs: list[tuple[int, float]]) -> TestTrials:
+def _trials(errors_deg: list[list[float]], pairs: list[tuple[int, float]]) -> Trials:
     error_deg = np.array(errors_deg)
-    number = np.arange(len(error_deg))
-    return TestTrials(
-        training_iteration=0,
-        trial=number,
-        stimulus=np.array([stimulus for stimulus, _ in pairs]),
-        object_distance_m=np.array([distance_m for _, distance_m in pairs]),
-        vergence_error_deg=error_deg,
-        version_deg=np.zeros(error_deg.shape),
-        deviations_deg=np.zeros((*error_deg.shape, 2)),
-        metabolic_rate_w=np.ones(error_deg.shape),
-        optimal_metabolic_rate_w=np.ones(len(number)),
-        activations=np.zeros((*error_deg.shape, 2)),
-        rows=np.zeros(error_deg.shape, dtype=int),
-    )
+    stimulus, distance_m = np.array(pairs, dtype=np.float64).T
+    columns = {
+        "stimulus": np.broadcast_to(stimulus[:, None], error_deg.shape),
+        "object_distance_m": np.broadcast_to(distance_m[:, None], error_deg.shape),
+        "vergence_error_deg": error_deg,
+    }
+    return Trials(0, np.arange(len(error_deg)), columns, np.zeros(error_deg.shape, dtype=int))
 
 
 def test_resting_places_by_hand() -> None:

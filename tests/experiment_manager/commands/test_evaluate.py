@@ -31,7 +31,7 @@ def test_the_tests_are_joined_by_stamp(run: RecordedRun) -> None:
     assert [test.trials.training_iteration for test in run.tests] == [0, 130, 270, 400]
     for test in run.tests:
         assert test.trials.activations.shape == (39, 21, 2)
-        medial, lateral = test.trials.activations[..., 0], test.trials.activations[..., 1]
+        medial, lateral = (test.trials.column(f"{name}_rectus") for name in ("medial", "lateral"))
         # The fixture's own map from activations to cost, so each row is joined with its own.
         cost_w = 2 * (
             2.229 * np.maximum(medial, 0.005) ** 0.6 + 2.03 * np.maximum(lateral, 0.005) ** 0.6
@@ -42,7 +42,7 @@ def test_the_tests_are_joined_by_stamp(run: RecordedRun) -> None:
 
 
 def test_the_training_curve_is_of_episode_ends(run: RecordedRun) -> None:
-    curve = run.training_curve
+    curve = run.measured.training_curve
     # 40 episodes make 2 bins of 20; an episode's last observation is 10 iterations in.
     assert curve.iteration.tolist() == [105.0, 305.0]
     truth = run.bag.vectors("ground_truth")["ground_truth"]
@@ -70,7 +70,10 @@ def test_the_share_of_the_cost_is_that_of_the_first_and_the_last_training_iterat
             sums[end][1] += row[2]
     first, last = (0.08 * cost_w / (error + 0.08 * cost_w) for error, cost_w in sums.values())
     assert abs(first - last) > 0.001  # so that taking one for the other would be seen
-    assert RecordedRun(run.directory).cost_shares == (pytest.approx(first), pytest.approx(last))
+    assert RecordedRun(run.directory).measured.cost_shares == (
+        pytest.approx(first),
+        pytest.approx(last),
+    )
 
 
 def test_results_are_not_written_before_the_run_has_ended(
@@ -102,12 +105,12 @@ def test_results_from_the_bag_agree_with_themselves(
     assert [test["iteration"] for test in document["tests"]] == [0, 130, 270, 400]
 
     document["tests"][1]["after_2"]["median_delta_cost_w"] *= 1.0001
-    del document["lambda_share"]["last_5000"]
+    document["lambda_share"]["last_5000"] = None
     write_document(path, document)
     assert main([str(directory)]) == 1
     error = capsys.readouterr().err
     assert "different: tests[1].after_2.median_delta_cost_w: results.json has" in error
-    assert "different: lambda_share.last_5000: results.json has nothing, the bag gives" in error
+    assert "different: lambda_share.last_5000: results.json has None, the bag gives" in error
     assert error.count("different:") == 2
 
 

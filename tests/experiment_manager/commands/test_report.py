@@ -129,8 +129,9 @@ def test_a_sweep_without_bags_pools_its_seeds(
         "conditions",
     }
     assert "Not drawn, for want of a bag: M_1, M_2, M_C_1, M_C_2." in text
-    whole = RecordedRun(run_directories["M"]).results()["tests"][-1]
-    median_deg = whole["median_abs_vergence_error_deg"]
+    whole = RecordedRun(run_directories["M"]).summaries()[-1]
+    median_deg = whole.median_abs_vergence_error_deg
+    assert median_deg is not None
     assert _cells(text, "our test set: trials")[1] == "78", "those of both seeds"
     # Pooled: the trials are the same twice. Over seeds: one has three times the median.
     ours = "our test set: median |vergence error| / deg"

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from experiment_manager.measures.criteria import TestSettings
+from experiment_manager.measures import metrics
+from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import (
     KEPT_FILE,
     KeptTrials,
@@ -17,39 +17,36 @@ from experiment_manager.measures.kept_trials import (
     with_test,
     write_trials,
 )
-from experiment_manager.measures.metrics import summary as summary_of
-from experiment_manager.measures.trials import TestTrials
+from experiment_manager.measures.results import Measures, Summary
+from experiment_manager.measures.trials import ACTIVATION_NAMES, Trials
 from lockstep.errors import InputError
 
 N_TRIALS, N = 12, 20
 
 
-def summary(trials: TestTrials) -> dict[str, Any]:
-    return summary_of(trials, TestSettings.of({}).criteria(0))
+def summary_of(trials: Trials) -> Summary:
+    return metrics.summary_of(trials, EvaluationSettings.of({}).criteria(0))
 
 
-def _test(training_iteration: int, n_trials: int = N_TRIALS, eyes: int = 0) -> TestTrials:
+def _test(training_iteration: int, n_trials: int = N_TRIALS, eyes: int = 0) -> Trials:
     """Trials of four stimuli that begin alike in every test of the same eyes; then they differ."""
     draw, start = np.random.default_rng(training_iteration), np.random.default_rng(eyes)
     error_deg, rate_w = draw.normal(size=(2, n_trials, N + 1))
     activations = draw.random((n_trials, N + 1, 2)) / 10
     error_deg[:, 0], rate_w[:, 0] = start.normal(size=(2, n_trials))
-    return TestTrials(
-        training_iteration=training_iteration,
-        trial=np.arange(n_trials),
-        stimulus=100 + np.arange(n_trials) // 3,
-        object_distance_m=start.choice([0.5, 3.0, 6.0], n_trials),
-        vergence_error_deg=error_deg,
-        version_deg=np.full((n_trials, N + 1), np.nan),
-        deviations_deg=np.full((n_trials, N + 1, 2), np.nan),
-        metabolic_rate_w=rate_w,
-        optimal_metabolic_rate_w=start.random(n_trials),
-        activations=activations,
-        rows=np.zeros((n_trials, N + 1), dtype=int),
-    )
+    of_trial = {
+        "stimulus": 100.0 + np.arange(n_trials) // 3,
+        "object_distance_m": start.choice([0.5, 3.0, 6.0], n_trials),
+        "optimal_metabolic_rate_w": start.random(n_trials),
+    }
+    columns = {name: np.repeat(v[:, None], N + 1, axis=1) for name, v in of_trial.items()}
+    columns |= {"vergence_error_deg": error_deg, "metabolic_rate_w": rate_w}
+    columns |= {name: activations[..., i] for i, name in enumerate(ACTIVATION_NAMES)}
+    rows = np.zeros((n_trials, N + 1), dtype=int)
+    return Trials(training_iteration, np.arange(n_trials), columns, rows)
 
 
-def _kept(*tests: TestTrials) -> KeptTrials:
+def _kept(*tests: Trials) -> KeptTrials:
     kept = None
     for test in tests:
         kept = with_test(kept, test)
@@ -63,32 +60,39 @@ def test_the_last_test_has_its_measures_and_the_others_their_ends(tmp_path: Path
     found = read_trials(tmp_path)
     assert [test.training_iteration for test in found] == [0, 500, 1000]
 
-    def numbers(told: dict[str, Any]) -> list[float]:
-        nested = [n for v in told.values() for n in (numbers(v) if isinstance(v, dict) else [v])]
-        return [n for n in nested if n is not None]  # of each eye nothing is kept
-
-    assert numbers(summary(found[-1])) == pytest.approx(numbers(summary(tests[-1])), rel=1e-5)
+    for whole_set, kept_set in zip(_sets(tests[-1]), _sets(found[-1]), strict=True):
+        assert kept_set == pytest.approx(whole_set, rel=1e-5)
     for before, after in zip(tests, found, strict=True):
         for k in (0, N):
             for name in ("vergence_error_deg", "metabolic_rate_w"):
                 kept, whole = getattr(after, name)[:, k], getattr(before, name)[:, k]
                 assert np.allclose(kept, whole, rtol=1e-6)
         assert np.allclose(after.cost_reduction(N), before.cost_reduction(N), rtol=1e-4)
-    told = summary(found[0])["after_2"]
-    assert set(told.values()) == {None}, "not kept of an earlier test"
+    after_2 = summary_of(found[0]).after[2]
+    assert set(vars(after_2).values()) == {None}, "not kept of an earlier test"
+
+
+def _sets(trials: Trials) -> list[dict[str, float | None]]:
+    """Return the measures of all trials and of fewer, after all iterations that are reported."""
+    test = summary_of(trials)
+    sets = (test, test.without_zero_start_error, test.authors_test_set)
+    measures = [measures for of_set in sets for measures in (of_set, *of_set.after.values())]
+    names = Measures.__dataclass_fields__
+    return [{name: getattr(after, name) for name in names} for after in measures]
 
 
 def test_tests_of_other_eyes_have_their_own_starts_and_optima(tmp_path: Path) -> None:
     tests = [_test(0, eyes=1), _test(500, eyes=1), _test(600, eyes=2), _test(1000, eyes=2)]
-    tests = [replace(test, object_distance_m=tests[0].object_distance_m) for test in tests]
+    distance_m = {"object_distance_m": tests[0].column("object_distance_m")}
+    tests = [replace(test, columns={**test.columns, **distance_m}) for test in tests]
     for n_tests in (2, 3, 4):
         write_trials(tmp_path, _kept(*tests[:n_tests]))
         found = read_trials(tmp_path)
         assert len(found) == n_tests
         for before, after in zip(tests, found, strict=False):
-            told, expected = summary(after), summary(before)
+            kept, whole = summary_of(after), summary_of(before)
             for name in ("median_delta_cost_w", "median_cost_reduction"):
-                assert told[name] == pytest.approx(expected[name], rel=1e-4)
+                assert getattr(kept, name) == pytest.approx(getattr(whole, name), rel=1e-4)
             starts_deg = before.vergence_error_deg[:, 0]
             assert np.allclose(after.vergence_error_deg[:, 0], starts_deg, rtol=1e-6)
     assert _kept(*tests).began_otherwise.tolist() == [0, 1]

@@ -8,9 +8,18 @@ import pytest
 from experiment_manager.measures import metrics
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.metrics import cost_share
-from experiment_manager.measures.trials import TRIAL_NAMES, pooled, split_tests
+from experiment_manager.measures.results import Summary
+from experiment_manager.measures.trials import (
+    TRIAL_NAMES,
+    Trials,
+    TrialTable,
+    only_test,
+    pooled,
+    split_tests,
+)
 from lockstep.errors import InputError
 from lockstep.wire.topics import TEST, TRAINING
+from tests.experiment_manager.summaries import NO_TRIALS
 
 CRITERIA = Criteria(
     px_deg=0.22264,
@@ -18,22 +27,23 @@ CRITERIA = Criteria(
     lateral_is_silent_up_to_m=2.0,
     medial_is_silent_from_m=4.0,
 )
-PLACE = {name: i for i, name in enumerate(TRIAL_NAMES)}
+INDEX = {name: i for i, name in enumerate(TRIAL_NAMES)}
 
 
-def test_summary(rows: np.ndarray) -> dict[str, Any]:
+def summary_of(rows: np.ndarray, criteria: Criteria = CRITERIA) -> Summary:
     """Return the summary of rows whose longest trial is whole."""
-    n_iterations = int(rows[:, PLACE["iteration"]].max()) if rows.ndim == 2 else 0
-    return metrics.test_summary(rows, n_iterations, CRITERIA)
+    n_iterations = int(rows[:, INDEX["iteration"]].max()) if rows.ndim == 2 else 0
+    return metrics.summary_of(only_test(TrialTable(rows), n_iterations), criteria)
 
 
-test_summary.__test__ = False  # type: ignore[attr-defined]
+def _tests(rows: list[list[float]], n_iterations: int) -> list[Trials]:
+    return split_tests(TrialTable(np.array(rows)), n_iterations)
 
 
 def _row(**values: float) -> list[float]:
     row = [0.0] * len(TRIAL_NAMES)
     for name, value in values.items():
-        row[PLACE[name]] = value
+        row[INDEX[name]] = value
     return row
 
 
@@ -72,70 +82,56 @@ def _five_trials() -> np.ndarray:
 
 
 def test_a_summary_by_hand() -> None:
-    result = test_summary(_five_trials())
+    result = summary_of(_five_trials())
     # After the last iteration |error| is .1 .2 .3 .6 1.0, C - C* is 0 .9 .2 2. -.1.
-    assert result["iteration"] == 500
-    assert result["n_trials"] == 5
-    assert result["median_abs_vergence_error_deg"] == pytest.approx(0.3)
-    assert result["iqr_abs_vergence_error_deg"] == pytest.approx(0.6 - 0.2)
-    assert result["median_delta_cost_w"] == pytest.approx(0.2)
+    assert result.iteration == 500
+    assert result.n_trials == 5
+    assert result.median_abs_vergence_error_deg == pytest.approx(0.3)
+    assert result.iqr_abs_vergence_error_deg == pytest.approx(0.6 - 0.2)
+    assert result.median_delta_cost_w == pytest.approx(0.2)
     # c of the four trials where it is defined: 1.0 0.1 0.0 1.2
-    assert result["median_cost_reduction"] == pytest.approx(0.55)
+    assert result.median_cost_reduction == pytest.approx(0.55)
     # After 1: |error| .8 .4 .0 1.2 2.; C - C* .5 1. .1 1.5 .1; c .5 0 .25 .8
-    assert result["after_1"] == {
+    assert vars(result.after[1]) == {
         "median_abs_vergence_error_deg": pytest.approx(0.8),
         "iqr_abs_vergence_error_deg": pytest.approx(0.8),
         "median_delta_cost_w": pytest.approx(0.5),
         "median_cost_reduction": pytest.approx(0.375),
         "share_within_1_px": pytest.approx(1 / 5),
         "share_beyond_1_deg": pytest.approx(2 / 5),
-        "share_right_muscle_silent": pytest.approx(1.0),
+        "share_antagonist_silent": pytest.approx(1.0),
     }
-    assert "after_2" not in result, "two iterations is the end, at the top level already"
+    assert 2 not in result.after, "two iterations is the end, at the top level already"
 
 
 def test_a_summary_without_zero_start_errors_by_hand() -> None:
-    result = test_summary(_five_trials())["without_zero_start_error"]
+    result = summary_of(_five_trials()).without_zero_start_error
     # .1 .3 .6 1.0 remain; 0 .9 2. -.1
-    assert result["n_trials"] == 4
-    assert result["median_abs_vergence_error_deg"] == pytest.approx(0.45)
-    assert result["iqr_abs_vergence_error_deg"] == pytest.approx(0.7 - 0.25)
-    assert result["median_delta_cost_w"] == pytest.approx(0.45)
-    assert result["median_cost_reduction"] == pytest.approx(0.55)
-    assert result["after_1"]["median_abs_vergence_error_deg"] == pytest.approx(1.0)
+    assert result.n_trials == 4
+    assert result.median_abs_vergence_error_deg == pytest.approx(0.45)
+    assert result.iqr_abs_vergence_error_deg == pytest.approx(0.7 - 0.25)
+    assert result.median_delta_cost_w == pytest.approx(0.45)
+    assert result.median_cost_reduction == pytest.approx(0.55)
+    assert result.after[1].median_abs_vergence_error_deg == pytest.approx(1.0)
 
 
 def test_after_1_2_3_are_told_of_long_trials() -> None:
     errors_deg = [1.0 / (i + 1) for i in range(21)]
     rows = _trial(errors_deg, [1.0] * 21, trial=0)
-    result = test_summary(np.array(rows))
-    assert [result[f"after_{k}"]["median_abs_vergence_error_deg"] for k in (1, 2, 3)] == (
+    result = summary_of(np.array(rows))
+    assert [result.after[k].median_abs_vergence_error_deg for k in (1, 2, 3)] == (
         pytest.approx([1 / 2, 1 / 3, 1 / 4])
     )
-    assert result["median_abs_vergence_error_deg"] == pytest.approx(1 / 21)
-    assert "after_20" not in result
+    assert result.median_abs_vergence_error_deg == pytest.approx(1 / 21)
+    assert list(result.after) == [1, 2, 3]
 
 
 def test_measures_without_any_trial_are_none() -> None:
-    result = test_summary(np.array(_trial([0.0, 0.1], [0.5, 0.6], trial=0)))
-    assert result["n_trials"] == 1
-    assert result["median_cost_reduction"] is None, "the only trial starts at the optimum"
-    nothing: dict[str, Any] = {
-        "n_trials": 0,
-        "median_abs_vergence_error_deg": None,
-        "iqr_abs_vergence_error_deg": None,
-        "median_delta_cost_w": None,
-        "median_cost_reduction": None,
-        "share_within_1_px": None,
-        "share_beyond_1_deg": None,
-        "share_right_muscle_silent": None,
-        "bias_by_distance_deg": {},
-        "median_abs_version_deg": None,
-        "median_left_deviation_deg": None,
-        "median_right_deviation_deg": None,
-    }
-    assert result["without_zero_start_error"] == nothing
-    assert result["authors_test_set"] == nothing
+    result = summary_of(np.array(_trial([0.0, 0.1], [0.5, 0.6], trial=0)))
+    assert result.n_trials == 1
+    assert result.median_cost_reduction is None, "the only trial starts at the optimum"
+    assert result.without_zero_start_error == NO_TRIALS
+    assert result.authors_test_set == NO_TRIALS
 
 
 def test_each_eye_by_hand() -> None:
@@ -153,29 +149,29 @@ def test_each_eye_by_hand() -> None:
         )
         for iteration in (0, 1)
     ]
-    result = test_summary(np.array(rows))
-    assert result["median_abs_version_deg"] == pytest.approx(1.0)
-    assert result["median_left_deviation_deg"] == pytest.approx(1.0)
-    assert result["median_right_deviation_deg"] == pytest.approx(0.0)
+    result = summary_of(np.array(rows))
+    assert result.median_abs_version_deg == pytest.approx(1.0)
+    assert result.median_left_deviation_deg == pytest.approx(1.0)
+    assert result.median_right_deviation_deg == pytest.approx(0.0)
 
 
 def test_shares_of_errors_by_hand() -> None:
     finals_deg = [0.0, 0.2226, -0.2227, 0.99, 1.0, -1.01, 7.0]
     rows = [_trial([-1.0, e], [1.0, 1.0], trial=i) for i, e in enumerate(finals_deg)]
-    result = test_summary(np.concatenate(rows))
-    assert result["share_within_1_px"] == pytest.approx(2 / 7)
-    assert result["share_beyond_1_deg"] == pytest.approx(2 / 7), "1 deg itself is not beyond it"
+    result = summary_of(np.concatenate(rows))
+    assert result.share_within_1_px == pytest.approx(2 / 7)
+    assert result.share_beyond_1_deg == pytest.approx(2 / 7), "1 deg itself is not beyond it"
 
 
-def test_the_right_muscle_is_the_lateral_one_near_and_the_medial_one_far() -> None:
+def test_the_antagonist_is_the_lateral_one_near_and_the_medial_one_far() -> None:
     # distance, medial, lateral after the trial; a muscle is silent below 0.005
     ends = [
-        (0.5, 0.07, 0.0049),  # right
+        (0.5, 0.07, 0.0049),  # silent as it should be
         (2.0, 0.0, 0.005),  # the wrong one is silent
         (3.0, 0.0, 0.0),  # either may be: does not count
         (3.9, 0.0, 0.0),
-        (4.0, 0.0, 0.003),  # right
-        (6.0, 0.004, 0.3),  # right
+        (4.0, 0.0, 0.003),  # silent as it should be
+        (6.0, 0.004, 0.3),  # silent as it should be
         (6.0, 0.2, 0.0),  # the wrong one is silent
     ]
     rows = [
@@ -189,11 +185,11 @@ def test_the_right_muscle_is_the_lateral_one_near_and_the_medial_one_far() -> No
         )
         for i, (distance_m, medial, lateral) in enumerate(ends)
     ]
-    assert test_summary(np.concatenate(rows))["share_right_muscle_silent"] == pytest.approx(3 / 5)
-    assert test_summary(np.array(rows[2]))["share_right_muscle_silent"] is None
+    assert summary_of(np.concatenate(rows)).share_antagonist_silent == pytest.approx(3 / 5)
+    assert summary_of(np.array(rows[2])).share_antagonist_silent is None
     unknown = np.concatenate(rows)
-    unknown[:2, PLACE["lateral_rectus"]] = np.nan
-    assert test_summary(unknown)["share_right_muscle_silent"] == pytest.approx(2 / 4)
+    unknown[:2, INDEX["lateral_rectus"]] = np.nan
+    assert summary_of(unknown).share_antagonist_silent == pytest.approx(2 / 4)
 
 
 def test_bias_by_distance_by_hand() -> None:
@@ -203,40 +199,34 @@ def test_bias_by_distance_by_hand() -> None:
         for end_deg in ends_deg:
             n = len(rows) // 2
             rows += _trial([1.0, end_deg], [1.0, 1.0], trial=n, object_distance_m=distance_m)
-    found = test_summary(np.array(rows))["bias_by_distance_deg"]
-    assert found == {"0.5": pytest.approx(0.3), "6": pytest.approx(-0.15)}
-    assert list(found) == ["0.5", "6"]
+    found = summary_of(np.array(rows)).bias_by_distance_deg
+    assert found == {0.5: pytest.approx(0.3), 6.0: pytest.approx(-0.15)}
 
 
 def test_the_authors_test_set_stops_at_2_deg_and_leaves_out_0() -> None:
     # The eyes settle within 0.02 deg of the whole degree that was asked for.
     starts_deg = [-3.01, -1.98, -1.0, 0.0, 0.01, 1.02, 1.99, 3.0, 6.0]
     rows = [_trial([e, e / 10], [1.0, 0.8], trial=i) for i, e in enumerate(starts_deg)]
-    result = test_summary(np.concatenate(rows))
-    authors = result["authors_test_set"]
-    assert authors["n_trials"] == 5
-    assert authors["median_abs_vergence_error_deg"] == pytest.approx(0.198)
-    assert set(authors) == set(result) - {
-        "iteration",
-        "without_zero_start_error",
-        "authors_test_set",
-    }
+    result = summary_of(np.concatenate(rows))
+    authors = result.authors_test_set
+    assert authors.n_trials == 5
+    assert authors.median_abs_vergence_error_deg == pytest.approx(0.198)
 
 
 def test_pooled_trials_are_those_of_all_runs() -> None:
-    (one,) = split_tests(np.array(_trial([1.0, 0.5], [1.0, 1.0])), 1)
-    (other,) = split_tests(np.array(_trial([2.0, 0.1], [1.0, 2.0])), 1)
+    (one,) = _tests(_trial([1.0, 0.5], [1.0, 1.0]), 1)
+    (other,) = _tests(_trial([2.0, 0.1], [1.0, 2.0]), 1)
     both = pooled([one, other])
     assert both.vergence_error_deg.tolist() == [[1.0, 0.5], [2.0, 0.1]]
     assert both.training_iteration == 500
-    assert metrics.summary(both, CRITERIA)["n_trials"] == 2
+    assert metrics.summary_of(both, CRITERIA).n_trials == 2
 
 
 def test_tests_are_split_and_training_is_ignored() -> None:
     training = [_row(phase=TRAINING, test=-1, trial=-1, iteration=i) for i in range(11)]
     first = _trial([1.0, 0.5], [1.0, 1.0], test=0, trial=0, training_iteration=0)
     second = _trial([1.0, 0.2], [1.0, 1.0], test=1, trial=0, training_iteration=50_000)
-    tests = split_tests(np.array(training + first + training + training + second), 1)
+    tests = _tests(training + first + training + training + second, 1)
     assert [test.training_iteration for test in tests] == [0, 50_000]
     assert [float(test.vergence_error_deg[0, 1]) for test in tests] == [0.5, 0.2]
     assert tests[1].rows.tolist() == [[35, 36]]
@@ -246,18 +236,18 @@ def test_broken_trials_are_left_out_and_the_last_repetition_counts() -> None:
     whole = [_trial([1.0, e, e], [1.0] * 3, trial=t) for t, e in ((0, 0.1), (1, 0.2), (2, 0.3))]
     again = _trial([1.0, 0.7, 0.9], [1.0] * 3, trial=1)
     rows = whole[0] + whole[1][:2] + again + whole[2][:1] + whole[2] + whole[0][:2]
-    (trials,) = split_tests(np.array(rows), 2)
+    (trials,) = _tests(rows, 2)
     assert trials.trial.tolist() == [0, 1, 2]
     assert trials.vergence_error_deg[:, 2].tolist() == [0.1, 0.9, 0.3]
-    assert metrics.summary(trials, CRITERIA)["n_trials"] == 3
+    assert metrics.summary_of(trials, CRITERIA).n_trials == 3
 
 
 def test_of_a_test_that_ended_in_its_first_trial_nothing_counts() -> None:
-    part = np.array(_trial([1.0, 0.5, 0.3], [1.0] * 3))
-    assert len(split_tests(part, 2)) == 1
-    assert split_tests(part, 20) == []
+    part = _trial([1.0, 0.5, 0.3], [1.0] * 3)
+    assert len(_tests(part, 2)) == 1
+    assert _tests(part, 20) == []
     with pytest.raises(InputError, match="expected the rows of one test, got those of 0"):
-        metrics.test_summary(part, 20, CRITERIA)
+        only_test(TrialTable(np.array(part)), 20)
 
 
 def test_what_counts_is_that_of_the_runs_own_eyes_and_cameras() -> None:
@@ -277,21 +267,21 @@ def test_what_counts_is_that_of_the_runs_own_eyes_and_cameras() -> None:
             for i, (distance_m, medial, lateral, error_deg) in enumerate(ends)
         ]
     )
-    ours, theirs = (metrics.test_summary(rows, 1, criteria) for criteria in (CRITERIA, other))
-    assert (ours["share_within_1_px"], theirs["share_within_1_px"]) == (1.0, 0.5)
-    assert ours["share_right_muscle_silent"] == 0.0
-    assert theirs["share_right_muscle_silent"] == 1.0
+    ours, theirs = (summary_of(rows, criteria) for criteria in (CRITERIA, other))
+    assert (ours.share_within_1_px, theirs.share_within_1_px) == (1.0, 0.5)
+    assert ours.share_antagonist_silent == 0.0
+    assert theirs.share_antagonist_silent == 1.0
 
 
 def test_one_test_is_expected() -> None:
     one = _trial([1.0, 0.5], [1.0, 1.0], test=0)
     two = one + _trial([1.0, 0.5], [1.0, 1.0], test=1)
     with pytest.raises(InputError, match="expected the rows of one test, got those of 2"):
-        test_summary(np.array(two))
+        summary_of(np.array(two))
     with pytest.raises(InputError, match="expected the rows of one test, got those of 0"):
-        test_summary(np.array(one)[1:])
-    with pytest.raises(InputError, match=r"expected rows of 23 values, got .*\(3,\)"):
-        test_summary(np.zeros(3))
+        summary_of(np.array(one)[1:])
+    with pytest.raises(InputError, match=r"expected rows of .*; got .*\(3,\)"):
+        summary_of(np.zeros(3))
 
 
 def test_the_share_of_the_cost_by_hand() -> None:

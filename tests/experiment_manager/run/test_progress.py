@@ -1,14 +1,14 @@
 """What a run counts up, and that a checkpoint carries all of it."""
 
 import json
-from typing import Any
 
 import numpy as np
 import pytest
 
-from experiment_manager.measures.criteria import TestSettings
+from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import arrays_of
-from experiment_manager.measures.trials import TRIAL_NAMES
+from experiment_manager.measures.results import Summary
+from experiment_manager.measures.trials import TRIAL_NAMES, TrialTable
 from experiment_manager.run.progress import Progress
 from lockstep.errors import InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
@@ -21,7 +21,7 @@ def _truth(**values: float) -> np.ndarray:
     return np.array([values.get(name, 0.0) for name in GROUND_TRUTH_NAMES])
 
 
-CRITERIA = TestSettings.of({}).criteria(0)
+CRITERIA = EvaluationSettings.of({}).criteria(0)
 
 
 def _reward(coarse: float, fine: float, cost_w: float) -> np.ndarray:
@@ -45,7 +45,7 @@ def _trial(trial: int, errors_deg: list[float]) -> list[np.ndarray]:
     ]
 
 
-def _add_test(progress: Progress, finals_deg: list[float]) -> dict[str, Any]:
+def _add_test(progress: Progress, finals_deg: list[float]) -> Summary:
     for trial, final_deg in enumerate(finals_deg):
         rows = _trial(trial, [-1.0] * 20 + [final_deg])
         for i, row in enumerate(rows):
@@ -56,17 +56,17 @@ def _add_test(progress: Progress, finals_deg: list[float]) -> dict[str, Any]:
 
 def test_a_test_is_summed_up_after_iteration_20() -> None:
     summary = _add_test(Progress(1000), [0.1, -0.2, 0.3, -0.4, 0.5])
-    assert summary["iteration"] == 500
-    assert summary["n_trials"] == 5
-    assert summary["median_abs_vergence_error_deg"] == pytest.approx(0.3)
-    assert summary["iqr_abs_vergence_error_deg"] == pytest.approx(0.2)
-    assert summary["median_cost_reduction"] == pytest.approx(1.0)
+    assert summary.iteration == 500
+    assert summary.n_trials == 5
+    assert summary.median_abs_vergence_error_deg == pytest.approx(0.3)
+    assert summary.iqr_abs_vergence_error_deg == pytest.approx(0.2)
+    assert summary.median_cost_reduction == pytest.approx(1.0)
 
 
-def test_each_test_starts_anew() -> None:
+def test_each_test_starts_from_nothing() -> None:
     progress = Progress(1000)
     _add_test(progress, [5.0, 5.0, 5.0])
-    assert _add_test(progress, [0.1])["median_abs_vergence_error_deg"] == pytest.approx(0.1)
+    assert _add_test(progress, [0.1]).median_abs_vergence_error_deg == pytest.approx(0.1)
     assert len(progress.tests) == 2
 
 
@@ -110,7 +110,7 @@ def test_a_share_of_nothing_is_none() -> None:
     assert progress.cost_share("first", 0.1) is None
 
 
-def test_a_checkpoint_amid_a_test_carries_everything() -> None:
+def test_a_checkpoint_during_a_test_carries_everything() -> None:
     draw = np.random.default_rng(1)
     undisturbed = Progress(100)
     _add_test(undisturbed, [0.3, 0.1])
@@ -125,7 +125,7 @@ def test_a_checkpoint_amid_a_test_carries_everything() -> None:
 
     resumed = Progress(100)
     document = json.loads(json.dumps(undisturbed.document()))
-    resumed.restore(document, undisturbed.trial_rows(), undisturbed.kept_trials)
+    resumed.restore(document, undisturbed.trial_table(), undisturbed.kept_trials)
     ends = []
     for progress in (undisturbed, resumed):
         for row in _trial(1, [0.1 / 3] * 21):
@@ -152,7 +152,7 @@ def test_restoring_does_not_share_what_it_restores_from() -> None:
     first.add_reward(TRAINING, 0, _reward(0.1, 0.1, 1.0))
     document = first.document()
     second = Progress(100)
-    second.restore(document, first.trial_rows())
+    second.restore(document, first.trial_table())
     before = json.dumps(document)
     second.add_reward(TRAINING, 1, _reward(0.5, 0.1, 1.0))
     second.add_truth(_truth(phase=TRAINING, vergence_error_deg=1.0), is_last=True)
@@ -160,7 +160,7 @@ def test_restoring_does_not_share_what_it_restores_from() -> None:
 
 
 def test_no_trials_are_no_rows() -> None:
-    assert Progress(0).trial_rows().shape == (0, len(TRIAL_NAMES))
+    assert Progress(0).trial_table().rows.shape == (0, len(TRIAL_NAMES))
 
 
 def test_activations_come_before_or_after_their_ground_truth() -> None:
@@ -170,20 +170,19 @@ def test_activations_come_before_or_after_their_ground_truth() -> None:
     progress.add_truth(before, is_last=False)
     progress.add_truth(after, is_last=True)
     with pytest.raises(InputError, match=r"expected activations of 2 observations.*those of 1"):
-        progress.trial_rows()
+        progress.trial_table()
     progress.add_activations(TRAINING, ACTIVATIONS)
     progress.add_activations(TEST, np.array([0.5, 0.6, 0.5, 0.6]))
-    rows = progress.trial_rows()
+    rows = progress.trial_table().rows
     assert rows[:, -2:] == pytest.approx(np.array([[0.2, 0.1], [0.5, 0.6]]))
     assert (rows[:, :-2] == [before, after]).all()
 
 
-def test_trials_of_another_shape_are_refused() -> None:
-    progress = Progress(0)
-    old = np.zeros((3, len(GROUND_TRUTH_NAMES)))
-    progress.restore(Progress(0).document(), old[:0])
-    with pytest.raises(InputError, match=r"expected trials with .*shape \(3, 21\)"):
-        progress.restore(Progress(0).document(), old)
+def test_saved_trials_with_other_columns_are_refused_where_there_are_some() -> None:
+    fewer = np.zeros((3, len(GROUND_TRUTH_NAMES)))
+    with pytest.raises(InputError, match=r"expected rows of .*shape \(3, "):
+        TrialTable.saved(fewer)
+    assert TrialTable.saved(fewer[:0]).rows.shape == (0, len(TRIAL_NAMES))
 
 
 @pytest.mark.parametrize("name", ["tests", "sums", "counted_from", "running_errors_deg"])
@@ -192,4 +191,4 @@ def test_what_is_no_progress_is_refused(name: str) -> None:
     document = progress.document()
     for damaged in ({k: v for k, v in document.items() if k != name}, document | {name: 3}):
         with pytest.raises(InputError, match="expected a run's progress"):
-            Progress(0).restore(damaged, progress.trial_rows())
+            Progress(0).restore(damaged, progress.trial_table())

@@ -173,7 +173,7 @@ def test_a_copied_checkpoint_is_enough_to_go_on(
     assert _end(second, drive) == undisturbed
 
     recorded = RecordedRun(directory)
-    assert recorded.first_observation == observation
+    assert recorded.measured.first_observation == observation
     kept = [test.trials.training_iteration for test in recorded.tests]
     tests = [segment for segment in second.protocol.segments if segment.i_test >= 0]
     assert kept == [test.training_iteration for test in tests if test.first >= place]

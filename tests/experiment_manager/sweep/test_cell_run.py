@@ -15,6 +15,7 @@ from experiment_manager.sweep.pool import Pool
 from experiment_manager.sweep.status import Status, status_of, table
 from experiment_manager.sweep.sweep_file import Cell
 from lockstep.exit_codes import EXIT_FAULT
+from tests.experiment_manager.summaries import summary
 
 
 @pytest.fixture
@@ -33,7 +34,7 @@ def _begin(run: CellRun, *points: tuple[int, float]) -> None:
     for place, time_s in points:
         path = run.directory / "checkpoints" / f"{place:09d}" / "manifest.json"
         path.parent.mkdir(parents=True)
-        tests = [{"median_abs_vergence_error_deg": 1.5, "iteration": 0}] if place > 39 else []
+        tests = [summary(median_abs_vergence_error_deg=1.5).to_json()] if place > 39 else []
         path.write_text(json.dumps({"place": place, "progress": {"tests": tests}}))
         os.utime(path, (time_s, time_s))
 
@@ -51,7 +52,7 @@ def test_a_run_stands_where_its_newest_checkpoint_is(run: CellRun) -> None:
     assert status.rate_hz == pytest.approx(25.0)
     assert status.left_s is None
     assert status.last_test is not None
-    assert status.last_test["iteration"] == 0
+    assert status.last_test.iteration == 0
 
 
 def test_a_run_is_running_as_long_as_a_process_holds_its_log(run: CellRun) -> None:
@@ -77,8 +78,9 @@ def test_a_run_is_running_as_long_as_a_process_holds_its_log(run: CellRun) -> No
 def test_a_run_is_done_until_it_is_made_longer(run: CellRun) -> None:
     _begin(run)
     was_done = [run.is_done]
-    results = {"model": "M", "seed": 1, "iterations": 200, "commit": "", "lambda": 0.0}
-    document = json.dumps(results | {"lambda_share": {}, "tests": []})
+    shares = {"first_5000": None, "last_5000": None}
+    results = {"model": "M", "profile": "", "seed": 1, "iterations": 200, "commit": ""}
+    document = json.dumps(results | {"lambda": 0.0, "lambda_share": shares, "tests": []})
     (run.directory / "results.json").write_text(document)
     was_done.append(run.is_done)
     config = run.directory / "config.yaml"
@@ -135,16 +137,13 @@ def test_which_ends_are_failures(code: int, failed: bool, failed_when_interrupte
     assert is_failure(code, interrupted=True) == failed_when_interrupted
 
 
-_NO_TRIAL = {"median_abs_vergence_error_deg": None}
-
-
 def test_the_table_has_a_row_for_each_run_and_their_sums() -> None:
-    last_test = {"median_abs_vergence_error_deg": 0.0852, "iteration": 1000}
+    last_test = summary(iteration=1000, median_abs_vergence_error_deg=0.0852)
     statuses = [
         Status("seed_1", "running", 36_000, 1_000_000, 50.0, last_test),
         Status("seed_10", "waiting"),
         Status("seed_2", "waiting"),
-        Status("seed_3", "done", 40, 40, last_test={**last_test, **_NO_TRIAL}),
+        Status("seed_3", "done", 40, 40, last_test=summary(iteration=1000)),
     ]
     assert table(statuses).splitlines() == [
         "run      state    iterations        it/s  time left  last test",

@@ -1,23 +1,18 @@
-"""What a run's bag tells about it, boiled down to what tables and figures need."""
+"""What a run's bag holds, reduced to what tables and figures need."""
 
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
 from experiment_manager.bag.reader import Bag, VectorTable
-from experiment_manager.measures.criteria import TestSettings
+from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import KeptTrials, with_test
-from experiment_manager.measures.metrics import (
-    SHARE_ITERATIONS,
-    cost_share,
-    summary,
-)
-from experiment_manager.measures.results import results_document
-from experiment_manager.measures.trials import TestTrials, split_tests
+from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, summary_of
+from experiment_manager.measures.results import Results, Summary
+from experiment_manager.measures.trials import ACTIVATION_NAMES, Trials, TrialTable, split_tests
 from experiment_manager.run.described_run import DescribedRun
 from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.errors import InputError
@@ -36,9 +31,7 @@ class RecordedTest:
     stamps_ns: (n_trials, n_iterations + 1).
     """
 
-    __test__ = False
-
-    trials: TestTrials
+    trials: Trials
     reconstruction_error: np.ndarray
     stamps_ns: np.ndarray
 
@@ -55,7 +48,15 @@ class TrainingCurve:
 
 
 @dataclass(frozen=True)
-class _Measures:
+class Measured:
+    """What a bag holds of a run.
+
+    tests: that begin in the bag, in their order; of the last one, its whole trials. cost_shares:
+    lambda's share of the reward over the first and last 5,000 training iterations, None where they
+    are not all in the bag. first_observation: its number; not 0 where the run was resumed from a
+    checkpoint alone, without the bag of what was before.
+    """
+
     tests: tuple[RecordedTest, ...]
     training_curve: TrainingCurve
     cost_shares: tuple[float | None, float | None]
@@ -71,36 +72,10 @@ class RecordedRun(DescribedRun):
         text = self.bag.attachment(CONFIGURATION_ATTACHMENT).decode()
         super().__init__(directory, text, f"bag {self.bag.path}")
 
-    @property
-    def tests(self) -> tuple[RecordedTest, ...]:
-        """All tests that begin in the bag, in their order; of the last one, its whole trials."""
-        return self._measured.tests
-
-    @property
-    def first_observation(self) -> int:
-        """Number of the first observation in the bag.
-
-        Not 0 where the run was resumed from a checkpoint alone, without the bag of what was before.
-        """
-        return self._measured.first_observation
-
-    @property
-    def training_curve(self) -> TrainingCurve:
-        """How the error fell in training."""
-        return self._measured.training_curve
-
-    @property
-    def cost_shares(self) -> tuple[float | None, float | None]:
-        """Lambda's share of the reward over the first and last 5,000 training iterations.
-
-        None where they are not all in the bag.
-        """
-        return self._measured.cost_shares
-
-    def results(self) -> dict[str, Any]:
+    def results(self) -> Results:
         """Return what results.json holds, from the bag alone."""
-        first, last = self.cost_shares
-        return results_document(
+        first, last = self.measured.cost_shares
+        return Results(
             model=self.model,
             profile=self.profile,
             seed=self.seed,
@@ -112,12 +87,16 @@ class RecordedRun(DescribedRun):
             tests=self.summaries(),
         )
 
-    def summaries(self) -> list[dict[str, Any]]:
-        """Return the measures of each test, as in results.json."""
-        return [
-            summary(trials, self.test_settings.criteria(trials.training_iteration))
-            for trials in (test.trials for test in self.tests)
-        ]
+    @property
+    def tests(self) -> tuple[RecordedTest, ...]:
+        """The tests of `measured`."""
+        return self.measured.tests
+
+    def summaries(self) -> tuple[Summary, ...]:
+        """Return the measures of each test."""
+        criteria = self.evaluation_settings.criteria
+        trials_of_tests = [test.trials for test in self.tests]
+        return tuple(summary_of(t, criteria(t.training_iteration)) for t in trials_of_tests)
 
     def kept_trials(self) -> KeptTrials | None:
         """Return what trials.npz holds, from the bag alone; None without a test."""
@@ -127,21 +106,22 @@ class RecordedRun(DescribedRun):
         return kept
 
     @cached_property
-    def _measured(self) -> _Measures:
+    def measured(self) -> Measured:
+        """What was recorded."""
         # The tables of a full run fill half a gigabyte; only what is made of them is kept.
         tables = self.bag.vectors("ground_truth", "reward", "muscle_activations")
         truth = tables["ground_truth"]
-        rows = trial_rows(truth, tables["muscle_activations"])
-        recorded = tuple(
+        table = trial_table(truth, tables["muscle_activations"])
+        tests = tuple(
             _recorded(trials, truth, tables["reward"])
-            for trials in split_tests(rows, self.test_settings.iterations_per_trial)
+            for trials in split_tests(table, self.evaluation_settings.iterations_per_trial)
             if trials.trial[0] == 0
         )
-        return _Measures(
-            recorded,
+        return Measured(
+            tests,
             _training_curve(truth),
             self._shares(truth, tables["reward"]),
-            int(truth.column("observation")[0]) if len(rows) else 0,
+            int(truth.column("observation")[0]) if len(truth.stamps_ns) else 0,
         )
 
     def _shares(self, truth: VectorTable, reward: VectorTable) -> tuple[float | None, float | None]:
@@ -165,16 +145,13 @@ class RecordedRun(DescribedRun):
         return share(0, SHARE_ITERATIONS), share(max(0, n - SHARE_ITERATIONS), n)
 
 
-def test_settings_of(bag: Bag) -> TestSettings:
+def evaluation_settings_of(bag: Bag) -> EvaluationSettings:
     """Return how the run of a bag was tested; of a bag without its configuration, the defaults."""
     try:
         text = bag.attachment(CONFIGURATION_ATTACHMENT).decode()
     except InputError:
         text = ""
-    return TestSettings.of_configuration(text)
-
-
-test_settings_of.__test__ = False  # type: ignore[attr-defined]
+    return EvaluationSettings.of_configuration(text)
 
 
 def _sum_in_order(values: np.ndarray) -> float:
@@ -189,18 +166,23 @@ def _total_error(reward: VectorTable) -> np.ndarray:
     return error
 
 
-def trial_rows(truth: VectorTable, activations: VectorTable | None) -> np.ndarray:
-    """Return ground truth and activations by TRIAL_NAMES: (n, len(TRIAL_NAMES)), nan for gaps."""
-    both = np.full((len(truth.stamps_ns), 2), np.nan)
+def trial_table(truth: VectorTable, activations: VectorTable | None) -> TrialTable:
+    """Return ground truth and the activations at its stamps, nan for gaps."""
+    of_commands = np.full((len(truth.stamps_ns), len(ACTIVATION_NAMES)), np.nan)
     if activations is not None and len(activations.stamps_ns):
-        space = COMMAND_SPACES[PAIR]
-        values = np.stack([activations.column(name) for name in space.muscle_names], axis=1)
-        both = _at_stamps(activations, space.from_muscles(values), truth.stamps_ns)
+        of_commands = _at_stamps(activations, commanded(activations), truth.stamps_ns)
     columns = [truth.column(name) for name in GROUND_TRUTH_NAMES]
-    return np.concatenate([np.stack(columns, axis=1), both], axis=1)
+    return TrialTable.of(np.stack(columns, axis=1), of_commands)
 
 
-def _recorded(trials: TestTrials, truth: VectorTable, reward: VectorTable) -> RecordedTest:
+def commanded(activations: VectorTable) -> np.ndarray:
+    """Return what commands set, (n, n_commands), from the activations of the muscles."""
+    space = COMMAND_SPACES[PAIR]
+    values = np.stack([activations.column(name) for name in space.muscle_names], axis=1)
+    return space.from_muscles(values)
+
+
+def _recorded(trials: Trials, truth: VectorTable, reward: VectorTable) -> RecordedTest:
     stamps_ns = truth.stamps_ns[trials.rows]
     return RecordedTest(
         trials=trials,
@@ -214,8 +196,8 @@ def _at_stamps(table: VectorTable, values: np.ndarray, stamps_ns: np.ndarray) ->
     rows = table.at(stamps_ns.ravel())
     if not len(values):
         return np.full((*stamps_ns.shape, *values.shape[1:]), np.nan)
-    found = np.where(rows.reshape(-1, *[1] * (values.ndim - 1)) >= 0, values[rows], np.nan)
-    return found.reshape(*stamps_ns.shape, *values.shape[1:])
+    is_there = rows.reshape(-1, *[1] * (values.ndim - 1)) >= 0
+    return np.where(is_there, values[rows], np.nan).reshape(*stamps_ns.shape, *values.shape[1:])
 
 
 def _training_curve(truth: VectorTable) -> TrainingCurve:

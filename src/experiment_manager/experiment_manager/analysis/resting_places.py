@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiment_manager.measures.metrics import ARRIVED_DEG
-from experiment_manager.measures.trials import TestTrials
+from experiment_manager.measures.trials import Trials
 
 # Distances to the resting place over which the approach is measured: above restlessness, and below
 # one pixel of the coarse scale.
@@ -36,7 +36,7 @@ class RestingPlaces:
     share_left: float | None = None
 
 
-def resting_places(trials: TestTrials) -> RestingPlaces:
+def resting_places(trials: Trials) -> RestingPlaces:
     """Return the resting places of a test."""
     n = trials.n_iterations
     error_deg = trials.vergence_error_deg
@@ -58,7 +58,7 @@ def resting_places(trials: TestTrials) -> RestingPlaces:
     )
 
 
-def _spreads(trials: TestTrials, place_deg: np.ndarray) -> tuple[float | None, float | None]:
+def _spreads(trials: Trials, place_deg: np.ndarray) -> tuple[float | None, float | None]:
     pairs = np.stack([trials.stimulus, trials.object_distance_m], axis=1)
     _, number = np.unique(pairs, axis=0, return_inverse=True)
     places = [place_deg[number.ravel() == i] for i in range(number.max() + 1)]

@@ -1,6 +1,7 @@
 """Measures a run: from its bag alone, or what its frozen learners do with other pictures."""
 
 import argparse
+import dataclasses
 import json
 import math
 import sys
@@ -9,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from experiment_manager.analysis.recorded_run import RecordedRun
-from experiment_manager.frozen_evaluation import FrozenTest
+from experiment_manager.frozen_evaluation import FrozenEvaluation
 from experiment_manager.measures.kept_trials import KEPT_FILE, write_trials
-from experiment_manager.measures.results import RESULTS_FILE, read_results, write_document
-from experiment_manager.measures.tables import number, tests_table
+from experiment_manager.measures.results import RESULTS_FILE, Results, read_results, write_document
+from experiment_manager.measures.tables import number, summaries_table
 from experiment_manager.preparation.command_line import plant_settings
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from lockstep.command_line import CommandLine
@@ -27,7 +28,7 @@ _FROZEN_OPTIONS = ", ".join(f"--{name.replace('_', '-')}" for name in ("checkpoi
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; return 0, 1 when the bag tells other numbers, 2 for bad input."""
+    """Run the command line; return 0, 1 when the bag has other numbers, 2 for bad input."""
     parser = _parser()
     options = parser.parse_args(arguments)
     is_frozen = any(getattr(options, name) for name in _FROZEN) or options.checkpoint is not None
@@ -121,7 +122,7 @@ def _add_learners(parser: argparse.ArgumentParser) -> None:
 
 
 def _test_frozen(options: argparse.Namespace) -> int:
-    test = FrozenTest(
+    evaluation = FrozenEvaluation(
         options.run,
         options.checkpoint,
         options.stimuli,
@@ -133,55 +134,63 @@ def _test_frozen(options: argparse.Namespace) -> int:
         actor=options.actor,
         settings=plant_settings(options.set),
     )
-    document = test.document()
+    results = evaluation.results()
     print(
-        f"model {document['model']}, seed {document['seed']}, checkpoint after "
-        f"{document['checkpoint']} episodes, {document['n_stimuli']} pictures of "
-        f"{document['stimuli'] or 'its own test stimuli'}\n\n{tests_table(document['tests'])}\n\n"
-        f"{json.dumps(document['tests'][0], indent=2)}"
+        f"model {results.model}, seed {results.seed}, checkpoint after "
+        f"{results.checkpoint} episodes, {results.n_stimuli} pictures of "
+        f"{results.stimuli or 'its own test stimuli'}\n\n{summaries_table([results.test])}\n\n"
+        f"{json.dumps(results.test.to_json(), indent=2)}"
     )
     if options.out is not None:
-        write_document(options.out, document)
+        write_document(options.out, results.to_json())
         print(f"\nwritten: {options.out}")
     return 0
 
 
 def _evaluate(directory: Path, *, write: bool) -> int:
     run = RecordedRun(directory)
-    found = run.results()
-    print(_text(found))
+    measured = run.results()
+    print(_text(measured))
     path = directory / RESULTS_FILE
-    begins_late = run.first_observation > 0
-    if begins_late:
+    first = run.measured.first_observation
+    if first > 0:
         print(
-            f"\nThe bag begins with observation {run.first_observation}: the run went on from a "
+            f"\nThe bag begins with observation {first}: the run went on from a "
             "checkpoint without the bag of what was before."
         )
-    if write and begins_late:
-        raise InputError(f"{directory}: expected the whole run in its bag, to write {path} from it")
-    if write and not _is_whole(run):
-        raise InputError(
-            f"{directory}: expected a run that has come to its end, to write {path} from its bag; "
-            f"launch_scripts/run_experiment.sh --resume {directory} goes on with it"
-        )
     if write:
-        write_trials(directory, run.kept_trials())
-        write_document(path, found)
-        print(f"\nwritten: {path} and {KEPT_FILE} beside it")
-        return 0
+        return _write(run, measured)
     if not path.exists():
         hint = " (--write makes one)" if _is_whole(run) else ": the run has not come to its end"
         print(f"\nThere is no {path} to compare with{hint}.")
         return 0
     expected = read_results(path)
-    if begins_late:
-        expected = _as_far_as(found, expected)
-    differences = different_entries(expected, found)
+    differences = different_entries(
+        _as_far_as(measured, expected) if first > 0 else expected, measured
+    )
     for difference in differences:
         print(f"different: {difference}", file=sys.stderr)
     if differences:
         return EXIT_DIFFERENT
-    print(f"\nAll {sum(1 for _ in _entries(found))} entries of {path} follow from the bag.")
+    n_entries = len(dict(_entries(measured.to_json())))
+    print(f"\nAll {n_entries} entries of {path} follow from the bag.")
+    return 0
+
+
+def _write(run: RecordedRun, results: Results) -> int:
+    path = run.directory / RESULTS_FILE
+    if run.measured.first_observation > 0:
+        raise InputError(
+            f"{run.directory}: expected the whole run in its bag, to write {path} from it"
+        )
+    if not _is_whole(run):
+        raise InputError(
+            f"{run.directory}: expected a run that has come to its end, to write {path} from its "
+            f"bag; launch_scripts/run_experiment.sh --resume {run.directory} goes on with it"
+        )
+    write_trials(run.directory, run.kept_trials())
+    write_document(path, results.to_json())
+    print(f"\nwritten: {path} and {KEPT_FILE} beside it")
     return 0
 
 
@@ -191,33 +200,31 @@ def _is_whole(run: RecordedRun) -> bool:
     return n_trials.get(run.n_iterations, -1) == max(n_trials.values(), default=0)
 
 
-def _text(results: dict[str, Any]) -> str:
-    share = results["lambda_share"]
+def _text(results: Results) -> str:
     title = (
-        f"model {results['model']}, seed {results['seed']}, {results['iterations']} iterations, "
-        f"lambda {results['lambda']:g} per W, its share of the reward "
-        f"{number(share['first_5000'])} at the start and {number(share['last_5000'])} at the end"
+        f"model {results.model}, seed {results.seed}, {results.iterations} iterations, "
+        f"lambda {results.metabolic_cost_weight:g} per W, its share of the reward "
+        f"{number(results.cost_share_first)} at the start and "
+        f"{number(results.cost_share_last)} at the end"
     )
-    return f"{title}\n\n{tests_table(results['tests'])}"
+    return f"{title}\n\n{summaries_table(results.tests)}"
 
 
-def _as_far_as(found: dict[str, Any], expected: dict[str, Any]) -> dict[str, Any]:
+def _as_far_as(measured: Results, expected: Results) -> Results:
     """Return results without the tests and shares that are not in a bag which begins late."""
-    iterations = {test["iteration"] for test in found["tests"]}
-    shares = found["lambda_share"]
-    return {
-        **expected,
-        "tests": [test for test in expected["tests"] if test["iteration"] in iterations],
-        "lambda_share": {
-            key: None if shares[key] is None else share
-            for key, share in expected["lambda_share"].items()
-        },
-    }
+    iterations = {test.iteration for test in measured.tests}
+    first, last = measured.cost_share_first, measured.cost_share_last
+    return dataclasses.replace(
+        expected,
+        tests=tuple(test for test in expected.tests if test.iteration in iterations),
+        cost_share_first=None if first is None else expected.cost_share_first,
+        cost_share_last=None if last is None else expected.cost_share_last,
+    )
 
 
-def different_entries(expected: dict[str, Any], found: dict[str, Any]) -> list[str]:
+def different_entries(expected: Results, measured: Results) -> list[str]:
     """Return "path: expected, got" for each entry in which two results.json differ."""
-    left, right = dict(_entries(expected)), dict(_entries(found))
+    left, right = (dict(_entries(results.to_json())) for results in (expected, measured))
     return [
         f"{path}: results.json has {left.get(path, 'nothing')}, "
         f"the bag gives {right.get(path, 'nothing')}"

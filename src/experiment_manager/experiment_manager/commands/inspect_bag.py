@@ -11,13 +11,13 @@ import numpy as np
 
 from experiment_manager.analysis.film.film import FRAMES_PER_S, film
 from experiment_manager.analysis.play import play
-from experiment_manager.analysis.recorded_run import test_settings_of, trial_rows
+from experiment_manager.analysis.recorded_run import evaluation_settings_of, trial_table
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT, RUN_METADATA
 from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.repair import repair_bag
 from experiment_manager.live.address import Address
-from experiment_manager.measures.metrics import summary
-from experiment_manager.measures.tables import tests_table, text_table
+from experiment_manager.measures.metrics import summary_of
+from experiment_manager.measures.tables import summaries_table, text_table
 from experiment_manager.measures.trials import split_tests
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from lockstep.command_line import CommandLine
@@ -166,13 +166,13 @@ def _learning_curve(bag: Bag) -> str:
     truth = tables["ground_truth"]
     if not len(truth.stamps_ns):
         return ""
-    settings = test_settings_of(bag)
-    rows = trial_rows(truth, tables.get("muscle_activations"))
+    settings = evaluation_settings_of(bag)
+    table = trial_table(truth, tables.get("muscle_activations"))
     summaries = [
-        summary(test, settings.criteria(test.training_iteration))
-        for test in split_tests(rows, settings.iterations_per_trial)
+        summary_of(trials, settings.criteria(trials.training_iteration))
+        for trials in split_tests(table, settings.iterations_per_trial)
     ]
-    return tests_table(summaries) if summaries else "No complete trial of a test."
+    return summaries_table(summaries) if summaries else "No complete trial of a test."
 
 
 def _print_repairs(path: Path) -> None:

@@ -18,10 +18,10 @@ from experiment_manager.analysis.report.tables import (
     bias_table,
     comparison_table,
     iterations_table,
+    learning_table,
     resting_table,
     runs_table,
     seeds_table,
-    tests_of_run_table,
 )
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from lockstep.command_line import CommandLine
@@ -53,7 +53,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="report.sh",
         description="Draw the paper's figures and tables of runs into one report.html, from "
         "results.json, trials.npz and checkpoints, and from bags where they are. Runs that differ "
-        "in their seed alone are pooled, as the paper does.",
+        "in their seed alone, or in it and the seed of their pictures, are pooled, as in K17.",
     )
     parser.add_argument(
         "runs", type=Path, nargs="+", metavar="RUN", help="run directory, or that of a sweep"
@@ -76,7 +76,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _runs(paths: Sequence[Path]) -> list[ReportedRun]:
-    """Return the runs at paths, and in the sweeps there; what else is there is told and left out.
+    """Return the runs at paths, and in the sweeps there; others are left out, with a message.
 
     Raises InputError when none is left, with what is wrong with the first.
     """
@@ -97,7 +97,7 @@ def _runs(paths: Sequence[Path]) -> list[ReportedRun]:
     for run in held_back(runs):
         runs.remove(run)
         reasons.append(
-            f"{run.directory}: its last test is after {run.summaries[-1]['iteration']:,} "
+            f"{run.directory}: its last test is after {run.summaries[-1].iteration:,} "
             f"iterations of {run.n_iterations:,}, where others that it is pooled with have ended"
         )
     if not runs:
@@ -139,7 +139,7 @@ def _tables(groups: Sequence[Group]) -> list[str]:
         ),
         seeds_table(groups),
         report_page.paragraph("The same of the authors' test set."),
-        seeds_table(groups, "authors_test_set"),
+        seeds_table(groups, authors=True),
     ]
     return [
         report_page.heading("Runs"),
@@ -156,7 +156,7 @@ def _tables(groups: Sequence[Group]) -> list[str]:
             "a vergence of 0 or more; the authors' code stops at +2 deg and leaves out the trials "
             "that start at zero error, so its test set is those of our trials that start at -3, "
             "-2, -1, +1 or +2 deg. The paper gives four interquartile ranges, 0.319 and 1.076 deg, "
-            "from a plant and pictures of its own. The right muscle to be silent, below an "
+            "from a plant and pictures of its own. The antagonist, silent below an "
             "activation of 0.005, is the lateral rectus up to 2 m and the medial one from 4 m on; "
             "other distances do not count in that share."
         ),
@@ -177,7 +177,7 @@ def _configurations(runs: Sequence[ReportedRun]) -> list[str]:
         report_page.heading("Tests of each run"),
         report_page.paragraph(
             "Below each run's tests, of what the error that is left is made. A trial rests at the "
-            "mean error of its second half; those are told that rest within 1 deg. Bias: median "
+            "mean error of its second half; those that rest within 1 deg count. Bias: median "
             "of all resting places. SD within: among trials of one picture and distance, which "
             "start from other errors and activations, median over pairs. SD between: of the "
             "pairs' means. SD over time: in the second half, median over trials. Share left: of a "
@@ -187,7 +187,7 @@ def _configurations(runs: Sequence[ReportedRun]) -> list[str]:
     for run in runs:
         parts += [
             report_page.paragraph(f"{run.name} (model {run.model}, seed {run.seed})"),
-            tests_of_run_table(run),
+            learning_table(run),
             resting_table(run.recorded)
             if run.recorded is not None
             else report_page.paragraph("Where its trials rest needs a bag."),

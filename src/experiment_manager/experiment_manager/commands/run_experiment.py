@@ -5,14 +5,13 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
-from typing import Any
 
 from experiment_manager.live.address import Address
 from experiment_manager.live.server import why_unavailable
-from experiment_manager.measures.results import RESULTS_FILE, read_results
-from experiment_manager.measures.tables import tests_table
+from experiment_manager.measures.results import RESULTS_FILE, Results, read_results
+from experiment_manager.measures.tables import summaries_table
 from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.continuation import (
     Branch,
@@ -199,12 +198,12 @@ def _figure(directory: Path) -> Path | None:
         return None
 
 
-def results_table(results: Mapping[str, Any], directory: Path, figure: Path | None) -> str:
+def results_table(results: Results, directory: Path, figure: Path | None) -> str:
     """Return the tests of a results.json as text, and where everything lies."""
     return (
-        f"\nmodel {results['model']}, seed {results['seed']}: "
+        f"\nmodel {results.model}, seed {results.seed}: "
         "tests by training iteration, at the end of each trial\n\n"
-        f"{tests_table(results['tests'])}\n\n"
+        f"{summaries_table(results.tests)}\n\n"
         f"results: {directory / RESULTS_FILE}\n"
         f"figure:  {figure or 'none'}\n"
         f"bag:     {directory / 'bag'}"

@@ -53,20 +53,18 @@ def criteria_of(focal_length_px: float, mechanics: MechanicsConfig) -> Criteria:
 
 
 @dataclass(frozen=True)
-class TestSettings:
-    """How a run is tested: with which plant, as it was started with, and what changes of it.
+class EvaluationSettings:
+    """How a run is tested: the plant that it was started with, and how a schedule changes that.
 
     iterations_per_trial: of a whole trial.
     """
-
-    __test__ = False  # pytest need not collect it
 
     plant: EyePlantConfig
     schedule: Schedule
     iterations_per_trial: int
 
     @classmethod
-    def of(cls, parameters: Mapping[str, Mapping[str, Any]]) -> "TestSettings":
+    def of(cls, parameters: Mapping[str, Mapping[str, Any]]) -> "EvaluationSettings":
         """Return those of a run's parameters by node; what is missing has its default."""
         manager = parameters.get("experiment_manager", {})
         length = manager.get("protocol.iterations_per_trial", ProtocolConfig().iterations_per_trial)
@@ -77,7 +75,7 @@ class TestSettings:
         )
 
     @classmethod
-    def of_configuration(cls, text: str) -> "TestSettings":
+    def of_configuration(cls, text: str) -> "EvaluationSettings":
         """Return those of the text of a config.yaml; what is not in it has its default."""
         try:
             sections = yaml.safe_load(text) or {}

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS
-from experiment_manager.measures.trials import TestTrials
+from experiment_manager.measures.trials import ACTIVATION_NAMES, Trials
 from lockstep.errors import InputError
 from lockstep.state_file import read_state, write_state
 
@@ -60,41 +60,35 @@ class KeptTrials:
         starts[self.began_otherwise] = self.started_with
         return starts
 
-    def tests(self) -> list[TestTrials]:
+    def tests(self) -> list[Trials]:
         """Return the tests in order, with nan for what is not kept."""
-        n_trials, n = len(self.trial), int(self.iteration[-1])
+        shape = (len(self.trial), int(self.iteration[-1]) + 1)
         starts = self.starts()
-        found = []
+        tests = []
         for i, training_iteration in enumerate(self.training_iteration):
-            error_deg, rate_w = (np.full((n_trials, n + 1), np.nan) for _ in range(2))
-            activations = np.full((n_trials, n + 1, 2), np.nan)
-            is_last = i == len(self.training_iteration) - 1
+            error_deg, rate_w = np.full((2, *shape), np.nan)
+            activations = np.full((*shape, len(ACTIVATION_NAMES)), np.nan)
             error_deg[:, 0], rate_w[:, 0], optimal_rate_w = starts[i]
-            error_deg[:, n], rate_w[:, n] = self.final_error_deg[i], self.final_rate_w[i]
-            if is_last:
+            error_deg[:, -1], rate_w[:, -1] = self.final_error_deg[i], self.final_rate_w[i]
+            if i == len(self.training_iteration) - 1:
                 error_deg[:, self.iteration] = self.error_deg
                 rate_w[:, self.iteration] = self.rate_w
                 activations[:, self.iteration] = self.activations
                 activations[self.path] = self.path_activations
-            found.append(
-                TestTrials(
-                    training_iteration=int(training_iteration),
-                    trial=self.trial,
-                    stimulus=self.stimulus,
-                    object_distance_m=self.object_distance_m,
-                    vergence_error_deg=error_deg,
-                    version_deg=np.full((n_trials, n + 1), np.nan),
-                    deviations_deg=np.full((n_trials, n + 1, 2), np.nan),
-                    metabolic_rate_w=rate_w,
-                    optimal_metabolic_rate_w=optimal_rate_w.astype(np.float64),
-                    activations=activations,
-                    rows=np.zeros((n_trials, n + 1), dtype=int),
-                )
-            )
-        return found
+            of_trial = {
+                "stimulus": self.stimulus,
+                "object_distance_m": self.object_distance_m,
+                "optimal_metabolic_rate_w": optimal_rate_w.astype(np.float64),
+            }
+            columns = {n: np.broadcast_to(v[:, None], shape) for n, v in of_trial.items()}
+            columns |= {"vergence_error_deg": error_deg, "metabolic_rate_w": rate_w}
+            columns |= {name: activations[..., k] for k, name in enumerate(ACTIVATION_NAMES)}
+            no_rows = np.broadcast_to(-1, shape)
+            tests.append(Trials(int(training_iteration), self.trial, columns, no_rows))
+        return tests
 
 
-def with_test(kept: KeptTrials | None, trials: TestTrials) -> KeptTrials:
+def with_test(kept: KeptTrials | None, trials: Trials) -> KeptTrials:
     """Return what is kept after one more test; tests with other trials are forgotten."""
     n = trials.n_iterations
     iteration = np.array(sorted({0, n, *(k for k in REPORTED_ITERATIONS if k < n)}))
@@ -128,7 +122,7 @@ def with_test(kept: KeptTrials | None, trials: TestTrials) -> KeptTrials:
     )
 
 
-def _starts(trials: TestTrials) -> np.ndarray:
+def _starts(trials: Trials) -> np.ndarray:
     """Return error, rate and optimal rate at the start, (1, 3, n_trials)."""
     optimal_w = trials.optimal_metabolic_rate_w
     start = [trials.vergence_error_deg[:, 0], trials.metabolic_rate_w[:, 0], optimal_w]
@@ -155,11 +149,11 @@ def from_arrays(arrays: Mapping[str, np.ndarray]) -> KeptTrials | None:
     if set(arrays) not in (names, names.difference(OTHER_STARTS)):
         raise InputError(f"expected {', '.join(sorted(names))}, got {', '.join(sorted(arrays))}")
     n_trials = len(arrays["trial"])
-    nowhere = {
+    no_others = {
         "began_otherwise": np.zeros(0, dtype=int),
         "started_with": np.zeros((0, 3, n_trials), dtype=np.float32),
     }
-    kept = KeptTrials(**{**nowhere, **arrays})
+    kept = KeptTrials(**{**no_others, **arrays})
     n_kept = len(kept.iteration)
     shapes = {
         "final_error_deg": (len(kept.training_iteration), n_trials),
@@ -170,9 +164,9 @@ def from_arrays(arrays: Mapping[str, np.ndarray]) -> KeptTrials | None:
         "started_with": (len(kept.began_otherwise), 3, n_trials),
     }
     for name, shape in shapes.items():
-        found = getattr(kept, name).shape
-        if found != shape:
-            raise InputError(f"{name}: expected shape {shape}, got {found}")
+        actual = getattr(kept, name).shape
+        if actual != shape:
+            raise InputError(f"{name}: expected shape {shape}, got {actual}")
     return kept
 
 
@@ -189,7 +183,7 @@ def write_trials(directory: Path, kept: KeptTrials | None) -> None:
         raise OSError(str(error)) from error
 
 
-def read_trials(directory: Path) -> list[TestTrials]:
+def read_trials(directory: Path) -> list[Trials]:
     """Return the tests in a run directory's trials.npz, none when there is no such file.
 
     Raises InputError when the file is damaged or another thing.

@@ -1,7 +1,8 @@
 """Plain text tables for a terminal."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
+
+from experiment_manager.measures.results import Summary
 
 _BAR_WIDTH = 20
 
@@ -30,46 +31,36 @@ def percent(share: float | None) -> str:
     return "-" if share is None else f"{number(100 * share, 1)} %"
 
 
-def test_line(test: Mapping[str, Any]) -> str:
-    """Return one test of a results.json in one line."""
+def summary_line(test: Summary) -> str:
+    """Return the measures of one test in one line."""
     return (
-        f"test at {test['iteration']} iterations: "
-        f"median |vergence error| {number(test['median_abs_vergence_error_deg'])} deg, "
-        f"IQR {number(test['iqr_abs_vergence_error_deg'])} deg, "
-        f"{percent(test['share_within_1_px'])} within 1 px, "
-        f"c {number(test['median_cost_reduction'])} ({test['n_trials']} trials)"
+        f"test at {test.iteration} iterations: "
+        f"median |vergence error| {number(test.median_abs_vergence_error_deg)} deg, "
+        f"IQR {number(test.iqr_abs_vergence_error_deg)} deg, "
+        f"{percent(test.share_within_1_px)} within 1 px, "
+        f"c {number(test.median_cost_reduction)} ({test.n_trials} trials)"
     )
 
 
-def tests_table(tests: Sequence[dict[str, Any]]) -> str:
-    """Return the learning curve of a run, one line per summary of results.json."""
-    errors_deg = [test["median_abs_vergence_error_deg"] or 0.0 for test in tests]
+def summaries_table(tests: Sequence[Summary]) -> str:
+    """Return the learning curve of a run, one line per test."""
+    errors_deg = [test.median_abs_vergence_error_deg or 0.0 for test in tests]
     most = max(errors_deg, default=0.0) or 1.0
+    header = ["iteration", "trials", "|vergence error|/deg", "IQR/deg", "within 1 px"]
+    header += ["beyond 1 deg", "delta C/W", "c", "silent", ""]
     rows = [
         (
-            str(test["iteration"]),
-            str(test["n_trials"]),
-            number(test["median_abs_vergence_error_deg"]),
-            number(test["iqr_abs_vergence_error_deg"]),
-            percent(test["share_within_1_px"]),
-            percent(test["share_beyond_1_deg"]),
-            number(test["median_delta_cost_w"]),
-            number(test["median_cost_reduction"]),
-            percent(test["share_right_muscle_silent"]),
+            str(test.iteration),
+            str(test.n_trials),
+            number(test.median_abs_vergence_error_deg),
+            number(test.iqr_abs_vergence_error_deg),
+            percent(test.share_within_1_px),
+            percent(test.share_beyond_1_deg),
+            number(test.median_delta_cost_w),
+            number(test.median_cost_reduction),
+            percent(test.share_antagonist_silent),
             ("#" * round(_BAR_WIDTH * error_deg / most)).ljust(_BAR_WIDTH),
         )
         for test, error_deg in zip(tests, errors_deg, strict=True)
     ]
-    header = (
-        "iteration",
-        "trials",
-        "|vergence error|/deg",
-        "IQR/deg",
-        "within 1 px",
-        "beyond 1 deg",
-        "delta C/W",
-        "c",
-        "silent",
-        "",
-    )
     return text_table(header, rows, n_left=0)

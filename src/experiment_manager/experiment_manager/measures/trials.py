@@ -1,52 +1,111 @@
 """The trials of a test: what started where, and what the eyes and muscles did."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.errors import InputError
-from lockstep.wire.topics import GROUND_TRUTH_NAMES, TEST
+from lockstep.wire.topics import EPISODE_NAMES, GROUND_TRUTH_NAMES, TEST
 
 # What is kept of each observation of a test: ground truth, and the activations that commands set.
-TRIAL_NAMES = (*GROUND_TRUTH_NAMES, *COMMAND_SPACES[PAIR].names)
+# A further column needs only its name in either.
+ACTIVATION_NAMES = COMMAND_SPACES[PAIR].names
+TRIAL_NAMES = (*GROUND_TRUTH_NAMES, *ACTIVATION_NAMES)
 # Where the start costs what the optimum costs, the share saved (eq. 8) divides by nothing.
 LEAST_COST_RANGE_W = 0.01
 
-_COLUMN = {name: i for i, name in enumerate(TRIAL_NAMES)}
+_MEASURED_NAMES = tuple(name for name in TRIAL_NAMES if name not in EPISODE_NAMES)
+_INDEX = {name: i for i, name in enumerate(TRIAL_NAMES)}
 
 
 @dataclass(frozen=True)
-class TestTrials:
-    """All trials of one test, by trial number.
+class TrialTable:
+    """Observations with a column for each of TRIAL_NAMES, in the order of their stamps.
 
-    n_iterations is that of each trial; iteration 0 is the start, before the first command.
-    vergence_error_deg, version_deg, metabolic_rate_w: (n_trials, n_iterations + 1); deviations_deg:
-    of the left and the right eye, (n_trials, n_iterations + 1, 2); optimal_metabolic_rate_w,
-    object_distance_m, stimulus, trial: (n_trials,); activations: medial and lateral rectus, mean
-    of both eyes, nan where they were not recorded, (n_trials, n_iterations + 1, 2); rows: the
-    rows of the table that the trials came from, (n_trials, n_iterations + 1).
+    rows: (n, len(TRIAL_NAMES)).
     """
 
-    __test__ = False  # the name is K17's; pytest need not collect it
+    rows: np.ndarray
+
+    def __post_init__(self) -> None:
+        """Raise InputError for rows of another shape."""
+        if self.rows.ndim != 2 or self.rows.shape[1] != len(TRIAL_NAMES):
+            raise InputError(
+                f"expected rows of {len(TRIAL_NAMES)} values, {', '.join(TRIAL_NAMES)}; "
+                f"got an array of shape {self.rows.shape}"
+            )
+
+    @classmethod
+    def of(cls, truth: np.ndarray, activations: np.ndarray) -> "TrialTable":
+        """Join ground truth (n, len(GROUND_TRUTH_NAMES)) and activations, of the same rows."""
+        return cls(np.concatenate([truth, activations], axis=1))
+
+    @classmethod
+    def saved(cls, rows: np.ndarray) -> "TrialTable":
+        """Return the table of saved rows; if there are none, whatever columns they had."""
+        return cls(rows if len(rows) else np.zeros((0, len(TRIAL_NAMES))))
+
+    def column(self, name: str) -> np.ndarray:
+        """Return one column (n,)."""
+        column: np.ndarray = self.rows[:, _INDEX[name]]
+        return column
+
+
+@dataclass(frozen=True)
+class Trials:
+    """All trials of one test, by trial number.
+
+    n_iterations is that of each trial; iteration 0 is the start, before the first command. trial:
+    (n_trials,); columns: of TRIAL_NAMES, each (n_trials, n_iterations + 1), nan where nothing was
+    recorded; rows: of the table that the trials came from, (n_trials, n_iterations + 1).
+    """
 
     training_iteration: int
     trial: np.ndarray
-    stimulus: np.ndarray
-    object_distance_m: np.ndarray
-    vergence_error_deg: np.ndarray
-    version_deg: np.ndarray
-    deviations_deg: np.ndarray
-    metabolic_rate_w: np.ndarray
-    optimal_metabolic_rate_w: np.ndarray
-    activations: np.ndarray
+    columns: Mapping[str, np.ndarray]
     rows: np.ndarray
 
     @property
     def n_iterations(self) -> int:
         """Iterations of a trial."""
-        return self.vergence_error_deg.shape[1] - 1
+        return self.rows.shape[1] - 1
+
+    def column(self, name: str) -> np.ndarray:
+        """Return one column (n_trials, n_iterations + 1), nan where it was not kept."""
+        assert name in TRIAL_NAMES
+        return self.columns[name] if name in self.columns else np.full(self.rows.shape, np.nan)
+
+    @property
+    def vergence_error_deg(self) -> np.ndarray:
+        """Signed vergence error (n_trials, n_iterations + 1)."""
+        return self.column("vergence_error_deg")
+
+    @property
+    def metabolic_rate_w(self) -> np.ndarray:
+        """C of both eyes' horizontal recti (n_trials, n_iterations + 1)."""
+        return self.column("metabolic_rate_w")
+
+    @property
+    def activations(self) -> np.ndarray:
+        """What commands set (n_trials, n_iterations + 1, len(ACTIVATION_NAMES))."""
+        return np.stack([self.column(name) for name in ACTIVATION_NAMES], axis=-1)
+
+    @property
+    def stimulus(self) -> np.ndarray:
+        """Number of the stimulus (n_trials,)."""
+        return self.column("stimulus")[:, 0].astype(int)
+
+    @property
+    def object_distance_m(self) -> np.ndarray:
+        """Distance of the object (n_trials,)."""
+        return self.column("object_distance_m")[:, 0]
+
+    @property
+    def optimal_metabolic_rate_w(self) -> np.ndarray:
+        """The least C that holds correct vergence, C* (n_trials,)."""
+        return self.column("optimal_metabolic_rate_w")[:, 0]
 
     def delta_cost_w(self, iteration: int) -> np.ndarray:
         """Return C - C* (n_trials,) after an iteration."""
@@ -64,68 +123,63 @@ class TestTrials:
         made_w = self.metabolic_rate_w[:, iteration] - start_w
         return np.where(undefined, np.nan, made_w / np.where(undefined, 1.0, possible_w))
 
-    def chosen(self, which: np.ndarray) -> "TestTrials":
+    def chosen(self, which: np.ndarray) -> "Trials":
         """Return the trials at the given indices or mask (n_trials,)."""
-        names = [name for name, value in vars(self).items() if isinstance(value, np.ndarray)]
-        return replace(self, **{name: getattr(self, name)[which] for name in names})
+        columns = {name: values[which] for name, values in self.columns.items()}
+        return replace(self, trial=self.trial[which], columns=columns, rows=self.rows[which])
 
 
-def split_tests(rows: np.ndarray, n_iterations: int) -> list[TestTrials]:
-    """Return the tests among rows (n, len(TRIAL_NAMES)), in their order.
+def split_tests(table: TrialTable, n_iterations: int) -> list[Trials]:
+    """Return the tests among observations, in their order.
 
-    n_iterations: of a whole trial, which has one row more. Rows must be in the order of their
-    stamps; training rows are ignored. A trial that was broken off is left out; of one that was made
-    twice the last counts.
+    n_iterations: of a whole trial, which has one row more. Training rows are ignored. A trial that
+    was broken off is left out; of one that was made twice the last counts.
     """
-    rows = np.asarray(rows, dtype=np.float64)
-    if rows.ndim != 2 or rows.shape[1] != len(TRIAL_NAMES):
-        raise InputError(
-            f"expected rows of {len(TRIAL_NAMES)} values, got an array of shape {rows.shape}"
-        )
-    in_test = np.flatnonzero(rows[:, _COLUMN["phase"]] == TEST)
-    numbers = rows[in_test, _COLUMN["test"]]
-    found = [
-        _trials(rows, in_test[numbers == number], n_iterations + 1) for number in np.unique(numbers)
+    in_test = np.flatnonzero(table.column("phase") == TEST)
+    numbers = table.column("test")[in_test]
+    tests = [
+        _trials(table, in_test[numbers == number], n_iterations + 1)
+        for number in np.unique(numbers)
     ]
-    return [trials for trials in found if trials is not None]
+    return [trials for trials in tests if trials is not None]
 
 
-def _trials(rows: np.ndarray, chosen: np.ndarray, n_rows: int) -> TestTrials | None:
+def _trials(table: TrialTable, chosen: np.ndarray, n_rows: int) -> Trials | None:
     """Return the trials of n_rows among the chosen rows of one test, None when there is none."""
-    iteration = rows[chosen, _COLUMN["iteration"]].astype(int)
+    iteration = table.column("iteration")[chosen].astype(int)
     starts = np.flatnonzero(iteration == 0)
     starts = starts[starts + n_rows <= len(chosen)]
     trials = starts[:, None] + np.arange(n_rows)
     complete = (iteration[trials] == np.arange(n_rows)).all(axis=1)
-    trials = chosen[trials[complete]]
-    by_trial = {int(rows[trial[0], _COLUMN["trial"]]): trial for trial in trials}
+    by_trial = {int(table.column("trial")[rows[0]]): rows for rows in chosen[trials[complete]]}
     if not by_trial:
         return None
-    table = np.stack([by_trial[trial] for trial in sorted(by_trial)])
-
-    def column(name: str) -> np.ndarray:
-        values: np.ndarray = rows[table, _COLUMN[name]]
-        return values
-
-    return TestTrials(
-        training_iteration=int(column("training_iteration")[0, 0]),
+    rows = np.stack([by_trial[trial] for trial in sorted(by_trial)])
+    return Trials(
+        training_iteration=int(table.column("training_iteration")[rows[0, 0]]),
         trial=np.array(sorted(by_trial)),
-        stimulus=column("stimulus")[:, 0].astype(int),
-        object_distance_m=column("object_distance_m")[:, 0],
-        vergence_error_deg=column("vergence_error_deg"),
-        version_deg=column("version_deg"),
-        deviations_deg=np.stack(
-            [column("left_deviation_deg"), column("right_deviation_deg")], axis=-1
-        ),
-        metabolic_rate_w=column("metabolic_rate_w"),
-        optimal_metabolic_rate_w=column("optimal_metabolic_rate_w")[:, 0],
-        activations=np.stack([column("medial_rectus"), column("lateral_rectus")], axis=-1),
-        rows=table,
+        columns={name: table.column(name)[rows] for name in _MEASURED_NAMES},
+        rows=rows,
     )
 
 
-def pooled(tests: Sequence[TestTrials]) -> TestTrials:
+def only_test(table: TrialTable, n_iterations: int) -> Trials:
+    """Return the trials of one test, of n_iterations each.
+
+    Raises InputError unless the rows hold complete trials of exactly one test.
+    """
+    tests = split_tests(table, n_iterations)
+    if len(tests) != 1:
+        raise InputError(f"expected the rows of one test, got those of {len(tests)}")
+    return tests[0]
+
+
+def pooled(tests: Sequence[Trials]) -> Trials:
     """Return the trials of several runs' tests as if they were of one."""
-    names = [name for name, value in vars(tests[0]).items() if isinstance(value, np.ndarray)]
-    joined = {name: np.concatenate([getattr(test, name) for test in tests]) for name in names}
-    return TestTrials(training_iteration=tests[0].training_iteration, **joined)
+    names = set.intersection(*(set(test.columns) for test in tests))
+    return Trials(
+        training_iteration=tests[0].training_iteration,
+        trial=np.concatenate([test.trial for test in tests]),
+        columns={n: np.concatenate([test.columns[n] for test in tests]) for n in sorted(names)},
+        rows=np.concatenate([test.rows for test in tests]),
+    )

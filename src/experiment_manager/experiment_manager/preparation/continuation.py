@@ -8,6 +8,7 @@ from typing import Any
 from experiment_manager.experiment.agreements import with_partners
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import Protocol, make_protocol
+from experiment_manager.measures.trials import TrialTable
 from experiment_manager.preparation.configuration import (
     configuration_with,
 )
@@ -97,7 +98,8 @@ def extend(directory: Path, n_more: int) -> None:
     for manifest, states in checkpoint.everyone(directory / "checkpoints"):
         check_unchanged(directory, manifest, before)
         progress = Progress(end)
-        progress.restore(manifest.progress, read_state(states / TRIALS_FILE, TRIALS_KIND)["rows"])
+        rows = read_state(states / TRIALS_FILE, TRIALS_KIND)["rows"]
+        progress.restore(manifest.progress, TrialTable.saved(rows))
         progress.extend(end + n_more, protocol.training_iterations_before(manifest.place))
         manifests.append(
             dataclasses.replace(manifest, parameters=after, progress=progress.document())
@@ -132,7 +134,7 @@ class Branch:
         to.mkdir(parents=True)
         progress = Progress(manager.protocol.n_training_iterations)
         progress.begin_at(self.training_iterations)
-        write_state(to / TRIALS_FILE, TRIALS_KIND, {"rows": progress.trial_rows()})
+        write_state(to / TRIALS_FILE, TRIALS_KIND, {"rows": progress.trial_table().rows})
         for name in _LEARNERS:
             shutil.copyfile(self.states / f"{name}.npz", to / f"{name}.npz")
         about = {

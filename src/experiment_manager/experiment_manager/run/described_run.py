@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from experiment_manager.measures.criteria import TestSettings
+from experiment_manager.measures.criteria import EvaluationSettings
 from lockstep.errors import InputError
 
 
@@ -71,9 +71,9 @@ class DescribedRun:
         raise InputError(f"{self.directory}: the configuration has no node {node}")
 
     @cached_property
-    def test_settings(self) -> TestSettings:
+    def evaluation_settings(self) -> EvaluationSettings:
         """How the run is tested."""
-        return TestSettings.of_configuration(self.configuration)
+        return EvaluationSettings.of_configuration(self.configuration)
 
 
 def _about(configuration: str, source: str) -> Mapping[str, Any]:

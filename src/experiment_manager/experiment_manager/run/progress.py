@@ -7,8 +7,9 @@ import numpy as np
 
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.kept_trials import KeptTrials, with_test
-from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, only_test, summary
-from experiment_manager.measures.trials import TRIAL_NAMES
+from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, summary_of
+from experiment_manager.measures.results import Summary
+from experiment_manager.measures.trials import TRIAL_NAMES, TrialTable, only_test
 from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.errors import InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
@@ -22,15 +23,15 @@ _REWARD = {name: i for i, name in enumerate(REWARD_NAMES)}
 class Progress:
     """Collects ground truth, activations and rewards, and sums them up.
 
-    `document`, `trial_rows`, `kept_trials` and `restore` carry it through a checkpoint, also amid a
-    test.
+    `document`, `trial_table`, `kept_trials` and `restore` carry it through a checkpoint, also
+    during a test.
     """
 
     def __init__(self, n_training_iterations: int) -> None:
         """n_training_iterations: of the whole run."""
         self._n_training_iterations = n_training_iterations
         self._space = COMMAND_SPACES[PAIR]
-        self.tests: list[dict[str, Any]] = []
+        self.tests: list[Summary] = []
         self.kept_trials: KeptTrials | None = None
         # Of float64. A test has ten thousands of rows: as lists of numbers they would be 20 MB.
         self._truth_bytes = bytearray()
@@ -100,12 +101,12 @@ class Progress:
         sums[1] += cost_w
         sums[2] += 1
 
-    def end_test(self, n_iterations: int, criteria: Criteria) -> dict[str, Any]:
+    def end_test(self, n_iterations: int, criteria: Criteria) -> Summary:
         """Return the summary of the test whose last trial, of n_iterations, has been added."""
-        trials = only_test(self.trial_rows(), n_iterations)
-        self.tests.append(summary(trials, criteria))
+        trials = only_test(self.trial_table(), n_iterations)
+        self.tests.append(summary_of(trials, criteria))
         self.kept_trials = with_test(self.kept_trials, trials)
-        self._keep(np.zeros((0, len(TRIAL_NAMES))))
+        self._keep(TrialTable(np.zeros((0, len(TRIAL_NAMES)))))
         return self.tests[-1]
 
     def cost_share(self, end: str, metabolic_cost_weight: float) -> float | None:
@@ -128,28 +129,29 @@ class Progress:
     def document(self) -> dict[str, Any]:
         """Return all but the trial rows as plain lists and numbers, for JSON."""
         return {
-            "tests": self.tests,
+            "tests": [test.to_json() for test in self.tests],
             "sums": self._sums,
             "counted_from": self._counted_from,
             "running_errors_deg": list(self._running_errors_deg),
         }
 
-    def trial_rows(self) -> np.ndarray:
-        """Return the observations of the test under way, (n_rows, len(TRIAL_NAMES)).
+    def trial_table(self) -> TrialTable:
+        """Return the observations of the test under way.
 
         Raises InputError when ground truth or activations of some have not come.
         """
         truth = np.frombuffer(bytes(self._truth_bytes)).reshape(-1, len(GROUND_TRUTH_NAMES))
-        activations = np.frombuffer(bytes(self._activation_bytes)).reshape(-1, 2)
+        n_activations = len(self._space.names)
+        activations = np.frombuffer(bytes(self._activation_bytes)).reshape(-1, n_activations)
         if len(truth) != len(activations):
             raise InputError(
                 f"expected activations of {len(truth)} observations of a test, got those of "
                 f"{len(activations)}"
             )
-        return np.concatenate([truth, activations], axis=1)
+        return TrialTable.of(truth, activations)
 
-    def _keep(self, trial_rows: np.ndarray) -> None:
-        rows = trial_rows.astype(np.float64)
+    def _keep(self, table: TrialTable) -> None:
+        rows = table.rows.astype(np.float64)
         n_truth = len(GROUND_TRUTH_NAMES)
         self._truth_bytes = bytearray(rows[:, :n_truth].tobytes())
         self._activation_bytes = bytearray(rows[:, n_truth:].tobytes())
@@ -157,23 +159,18 @@ class Progress:
     def restore(
         self,
         document: dict[str, Any],
-        trial_rows: np.ndarray,
+        trials: TrialTable,
         kept_trials: KeptTrials | None = None,
     ) -> None:
         """Take over what another had to carry; InputError for anything else."""
-        if len(trial_rows) and trial_rows.shape[1:] != (len(TRIAL_NAMES),):
-            raise InputError(
-                f"expected trials with {', '.join(TRIAL_NAMES)}, got rows of shape "
-                f"{trial_rows.shape}"
-            )
         try:
-            tests = list(document["tests"])
+            tests = [Summary.from_json(test) for test in document["tests"]]
             sums = {end: list(document["sums"][end]) for end in self._sums}
             counted_from = {end: document["counted_from"][end] for end in self._sums}
             errors_deg = deque(document["running_errors_deg"], maxlen=_N_RUNNING)
-        except (KeyError, TypeError, AttributeError) as error:
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise InputError(f"expected a run's progress, got {document}: {error!r}") from error
         self.tests, self._sums, self._running_errors_deg = tests, sums, errors_deg
         self.kept_trials = kept_trials
-        self._keep(trial_rows.reshape(-1, len(TRIAL_NAMES)))
+        self._keep(trials)
         self._counted_from = counted_from

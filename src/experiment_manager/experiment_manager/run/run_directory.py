@@ -15,10 +15,11 @@ from experiment_manager.experiment.agreements import check_agreements
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.experiment.reach import check_reach
-from experiment_manager.measures.criteria import TestSettings
+from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import arrays_of, from_arrays, write_trials
-from experiment_manager.measures.results import RESULTS_FILE, write_results
-from experiment_manager.measures.tables import test_line
+from experiment_manager.measures.results import RESULTS_FILE, Results, write_document
+from experiment_manager.measures.tables import summary_line
+from experiment_manager.measures.trials import TrialTable
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
 from experiment_manager.run.config_file import (
@@ -144,18 +145,18 @@ class Run:
         segment = self.protocol.segment(self.place)
         self.place += 1
         if segment.i_test >= 0 and self.place == segment.first + segment.n_episodes:
-            tested = self._test_settings()
-            criteria = tested.criteria(segment.training_iteration)
-            told = self.progress.end_test(tested.iterations_per_trial, criteria)
-            self._bar.say(test_line(told))
+            settings = self._evaluation_settings()
+            criteria = settings.criteria(segment.training_iteration)
+            test = self.progress.end_test(settings.iterations_per_trial, criteria)
+            self._bar.say(summary_line(test))
         self._bar.advance(self.progress.running_median_error_deg)
 
-    def _test_settings(self) -> TestSettings:
+    def _evaluation_settings(self) -> EvaluationSettings:
         """Return how the run is tested; another plant has these eyes and our cameras."""
         plant = self._parameters.get("eye_plant", {})
         if plant.keys() != flatten(EyePlantConfig()).keys():
             plant = flatten(EyePlantConfig(mechanics=self._config.mechanics))
-        return TestSettings.of({_MANAGER: flatten(self._config), "eye_plant": plant})
+        return EvaluationSettings.of({_MANAGER: flatten(self._config), "eye_plant": plant})
 
     # Checkpoints
 
@@ -189,7 +190,7 @@ class Run:
         """Make bag and states so far a checkpoint; the states have been written."""
         self.writer.commit()
         trials = checkpoint.place_directory(self._checkpoints, self.place) / TRIALS_FILE
-        rows = {_ROWS: self.progress.trial_rows()}
+        rows = {_ROWS: self.progress.trial_table().rows}
         write_state(trials, TRIALS_KIND, rows | arrays_of(self.progress.kept_trials))
         files = (trials, *states.values())
         checkpoint.commit(
@@ -222,8 +223,8 @@ class Run:
         self._loaded_from = states
         self.place = self._checkpoint_place = manifest.place
         trials = read_state(states / TRIALS_FILE, TRIALS_KIND)
-        rows = trials.pop(_ROWS)
-        self.progress.restore(manifest.progress, rows, from_arrays(trials))
+        table = TrialTable.saved(trials.pop(_ROWS))
+        self.progress.restore(manifest.progress, table, from_arrays(trials))
         # A checkpoint that was copied without the bag is enough to go on.
         bag = self.directory / "bag"
         self._bag_is_elsewhere = bool(manifest.bag_files) and not (
@@ -274,8 +275,7 @@ class Run:
         weight = config.metabolic_cost_weight
         self._bar.close()
         write_trials(self.directory, self.progress.kept_trials)
-        write_results(
-            self.directory / RESULTS_FILE,
+        results = Results(
             model=config.model,
             profile=config.profile,
             seed=config.seed,
@@ -284,8 +284,9 @@ class Run:
             metabolic_cost_weight=weight,
             cost_share_first=self.progress.cost_share("first", weight),
             cost_share_last=self.progress.cost_share("last", weight),
-            tests=self.progress.tests,
+            tests=tuple(self.progress.tests),
         )
+        write_document(self.directory / RESULTS_FILE, results.to_json())
 
     def close(self) -> None:
         """Close the bag, whole up to the last message; one without any is removed.

@@ -42,10 +42,10 @@ class CellRun:
         try:
             results = read_results(self.directory / RESULTS_FILE)
             text = (self.directory / CONFIG_FILE).read_text()
-            told = DescribedRun(self.directory, text, CONFIG_FILE)
+            run = DescribedRun(self.directory, text, CONFIG_FILE)
         except (InputError, OSError):
             return False
-        return bool(results["iterations"] >= told.n_iterations)
+        return results.iterations >= run.n_iterations
 
     @property
     def is_running(self) -> bool:

@@ -4,11 +4,10 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import Eyes, Protocol
-from experiment_manager.measures.results import read_results
+from experiment_manager.measures.results import Summary, read_results
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
 from experiment_manager.sweep.cell_run import CellRun
@@ -32,7 +31,7 @@ class Status:
     iterations: int = 0
     n_iterations: int = 0
     rate_hz: float | None = None
-    last_test: dict[str, Any] | None = None
+    last_test: Summary | None = None
 
     @property
     def left_s(self) -> float | None:
@@ -50,7 +49,7 @@ class Status:
             f"{self.iterations} of {self.n_iterations}" if self.n_iterations else "",
             f"{self.rate_hz:.0f}" if has_rate else "",
             _duration(self.left_s),
-            _told(self.last_test),
+            _error(self.last_test),
         )
 
 
@@ -65,7 +64,7 @@ def status_of(run: CellRun) -> Status:
     protocol = Protocol(manager.protocol, manager.seed, [eyes])
     points = _checkpoints(run.directory)
     made = [_iterations_before(protocol, place) for place, _, _ in points]
-    tests = read_results(run.directory / RESULTS_FILE)["tests"] if run.is_done else []
+    tests = read_results(run.directory / RESULTS_FILE).tests if run.is_done else ()
     if points and not tests:
         tests = points[-1][2]
     return Status(
@@ -98,14 +97,15 @@ def _state(run: CellRun) -> str:
     return "stopped" if run.directory.exists() else "waiting"
 
 
-def _checkpoints(directory: Path) -> list[tuple[int, float, list[dict[str, Any]]]]:
+def _checkpoints(directory: Path) -> list[tuple[int, float, tuple[Summary, ...]]]:
     """Return episodes done, time (s) and tests of each checkpoint; none that is being removed."""
     found = []
     for path in sorted(directory.glob("checkpoints/*/manifest.json")):
         try:
             document = json.loads(path.read_bytes())
             time_s = path.stat().st_mtime
-            found.append((int(document["place"]), time_s, document["progress"]["tests"]))
+            tests = tuple(Summary.from_json(test) for test in document["progress"]["tests"])
+            found.append((int(document["place"]), time_s, tests))
         except FileNotFoundError:
             continue
         except (OSError, ValueError, KeyError, TypeError) as error:
@@ -140,9 +140,9 @@ def _duration(duration_s: float | None) -> str:
     return f"{hours}:{rest_s // _MINUTE_S:02} h"
 
 
-def _told(test: dict[str, Any] | None) -> str:
+def _error(test: Summary | None) -> str:
     if test is None:
         return ""
-    median_deg = test["median_abs_vergence_error_deg"]
+    median_deg = test.median_abs_vergence_error_deg
     error = "no trial" if median_deg is None else f"{median_deg:.3f} deg"
-    return f"{error} at {test['iteration']}"
+    return f"{error} at {test.iteration}"

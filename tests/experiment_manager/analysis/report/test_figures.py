@@ -31,7 +31,8 @@ from experiment_manager.analysis.report.picture_figures import (
 )
 from experiment_manager.analysis.report.price_figure import over_prices, price_figure
 from experiment_manager.analysis.report.reported_run import ReportedRun
-from experiment_manager.measures.metrics import summary
+from experiment_manager.measures.metrics import summary_of
+from experiment_manager.measures.trials import Trials
 from eye_plant.mechanics.inverse import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
@@ -284,23 +285,25 @@ def test_pictures_that_were_not_recorded_are_no_figure(
 # --- several seeds, and prices
 
 
+def _with_errors(test: Trials, errors_deg: np.ndarray) -> Trials:
+    return replace(test, columns={**test.columns, "vergence_error_deg": errors_deg})
+
+
 def _priced(run: ReportedRun, weight: float, error_factor: float) -> ReportedRun:
     """The same run as if it had another lambda and other errors, but for the start."""
     other = copy.copy(run)
     other.about = {**run.about, "metabolic_cost_weight": weight}
     factors = np.where(np.arange(21) > 0, error_factor, 1.0)
     other.trials = {
-        at: replace(test, vergence_error_deg=test.vergence_error_deg * factors)
-        for at, test in run.trials.items()
+        at: _with_errors(test, test.vergence_error_deg * factors) for at, test in run.trials.items()
     }
     return other
 
 
 def test_fig_2_has_each_seed_thin_behind_the_pooled_median(runs: list[ReportedRun]) -> None:
     worse = _priced(runs[0], 0.0, 3.0)
-    worse.summaries = [
-        summary(test, worse.test_settings.criteria(at)) for at, test in worse.trials.items()
-    ]
+    criteria = worse.evaluation_settings.criteria
+    worse.summaries = tuple(summary_of(t, criteria(at)) for at, t in worse.trials.items())
     groups = groups_of([runs[0], worse])
     assert len(groups) == 1
     lower = performance_figure(groups).axes[1]
@@ -319,8 +322,7 @@ def test_fig_2_always_has_two_labelled_ticks_below(runs: list[ReportedRun], fact
     # Errors that hardly differ, far from any power of ten.
     flat = _priced(runs[0], 0.0, factor)
     flat.trials = {
-        at: replace(test, vergence_error_deg=np.full((39, 21), 0.3 * factor))
-        for at, test in flat.trials.items()
+        at: _with_errors(test, np.full((39, 21), 0.3 * factor)) for at, test in flat.trials.items()
     }
     lower = performance_figure(groups_of([flat])).axes[1]
     low, high = lower.get_ylim()

@@ -1,5 +1,7 @@
 """Which runs are pooled, and what tells groups apart."""
 
+import copy
+
 import pytest
 import yaml
 
@@ -111,9 +113,32 @@ def test_a_run_without_its_last_test_does_not_hold_back_finished_ones(
     run, m_c = runs
     other = ReportedRun(run.directory)
     other.summaries = run.summaries[:2]
-    other.trials = {told["iteration"]: run.trials[told["iteration"]] for told in other.summaries}
+    other.trials = {test.iteration: run.trials[test.iteration] for test in other.summaries}
     assert held_back([run, other, m_c]) == [other]
     assert held_back([other, m_c]) == [], "nothing to be held back"
     run.summaries = run.summaries[2:]
     with pytest.raises(InputError, match="expected a test after as many iterations in each"):
         groups_of([run, other])
+
+
+def _group_sizes(run: ReportedRun, seeds: list[tuple[int, int]]) -> list[int]:
+    """Return the sizes of the groups of runs with the given seeds and seeds of the pictures."""
+    runs = []
+    for seed, pictures_seed in seeds:
+        other = copy.copy(run)
+        other.about = {**run.about, "seed": seed}
+        line = "mechanics.parameter_set: k17"
+        assert line in run.configuration
+        more = f"{line}\n    stimuli.seed: {pictures_seed}"
+        other.configuration = run.configuration.replace(line, more)
+        runs.append(other)
+    return [len(group.runs) for group in groups_of(runs)]
+
+
+def test_runs_with_a_seed_and_pictures_of_their_own_are_pooled(runs: list[ReportedRun]) -> None:
+    assert _group_sizes(runs[0], [(1, 11), (2, 12), (3, 13)]) == [3]
+    assert _group_sizes(runs[0], [(1, 1), (2, 1), (3, 1)]) == [3], "the same pictures"
+    assert _group_sizes(runs[0], [(1, 11), (1, 12)]) == [1, 1], "pictures are compared"
+    assert _group_sizes(runs[0], [(1, 11), (2, 11), (1, 12), (2, 12)]) == [2, 2]
+    assert _group_sizes(runs[0], [(1, 1), (2, 1), (1, 11), (2, 12)]) == [2, 2]
+    assert _group_sizes(runs[0], [(1, 11), (2, 12), (1, 13)]) == [1, 1, 1]

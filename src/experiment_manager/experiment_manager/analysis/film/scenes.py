@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiment_manager.analysis.pictured_episodes import PicturedEpisodes, pictured_episodes
-from experiment_manager.analysis.recorded_run import test_settings_of
+from experiment_manager.analysis.recorded_run import commanded, evaluation_settings_of
 from experiment_manager.bag.reader import Bag, VectorTable
-from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.wire.topics import PICTURES, TEST
 
 SCENES_PER_STAGE = 3
@@ -91,7 +90,7 @@ def chosen_stages(episodes: Sequence[Episode]) -> list[tuple[str, list[Episode]]
         return [(_after(ends[0]), _spread(before))]
     common = {e.trial for e in before} & {e.trial for e in after}
     if common:
-        before, after = ([e for e in its if e.trial in common] for its in (before, after))
+        before, after = ([e for e in of_stage if e.trial in common] for of_stage in (before, after))
     during = [e for e in episodes if ends[0] < e.training_iteration < ends[1]]
     stages = [(_after(ends[0]), _by_error(before))]
     stages += [(_after(e.training_iteration), [e]) for e in _spread(during)]
@@ -115,8 +114,8 @@ def _by_error(episodes: Sequence[Episode]) -> list[Episode]:
 
 def _spread(episodes: Sequence[Episode]) -> list[Episode]:
     n_scenes = min(SCENES_PER_STAGE, len(episodes))
-    places = np.linspace(0, len(episodes) - 1, n_scenes).round().astype(int)
-    return [episodes[place] for place in places]
+    chosen = np.linspace(0, len(episodes) - 1, n_scenes).round().astype(int)
+    return [episodes[i] for i in chosen]
 
 
 def _scene(
@@ -127,13 +126,10 @@ def _scene(
     pairs = [dict(bag.images(topic, wanted.tolist())) for topic in PICTURES]
     stamps_ns = [s for s in wanted.tolist() if all(s in pair for pair in pairs)][:MOST_ITERATIONS]
     rows = truth.at(np.array(stamps_ns))
-    space = COMMAND_SPACES[PAIR]
-    values = np.stack([muscles.column(name) for name in space.muscle_names], axis=1)
-    of_scene = space.from_muscles(values[muscles.at(np.array(stamps_ns))])
     return Scene(
         caption,
         np.stack([[pair[s] for pair in pairs] for s in stamps_ns]),
         truth.column("vergence_error_deg")[rows],
-        of_scene,
-        test_settings_of(bag).criteria(episode.training_iteration).px_deg,
+        commanded(muscles)[muscles.at(np.array(stamps_ns))],
+        evaluation_settings_of(bag).criteria(episode.training_iteration).px_deg,
     )

@@ -34,12 +34,17 @@ def curves_figure(conditions: Sequence[Condition]) -> Figure:
     axes = figure.subplots()
     for (label, runs), colour in _coloured(conditions):
         iterations = sorted(
-            set.intersection(
-                *({test["iteration"] for test in run.results["tests"]} for run in runs)
-            )
+            set.intersection(*({test.iteration for test in run.results.tests} for run in runs))
         )
-        errors_deg = [[_error_deg(run, iteration) for iteration in iterations] for run in runs]
-        shown = np.maximum(np.mean(errors_deg, axis=0), _FLOOR_DEG)
+        errors_deg = [
+            [
+                test.median_abs_vergence_error_deg
+                for test in run.results.tests
+                if test.iteration in iterations
+            ]
+            for run in runs
+        ]
+        shown = np.maximum(np.array(errors_deg, dtype=np.float64).mean(axis=0), _FLOOR_DEG)
         axes.plot(np.array(iterations) / 1000.0, shown, "o-", ms=3, color=colour, label=label)
         changed_at = np.array(runs[0].changed_at) / 1000.0
         height = np.exp(np.interp(changed_at, np.array(iterations) / 1000.0, np.log(shown)))
@@ -144,11 +149,6 @@ def _draw_shares(
     coarse, fine = (np.sum(of_scale, axis=0) / n_bases for of_scale in counts)
     axes.stairs(coarse, edges, fill=True, color="0.75")
     axes.stairs(fine, edges, color="#1f5fa8", lw=0.9)
-
-
-def _error_deg(run: RearedRun, iteration: int) -> float:
-    (test,) = (test for test in run.results["tests"] if test["iteration"] == iteration)
-    return float(test["median_abs_vergence_error_deg"])
 
 
 def _coloured(conditions: Sequence[Condition]) -> list[tuple[Condition, tuple[float, ...]]]:

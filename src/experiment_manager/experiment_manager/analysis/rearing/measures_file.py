@@ -32,9 +32,9 @@ def run_measures(run: RearedRun) -> dict[str, Any]:
     return {
         "run": run.directory.name,
         "condition": run.condition,
-        "model": run.model,
-        "seed": run.results["seed"],
-        "iterations": run.results["iterations"],
+        "model": run.results.model,
+        "seed": run.results.seed,
+        "iterations": run.results.iterations,
         "landscape": {
             "vergence_error_deg": _rounded(landscape.vergence_error_deg),
             "reconstruction_error_coarse": _rounded(landscape.reconstruction_error[:, 0]),

@@ -23,7 +23,7 @@ from experiment_manager.analysis.rearing.published import PUBLISHED
 from experiment_manager.analysis.rearing.reared_run import RearedRun, read_reared_run
 from experiment_manager.analysis.report import page as report_page
 from experiment_manager.analysis.report.performance_figures import FIGURES, STYLE, save
-from experiment_manager.measures.results import RESULTS_FILE
+from experiment_manager.measures.results import RESULTS_FILE, Summary
 from experiment_manager.measures.tables import number
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
 from lockstep.durable_files import replace_file
@@ -99,8 +99,8 @@ def write_rearing_page(directories: Sequence[Path], out: Path) -> Path:
             figure = draw(conditions)
             save(figure, out / FIGURES / f"rearing_{name}.png")
             parts += [report_page.heading(title), report_page.picture(figure, caption)]
-            if name == "landscapes" and (told := left_out(conditions)):
-                parts.append(report_page.paragraph(told))
+            if name == "landscapes" and (missing := left_out(conditions)):
+                parts.append(report_page.paragraph(missing))
     write_measures(out / MEASURES_FILE, runs)
     replace_file(out / REARING_FILE, report_page.page("Altered rearing", parts).encode())
     return out / REARING_FILE
@@ -115,10 +115,10 @@ def finished_runs(directory: Path) -> list[Path]:
         return [directory]
     cells = read_sweep(directory / SWEEP_FILE).cells()
     runs = [directory / cell.name for cell in cells]
-    found = [run for run in runs if (run / RESULTS_FILE).is_file()]
-    if not found:
+    finished = [run for run in runs if (run / RESULTS_FILE).is_file()]
+    if not finished:
         raise InputError(f"{directory}: expected a sweep with a finished run, found none")
-    return found
+    return finished
 
 
 def _measured(directories: Sequence[Path]) -> list[RearedRun]:
@@ -132,7 +132,9 @@ def _measured(directories: Sequence[Path]) -> list[RearedRun]:
 def _conditions(runs: Sequence[RearedRun]) -> list[Condition]:
     by_label: dict[str, list[RearedRun]] = {}
     for run in runs:
-        label = run.condition if run.model == "M" else f"{run.condition}, {run.model}"
+        label = (
+            run.condition if run.results.model == "M" else f"{run.condition}, {run.results.model}"
+        )
         by_label.setdefault(label, []).append(run)
     return list(by_label.items())
 
@@ -161,25 +163,27 @@ def condition_table(conditions: Sequence[Condition]) -> str:
 
 def left_out(conditions: Sequence[Condition]) -> str:
     """Say which vergence errors a landscape does not have for want of a pair, "" for none."""
-    told = []
+    missing = []
     for label, runs in conditions:
         landscapes = [run.landscape for run in runs]
         is_missing = np.isnan([landscape.total_error for landscape in landscapes]).any(axis=0)
         if is_missing.any():
             errors_deg = landscapes[0].vergence_error_deg[is_missing]
-            told.append(f"{label} at {', '.join(f'{error_deg:g}' for error_deg in errors_deg)} deg")
-    if not told:
+            missing.append(
+                f"{label} at {', '.join(f'{error_deg:g}' for error_deg in errors_deg)} deg"
+            )
+    if not missing:
         return ""
     return (
         "Left out, since no activations of the muscles give the vergence, or the eyes may rest "
-        f"elsewhere with them: {'; '.join(told)}."
+        f"elsewhere with them: {'; '.join(missing)}."
     )
 
 
 def _row(label: str, runs: Sequence[RearedRun]) -> tuple[str, ...]:
-    def of_test(name: str, n_digits: int = 2) -> str:
-        values = [value for run in runs if (value := run.last_test.get(name)) is not None]
-        return number(float(np.mean(values)), n_digits) if len(values) == len(runs) else "-"
+    def of_test(measure: Callable[[Summary], float | None]) -> str:
+        values = [v for run in runs if (v := measure(run.results.tests[-1])) is not None]
+        return number(float(np.mean(values)), 2) if len(values) == len(runs) else "-"
 
     def of_scales(value: Callable[[RearedRun, int], float]) -> str:
         means = (np.mean([value(run, i) for run in runs]) for i in range(2))
@@ -188,17 +192,17 @@ def _row(label: str, runs: Sequence[RearedRun]) -> tuple[str, ...]:
     return (
         label,
         str(len(runs)),
-        ", ".join(sorted({f"{run.results['iterations']:,}" for run in runs})),
-        of_test("median_abs_vergence_error_deg"),
-        of_test("iqr_abs_vergence_error_deg"),
-        of_test("share_within_1_px"),
+        ", ".join(sorted({f"{run.results.iterations:,}" for run in runs})),
+        of_test(lambda test: test.median_abs_vergence_error_deg),
+        of_test(lambda test: test.iqr_abs_vergence_error_deg),
+        of_test(lambda test: test.share_within_1_px),
         number(float(np.mean([run.landscape.depth for run in runs])), 2),
         of_scales(lambda run, i: run.tunings[i].gabor_share),
         of_scales(lambda run, i: float(run.landscape.use[i][run.tunings[i].is_gabor].sum())),
         of_scales(lambda run, i: run.tunings[i].common_gabor_share),
         of_scales(lambda run, i: run.tunings[i].binocular_share),
         number(float(np.mean([run.landscape.left_share for run in runs])), 2),
-        of_test("median_cost_reduction"),
-        of_test("median_delta_cost_w"),
+        of_test(lambda test: test.median_cost_reduction),
+        of_test(lambda test: test.median_delta_cost_w),
         PUBLISHED.get(runs[0].condition, ""),
     )

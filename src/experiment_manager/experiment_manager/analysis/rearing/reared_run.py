@@ -1,9 +1,7 @@
 """What a run has become: its results, and what its newest checkpoint has learned."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +9,7 @@ from numpy.typing import NDArray
 from experiment_manager.analysis.basis_functions import Tuning, tuning
 from experiment_manager.analysis.rearing.reward_landscape import RewardLandscape, reward_landscape
 from experiment_manager.experiment.plant_changes import Schedule, read_schedule
-from experiment_manager.measures.results import RESULTS_FILE, read_results
+from experiment_manager.measures.results import RESULTS_FILE, Results, read_results
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
 from eye_plant.config import EyePlantConfig, changed
@@ -35,30 +33,19 @@ _ERRORS_DEG = np.arange(-16, 17) / 4.0
 class RearedRun:
     """One run of a condition.
 
-    condition: its profile without the folder, or the directory's name; results: of results.json;
-    atoms: both dictionaries, (2, n_bases, 128); tunings: coarse, fine; focal_length_px: of the
-    cameras; changed_at: training iterations at which its schedule changes the plant.
+    condition: its profile without the folder, or the directory's name; atoms: both dictionaries,
+    (2, n_bases, 128); tunings: coarse, fine; focal_length_px: of the cameras; changed_at: training
+    iterations at which its schedule changes the plant.
     """
 
     directory: Path
     condition: str
-    results: Mapping[str, Any]
+    results: Results
     atoms: NDArray[np.float32]
     tunings: tuple[Tuning, ...]
     landscape: RewardLandscape
     focal_length_px: float
     changed_at: tuple[int, ...]
-
-    @property
-    def last_test(self) -> Mapping[str, Any]:
-        """Summary of the last test, as in results.json."""
-        last: Mapping[str, Any] = self.results["tests"][-1]
-        return last
-
-    @property
-    def model(self) -> str:
-        """M or M_C."""
-        return str(self.results["model"])
 
 
 def read_reared_run(directory: Path) -> RearedRun:
@@ -68,13 +55,13 @@ def read_reared_run(directory: Path) -> RearedRun:
     """
     configuration = read_configuration(directory / CONFIG_FILE)
     results = read_results(directory / RESULTS_FILE)
-    if not results["tests"]:
+    if not results.tests:
         raise InputError(f"{directory}: expected a run with a complete test")
-    found = checkpoint.newest(directory / "checkpoints")
-    if found is None:
+    newest = checkpoint.newest(directory / "checkpoints")
+    if newest is None:
         raise InputError(f"{directory}: expected a checkpoint, found none")
     coder = SparseCoder(build(SparseCoderConfig, configuration["sparse_coder"]))
-    coder.restore(read_state(found[1] / "sparse_coder.npz", "sparse_coder"))
+    coder.restore(read_state(newest[1] / "sparse_coder.npz", "sparse_coder"))
     atoms = coder.atoms()
     schedule = read_schedule(configuration["experiment_manager"]["schedule"])
     plant = _plant_at_the_end(configuration, schedule)

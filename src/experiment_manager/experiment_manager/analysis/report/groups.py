@@ -1,10 +1,9 @@
-"""Runs that belong together in a figure: those that differ in nothing but the seed."""
+"""Runs that belong together in a figure: those that differ in their seeds alone."""
 
 import contextlib
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
@@ -12,8 +11,9 @@ from matplotlib.colors import to_hex
 from experiment_manager.analysis.recorded_run import RecordedTest
 from experiment_manager.analysis.report.reported_run import ReportedRun
 from experiment_manager.measures.criteria import Criteria
-from experiment_manager.measures.metrics import summary
-from experiment_manager.measures.trials import TestTrials, pooled
+from experiment_manager.measures.metrics import summary_of
+from experiment_manager.measures.results import Summary
+from experiment_manager.measures.trials import Trials, pooled
 from experiment_manager.run.config_file import (
     CONFIG_CLASSES,
     FREE_TO_CHANGE,
@@ -27,6 +27,7 @@ from lockstep.errors import InputError
 _COLOUR_MAPS = {"M": "Blues", "M_C": "Greens"}
 _DARKEST, _LIGHTEST = 0.85, 0.4
 _STIMULI, _PROFILE = "eye_plant.stimuli.directory", "experiment_manager.profile"
+_PICTURES_SEED, _OF_EACH = "eye_plant.stimuli.seed", "of each run"
 # Parameters that change no number that a figure shows: who made the run, where, how often it was
 # saved, when it was tested, and how much of the pictures was drawn that nobody codes.
 _NO_SETTINGS = (
@@ -62,7 +63,9 @@ class Common:
 
 @dataclass(frozen=True)
 class Group:
-    """Runs that differ in nothing but the seed; their trials are pooled, as K17 does.
+    """Runs that differ in their seeds alone; their trials are pooled, as K17 does.
+
+    Their pictures are the same, or each run has a seed and pictures of its own.
 
     name: model, and what tells them from the other groups but lambda, as text; label: for figures.
     """
@@ -81,7 +84,7 @@ class Group:
     @property
     def iterations(self) -> list[int]:
         """Training iterations before each test that all runs made, in order."""
-        made = [{int(told["iteration"]) for told in run.summaries} for run in self.runs]
+        made = [{test.iteration for test in run.summaries} for run in self.runs]
         if self.has_trials:
             made += [set(run.trials) for run in self.runs]
         return sorted(set.intersection(*made))
@@ -91,32 +94,31 @@ class Group:
         """Whether the trials of all runs are known, and not their measures alone."""
         return all(run.trials for run in self.runs)
 
-    def trials_at(self, iteration: int) -> TestTrials:
+    def trials_at(self, iteration: int) -> Trials:
         """Return the trials of all runs after so many training iterations."""
         return pooled([run.trials[iteration] for run in self.runs])
 
     @property
-    def last_trials(self) -> TestTrials:
+    def last_trials(self) -> Trials:
         """The trials of all runs in their last common test."""
         return self.trials_at(self.iterations[-1])
 
     @property
     def last_criteria(self) -> Criteria:
         """What the measures count in the last common test: the same in all runs."""
-        return self.runs[0].test_settings.criteria(self.iterations[-1])
+        return self.runs[0].evaluation_settings.criteria(self.iterations[-1])
 
-    def summaries_at(self, iteration: int) -> list[dict[str, Any]]:
+    def summaries_at(self, iteration: int) -> list[Summary]:
         """Return each run's measures after so many training iterations."""
         return [
-            next(told for told in run.summaries if told["iteration"] == iteration)
-            for run in self.runs
+            next(test for test in run.summaries if test.iteration == iteration) for run in self.runs
         ]
 
     @property
-    def last_summary(self) -> dict[str, Any] | None:
+    def last_summary(self) -> Summary | None:
         """The measures of the last common test, trials pooled; None where trials are not known."""
         if self.has_trials:
-            return summary(self.last_trials, self.last_criteria)
+            return summary_of(self.last_trials, self.last_criteria)
         return self.summaries_at(self.iterations[-1])[0] if len(self.runs) == 1 else None
 
     def recorded_at(self, iteration: int) -> list[RecordedTest]:
@@ -137,7 +139,7 @@ def groups_of(runs: Sequence[ReportedRun]) -> list[Group]:
     """
     by_key = _by_key(runs)
     different = sorted(by_key, key=lambda key: (key.model != "M", key.model, key.weight))
-    found = []
+    groups = []
     for key in different:
         members = tuple(by_key[key])
         same_model = [other for other in different if other.model == key.model]
@@ -148,8 +150,8 @@ def groups_of(runs: Sequence[ReportedRun]) -> list[Group]:
         if not group.iterations:
             names = ", ".join(str(run.directory) for run in members)
             raise InputError(f"{names}: expected a test after as many iterations in each, got none")
-        found.append(group)
-    return found
+        groups.append(group)
+    return groups
 
 
 def held_back(runs: Sequence[ReportedRun]) -> list[ReportedRun]:
@@ -167,10 +169,35 @@ def held_back(runs: Sequence[ReportedRun]) -> list[ReportedRun]:
 
 
 def _by_key(runs: Sequence[ReportedRun]) -> dict[Common, list[ReportedRun]]:
-    found: dict[Common, list[ReportedRun]] = {}
-    for run in runs:
-        found.setdefault(_key(run), []).append(run)
-    return found
+    keys = [_key(run) for run in runs]
+    seeds: dict[Common, set[int]] = {}
+    for run, key in zip(runs, keys, strict=True):
+        seeds.setdefault(key, set()).add(run.seed)
+    pooled_keys = _with_own_pictures(seeds)
+    by_key: dict[Common, list[ReportedRun]] = {}
+    for run, key in zip(runs, keys, strict=True):
+        by_key.setdefault(pooled_keys.get(key, key), []).append(run)
+    return by_key
+
+
+def _with_own_pictures(seeds: Mapping[Common, set[int]]) -> dict[Common, Common]:
+    """Return what the runs have in common that each have a seed and pictures of their own.
+
+    seeds: of the runs on the same pictures. Where a seed has been used with several pictures, those
+    are compared, not pooled.
+    """
+    families: dict[Common, list[Common]] = {}
+    for key, of_key in seeds.items():
+        if len(of_key) == 1:
+            others = frozenset(s for s in key.settings if s[0] != _PICTURES_SEED)
+            settings = others | {(_PICTURES_SEED, _OF_EACH)}
+            families.setdefault(replace(key, settings=settings), []).append(key)
+    return {
+        key: family
+        for family, keys in families.items()
+        if 1 < len(keys) == len(set.union(*(seeds[key] for key in keys)))
+        for key in keys
+    }
 
 
 def _colour(model: str, i: int, n: int) -> str:
@@ -179,14 +206,14 @@ def _colour(model: str, i: int, n: int) -> str:
 
 
 def _key(run: ReportedRun) -> Common:
-    given = parameters_in(run.configuration)
-    if given.keys() >= CONFIG_CLASSES.keys():
+    parameters = parameters_in(run.configuration)
+    if parameters.keys() >= CONFIG_CLASSES.keys():
         # What is not there is the default; the parameters of a replaced node stay as they are.
         with contextlib.suppress(InputError):
-            given = completed(given)
+            parameters = completed(parameters)
     settings = {
         (f"{node}.{name}", str(value))
-        for node, values in given.items()
+        for node, values in parameters.items()
         for name, value in values.items()
         if name not in _NO_SETTINGS and (node, name.partition(".")[0]) not in _NO_PARTS
     }
@@ -222,4 +249,6 @@ def _own_settings(key: Common, same_model: Sequence[Common]) -> list[str]:
 def _named(name: str, value: str) -> str:
     if name == _STIMULI:
         return f"{Path(value).name or 'generated'} stimuli"
+    if name == _PICTURES_SEED:
+        return f"pictures {value if value == _OF_EACH else f'of seed {value}'}"
     return f"{name.rpartition('.')[2]} {value}"

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from experiment_manager.analysis.report.groups import Group
 from experiment_manager.analysis.report.performance_figures import add_legend, new_figure
 from experiment_manager.measures.criteria import Criteria
-from experiment_manager.measures.trials import TestTrials
+from experiment_manager.measures.trials import Trials
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
@@ -122,7 +122,7 @@ def _draw_maps(axes: Axes, space: MotorSpace, distance_m: float, criteria: Crite
 
 
 def _draw_paths(
-    axes: Axes, tests: Sequence[TestTrials], distance_m: float, group: Group, i_group: int
+    axes: Axes, tests: Sequence[Trials], distance_m: float, group: Group, i_group: int
 ) -> float:
     """Draw the paths of the trials shown; return the median metabolic rate at their ends, W."""
     ends_w: list[float] = []
@@ -160,7 +160,7 @@ def _write_costs(axes: Axes, costs_w: Sequence[float], colours: Sequence[str]) -
         )
 
 
-def _shown_trials(trials: TestTrials, distance_m: float) -> list[int]:
+def _shown_trials(trials: Trials, distance_m: float) -> list[int]:
     here = (trials.object_distance_m == distance_m) & (trials.stimulus == trials.stimulus.min())
     start_deg = trials.vergence_error_deg[:, 0]
     found = []

@@ -2,7 +2,7 @@
 
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from matplotlib.patches import Patch
 from experiment_manager.analysis.report.groups import Group, groups_of
 from experiment_manager.analysis.report.reported_run import ReportedRun
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS
+from experiment_manager.measures.results import Summary
 
 FIGURES = "figures"
 # One name for it, in figures as in tables.
@@ -68,7 +69,7 @@ def learning_curve_figure(run: ReportedRun) -> Figure:
     axes = figure.add_subplot()
     handles: list[Any] = []
     if run.recorded is not None:
-        curve = run.recorded.training_curve
+        curve = run.recorded.measured.training_curve
         (line,) = axes.plot(curve.iteration, curve.quartiles_deg[1], color="0.6", lw=1)
         line.set_label("training, episode ends")
         handles.append(line)
@@ -157,7 +158,7 @@ def _draw_errors(axes: Axes, group: Group, n_groups: int) -> Line2D:
     Without trials the line is the median over seeds, without quartiles.
     """
     at = group.iterations
-    seeds_deg = _of_seeds(group, "median_abs_vergence_error_deg")
+    seeds_deg = _of_seeds(group, lambda test: test.median_abs_vergence_error_deg)
     median_deg = np.median(seeds_deg, axis=0)
     if group.has_trials:
         errors_deg = [np.abs(group.trials_at(n).vergence_error_deg[:, -1]) for n in at]
@@ -171,7 +172,7 @@ def _draw_errors(axes: Axes, group: Group, n_groups: int) -> Line2D:
 
 def _draw_deltas(axes: Axes, group: Group) -> None:
     at = group.iterations
-    seeds_w = _of_seeds(group, "median_delta_cost_w")
+    seeds_w = _of_seeds(group, lambda test: test.median_delta_cost_w)
     median_w = np.median(seeds_w, axis=0)
     if group.has_trials:
         tests = [group.trials_at(n) for n in at]
@@ -180,9 +181,9 @@ def _draw_deltas(axes: Axes, group: Group) -> None:
     _draw_seeds(axes, at, seeds_w, group.colour, "--")
 
 
-def _of_seeds(group: Group, measure: str) -> np.ndarray:
+def _of_seeds(group: Group, measure: Callable[[Summary], float | None]) -> np.ndarray:
     """Return a measure of each run and test: (n_runs, n_tests)."""
-    by_test = [[told[measure] for told in group.summaries_at(n)] for n in group.iterations]
+    by_test = [[measure(test) for test in group.summaries_at(n)] for n in group.iterations]
     return np.array(by_test, dtype=np.float64).reshape(len(by_test), len(group.runs)).T
 
 

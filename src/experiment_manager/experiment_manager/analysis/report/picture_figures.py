@@ -1,7 +1,6 @@
 """What drives the learning: pictures that match encode better."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,6 +12,7 @@ from experiment_manager.anaglyph import anaglyph
 from experiment_manager.analysis.recorded_run import RecordedRun, RecordedTest
 from experiment_manager.analysis.report.groups import Group
 from experiment_manager.analysis.report.performance_figures import new_figure
+from lockstep.wire.topics import PICTURES
 from sparse_coder.patches import COARSE_WINDOW_PX
 
 _BIN_DEG = 0.25
@@ -71,33 +71,17 @@ def _draw_binned(axes: Axes, tests: Sequence[RecordedTest], colour: str, label: 
     return bool(filled.any())
 
 
-@dataclass(frozen=True)
-class RecordedTrial:
-    """A trial of which all pictures are in the bag: its test, its place there, its start error."""
+def _trials_with_pictures(run: RecordedRun, test: RecordedTest) -> dict[int, int]:
+    """Return the indices, by trial number, of the trials of a test that can be drawn.
 
-    test: RecordedTest
-    i_trial: int
-
-    @property
-    def start_error_deg(self) -> float:
-        """Vergence error before the first command."""
-        return float(self.test.trials.vergence_error_deg[self.i_trial, 0])
-
-    @property
-    def end_error_deg(self) -> float:
-        """Absolute vergence error after the last command."""
-        return abs(float(self.test.trials.vergence_error_deg[self.i_trial, -1]))
-
-
-def recorded_trials(run: RecordedRun, test: RecordedTest) -> list[RecordedTrial]:
-    """Return the trials of a test whose first and last answered pictures are in the bag."""
-    if not run.bag.has("left/image_raw") or not run.bag.has("right/image_raw"):
-        return []
-    stamps = [run.bag.stamps_ns(f"{side}/image_raw") for side in ("left", "right")]
-    both = np.intersect1d(stamps[0], stamps[1])
-    ends_ns = test.stamps_ns[:, [0, -2]]
-    known = np.isin(ends_ns, both).all(axis=1)
-    return [RecordedTrial(test, int(i)) for i in np.flatnonzero(known)]
+    They start with an error, and their first and last answered pictures are in the bag.
+    """
+    if not all(run.bag.has(topic) for topic in PICTURES):
+        return {}
+    left_ns, right_ns = (run.bag.stamps_ns(topic) for topic in PICTURES)
+    is_pictured = np.isin(test.stamps_ns[:, [0, -2]], np.intersect1d(left_ns, right_ns)).all(axis=1)
+    moves = np.abs(test.trials.vergence_error_deg[:, 0]) > _LEAST_START_ERROR_DEG
+    return {int(test.trials.trial[i]): int(i) for i in np.flatnonzero(is_pictured & moves)}
 
 
 def anaglyph_figure(run: RecordedRun) -> Figure | None:
@@ -107,41 +91,34 @@ def anaglyph_figure(run: RecordedRun) -> Figure | None:
     last test is the median; None when there is none. Red and cyan fringes are disparity; the frame
     is the coarse scale's window.
     """
-    first, last = run.tests[0], run.tests[-1]
-    by_number = [
-        {
-            int(t.test.trials.trial[t.i_trial]): t
-            for t in recorded_trials(run, test)
-            if abs(t.start_error_deg) > _LEAST_START_ERROR_DEG
-        }
-        for test in (first, last)
-    ]
-    common = sorted(set(by_number[0]) & set(by_number[1]))
+    tests = (run.tests[0], run.tests[-1])
+    first, last = (_trials_with_pictures(run, test) for test in tests)
+    end_deg = np.abs(tests[1].trials.vergence_error_deg[:, -1])
+    common = sorted(set(first) & set(last), key=lambda number: (end_deg[last[number]], number))
     if not common:
         return None
-    common.sort(key=lambda number: (by_number[1][number].end_error_deg, number))
     number = common[(len(common) - 1) // 2]
     figure = new_figure(7.0, 5.6)
     rows = figure.subplots(2, 2)
-    for axes_row, trials in zip(rows, by_number, strict=True):
-        _draw_trial(axes_row, run, trials[number])
+    for axes_row, test, i_trial in zip(rows, tests, (first[number], last[number]), strict=True):
+        _draw_trial(axes_row, run, test, i_trial)
     return figure
 
 
-def _draw_trial(axes_row: Sequence[Axes], run: RecordedRun, recorded: RecordedTrial) -> None:
-    trials = recorded.test.trials
+def _draw_trial(
+    axes_row: Sequence[Axes], run: RecordedRun, test: RecordedTest, i_trial: int
+) -> None:
+    trials = test.trials
     n_answered = trials.n_iterations - 1
-    px_deg = run.test_settings.criteria(trials.training_iteration).px_deg
+    px_deg = run.evaluation_settings.criteria(trials.training_iteration).px_deg
     for axes, iteration in zip(axes_row, (0, n_answered), strict=True):
-        stamp_ns = int(recorded.test.stamps_ns[recorded.i_trial, iteration])
-        left, right = (
-            next(run.bag.images(f"{side}/image_raw", [stamp_ns]))[1] for side in ("left", "right")
-        )
+        stamp_ns = int(test.stamps_ns[i_trial, iteration])
+        left, right = (next(run.bag.images(topic, [stamp_ns]))[1] for topic in PICTURES)
         axes.imshow(anaglyph(left, right))
         height, width = left.shape
         corner = ((width - COARSE_WINDOW_PX) / 2 - 0.5, (height - COARSE_WINDOW_PX) / 2 - 0.5)
         axes.add_patch(_frame(corner))
-        error_deg = trials.vergence_error_deg[recorded.i_trial, iteration]
+        error_deg = trials.vergence_error_deg[i_trial, iteration]
         axes.set_title(
             f"trained for {trials.training_iteration:,} iterations, after {iteration} commands:\n"
             f"vergence error {error_deg:+.2f} deg ({error_deg / px_deg:+.1f} px)",

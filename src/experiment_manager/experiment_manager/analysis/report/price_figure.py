@@ -13,31 +13,31 @@ from experiment_manager.analysis.report.performance_figures import (
     new_figure,
     px_deg_of,
 )
-from experiment_manager.measures.trials import TestTrials
+from experiment_manager.measures.trials import Trials
 
 _LEAST_PRICES = 3
 # Prices below this are drawn to a linear scale, so that 0 has a place.
 _LINEAR_UP_TO = 0.01
 
-Values = Callable[[TestTrials], np.ndarray]
+Values = Callable[[Trials], np.ndarray]
 
 
-def _errors_deg(trials: TestTrials) -> np.ndarray:
+def _errors_deg(trials: Trials) -> np.ndarray:
     errors_deg: np.ndarray = np.abs(trials.vergence_error_deg[:, -1])
     return errors_deg
 
 
-def _reductions_percent(trials: TestTrials) -> np.ndarray:
+def _reductions_percent(trials: Trials) -> np.ndarray:
     reductions = trials.cost_reduction(trials.n_iterations)
     defined: np.ndarray = 100 * reductions[~np.isnan(reductions)]
     return defined
 
 
-def _deltas_w(trials: TestTrials) -> np.ndarray:
+def _deltas_w(trials: Trials) -> np.ndarray:
     return trials.delta_cost_w(trials.n_iterations)
 
 
-def _rates_w(trials: TestTrials) -> np.ndarray:
+def _rates_w(trials: Trials) -> np.ndarray:
     rates_w: np.ndarray = trials.metabolic_rate_w[:, -1]
     return rates_w
 
@@ -134,5 +134,5 @@ def _draw_trade(axes: Axes, groups: Sequence[Group]) -> None:
     axes.set_title(r"accuracy against watts, by $\lambda$", fontsize=9)
 
 
-def _last_of_seeds(group: Group) -> list[TestTrials]:
+def _last_of_seeds(group: Group) -> list[Trials]:
     return [run.trials[group.iterations[-1]] for run in group.runs]

@@ -2,12 +2,11 @@
 
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 from experiment_manager.analysis.recorded_run import RecordedRun
 from experiment_manager.measures.kept_trials import read_trials
-from experiment_manager.measures.results import RESULTS_FILE, read_results
-from experiment_manager.measures.trials import TestTrials
+from experiment_manager.measures.results import RESULTS_FILE, Summary, read_results
+from experiment_manager.measures.trials import Trials
 from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.run.described_run import DescribedRun
 from experiment_manager.sweep.sweep_file import SWEEP_FILE
@@ -17,7 +16,7 @@ from lockstep.errors import InputError
 class ReportedRun(DescribedRun):
     """A run directory: config.yaml and results.json, trials.npz, a bag, or some of these.
 
-    recorded: the run as its bag tells it, None without a bag.
+    recorded: the run as read from its bag, None without a bag.
     """
 
     def __init__(self, directory: Path) -> None:
@@ -43,18 +42,18 @@ class ReportedRun(DescribedRun):
     @property
     def is_finished(self) -> bool:
         """Whether the test at the end of training has been made."""
-        return any(told["iteration"] >= self.n_iterations for told in self.summaries)
+        return any(test.iteration >= self.n_iterations for test in self.summaries)
 
     @cached_property
-    def summaries(self) -> list[dict[str, Any]]:
-        """The measures of each test, as in results.json."""
+    def summaries(self) -> tuple[Summary, ...]:
+        """The measures of each test."""
         if self._results is not None:
-            return list(self._results["tests"])
+            return self._results.tests
         assert self.recorded is not None
         return self.recorded.summaries()
 
     @cached_property
-    def trials(self) -> dict[int, TestTrials]:
+    def trials(self) -> dict[int, Trials]:
         """The trials of the tests by training iteration; none without trials.npz and bag."""
         tests = read_trials(self.directory)
         if not tests and self.recorded is not None:
@@ -65,10 +64,9 @@ class ReportedRun(DescribedRun):
     def cost_shares(self) -> tuple[float | None, float | None]:
         """Lambda's share of the reward over the first and last 5,000 training iterations."""
         if self._results is not None:
-            share = self._results["lambda_share"]
-            return share["first_5000"], share["last_5000"]
+            return self._results.cost_share_first, self._results.cost_share_last
         assert self.recorded is not None
-        return self.recorded.cost_shares
+        return self.recorded.measured.cost_shares
 
 
 def runs_below(directory: Path) -> list[Path]:

@@ -2,8 +2,7 @@
 
 import statistics
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import astuple, dataclass, replace
 
 from experiment_manager.analysis.recorded_run import RecordedRun
 from experiment_manager.analysis.report import page as report_page
@@ -11,6 +10,7 @@ from experiment_manager.analysis.report.groups import Group
 from experiment_manager.analysis.report.reported_run import ReportedRun
 from experiment_manager.analysis.resting_places import resting_places
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS, SHARE_ITERATIONS
+from experiment_manager.measures.results import Measures, SetSummary
 from experiment_manager.measures.tables import number, percent
 
 
@@ -31,17 +31,31 @@ _PAPER = {
 }
 
 
-# The rows of a test set, and how each is read from its summary.
-_SHOWN: dict[str, Callable[[dict[str, Any]], str]] = {
-    "trials": lambda told: f"{told['n_trials']:,}",
-    "median |vergence error| / deg": lambda told: number(told["median_abs_vergence_error_deg"]),
-    "IQR of |vergence error| / deg": lambda told: number(told["iqr_abs_vergence_error_deg"]),
-    "median Delta C / W": lambda told: number(told["median_delta_cost_w"]),
-    "median c": lambda told: percent(told["median_cost_reduction"]),
-    "within 1 px": lambda told: percent(told["share_within_1_px"]),
-    "beyond 1 deg": lambda told: percent(told["share_beyond_1_deg"]),
-    "right muscle silent": lambda told: percent(told["share_right_muscle_silent"]),
-}
+@dataclass(frozen=True)
+class _Column:
+    """A measure in tables: its heading, where it is found, and how it is written."""
+
+    heading: str
+    value: Callable[[Measures], float | None]
+    text: Callable[[float | None], str]
+
+    def cell(self, measures: Measures) -> str:
+        return self.text(self.value(measures))
+
+
+_ERROR = _Column("median |vergence error| / deg", lambda m: m.median_abs_vergence_error_deg, number)
+_IQR = _Column("IQR of |vergence error| / deg", lambda m: m.iqr_abs_vergence_error_deg, number)
+_SHORT_IQR = replace(_IQR, heading="IQR / deg")
+_DELTA_COST = _Column("median Delta C / W", lambda m: m.median_delta_cost_w, number)
+_REDUCTION = _Column("median c", lambda m: m.median_cost_reduction, percent)
+_WITHIN = _Column("within 1 px", lambda m: m.share_within_1_px, percent)
+_BEYOND = _Column("beyond 1 deg", lambda m: m.share_beyond_1_deg, percent)
+_SILENT = _Column("antagonist silent", lambda m: m.share_antagonist_silent, percent)
+
+_OF_GROUPS = (_ERROR, _IQR, _DELTA_COST, _REDUCTION, _WITHIN, _BEYOND, _SILENT)
+_OF_ITERATIONS = (_ERROR, _SHORT_IQR, _WITHIN, _BEYOND, _REDUCTION)
+_OF_TESTS = (_ERROR, _SHORT_IQR, _WITHIN, _BEYOND, _DELTA_COST, _REDUCTION, _SILENT)
+_OF_TESTS_AUTHORS = (_ERROR, _SHORT_IQR)
 
 
 def runs_table(groups: Sequence[Group]) -> str:
@@ -49,17 +63,8 @@ def runs_table(groups: Sequence[Group]) -> str:
 
     The share is over the first and the last 5,000 iterations, of a shorter run over all.
     """
-    header = (
-        "run",
-        "model",
-        "profile",
-        "seed",
-        "iterations",
-        "lambda / per W",
-        "lambda's share at the start",
-        "at the end",
-        "commit",
-    )
+    header = ["run", "model", "profile", "seed", "iterations", "lambda / per W"]
+    header += ["lambda's share at the start", "at the end", "commit"]
     rows = [
         (
             run.name,
@@ -78,7 +83,7 @@ def runs_table(groups: Sequence[Group]) -> str:
 
 
 def _share_of_reward(share: float | None, n_iterations: int) -> str:
-    """Return the share; of a run that is shorter than what it is told over, over what it is."""
+    """Return the share; of a run with fewer iterations than it is measured over, over how many."""
     whole = n_iterations >= SHARE_ITERATIONS or share is None
     return percent(share) if whole else f"{percent(share)} (all {n_iterations:,})"
 
@@ -94,186 +99,118 @@ def comparison_table(groups: Sequence[Group]) -> str:
         header.append(f"ours, {group.name}")
         columns.append(_column(group))
     names = ["training iterations", "runs pooled", "lambda / per W"]
-    names += [
-        f"{which}: {measure}"
-        for which in ("our test set", "authors' test set")
-        for measure in _SHOWN
-    ]
+    for trial_set in ("our test set", "authors' test set"):
+        measures = ("trials", *(column.heading for column in _OF_GROUPS))
+        names += [f"{trial_set}: {measure}" for measure in measures]
     rows = [(name, *cells) for name, *cells in zip(names, *columns, strict=True)]
     return report_page.table(header, rows)
 
 
 def _paper_column(paper: _Paper) -> list[str]:
-    stated = ["-", paper.median_deg, paper.iqr_deg, "-", paper.cost_reduction]
-    return [
-        paper.n_iterations,
-        "5",
-        paper.weight,
-        *["-"] * len(_SHOWN),
-        *stated,
-        *["-"] * (len(_SHOWN) - len(stated)),
-    ]
+    ours = ["-"] * (1 + len(_OF_GROUPS))
+    authors = ["-", paper.median_deg, paper.iqr_deg, "-", paper.cost_reduction, "-", "-", "-"]
+    return [paper.n_iterations, "5", paper.weight, *ours, *authors]
 
 
 def _column(group: Group) -> list[str]:
-    ours = group.last_summary or {}
-    authors = ours.get("authors_test_set")
-    return [
-        f"{group.iterations[-1]:,}",
-        str(len(group.runs)),
-        f"{group.runs[0].metabolic_cost_weight:.4g}",
-        *(text(told) if told else "-" for told in (ours, authors) for text in _SHOWN.values()),
-    ]
+    test = group.last_summary
+    cells = [f"{group.iterations[-1]:,}", str(len(group.runs)), _weight(group)]
+    for of_set in (test, test and test.authors_test_set):
+        if of_set is None:
+            cells += ["-"] * (1 + len(_OF_GROUPS))
+        else:
+            cells += [f"{of_set.n_trials:,}", *(column.cell(of_set) for column in _OF_GROUPS)]
+    return cells
 
 
-def seeds_table(groups: Sequence[Group], test_set: str = "") -> str:
+def _weight(group: Group) -> str:
+    return f"{group.common.weight:.4g}"
+
+
+def seeds_table(groups: Sequence[Group], *, authors: bool = False) -> str:
     """Return the median over seeds, and the least and the greatest seed, of groups of several.
 
-    test_set: the key in a test's results that holds it, "" for our test set.
+    authors: of the authors' test set, instead of ours.
     """
-    header = ["runs", "seeds", "lambda / per W", *_OVER_SEEDS]
-    rows = [
-        [
-            group.name,
-            str(len(group.runs)),
-            f"{group.common.weight:.4g}",
-            *(_over_seeds(group, test_set, *told) for told in _OVER_SEEDS.values()),
-        ]
-        for group in groups
-        if len(group.runs) > 1
-    ]
+    header = ["runs", "seeds", "lambda / per W", *(column.heading for column in _OF_GROUPS)]
+    rows = []
+    for group in groups:
+        if len(group.runs) > 1:
+            tests = group.summaries_at(group.iterations[-1])
+            sets = [test.authors_test_set if authors else test for test in tests]
+            cells = [_over_seeds(sets, column) for column in _OF_GROUPS]
+            rows.append([group.name, str(len(group.runs)), _weight(group), *cells])
     return report_page.table(header, rows)
 
 
-# The measures that are told over seeds: their names in results.json, and how they are written.
-_OVER_SEEDS: dict[str, tuple[str, Callable[[float | None], str]]] = {
-    "median |vergence error| / deg": ("median_abs_vergence_error_deg", number),
-    "IQR of |vergence error| / deg": ("iqr_abs_vergence_error_deg", number),
-    "median Delta C / W": ("median_delta_cost_w", number),
-    "median c": ("median_cost_reduction", percent),
-    "within 1 px": ("share_within_1_px", percent),
-    "beyond 1 deg": ("share_beyond_1_deg", percent),
-    "right muscle silent": ("share_right_muscle_silent", percent),
-}
-
-
-def _over_seeds(group: Group, key: str, measure: str, text: Callable[[float | None], str]) -> str:
-    told = group.summaries_at(group.iterations[-1])
-    found = [(one[key] if key else one)[measure] for one in told]
-    values = [value for value in found if value is not None]
-    if len(values) < len(found):
+def _over_seeds(sets: Sequence[SetSummary], column: _Column) -> str:
+    values = [value for of_seed in sets if (value := column.value(of_seed)) is not None]
+    if len(values) < len(sets):
         return "-"
-    return f"{text(statistics.median(values))} ({text(min(values))} to {text(max(values))})"
+    median, least, greatest = map(
+        column.text, (statistics.median(values), min(values), max(values))
+    )
+    return f"{median} ({least} to {greatest})"
 
 
 def bias_table(groups: Sequence[Group]) -> str:
     """Return the median signed error of each group's last test by object distance."""
-    told = [group.last_summary or {} for group in groups]
-    biases_deg = [one.get("bias_by_distance_deg", {}) for one in told]
-    distances = sorted({d for bias_deg in biases_deg for d in bias_deg}, key=float)
+    tests = [group.last_summary for group in groups]
+    biases_deg = [test.bias_by_distance_deg if test else {} for test in tests]
+    distances_m = sorted(set().union(*biases_deg))
     rows = [
-        (
-            group.name,
-            f"{group.common.weight:.4g}",
-            *(number(bias_deg.get(d)) for d in distances),
-        )
+        (group.name, _weight(group), *(number(bias_deg.get(d)) for d in distances_m))
         for group, bias_deg in zip(groups, biases_deg, strict=True)
     ]
-    header = ("runs", "lambda / per W", *(f"at {d} m, deg" for d in distances))
+    header = ("runs", "lambda / per W", *(f"at {d:g} m, deg" for d in distances_m))
     return report_page.table(header, rows)
 
 
 def iterations_table(groups: Sequence[Group]) -> str:
     """Return each group's measures after 1, 2, 3 and all iterations of the last test's trials."""
-    header = (
-        "runs",
-        "lambda / per W",
-        "trained for",
-        "after",
-        "median |vergence error| / deg",
-        "IQR / deg",
-        "within 1 px",
-        "beyond 1 deg",
-        "median c",
-    )
+    header = ("runs", "lambda / per W", "trained for", "after")
     rows = []
     for group in groups:
-        whole = group.last_summary or {}
-        last = group.last_trials.n_iterations if group.has_trials else REPORTED_ITERATIONS[-1]
-        early = {k: whole[f"after_{k}"] for k in REPORTED_ITERATIONS if f"after_{k}" in whole}
-        for k, told in (early | {last: whole}).items() if whole else ():
-            rows.append(
+        test = group.last_summary
+        if test is not None:
+            last = group.last_trials.n_iterations if group.has_trials else REPORTED_ITERATIONS[-1]
+            rows += [
                 (
                     group.name,
-                    f"{group.common.weight:.4g}",
+                    _weight(group),
                     f"{group.iterations[-1]:,}",
                     str(k),
-                    number(told["median_abs_vergence_error_deg"]),
-                    number(told["iqr_abs_vergence_error_deg"]),
-                    percent(told["share_within_1_px"]),
-                    percent(told["share_beyond_1_deg"]),
-                    percent(told["median_cost_reduction"]),
+                    *(column.cell(measures) for column in _OF_ITERATIONS),
                 )
-            )
-    return report_page.table(header, rows)
+                for k, measures in {**test.after, last: test}.items()
+            ]
+    return report_page.table((*header, *(column.heading for column in _OF_ITERATIONS)), rows)
 
 
-def tests_of_run_table(run: ReportedRun) -> str:
+def learning_table(run: ReportedRun) -> str:
     """Return a run's tests, as in its results.json."""
-    header = (
-        "iteration",
-        "trials",
-        "median |vergence error| / deg",
-        "IQR / deg",
-        "within 1 px",
-        "beyond 1 deg",
-        "median Delta C / W",
-        "median c",
-        "right muscle silent",
-        "authors' test set: median |vergence error| / deg",
-        "authors' test set: IQR / deg",
-    )
-    rows = []
-    for told in run.summaries:
-        authors = told["authors_test_set"]
-        rows.append(
-            (
-                f"{told['iteration']:,}",
-                str(told["n_trials"]),
-                number(told["median_abs_vergence_error_deg"]),
-                number(told["iqr_abs_vergence_error_deg"]),
-                percent(told["share_within_1_px"]),
-                percent(told["share_beyond_1_deg"]),
-                number(told["median_delta_cost_w"]),
-                percent(told["median_cost_reduction"]),
-                percent(told["share_right_muscle_silent"]),
-                number(authors["median_abs_vergence_error_deg"]),
-                number(authors["iqr_abs_vergence_error_deg"]),
-            )
+    header = ["iteration", "trials", *(column.heading for column in _OF_TESTS)]
+    header += [f"authors' test set: {column.heading}" for column in _OF_TESTS_AUTHORS]
+    rows = [
+        (
+            f"{test.iteration:,}",
+            str(test.n_trials),
+            *(column.cell(test) for column in _OF_TESTS),
+            *(column.cell(test.authors_test_set) for column in _OF_TESTS_AUTHORS),
         )
+        for test in run.summaries
+    ]
     return report_page.table(header, rows)
 
 
 def resting_table(run: RecordedRun) -> str:
     """Return where the trials of a run's tests come to rest."""
-    header = (
-        "iteration",
-        "trials at rest",
-        "bias / deg",
-        "SD / deg",
-        "SD within picture and distance / deg",
-        "SD between them / deg",
-        "SD over time / deg",
-        "share left by an iteration",
-    )
+    header = ["iteration", "trials at rest", "bias / deg", "SD / deg"]
+    header += ["SD within picture and distance / deg", "SD between them / deg"]
+    header += ["SD over time / deg", "share left by an iteration"]
     rows = []
     for test in run.tests:
-        rest = resting_places(test.trials)
-        rows.append(
-            (
-                f"{test.trials.training_iteration:,}",
-                str(rest.n_trials),
-                *(number(value) for value in list(vars(rest).values())[1:]),
-            )
-        )
+        n_trials, *values = astuple(resting_places(test.trials))
+        cells = map(number, values)
+        rows.append((f"{test.trials.training_iteration:,}", str(n_trials), *cells))
     return report_page.table(header, rows)

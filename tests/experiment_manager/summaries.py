@@ -1,0 +1,20 @@
+"""Summaries of tests as tests need them: some measures, all else absent."""
+
+import dataclasses
+from typing import Any
+
+from experiment_manager.measures.results import SetSummary, Summary
+
+_EMPTY: dict[str, Any] = {
+    **dict.fromkeys(field.name for field in dataclasses.fields(SetSummary)),
+    "n_trials": 0,
+    "bias_by_distance_deg": {},
+    "after": {},
+}
+NO_TRIALS = SetSummary(**_EMPTY)
+
+
+def summary(**values: Any) -> Summary:
+    """Return a summary with the given measures, of no trials where not said otherwise."""
+    sets = {"without_zero_start_error": NO_TRIALS, "authors_test_set": NO_TRIALS}
+    return Summary(**(_EMPTY | {"iteration": 0} | sets | values))
