@@ -95,12 +95,12 @@ def _assert_results_are_of(directory: Path) -> None:
     truth = Bag(directory / "bag").vectors("ground_truth")["ground_truth"]
     test, iteration = truth.column("test"), truth.column("iteration")
     results = read_results(directory / RESULTS_FILE)
-    for i_test, told in enumerate(results["tests"]):
+    for i_test, summary in enumerate(results.tests):
         rows = (test == i_test) & (iteration == 20)
-        assert told["n_trials"] == rows.sum() > 0
+        assert summary.n_trials == rows.sum() > 0
         errors_deg = np.abs(truth.column("vergence_error_deg")[rows])
-        assert told["median_abs_vergence_error_deg"] == pytest.approx(np.median(errors_deg))
-    assert len(results["tests"]) == test.max() + 1
+        assert summary.median_abs_vergence_error_deg == pytest.approx(np.median(errors_deg))
+    assert len(results.tests) == test.max() + 1
 
 
 @cache
