@@ -146,7 +146,8 @@ def test_entry_points_lead_into_what_was_installed(workspace: Path, package: str
     with_main = {
         ".".join(file.relative_to(sources).with_suffix("").parts)
         for file in (sources / package).rglob("*.py")
-        if "\ndef main(" in file.read_text()
+        # What the supervisor alone starts is no command of anybody's.
+        if "\ndef main(" in file.read_text() and file.parent.name != "listener"
     }
     assert set(loaded.stdout.split()) == with_main
 

@@ -19,7 +19,7 @@ from experiment_manager.run.lasting_output import make_standard_streams_last
 from lockstep.node.own_process import die_with
 
 
-def main(directory: Path, document: str) -> int:
+def make_run(directory: Path, document: str) -> int:
     """Begin a run or go on with it; return the exit code."""
     return concluded(lambda: _run(directory, document), " --in-process")
 
@@ -36,4 +36,4 @@ if __name__ == "__main__":
     parent, path, request = sys.argv[1:]
     die_with(int(parent))
     make_standard_streams_last()
-    sys.exit(main(Path(path), request))
+    sys.exit(make_run(Path(path), request))
