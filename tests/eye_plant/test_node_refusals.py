@@ -158,7 +158,9 @@ def test_episodes_that_cannot_be_are_refused(
 
 
 def test_an_episode_with_missing_arguments_is_refused(bench: Bench) -> None:
-    assert "missing: episode, first_observation" in bench.request("episode", phase=0)[1]
+    assert (
+        "missing: activations, episode, first_observation" in bench.request("episode", phase=0)[1]
+    )
 
 
 def test_a_refused_episode_leaves_the_one_under_way_alone(bench: Bench) -> None:

@@ -79,7 +79,7 @@ def _killed_in_process_and_as_a_graph(line: list[str], directory: Path) -> None:
 def _out_of_disk_and_stopped_at_once(line: list[str], directory: Path) -> None:
     with SupervisedRun(line, directory, in_process=True) as run:
         assert run.wait_until(partial(_is_beyond, run, 1), "a checkpoint")
-        resource.prlimit(run.process.pid, resource.RLIMIT_FSIZE, (1000, 1000))
+        resource.prlimit(run.process.pid, resource.RLIMIT_FSIZE, (5000, 5000))
         assert run.wait() == 3, run.output()
         assert run.output().count("error: ") == 1
         assert f"{directory} cannot be written: " in run.output()
