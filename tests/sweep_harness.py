@@ -50,15 +50,14 @@ def command_line(pictures: Path, **more: object) -> list[str]:
 def start_sweep(*line: object, **variables: str) -> "subprocess.Popen[str]":
     """Start sweep.sh; its output is one stream. variables: more of its environment."""
     return subprocess.Popen(
-        [SCRIPTS / "sweep.sh", *map(str, line)],
+        # Whoever runs the tests in the background may have the interrupt ignored.
+        ["env", "--default-signal=INT", SCRIPTS / "sweep.sh", *map(str, line)],
         env=environment() | variables,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
         start_new_session=True,  # its group can be sent what Ctrl-C in a terminal sends
-        # Whoever runs the tests in the background may have it ignored.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
 
 
