@@ -17,7 +17,7 @@ from lockstep.wire.cdr import image_array
 from lockstep.wire.topics import PICTURES
 from tests.foxglove_client import FoxgloveClient
 from tests.graph_harness import small_run
-from tests.loop_contract import PICTURE_PX, assert_as_the_loop, run_line, whole_graph
+from tests.loop_contract import PICTURE_PX, assert_as_the_loop, whole_graph
 from tests.supervisor import environment, finished, start_supervisor
 
 ALL_TOPICS = tuple(f"/{topic}" for topic in (*SHOWN_TOPICS, ANAGLYPH, *RECONSTRUCTIONS, LEARNING))
@@ -37,8 +37,8 @@ def _free_port() -> int:
 
 
 def _line(pictures: Path, out: Path) -> list[str]:
-    # Bags keep pictures of some episodes only; viewers see all.
-    return [*run_line(pictures), "--out", str(out)]
+    # Bags keep pictures of some episodes only; viewers see all. Long enough for them to connect.
+    return [*small_run(pictures, 1500), "--out", str(out)]
 
 
 @contextmanager
