@@ -17,7 +17,7 @@ from lockstep.wire.cdr import image_array
 from lockstep.wire.topics import PICTURES
 from tests.foxglove_client import FoxgloveClient
 from tests.graph_harness import small_run
-from tests.loop_contract import PICTURE_PX, assert_as_the_loop, whole_graph
+from tests.loop_contract import assert_as_the_loop, whole_graph
 from tests.supervisor import environment, finished, start_supervisor
 
 ALL_TOPICS = tuple(f"/{topic}" for topic in (*SHOWN_TOPICS, ANAGLYPH, *RECONSTRUCTIONS, LEARNING))
@@ -75,7 +75,7 @@ def test_viewers_see_the_run_and_a_stalled_one_costs_it_nothing(
         assert f"live view: ws://127.0.0.1:{port}" in finished(run)
     assert_as_the_loop(out)
     first, second = (image_array(m) for m in viewer.received["/left/image_raw"][:2])
-    assert first.shape == second.shape == (PICTURE_PX, PICTURE_PX)
+    assert first.shape == second.shape == (240, 320)
     errors = [json.loads(m)["running_median_error_deg"] for m in viewer.received[f"/{LEARNING}"]]
     assert all(0.0 <= error_deg < 20.0 for error_deg in errors)
 
