@@ -3,9 +3,10 @@
 from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.wire.topics import actor_critic_names
 
-COMMAND_NAMES = COMMAND_SPACES[PAIR].names
-HORIZONTAL_RECTI = COMMAND_SPACES[PAIR].muscle_names
-ACTOR_CRITIC_NAMES = actor_critic_names(COMMAND_SPACES[PAIR])
+PAIR_SPACE = COMMAND_SPACES[PAIR]
+COMMAND_NAMES = PAIR_SPACE.names
+HORIZONTAL_RECTI = PAIR_SPACE.muscle_names
+ACTOR_CRITIC_NAMES = actor_critic_names(PAIR_SPACE)
 
 
 def pair_activations(medial: float, lateral: float) -> tuple[float, ...]:

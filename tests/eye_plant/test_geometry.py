@@ -37,6 +37,7 @@ def test_vergence_error_is_positive_when_the_eyes_converge_too_little() -> None:
     truth = GroundTruth(
         adduction_deg=(1.6, 1.61),
         elevation_deg=(0.0, 0.0),
+        torsion_deg=(0.0, 0.0),
         gaze_error=GazeError(3.2, 0.0, 0.0),
         desired_vergence_deg=6.41,
         metabolic_rate_w=0.0,

@@ -74,7 +74,7 @@ class FrozenEvaluation:
         trained = make_protocol(manager).training_iterations_before(n_episodes)
         configuration, manager = _at_age(of_run, trained, self.settings)
         plant = build(EyePlantConfig, configuration["eye_plant"])
-        criteria = criteria_of(plant.camera.focal_length_px, plant.mechanics)
+        criteria = criteria_of(plant)
         shown = self._shown(plant.stimuli, manager)
         n_stimuli = len(shown.all) + len(shown.stereograms)
         protocol = _test_protocol(manager, trained, n_stimuli)

@@ -5,9 +5,16 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from eye_plant.camera.config import CameraConfig
+from eye_plant.mechanics.least_cost import CostOfVergence, cost_of_vergence
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig
-from lockstep.command_space import COMMAND_SPACES, PAIR, CommandSpace
+from lockstep.command_space import (
+    COMMAND_SPACES,
+    LOWEST_ACTIVATIONS,
+    PAIR,
+    CommandSpace,
+    activation_limits,
+)
 from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
@@ -42,6 +49,12 @@ class EyePlantConfig:
         "which muscles a command moves, whose metabolic rate the ground truth states",
         choices=tuple(COMMAND_SPACES),
     )
+    lowest_activations: tuple[float, ...] = setting(
+        LOWEST_ACTIVATIONS,
+        "least activation of each command, or one for all, for the least cost",
+        least=0,
+        most=1,
+    )
     mechanics: MechanicsConfig = field(default_factory=MechanicsConfig)
     camera: CameraConfig = field(default_factory=CameraConfig)
     stimuli: StimuliConfig = field(default_factory=StimuliConfig)
@@ -50,6 +63,13 @@ class EyePlantConfig:
     def __post_init__(self) -> None:
         """Refuse values out of range."""
         check_settings(self)
+        activation_limits(self.space, self.lowest_activations, (1.0,))
+
+    @property
+    def cost_of_vergence(self) -> CostOfVergence:
+        """The least costs of these eyes."""
+        limits = activation_limits(self.space, self.lowest_activations, (1.0,))
+        return cost_of_vergence(self.mechanics, self.command_space, limits.lowest)
 
     @property
     def space(self) -> CommandSpace:
@@ -62,6 +82,7 @@ _FIXED = (
     "mechanics.parameter_set",
     "mechanics.eye_height_m",
     "mechanics.control_period_s",
+    "mechanics.moves",
     "camera.renderer",
     "camera.texture_mipmaps",
     "camera.width_px",

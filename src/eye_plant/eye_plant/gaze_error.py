@@ -70,6 +70,21 @@ def gaze_error(
     )
 
 
+def listing_torsion_deg(rotations: NDArray[np.float64]) -> tuple[float, float]:
+    """Return each eye's torsion in Listing's coordinates, its upper pole turned to the nose > 0.
+
+    rotations: (2, 3, 3) of left and right eye, columns forward, left and up. The part about the
+    line straight ahead of the one rotation from there to the eye's place, 2 atan(r_x) of the
+    rotation vector r (Haustein 1989): 0 for all gazes that obey Listing's law with a primary
+    position straight ahead.
+    """
+    left, right = (
+        2.0 * math.degrees(math.atan2(r[2][1] - r[1][2], 1.0 + r[0][0] + r[1][1] + r[2][2]))
+        for r in rotations.tolist()
+    )
+    return left, -right
+
+
 def _in(axes: Sequence[Sequence[float]], vector: Sequence[float]) -> list[float]:
     """Return the components of a vector along three axes."""
     x, y, z = vector

@@ -14,14 +14,17 @@ from lockstep.wire.topics import TRAINING
 class GroundTruth:
     """What only an experimenter knows; learners never see it.
 
-    adduction_deg, elevation_deg: of the left and the right eye; gaze_error: of the plane at the
-    left fovea, whose horizontal part is not K17's vergence error, which is vergence_error_deg;
+    adduction_deg, elevation_deg, torsion_deg: of the left and the right eye, torsion in Listing's
+    coordinates; gaze_error: of the plane at the left fovea; desired_vergence_deg: of the pair that
+    of the plane's centre (K17 eq. 6), else that with which the right eye would look where the left
+    one does;
     metabolic_rate_w is C, the charged settled rate of both eyes; initial_... is C_0, optimal_... is
     C* (K17 eq. 8).
     """
 
     adduction_deg: tuple[float, float]
     elevation_deg: tuple[float, float]
+    torsion_deg: tuple[float, float]
     gaze_error: GazeError
     desired_vergence_deg: float
     metabolic_rate_w: float
@@ -107,6 +110,7 @@ class Observation:
             truth.gaze_error.torsional_deg,
             truth.version_deg,
             sum(truth.elevation_deg) / 2.0,
+            *truth.torsion_deg,
             *truth.deviations_deg,
             truth.metabolic_rate_w,
             truth.initial_metabolic_rate_w,

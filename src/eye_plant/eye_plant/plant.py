@@ -9,12 +9,12 @@ from eye_plant.camera.stereo_camera import StereoCamera
 from eye_plant.commands import target_activations
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.episode import Episode
-from eye_plant.gaze_error import gaze_error
+from eye_plant.gaze_error import gaze_error, listing_torsion_deg
 from eye_plant.geometry import desired_vergence_deg
-from eye_plant.mechanics.inverse import Inverse
 from eye_plant.mechanics.oculomotor import Oculomotor, OculomotorState
 from eye_plant.observation import GroundTruth, Observation
 from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli
+from lockstep.command_space import PAIR
 from lockstep.errors import InputError
 
 
@@ -33,7 +33,7 @@ class EyePlant:
         self._started_with = self.config = config
         self._settings: Mapping[str, Any] = {}
         self.oculomotor = Oculomotor(config.mechanics)
-        self._inverse = Inverse(config.mechanics)
+        self._cost = config.cost_of_vergence
         self._camera = StereoCamera(
             config.camera,
             load_stimuli(config.stimuli) if stimuli is None else stimuli,
@@ -66,13 +66,13 @@ class EyePlant:
         if config == self.config:
             self._settings = dict(settings)
             return
-        oculomotor, inverse = self.oculomotor, self._inverse
+        oculomotor, cost = self.oculomotor, self._cost
         if config.mechanics != self.config.mechanics:
-            oculomotor, inverse = Oculomotor(config.mechanics), Inverse(config.mechanics)
+            oculomotor, cost = Oculomotor(config.mechanics), config.cost_of_vergence
         if config.camera != self.config.camera:
             self._camera.reconfigure(config.camera)
         # Nothing is refused from here on.
-        self.oculomotor, self._inverse = oculomotor, inverse
+        self.oculomotor, self._cost = oculomotor, cost
         self.config, self._settings = config, dict(settings)
         self._episode = None
 
@@ -88,13 +88,13 @@ class EyePlant:
             self.config.mechanics.baseline_m,
             self._camera.parallax_m(episode.stimulus),
         )
-        self._inverse.check(desired_deg)
+        self._cost.check(desired_deg)
         self._episode, self._iteration = episode, 0
         self._desired_deg = desired_deg
         self._held_activations = np.array(episode.activations)
         self.oculomotor.settle(self._held_activations)
         self._start_drawing(episode)
-        self._optimal_rate_w = self._inverse.optimal(desired_deg).metabolic_rate_w
+        self._optimal_rate_w = self._cost.least_w(desired_deg)
         state = self.oculomotor.state()
         self._initial_rate_w = self._charged_rate_w(state)
         return self._observe(episode, state)
@@ -149,16 +149,25 @@ class EyePlant:
 
     def _observe(self, episode: Episode, state: OculomotorState) -> Observation:
         adduction_deg, elevation_deg, _ = np.degrees(state.eye_angles_rad).T.tolist()
+        rotations = self.oculomotor.eye_rotations()
+        error = gaze_error(
+            self.oculomotor.eye_positions_m(),
+            rotations,
+            episode.object_distance_m,
+            self._camera.parallax_m(episode.stimulus),
+        )
+        # Eyes that one command turns alike look straight ahead, where K17's formula holds.
+        desired_deg = (
+            self._desired_deg
+            if self.config.command_space == PAIR
+            else sum(adduction_deg) + error.horizontal_deg
+        )
         truth = GroundTruth(
             adduction_deg=tuple(adduction_deg),
             elevation_deg=tuple(elevation_deg),
-            gaze_error=gaze_error(
-                self.oculomotor.eye_positions_m(),
-                self.oculomotor.eye_rotations(),
-                episode.object_distance_m,
-                self._camera.parallax_m(episode.stimulus),
-            ),
-            desired_vergence_deg=self._desired_deg,
+            torsion_deg=listing_torsion_deg(rotations),
+            gaze_error=error,
+            desired_vergence_deg=desired_deg,
             metabolic_rate_w=self._charged_rate_w(state),
             initial_metabolic_rate_w=self._initial_rate_w,
             optimal_metabolic_rate_w=self._optimal_rate_w,

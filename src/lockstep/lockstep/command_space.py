@@ -107,8 +107,14 @@ def _one_each(parameter: str, values: Sequence[float], space: CommandSpace) -> t
     return tuple(values) if len(values) == n_names else (values[0],) * n_names
 
 
-PAIR = "pair"
+PAIR, HORIZONTAL_RECTI, ALL_MUSCLES = "pair", "horizontal_recti", "all_muscles"
 COMMAND_SPACES = {
     # Both eyes alike, as in K17.
     PAIR: CommandSpace(("medial_rectus", "lateral_rectus")),
+    # Each eye its own: it may turn sideways.
+    HORIZONTAL_RECTI: CommandSpace(
+        tuple(f"{side}_{muscle}" for side in SIDES for muscle in MUSCLES[:2])
+    ),
+    # It may turn about all three axes.
+    ALL_MUSCLES: CommandSpace(MUSCLE_NAMES),
 }

@@ -5,6 +5,7 @@ import pytest
 
 from experiment_manager.analysis.resting_places import resting_places
 from experiment_manager.measures.trials import Trials
+from tests.pair import PAIR_SPACE
 
 
 def _trials(errors_deg: list[list[float]], pairs: list[tuple[int, float]]) -> Trials:
@@ -15,7 +16,7 @@ def _trials(errors_deg: list[list[float]], pairs: list[tuple[int, float]]) -> Tr
         "object_distance_m": np.broadcast_to(distance_m[:, None], error_deg.shape),
         "vergence_error_deg": error_deg,
     }
-    return Trials(0, np.arange(len(error_deg)), columns, np.zeros(error_deg.shape, dtype=int))
+    return Trials(PAIR_SPACE, 0, np.arange(len(error_deg)), columns, np.zeros(error_deg.shape, dtype=int))
 
 
 def test_resting_places_by_hand() -> None:

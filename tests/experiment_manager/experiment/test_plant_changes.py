@@ -7,6 +7,7 @@ from experiment_manager.experiment.plant_changes import (
     read_schedule,
     stages_of,
 )
+from experiment_manager.experiment.starts import PairStarts
 from experiment_manager.experiment.protocol import Eyes, Protocol, make_protocol
 from eye_plant.config import EyePlantConfig
 from eye_plant.mechanics.muscles import N_MUSCLES
@@ -132,7 +133,10 @@ def protocol_in_stages(ats):
     )
 
     def eyes(stage, at):
-        return Eyes(at, 0.056, lambda _, fraction: pair_activations(0.01 * stage, fraction / 10.0))
+        def activations(_, fraction):
+            return pair_activations(0.01 * stage, fraction / 10.0)
+
+        return Eyes(at, 0.056, PairStarts(config, 0.056, activations))
 
     return Protocol(config, 1, [eyes(stage, at) for stage, at in enumerate(ats)])
 

@@ -12,7 +12,8 @@ from experiment_manager.experiment.config import (
     ExperimentManagerConfig,
     ProtocolConfig,
 )
-from experiment_manager.experiment.protocol import Eyes, Protocol, conditions, make_protocol
+from experiment_manager.experiment.protocol import Eyes, Protocol, make_protocol
+from experiment_manager.experiment.starts import PairStarts, conditions
 from lockstep.errors import InputError
 from lockstep.wire.topics import TEST, TRAINING
 from tests.pair import pair_activations
@@ -33,7 +34,12 @@ def _activations(vergence_deg: float, fraction: float) -> tuple[float, ...]:
 
 
 def _protocol(seed: int = 1, **settings: Any) -> Protocol:
-    return Protocol(ProtocolConfig(**(SMALL | settings)), seed, [Eyes(0, BASELINE_M, _activations)])
+    config = ProtocolConfig(**(SMALL | settings))
+    return Protocol(config, seed, [_eyes(config)])
+
+
+def _eyes(config: ProtocolConfig) -> Eyes:
+    return Eyes(0, BASELINE_M, PairStarts(config, BASELINE_M, _activations))
 
 
 def test_the_papers_conditions() -> None:
@@ -48,7 +54,7 @@ def test_the_papers_conditions() -> None:
 
 
 def test_the_papers_tests() -> None:
-    paper = Protocol(ProtocolConfig(), 1, [Eyes(0, BASELINE_M, _activations)])
+    paper = Protocol(ProtocolConfig(), 1, [_eyes(ProtocolConfig())])
     assert paper.n_trials == 1560
     assert paper.test_iterations == PAPER_TEST_ITERATIONS
     assert len(PAPER_TEST_ITERATIONS) == 13

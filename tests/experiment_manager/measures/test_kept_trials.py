@@ -18,8 +18,9 @@ from experiment_manager.measures.kept_trials import (
     write_trials,
 )
 from experiment_manager.measures.results import Measures, Summary
-from experiment_manager.measures.trials import ACTIVATION_NAMES, Trials
+from experiment_manager.measures.trials import Trials
 from lockstep.errors import InputError
+from tests.pair import COMMAND_NAMES, PAIR_SPACE
 
 N_TRIALS, N = 12, 20
 
@@ -41,9 +42,9 @@ def _test(training_iteration: int, n_trials: int = N_TRIALS, eyes: int = 0) -> T
     }
     columns = {name: np.repeat(v[:, None], N + 1, axis=1) for name, v in of_trial.items()}
     columns |= {"vergence_error_deg": error_deg, "metabolic_rate_w": rate_w}
-    columns |= {name: activations[..., i] for i, name in enumerate(ACTIVATION_NAMES)}
+    columns |= {name: activations[..., i] for i, name in enumerate(COMMAND_NAMES)}
     rows = np.zeros((n_trials, N + 1), dtype=int)
-    return Trials(training_iteration, np.arange(n_trials), columns, rows)
+    return Trials(PAIR_SPACE, training_iteration, np.arange(n_trials), columns, rows)
 
 
 def _kept(*tests: Trials) -> KeptTrials:

@@ -10,23 +10,26 @@ from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.metrics import cost_share
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import (
-    TRIAL_NAMES,
     Trials,
     TrialTable,
     only_test,
     pooled,
     split_tests,
+    trial_names,
 )
 from lockstep.errors import InputError
 from lockstep.wire.topics import TEST, TRAINING
 from tests.experiment_manager.summaries import NO_TRIALS
+from tests.pair import PAIR_SPACE
 
 CRITERIA = Criteria(
     px_deg=0.22264,
     silent_activation=0.005,
     lateral_is_silent_up_to_m=2.0,
     medial_is_silent_from_m=4.0,
+    lowest_activations=(0.0, 0.0),
 )
+TRIAL_NAMES = trial_names(PAIR_SPACE)
 INDEX = {name: i for i, name in enumerate(TRIAL_NAMES)}
 
 
@@ -252,7 +255,7 @@ def test_of_a_test_that_ended_in_its_first_trial_nothing_counts() -> None:
 
 def test_what_counts_is_that_of_the_runs_own_eyes_and_cameras() -> None:
     # Twice the pixels per degree, a higher floor, eyes that rest on something nearer.
-    other = Criteria(0.11132, 0.01, 0.5, 1.0)
+    other = Criteria(0.11132, 0.01, 0.5, 1.0, (0.0, 0.0))
     ends = [(0.5, 0.07, 0.009, 0.2), (2.0, 0.009, 0.1, 0.1)]
     rows = np.concatenate(
         [

@@ -8,10 +8,11 @@ import pytest
 from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import arrays_of
 from experiment_manager.measures.results import Summary
-from experiment_manager.measures.trials import TRIAL_NAMES, TrialTable
+from experiment_manager.measures.trials import TrialTable, trial_names
 from experiment_manager.run.progress import Progress
 from lockstep.errors import InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
+from tests.pair import PAIR_SPACE
 
 ACTIVATIONS = np.array([0.1, 0.02, 0.1, 0.02])
 
@@ -55,7 +56,7 @@ def _add_test(progress: Progress, finals_deg: list[float]) -> Summary:
 
 
 def test_a_test_is_summed_up_after_iteration_20() -> None:
-    summary = _add_test(Progress(1000), [0.1, -0.2, 0.3, -0.4, 0.5])
+    summary = _add_test(Progress(1000, PAIR_SPACE), [0.1, -0.2, 0.3, -0.4, 0.5])
     assert summary.iteration == 500
     assert summary.n_trials == 5
     assert summary.median_abs_vergence_error_deg == pytest.approx(0.3)
@@ -64,14 +65,14 @@ def test_a_test_is_summed_up_after_iteration_20() -> None:
 
 
 def test_each_test_starts_from_nothing() -> None:
-    progress = Progress(1000)
+    progress = Progress(1000, PAIR_SPACE)
     _add_test(progress, [5.0, 5.0, 5.0])
     assert _add_test(progress, [0.1]).median_abs_vergence_error_deg == pytest.approx(0.1)
     assert len(progress.tests) == 2
 
 
 def test_the_running_error_is_of_the_last_observations_of_training() -> None:
-    progress = Progress(1000)
+    progress = Progress(1000, PAIR_SPACE)
     assert progress.running_median_error_deg is None
     for error_deg in (-1.0, 2.0, -9.0):
         progress.add_truth(_truth(phase=TRAINING, vergence_error_deg=50.0), is_last=False)
@@ -80,14 +81,14 @@ def test_the_running_error_is_of_the_last_observations_of_training() -> None:
 
 
 def test_the_running_error_forgets() -> None:
-    progress = Progress(10**6)
+    progress = Progress(10**6, PAIR_SPACE)
     for error_deg in [7.0] * 300 + [1.0] * 200:
         progress.add_truth(_truth(phase=TRAINING, vergence_error_deg=error_deg), is_last=True)
     assert progress.running_median_error_deg == 1.0
 
 
 def test_cost_share_of_the_first_and_the_last_iterations() -> None:
-    progress = Progress(20_000)
+    progress = Progress(20_000, PAIR_SPACE)
     progress.add_reward(TRAINING, 0, _reward(0.2, 0.2, 1.0))
     progress.add_reward(TRAINING, 4999, _reward(0.1, 0.3, 3.0))
     progress.add_reward(TRAINING, 5000, _reward(100.0, 100.0, 100.0))
@@ -101,18 +102,18 @@ def test_cost_share_of_the_first_and_the_last_iterations() -> None:
 
 
 def test_without_training_there_is_no_share() -> None:
-    assert Progress(0).cost_share("first", 0.1) is None
+    assert Progress(0, PAIR_SPACE).cost_share("first", 0.1) is None
 
 
 def test_a_share_of_nothing_is_none() -> None:
-    progress = Progress(100)
+    progress = Progress(100, PAIR_SPACE)
     progress.add_reward(TRAINING, 0, _reward(0.0, 0.0, 0.0))
     assert progress.cost_share("first", 0.1) is None
 
 
 def test_a_checkpoint_during_a_test_carries_everything() -> None:
     draw = np.random.default_rng(1)
-    undisturbed = Progress(100)
+    undisturbed = Progress(100, PAIR_SPACE)
     _add_test(undisturbed, [0.3, 0.1])
     for i in range(50):
         undisturbed.add_truth(
@@ -123,7 +124,7 @@ def test_a_checkpoint_during_a_test_carries_everything() -> None:
         undisturbed.add_truth(row, is_last=False)
         undisturbed.add_activations(TEST, draw.random(4) / 100)
 
-    resumed = Progress(100)
+    resumed = Progress(100, PAIR_SPACE)
     document = json.loads(json.dumps(undisturbed.document()))
     resumed.restore(document, undisturbed.trial_table(), undisturbed.kept_trials)
     ends = []
@@ -148,10 +149,10 @@ def test_a_checkpoint_during_a_test_carries_everything() -> None:
 
 
 def test_restoring_does_not_share_what_it_restores_from() -> None:
-    first = Progress(100)
+    first = Progress(100, PAIR_SPACE)
     first.add_reward(TRAINING, 0, _reward(0.1, 0.1, 1.0))
     document = first.document()
-    second = Progress(100)
+    second = Progress(100, PAIR_SPACE)
     second.restore(document, first.trial_table())
     before = json.dumps(document)
     second.add_reward(TRAINING, 1, _reward(0.5, 0.1, 1.0))
@@ -160,11 +161,11 @@ def test_restoring_does_not_share_what_it_restores_from() -> None:
 
 
 def test_no_trials_are_no_rows() -> None:
-    assert Progress(0).trial_table().rows.shape == (0, len(TRIAL_NAMES))
+    assert Progress(0, PAIR_SPACE).trial_table().rows.shape == (0, len(trial_names(PAIR_SPACE)))
 
 
 def test_activations_come_before_or_after_their_ground_truth() -> None:
-    progress = Progress(0)
+    progress = Progress(0, PAIR_SPACE)
     before, after = _trial(0, [-1.0, 0.5])
     progress.add_activations(TEST, np.array([0.1, 0.0, 0.3, 0.2]))
     progress.add_truth(before, is_last=False)
@@ -180,15 +181,15 @@ def test_activations_come_before_or_after_their_ground_truth() -> None:
 
 def test_saved_trials_with_other_columns_are_refused_where_there_are_some() -> None:
     fewer = np.zeros((3, len(GROUND_TRUTH_NAMES)))
-    with pytest.raises(InputError, match=r"expected rows of .*shape \(3, "):
-        TrialTable.saved(fewer)
-    assert TrialTable.saved(fewer[:0]).rows.shape == (0, len(TRIAL_NAMES))
+    with pytest.raises(InputError, match="expected activations of 2, 4, 12 commands, got 0"):
+        TrialTable.saved(fewer, PAIR_SPACE)
+    assert TrialTable.saved(fewer[:0], PAIR_SPACE).rows.shape == (0, len(trial_names(PAIR_SPACE)))
 
 
 @pytest.mark.parametrize("name", ["tests", "sums", "counted_from", "running_errors_deg"])
 def test_what_is_no_progress_is_refused(name: str) -> None:
-    progress = Progress(0)
+    progress = Progress(0, PAIR_SPACE)
     document = progress.document()
     for damaged in ({k: v for k, v in document.items() if k != name}, document | {name: 3}):
         with pytest.raises(InputError, match="expected a run's progress"):
-            Progress(0).restore(damaged, progress.trial_table())
+            Progress(0, PAIR_SPACE).restore(damaged, progress.trial_table())

@@ -12,9 +12,9 @@ from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import KeptTrials, with_test
 from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, summary_of
 from experiment_manager.measures.results import Results, Summary
-from experiment_manager.measures.trials import ACTIVATION_NAMES, Trials, TrialTable, split_tests
+from experiment_manager.measures.trials import Trials, TrialTable, split_tests
 from experiment_manager.run.described_run import DescribedRun
-from lockstep.command_space import COMMAND_SPACES, PAIR
+from lockstep.command_space import CommandSpace
 from lockstep.errors import InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, TRAINING
 
@@ -111,7 +111,8 @@ class RecordedRun(DescribedRun):
         # The tables of a full run fill half a gigabyte; only what is made of them is kept.
         tables = self.bag.vectors("ground_truth", "reward", "muscle_activations")
         truth = tables["ground_truth"]
-        table = trial_table(truth, tables["muscle_activations"])
+        space = self.evaluation_settings.plant.space
+        table = trial_table(truth, tables["muscle_activations"], space)
         tests = tuple(
             _recorded(trials, truth, tables["reward"])
             for trials in split_tests(table, self.evaluation_settings.iterations_per_trial)
@@ -166,18 +167,19 @@ def _total_error(reward: VectorTable) -> np.ndarray:
     return error
 
 
-def trial_table(truth: VectorTable, activations: VectorTable | None) -> TrialTable:
+def trial_table(
+    truth: VectorTable, activations: VectorTable | None, space: CommandSpace
+) -> TrialTable:
     """Return ground truth and the activations at its stamps, nan for gaps."""
-    of_commands = np.full((len(truth.stamps_ns), len(ACTIVATION_NAMES)), np.nan)
+    of_commands = np.full((len(truth.stamps_ns), len(space.names)), np.nan)
     if activations is not None and len(activations.stamps_ns):
-        of_commands = _at_stamps(activations, commanded(activations), truth.stamps_ns)
+        of_commands = _at_stamps(activations, commanded(activations, space), truth.stamps_ns)
     columns = [truth.column(name) for name in GROUND_TRUTH_NAMES]
     return TrialTable.of(np.stack(columns, axis=1), of_commands)
 
 
-def commanded(activations: VectorTable) -> np.ndarray:
+def commanded(activations: VectorTable, space: CommandSpace) -> np.ndarray:
     """Return what commands set, (n, n_commands), from the activations of the muscles."""
-    space = COMMAND_SPACES[PAIR]
     values = np.stack([activations.column(name) for name in space.muscle_names], axis=1)
     return space.from_muscles(values)
 

@@ -167,7 +167,7 @@ def _learning_curve(bag: Bag) -> str:
     if not len(truth.stamps_ns):
         return ""
     settings = evaluation_settings_of(bag)
-    table = trial_table(truth, tables.get("muscle_activations"))
+    table = trial_table(truth, tables.get("muscle_activations"), settings.plant.space)
     summaries = [
         summary_of(trials, settings.criteria(trials.training_iteration))
         for trials in split_tests(table, settings.iterations_per_trial)

@@ -62,6 +62,7 @@ AGREEMENTS = (
         Agreement("vergence_rl.command_space", f"{node}.command_space")
         for node in ("eye_plant", "sparse_coder")
     ),
+    Agreement("vergence_rl.lowest_activations", "eye_plant.lowest_activations"),
     *(
         Agreement(f"eye_plant.mechanics.{name}", f"experiment_manager.mechanics.{name}")
         for name in flatten(MechanicsConfig())

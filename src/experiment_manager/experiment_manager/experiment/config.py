@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 
 from experiment_manager.experiment.plant_changes import check_places, read_schedule
 from eye_plant.config import EyePlantConfig
-from eye_plant.mechanics.inverse import Limits, pair_limits
+from eye_plant.mechanics.inverse import Limits as PairLimits
+from eye_plant.mechanics.inverse import pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.command_space import (
     COMMAND_SPACES,
@@ -12,6 +13,7 @@ from lockstep.command_space import (
     LOWEST_ACTIVATIONS,
     PAIR,
     CommandSpace,
+    Limits,
     activation_limits,
 )
 from lockstep.errors import InputError
@@ -77,6 +79,33 @@ class ProtocolConfig:
     least_start_error_deg: int = setting(
         -3, "least vergence error with which a test trial starts", "deg", most=0
     )
+    start_error_deg: tuple[float, ...] = setting(
+        (3.0, 1.5, 4.0),
+        "largest horizontal, vertical and cyclovergence error with which an episode begins, of"
+        " muscles with a command each; those that the commands turn are drawn uniformly",
+        "deg",
+        least=0,
+        most=20,
+        n_entries=3,
+    )
+    start_version_deg: tuple[float, ...] = setting(
+        (5.0, 5.0),
+        "how far sideways and up or down these eyes look at most as an episode begins",
+        "deg",
+        least=0,
+        most=20,
+        n_entries=2,
+    )
+    start_spread: float = setting(
+        0.03,
+        "how far from the tonic level these muscles begin, a standard deviation of those changes of"
+        " activation that leave gaze as it is",
+        least=0,
+        most=1,
+    )
+    n_starts_per_distance: int = setting(
+        6, "first gazes of these eyes at each distance of a test", least=1
+    )
     command_space: str = setting(
         PAIR, "which muscles a command moves", choices=tuple(COMMAND_SPACES)
     )
@@ -119,10 +148,14 @@ class ProtocolConfig:
         return COMMAND_SPACES[self.command_space]
 
     @property
-    def pair_limits(self) -> Limits:
+    def limits(self) -> Limits:
+        """Of the first activation of each command."""
+        return activation_limits(self.space, self.lowest_activations, self.highest_activations)
+
+    @property
+    def pair_limits(self) -> PairLimits:
         """((lowest, highest) medial, (lowest, highest) lateral) first activations."""
-        limits = activation_limits(self.space, self.lowest_activations, self.highest_activations)
-        return pair_limits(limits.lowest, limits.highest)
+        return pair_limits(self.limits.lowest, self.limits.highest)
 
 
 def bounds(values: tuple[float, ...]) -> tuple[float, float]:

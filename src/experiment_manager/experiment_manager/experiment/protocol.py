@@ -6,14 +6,11 @@ function of (configuration, seed, place in the sequence), so a run goes on where
 
 import bisect
 import functools
-import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig, bounds
+from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.experiment.plant_changes import (
     NO_CHANGES,
     Change,
@@ -21,26 +18,12 @@ from experiment_manager.experiment.plant_changes import (
     read_schedule,
     stages_of,
 )
+from experiment_manager.experiment.starts import Starts, conditions, starts
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
-from eye_plant.geometry import desired_vergence_deg
-from eye_plant.geometry import fixation_distance_m as distance_of_vergence_m
-from eye_plant.mechanics.inverse import Inverse, Limits
-from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
 from lockstep.randomness import generator
 from lockstep.wire.topics import TEST, TRAINING
-
-FirstActivations = Callable[[float, float], tuple[float, ...]]
-
-
-@dataclass(frozen=True)
-class Condition:
-    """Where a test trial's plane stands, and the vergence error at its start."""
-
-    object_distance_m: float
-    start_error_deg: float
-
 
 @dataclass(frozen=True)
 class Segment:
@@ -59,30 +42,11 @@ class Segment:
 
 @dataclass(frozen=True)
 class Eyes:
-    """What the protocol must know of the eyes, as they are from training iteration `at` on.
-
-    activations: (vergence_deg, fraction in [0, 1]) -> those of the twelve muscles.
-    """
+    """What the protocol must know of the eyes, as they are from training iteration `at` on."""
 
     at: int
     baseline_m: float
-    activations: FirstActivations
-
-
-def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ...]:
-    """Return the conditions of a test: distances x whole-degree start errors.
-
-    Start errors go from least_start_error_deg to the largest whole degree that leaves the initial
-    vergence 0 or more (D11; K17: "the smallest possible initial angle of the eyes to zero").
-    """
-    return tuple(
-        Condition(distance_m, float(error_deg))
-        for distance_m in config.test_distances_m
-        for error_deg in range(
-            config.least_start_error_deg,
-            math.floor(desired_vergence_deg(distance_m, baseline_m)) + 1,
-        )
-    )
+    starts: Starts
 
 
 class Protocol:
@@ -227,14 +191,7 @@ class Protocol:
         number = segment.training_iteration // config.iterations_per_episode + offset
         draw = generator(self._seed, "episode", number)
         stimulus = int(draw.integers(config.n_training_stimuli))
-        eyes = self._eyes[segment.stage]
-        object_distance_m, fixation_distance_m = (
-            self._distance_m(draw, bounds(ends_m), eyes.baseline_m)
-            for ends_m in (config.object_distance_m, config.fixation_distance_m)
-        )
-        activations = eyes.activations(
-            desired_vergence_deg(fixation_distance_m, eyes.baseline_m), float(draw.random())
-        )
+        object_distance_m, activations = self._eyes[segment.stage].starts.training(draw)
         return Episode(
             phase=TRAINING,
             test=-1,
@@ -249,34 +206,12 @@ class Protocol:
             + offset * (config.iterations_per_episode + 1),
         )
 
-    def _distance_m(
-        self, draw: np.random.Generator, ends_m: tuple[float, float], baseline_m: float
-    ) -> float:
-        """Draw a distance uniformly (K17), or one of uniformly drawn vergence (D18).
-
-        ours: uniform distances are seldom near, so that the vergence errors of more than 2 deg
-        with which a test may start hardly occur in training.
-        """
-        if not self.config.draws_vergence_evenly:
-            return float(draw.uniform(*ends_m))
-        nearest_m, farthest_m = ends_m
-        vergence = draw.uniform(
-            desired_vergence_deg(farthest_m, baseline_m),
-            desired_vergence_deg(nearest_m, baseline_m),
-        )
-        return distance_of_vergence_m(float(vergence), baseline_m)
-
     def _trial(self, segment: Segment, trial: int) -> Episode:
         config = self.config
         i_stimulus, i_condition = divmod(trial, len(self.conditions))
         condition = self.conditions[i_condition]
-        eyes = self._eyes[segment.stage]
-        vergence_deg = (
-            desired_vergence_deg(condition.object_distance_m, eyes.baseline_m)
-            - condition.start_error_deg
-        )
-        fraction = float(generator(self._seed, "trial", trial).random())
-        activations = eyes.activations(vergence_deg, fraction)
+        draw = generator(self._seed, "trial", trial)
+        activations = self._eyes[segment.stage].starts.trial(condition, draw)
         return Episode(
             phase=TEST,
             test=segment.i_test,
@@ -293,17 +228,10 @@ class Protocol:
 
 def make_protocol(config: ExperimentManagerConfig) -> Protocol:
     """Return the sequence of episodes of a configuration."""
-    limits = config.protocol.pair_limits
     schedule = read_schedule(config.schedule)
     plant = EyePlantConfig(mechanics=config.mechanics)
-    eyes = [_eyes(at, its.mechanics, limits) for at, its in stages_of(schedule, plant)]
+    eyes = [
+        Eyes(at, changed.mechanics.baseline_m, starts(config.protocol, changed.mechanics))
+        for at, changed in stages_of(schedule, plant)
+    ]
     return Protocol(config.protocol, config.seed, eyes, schedule)
-
-
-def _eyes(at: int, mechanics: MechanicsConfig, limits: Limits) -> Eyes:
-    inverse = Inverse(mechanics)
-    return Eyes(
-        at,
-        mechanics.baseline_m,
-        lambda vergence_deg, fraction: inverse.activations(vergence_deg, fraction, limits),
-    )

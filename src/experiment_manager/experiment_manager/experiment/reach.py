@@ -1,6 +1,7 @@
 """Whether eyes with these muscles can do what a protocol asks, found out before anything starts."""
 
 import functools
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -10,11 +11,13 @@ import numpy as np
 
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.experiment.plant_changes import read_schedule, stages_of
-from experiment_manager.experiment.protocol import Condition, conditions
+from experiment_manager.experiment.starts import Condition, conditions, largest_angles_deg
 from eye_plant.config import EyePlantConfig
 from eye_plant.geometry import desired_vergence_deg
+from eye_plant.mechanics.gaze_inverse import GazeInverse
 from eye_plant.mechanics.inverse import Inverse, Limits
 from eye_plant.mechanics.model import MechanicsConfig
+from lockstep.command_space import PAIR
 from lockstep.configuration import build
 from lockstep.errors import InputError
 
@@ -47,6 +50,9 @@ def check_reach(parameters: Mapping[str, Mapping[str, Any]]) -> None:
 def _check_eyes(
     config: ExperimentManagerConfig, plant: EyePlantConfig, tested: Sequence[Condition]
 ) -> None:
+    if config.protocol.command_space != PAIR:
+        _check_gazes(config.protocol, config.mechanics)
+        return
     plane_m = plant.camera.plane_size_m
     inverse = Inverse(config.mechanics)
     limits = config.protocol.pair_limits
@@ -55,6 +61,20 @@ def _check_eyes(
     _check_pairs(config.mechanics, limits, (min(started_deg), max(started_deg)))
     for distance_m in _distances_m(config):
         _check_version(config, inverse, limits, distance_m, plane_m)
+
+
+@functools.lru_cache(maxsize=64)
+def _check_gazes(protocol: ProtocolConfig, mechanics: MechanicsConfig) -> None:
+    """Raise InputError unless the muscles reach the outermost first gazes, and correct ones."""
+    limits = protocol.limits
+    inverse = GazeInverse(mechanics, protocol.space, limits.lowest, limits.highest)
+    at_tonic_level = np.zeros(len(protocol.space.names))
+    largest_deg = largest_angles_deg(protocol)
+    corners = itertools.product(*((-most, most) for most in largest_deg.values()))
+    for corner in (*corners, np.zeros(len(largest_deg))):
+        angles_deg = dict(zip(largest_deg, corner, strict=True))
+        for distance_m in protocol.object_distance_m:
+            inverse.activations(angles_deg, distance_m, at_tonic_level)
 
 
 def _distances_m(config: ExperimentManagerConfig) -> list[float]:

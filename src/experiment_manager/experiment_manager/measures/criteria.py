@@ -15,6 +15,7 @@ from eye_plant.geometry import degrees_per_px, fixation_distance_m
 from eye_plant.mechanics.inverse import Inverse
 from eye_plant.mechanics.metabolics import silent_activation
 from eye_plant.mechanics.model import MechanicsConfig
+from lockstep.command_space import activation_limits
 from lockstep.configuration import build
 from lockstep.wire.topics import TEST
 
@@ -30,17 +31,26 @@ class Criteria:
     it a muscle's cost no longer falls. Objects up to lateral_is_silent_up_to_m ask for more
     vergence than relaxed eyes have, so that the lateral recti should be silent; those from
     medial_is_silent_from_m on ask for less. In between either may hold the gaze at hardly any cost.
+    lowest_activations: of each command, at which a muscle with a tonic floor is silent.
     """
 
     px_deg: float
     silent_activation: float
     lateral_is_silent_up_to_m: float
     medial_is_silent_from_m: float
+    lowest_activations: tuple[float, ...]
+
+
+def criteria_of(plant: EyePlantConfig) -> Criteria:
+    """Return what counts with a plant's cameras and eyes."""
+    limits = activation_limits(plant.space, plant.lowest_activations, (1.0,))
+    return _criteria(plant.camera.focal_length_px, plant.mechanics, limits.lowest)
 
 
 @lru_cache
-def criteria_of(focal_length_px: float, mechanics: MechanicsConfig) -> Criteria:
-    """Return what counts with cameras of a focal length and eyes with these mechanics."""
+def _criteria(
+    focal_length_px: float, mechanics: MechanicsConfig, lowest: tuple[float, ...]
+) -> Criteria:
     px_deg = degrees_per_px(focal_length_px)
     relaxed_deg = float(sum(Inverse(mechanics).adduction_deg(0.0, 0.0)))
     margin_deg = _RELAXED_PX * px_deg
@@ -49,6 +59,7 @@ def criteria_of(focal_length_px: float, mechanics: MechanicsConfig) -> Criteria:
         silent_activation=silent_activation(mechanics.parameters.energetics),
         lateral_is_silent_up_to_m=_distance_m(relaxed_deg + margin_deg, mechanics.baseline_m),
         medial_is_silent_from_m=_distance_m(relaxed_deg - margin_deg, mechanics.baseline_m),
+        lowest_activations=lowest,
     )
 
 
@@ -91,7 +102,7 @@ class EvaluationSettings:
         """Return what counts in the test after so many training iterations."""
         stage = self.schedule.stage(TEST, training_iterations)
         plant = changed(self.plant, self.schedule.settings(stage))
-        return criteria_of(plant.camera.focal_length_px, plant.mechanics)
+        return criteria_of(plant)
 
 
 def _distance_m(vergence_deg: float, baseline_m: float) -> float:

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS
-from experiment_manager.measures.trials import ACTIVATION_NAMES, Trials
+from experiment_manager.measures.trials import Trials, space_of
+from lockstep.command_space import PAIR, COMMAND_SPACES
 from lockstep.errors import InputError
 from lockstep.state_file import read_state, write_state
 
@@ -18,6 +19,9 @@ KEPT_FILE = "trials.npz"
 _KIND = "trials_of_run"
 # What trials.npz has only where some test began otherwise than the last one.
 OTHER_STARTS = ("began_otherwise", "started_with")
+# ... and what only where the eyes have commands of their own, which turn them about other axes.
+OTHER_ERRORS = ("final_other_errors_deg", "other_errors_deg")
+_OTHER_ERROR_COLUMNS = ("vertical_error_deg", "cyclovergence_error_deg")
 
 
 @dataclass(frozen=True)
@@ -30,11 +34,12 @@ class KeptTrials:
     training_iteration: (n_tests,); final_error_deg, final_rate_w: (n_tests, n_trials), signed error
     and metabolic rate after the last iteration. Of the last test: trial, stimulus,
     object_distance_m, optimal_rate_w: (n_trials,); iteration: (k,) those that are kept of each
-    trial, 0 is the start; error_deg, rate_w: (n_trials, k); activations: (n_trials, k, 2) of medial
-    and lateral rectus, mean of both eyes; path: (m,) indices of the trials of the first stimulus;
-    path_activations: (m, n_iterations + 1, 2). began_otherwise: (j,) indices of the tests that
-    began otherwise than the last one; started_with: (j, 3, n_trials) their error, rate and optimal
-    rate at the start.
+    trial, 0 is the start; error_deg, rate_w: (n_trials, k); activations: (n_trials, k, n_commands)
+    what commands set; path: (m,) indices of the trials of the first stimulus; path_activations:
+    (m, n_iterations + 1, n_commands). began_otherwise: (j,) indices of the tests that began
+    otherwise than the last one; started_with: (j, 3, n_trials) their error, rate and optimal rate
+    at the start. Vertical error and cyclovergence error, of none in the pair's tests:
+    final_other_errors_deg, (n_tests, n_trials, 2), other_errors_deg, (n_trials, k, 2).
     """
 
     training_iteration: np.ndarray
@@ -52,6 +57,8 @@ class KeptTrials:
     path_activations: np.ndarray
     began_otherwise: np.ndarray
     started_with: np.ndarray
+    final_other_errors_deg: np.ndarray
+    other_errors_deg: np.ndarray
 
     def starts(self) -> np.ndarray:
         """Return error, rate and optimal rate at the start of each test, (n_tests, 3, n_trials)."""
@@ -64,15 +71,21 @@ class KeptTrials:
         """Return the tests in order, with nan for what is not kept."""
         shape = (len(self.trial), int(self.iteration[-1]) + 1)
         starts = self.starts()
+        space = space_of(self.activations.shape[-1])
         tests = []
         for i, training_iteration in enumerate(self.training_iteration):
             error_deg, rate_w = np.full((2, *shape), np.nan)
-            activations = np.full((*shape, len(ACTIVATION_NAMES)), np.nan)
+            activations = np.full((*shape, len(space.names)), np.nan)
+            other_deg = np.full((*shape, len(_OTHER_ERROR_COLUMNS)), np.nan)
+            if len(self.other_errors_deg):
+                other_deg[:, -1] = self.final_other_errors_deg[i]
             error_deg[:, 0], rate_w[:, 0], optimal_rate_w = starts[i]
             error_deg[:, -1], rate_w[:, -1] = self.final_error_deg[i], self.final_rate_w[i]
             if i == len(self.training_iteration) - 1:
                 error_deg[:, self.iteration] = self.error_deg
                 rate_w[:, self.iteration] = self.rate_w
+                if len(self.other_errors_deg):
+                    other_deg[:, self.iteration] = self.other_errors_deg
                 activations[:, self.iteration] = self.activations
                 activations[self.path] = self.path_activations
             of_trial = {
@@ -82,9 +95,12 @@ class KeptTrials:
             }
             columns = {n: np.broadcast_to(v[:, None], shape) for n, v in of_trial.items()}
             columns |= {"vergence_error_deg": error_deg, "metabolic_rate_w": rate_w}
-            columns |= {name: activations[..., k] for k, name in enumerate(ACTIVATION_NAMES)}
+            columns |= {name: activations[..., k] for k, name in enumerate(space.names)}
+            columns |= {n: other_deg[..., k] for k, n in enumerate(_OTHER_ERROR_COLUMNS)}
             no_rows = np.broadcast_to(-1, shape)
-            tests.append(Trials(int(training_iteration), self.trial, columns, no_rows))
+            tests.append(
+                Trials(space, int(training_iteration), self.trial, columns, no_rows)
+            )
         return tests
 
 
@@ -95,12 +111,15 @@ def with_test(kept: KeptTrials | None, trials: Trials) -> KeptTrials:
     final_error_deg = _small(trials.vergence_error_deg[None, :, n])
     final_rate_w = _small(trials.metabolic_rate_w[None, :, n])
     starts = _starts(trials)
+    other_deg = _other_errors_deg(trials)
+    final_other_deg = other_deg[None, :, n] if len(other_deg) else other_deg
     training_iteration = np.array([trials.training_iteration])
     if kept is not None and np.array_equal(kept.trial, trials.trial):
         training_iteration = np.append(kept.training_iteration, training_iteration)
         final_error_deg = np.concatenate([kept.final_error_deg, final_error_deg])
         final_rate_w = np.concatenate([kept.final_rate_w, final_rate_w])
         starts = np.concatenate([kept.starts(), starts])
+        final_other_deg = np.concatenate([kept.final_other_errors_deg, final_other_deg])
     began_otherwise = np.flatnonzero((starts != starts[-1]).any(axis=(1, 2)))
     path = np.flatnonzero(trials.stimulus == trials.stimulus.min())
     return KeptTrials(
@@ -119,7 +138,20 @@ def with_test(kept: KeptTrials | None, trials: Trials) -> KeptTrials:
         path_activations=_small(trials.activations[path]),
         began_otherwise=began_otherwise,
         started_with=starts[began_otherwise],
+        final_other_errors_deg=final_other_deg,
+        other_errors_deg=other_deg[:, iteration] if len(other_deg) else other_deg,
     )
+
+
+def _other_errors_deg(trials: Trials) -> np.ndarray:
+    """Return vertical and cyclovergence errors (n_trials, n_iterations + 1, 2), of the pair none."""
+    if trials.space == COMMAND_SPACES[PAIR]:
+        return _no_other_errors()
+    return _small(np.stack([trials.column(name) for name in _OTHER_ERROR_COLUMNS], axis=-1))
+
+
+def _no_other_errors() -> np.ndarray:
+    return np.zeros((0, 0, len(_OTHER_ERROR_COLUMNS)), np.float32)
 
 
 def _starts(trials: Trials) -> np.ndarray:
@@ -134,10 +166,11 @@ def _small(values: np.ndarray) -> np.ndarray:
 
 
 def arrays_of(kept: KeptTrials | None) -> dict[str, np.ndarray]:
-    """Return what is kept by name, nothing for None; OTHER_STARTS only where there are some."""
+    """Return what is kept by name, nothing for None; what is empty only where it says something."""
     if kept is None:
         return {}
     left_out = () if len(kept.began_otherwise) else OTHER_STARTS
+    left_out += () if len(kept.other_errors_deg) else OTHER_ERRORS
     return {name: values for name, values in vars(kept).items() if name not in left_out}
 
 
@@ -146,23 +179,36 @@ def from_arrays(arrays: Mapping[str, np.ndarray]) -> KeptTrials | None:
     if not arrays:
         return None
     names = set(KeptTrials.__dataclass_fields__)
-    if set(arrays) not in (names, names.difference(OTHER_STARTS)):
+    optional = [set(OTHER_STARTS), set(OTHER_ERRORS)]
+    missing = names - set(arrays)
+    for together in optional:
+        missing -= together if together <= missing else set()
+    if missing or set(arrays) > names:
         raise InputError(f"expected {', '.join(sorted(names))}, got {', '.join(sorted(arrays))}")
     n_trials = len(arrays["trial"])
     no_others = {
         "began_otherwise": np.zeros(0, dtype=int),
         "started_with": np.zeros((0, 3, n_trials), dtype=np.float32),
+        "final_other_errors_deg": _no_other_errors(),
+        "other_errors_deg": _no_other_errors(),
     }
     kept = KeptTrials(**{**no_others, **arrays})
-    n_kept = len(kept.iteration)
+    n_kept, n_tests = len(kept.iteration), len(kept.training_iteration)
+    n_commands = kept.activations.shape[-1]
+    space_of(n_commands)
     shapes = {
-        "final_error_deg": (len(kept.training_iteration), n_trials),
-        "final_rate_w": (len(kept.training_iteration), n_trials),
+        "final_error_deg": (n_tests, n_trials),
+        "final_rate_w": (n_tests, n_trials),
         "error_deg": (n_trials, n_kept),
         "rate_w": (n_trials, n_kept),
-        "activations": (n_trials, n_kept, 2),
+        "activations": (n_trials, n_kept, n_commands),
         "started_with": (len(kept.began_otherwise), 3, n_trials),
     }
+    if len(kept.other_errors_deg):
+        shapes |= {
+            "final_other_errors_deg": (n_tests, n_trials, 2),
+            "other_errors_deg": (n_trials, n_kept, 2),
+        }
     for name, shape in shapes.items():
         actual = getattr(kept, name).shape
         if actual != shape:

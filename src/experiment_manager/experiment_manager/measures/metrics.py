@@ -6,8 +6,9 @@ Medians and shares over trials; Delta C and c of each trial (K17 eq. 8) are in m
 import numpy as np
 
 from experiment_manager.measures.criteria import Criteria
-from experiment_manager.measures.results import Measures, SetSummary, Summary
+from experiment_manager.measures.results import AntagonistPair, Measures, SetSummary, Summary
 from experiment_manager.measures.trials import Trials
+from lockstep.command_space import COMMAND_SPACES, MUSCLES, PAIR, SIDES, CommandSpace
 
 # K17 Fig. 3 shows these; the last one is what all tables report.
 REPORTED_ITERATIONS = (1, 2, 3, 20)
@@ -17,6 +18,8 @@ SHARE_ITERATIONS = 5000
 ARRIVED_DEG = 1.0
 # The authors' code has these start errors, and leaves 0 out of its measures.
 AUTHORS_START_ERRORS_DEG = (-3.0, -2.0, -1.0, 1.0, 2.0)
+# A muscle with a command of its own is silent below it, K17's least charged activation.
+_SILENT = 0.005
 # Trials start at whole degrees of error; the eyes settle within 0.02 deg.
 _ZERO_ERROR_DEG = 0.1
 
@@ -48,6 +51,7 @@ def _set_summary(trials: Trials, criteria: Criteria) -> SetSummary:
     )
     return SetSummary(
         **vars(_measures(trials, n, criteria)),
+        antagonists=_antagonists(trials, criteria),
         n_trials=len(trials.trial),
         bias_by_distance_deg=_bias_by_distance_deg(trials),
         median_abs_version_deg=_quantile(np.abs(version_deg), 0.5),
@@ -59,16 +63,32 @@ def _set_summary(trials: Trials, criteria: Criteria) -> SetSummary:
 
 def _measures(trials: Trials, iteration: int, criteria: Criteria) -> Measures:
     """Return the measures after an iteration (quartiles by linear interpolation)."""
-    error_deg = np.abs(trials.vergence_error_deg[:, iteration])
-    error_deg = error_deg[~np.isnan(error_deg)]
+    error_deg, vertical_deg, torsional_deg = (
+        np.abs(trials.column(name)[:, iteration])
+        for name in ("vergence_error_deg", "vertical_error_deg", "cyclovergence_error_deg")
+    )
+    is_known = ~np.isnan(error_deg)
+    error_deg, vertical_deg = error_deg[is_known], vertical_deg[is_known]
+    # Of eyes that share their commands the vertical one may not have been kept.
+    is_within = (error_deg < criteria.px_deg) & ~(vertical_deg >= criteria.px_deg)
     return Measures(
         median_abs_vergence_error_deg=_quantile(error_deg, 0.5),
         iqr_abs_vergence_error_deg=_spread(error_deg),
         median_delta_cost_w=_quantile(trials.delta_cost_w(iteration), 0.5),
         median_cost_reduction=_quantile(trials.cost_reduction(iteration), 0.5),
-        share_within_1_px=_share(error_deg < criteria.px_deg),
+        share_within_1_px=_share(is_within),
         share_beyond_1_deg=_share(error_deg > ARRIVED_DEG),
         share_antagonist_silent=_share(_antagonist_is_silent(trials, iteration, criteria)),
+        **(
+            {}
+            if trials.space == COMMAND_SPACES[PAIR]
+            else {
+                "median_abs_vertical_error_deg": _quantile(vertical_deg, 0.5),
+                "iqr_abs_vertical_error_deg": _spread(vertical_deg),
+                "median_abs_cyclovergence_error_deg": _quantile(torsional_deg, 0.5),
+                "iqr_abs_cyclovergence_error_deg": _spread(torsional_deg[~np.isnan(torsional_deg)]),
+            }
+        ),
     )
 
 
@@ -84,7 +104,23 @@ def _bias_by_distance_deg(trials: Trials) -> dict[float, float | None]:
 
 
 def _antagonist_is_silent(trials: Trials, iteration: int, criteria: Criteria) -> np.ndarray:
-    """Return of the trials where one muscle should be silent whether it is (n,)."""
+    """Return of the trials where one muscle should be silent whether it is (n,).
+
+    Of both eyes' horizontal recti, where each has its own command: whether one of the two is.
+    """
+    if trials.space != COMMAND_SPACES[PAIR]:
+        lesser, limit = (
+            np.concatenate(values)
+            for values in zip(
+                *(
+                    _lesser_of_two(trials, iteration, criteria, names)
+                    for names in _antagonist_names(trials.space)
+                    if names[0].endswith("medial_rectus")
+                ),
+                strict=True,
+            )
+        )
+        return lesser[~np.isnan(lesser)] < limit[~np.isnan(lesser)]
     medial, lateral = (
         trials.column(name)[:, iteration] for name in ("medial_rectus", "lateral_rectus")
     )
@@ -92,6 +128,48 @@ def _antagonist_is_silent(trials: Trials, iteration: int, criteria: Criteria) ->
     far = trials.object_distance_m >= criteria.medial_is_silent_from_m
     antagonist = np.where(near, lateral, medial)[near | far]
     return antagonist[~np.isnan(antagonist)] < criteria.silent_activation
+
+
+def _antagonists(trials: Trials, criteria: Criteria) -> dict[str, AntagonistPair]:
+    """Return how antagonists share their work in the end, by the names of both."""
+    if trials.space == COMMAND_SPACES[PAIR]:
+        return {}
+    distance_m = trials.object_distance_m
+    found = {}
+    for names in _antagonist_names(trials.space):
+        lesser, limit = _lesser_of_two(trials, trials.n_iterations, criteria, names)
+        is_silent = lesser < limit
+        found["-".join(names)] = AntagonistPair(
+            share_silent=_share(is_silent),
+            median_co_contraction=_quantile(lesser, 0.5),
+            share_silent_by_distance={
+                d: _share(is_silent[distance_m == d]) for d in np.unique(distance_m).tolist()
+            },
+        )
+    return found
+
+
+def _antagonist_names(space: CommandSpace) -> list[tuple[str, str]]:
+    """Return the names of antagonists that both have a command."""
+    pairs = [
+        (f"{side}_{first}", f"{side}_{second}")
+        for side in SIDES
+        for first, second in zip(MUSCLES[::2], MUSCLES[1::2], strict=True)
+    ]
+    return [pair for pair in pairs if set(pair) <= set(space.names)]
+
+
+def _lesser_of_two(
+    trials: Trials, iteration: int, criteria: Criteria, names: tuple[str, str]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lesser activation of two muscles above their floors, and what counts as silent."""
+    above = [
+        trials.column(name)[:, iteration]
+        - criteria.lowest_activations[trials.space.names.index(name)]
+        for name in names
+    ]
+    lesser = np.minimum(*above)
+    return lesser, np.full_like(lesser, max(criteria.silent_activation, _SILENT))
 
 
 def _share(true: np.ndarray) -> float | None:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Self
 
@@ -11,6 +11,7 @@ from lockstep.errors import InputError
 
 RESULTS_FILE = "results.json"
 _AFTER = "after_"
+_ANTAGONISTS = "antagonists"
 
 Json = Mapping[str, Any]
 
@@ -29,15 +30,53 @@ class Measures:
     share_within_1_px: float | None
     share_beyond_1_deg: float | None
     share_antagonist_silent: float | None
+    # Only where commands turn the eyes about these axes.
+    median_abs_vertical_error_deg: float | None = None
+    iqr_abs_vertical_error_deg: float | None = None
+    median_abs_cyclovergence_error_deg: float | None = None
+    iqr_abs_cyclovergence_error_deg: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return the entries of results.json."""
-        return {field.name: getattr(self, field.name) for field in fields(Measures)}
+        values = {f.name: getattr(self, f.name) for f in fields(Measures)}
+        return {n: v for n, v in values.items() if v is not None or n not in _OTHER_AXES}
 
     @classmethod
     def from_json(cls, document: Json) -> Self:
         """Return what `to_json` was called on; KeyError, TypeError or ValueError for other data."""
-        return cls(**{field.name: _number(document[field.name]) for field in fields(Measures)})
+        document = dict.fromkeys(_OTHER_AXES) | dict(document)
+        return cls(**{f.name: _number(document[f.name]) for f in fields(Measures)})
+
+
+_OTHER_AXES = [f.name for f in fields(Measures) if f.default is None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class AntagonistPair:
+    """How two antagonists of one eye share their work after the last iteration.
+
+    share_silent: of trials in which one of both is silent; median_co_contraction: of the lesser
+    activation of both; share_silent_by_distance: by object distance in m.
+    """
+
+    share_silent: float | None
+    median_co_contraction: float | None
+    share_silent_by_distance: Mapping[float, float | None]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the entries of results.json."""
+        by_distance = {f"{d:g}": share for d, share in self.share_silent_by_distance.items()}
+        return vars(self) | {"share_silent_by_distance": by_distance}
+
+    @classmethod
+    def from_json(cls, document: Json) -> Self:
+        """Return what `to_json` was called on; errors as in Measures."""
+        by_distance = document["share_silent_by_distance"].items()
+        return cls(
+            share_silent=_number(document["share_silent"]),
+            median_co_contraction=_number(document["median_co_contraction"]),
+            share_silent_by_distance={float(d): _number(share) for d, share in by_distance},
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +84,7 @@ class SetSummary(Measures):
     """Measures of a set of trials after their last iteration.
 
     bias_by_distance_deg: by object distance in m; after: of the iterations before the last one that
-    are reported.
+    are reported; antagonists: by name, of muscles that have commands of their own.
     """
 
     n_trials: int
@@ -54,6 +93,7 @@ class SetSummary(Measures):
     median_left_deviation_deg: float | None
     median_right_deviation_deg: float | None
     after: Mapping[int, Measures]
+    antagonists: Mapping[str, AntagonistPair] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         """Return the entries of results.json."""
@@ -65,6 +105,11 @@ class SetSummary(Measures):
             "median_left_deviation_deg": self.median_left_deviation_deg,
             "median_right_deviation_deg": self.median_right_deviation_deg,
             **{f"{_AFTER}{k}": measures.to_json() for k, measures in self.after.items()},
+            **(
+                {_ANTAGONISTS: {name: pair.to_json() for name, pair in self.antagonists.items()}}
+                if self.antagonists
+                else {}
+            ),
         }
 
     @classmethod
@@ -80,6 +125,10 @@ class SetSummary(Measures):
             median_left_deviation_deg=_number(document["median_left_deviation_deg"]),
             median_right_deviation_deg=_number(document["median_right_deviation_deg"]),
             after={int(k): Measures.from_json(measures) for k, measures in early.items()},
+            antagonists={
+                name: AntagonistPair.from_json(pair)
+                for name, pair in document.get(_ANTAGONISTS, {}).items()
+            },
         )
 
 

@@ -2,40 +2,58 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from lockstep.command_space import COMMAND_SPACES, PAIR
+from lockstep.command_space import COMMAND_SPACES, CommandSpace
 from lockstep.errors import InputError
 from lockstep.wire.topics import EPISODE_NAMES, GROUND_TRUTH_NAMES, TEST
 
-# What is kept of each observation of a test: ground truth, and the activations that commands set.
-# A further column needs only its name in either.
-ACTIVATION_NAMES = COMMAND_SPACES[PAIR].names
-TRIAL_NAMES = (*GROUND_TRUTH_NAMES, *ACTIVATION_NAMES)
 # Where the start costs what the optimum costs, the share saved (eq. 8) divides by nothing.
 LEAST_COST_RANGE_W = 0.01
 
-_MEASURED_NAMES = tuple(name for name in TRIAL_NAMES if name not in EPISODE_NAMES)
-_INDEX = {name: i for i, name in enumerate(TRIAL_NAMES)}
+_SPACES = {len(space.names): space for space in COMMAND_SPACES.values()}
+
+
+def trial_names(space: CommandSpace) -> tuple[str, ...]:
+    """Return what is kept of each observation of a test: ground truth, and what commands set."""
+    return (*GROUND_TRUTH_NAMES, *space.names)
+
+
+def space_of(n_commands: int) -> CommandSpace:
+    """Return the command space with so many commands; raises InputError when none has."""
+    if n_commands not in _SPACES:
+        raise InputError(
+            f"expected activations of {', '.join(map(str, _SPACES))} commands, got {n_commands}"
+        )
+    return _SPACES[n_commands]
 
 
 @dataclass(frozen=True)
 class TrialTable:
-    """Observations with a column for each of TRIAL_NAMES, in the order of their stamps.
+    """Observations with a column for each of `names`, in the order of their stamps.
 
-    rows: (n, len(TRIAL_NAMES)).
+    rows: (n, len(names)); their number of columns tells the command space.
     """
 
     rows: np.ndarray
 
     def __post_init__(self) -> None:
         """Raise InputError for rows of another shape."""
-        if self.rows.ndim != 2 or self.rows.shape[1] != len(TRIAL_NAMES):
-            raise InputError(
-                f"expected rows of {len(TRIAL_NAMES)} values, {', '.join(TRIAL_NAMES)}; "
-                f"got an array of shape {self.rows.shape}"
-            )
+        if self.rows.ndim != 2:
+            raise InputError(f"expected rows of numbers, got an array of shape {self.rows.shape}")
+        space_of(self.rows.shape[1] - len(GROUND_TRUTH_NAMES))
+
+    @cached_property
+    def space(self) -> CommandSpace:
+        """The space of the commands that set the activations."""
+        return space_of(self.rows.shape[1] - len(GROUND_TRUTH_NAMES))
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return trial_names(self.space)
 
     @classmethod
     def of(cls, truth: np.ndarray, activations: np.ndarray) -> "TrialTable":
@@ -43,13 +61,18 @@ class TrialTable:
         return cls(np.concatenate([truth, activations], axis=1))
 
     @classmethod
-    def saved(cls, rows: np.ndarray) -> "TrialTable":
+    def saved(cls, rows: np.ndarray, space: CommandSpace) -> "TrialTable":
         """Return the table of saved rows; if there are none, whatever columns they had."""
-        return cls(rows if len(rows) else np.zeros((0, len(TRIAL_NAMES))))
+        return cls(rows) if len(rows) else cls.empty(space)
+
+    @classmethod
+    def empty(cls, space: CommandSpace) -> "TrialTable":
+        """Return a table without rows."""
+        return cls(np.zeros((0, len(trial_names(space)))))
 
     def column(self, name: str) -> np.ndarray:
         """Return one column (n,)."""
-        column: np.ndarray = self.rows[:, _INDEX[name]]
+        column: np.ndarray = self.rows[:, self.names.index(name)]
         return column
 
 
@@ -58,10 +81,11 @@ class Trials:
     """All trials of one test, by trial number.
 
     n_iterations is that of each trial; iteration 0 is the start, before the first command. trial:
-    (n_trials,); columns: of TRIAL_NAMES, each (n_trials, n_iterations + 1), nan where nothing was
-    recorded; rows: of the table that the trials came from, (n_trials, n_iterations + 1).
+    (n_trials,); columns: of trial_names(space), each (n_trials, n_iterations + 1), nan where
+    nothing was recorded; rows: of the table that the trials came from, (n_trials, n_iterations + 1).
     """
 
+    space: CommandSpace
     training_iteration: int
     trial: np.ndarray
     columns: Mapping[str, np.ndarray]
@@ -74,7 +98,7 @@ class Trials:
 
     def column(self, name: str) -> np.ndarray:
         """Return one column (n_trials, n_iterations + 1), nan where it was not kept."""
-        assert name in TRIAL_NAMES
+        assert name in trial_names(self.space)
         return self.columns[name] if name in self.columns else np.full(self.rows.shape, np.nan)
 
     @property
@@ -84,13 +108,13 @@ class Trials:
 
     @property
     def metabolic_rate_w(self) -> np.ndarray:
-        """C of both eyes' horizontal recti (n_trials, n_iterations + 1)."""
+        """C of the muscles that are commanded (n_trials, n_iterations + 1)."""
         return self.column("metabolic_rate_w")
 
     @property
     def activations(self) -> np.ndarray:
-        """What commands set (n_trials, n_iterations + 1, len(ACTIVATION_NAMES))."""
-        return np.stack([self.column(name) for name in ACTIVATION_NAMES], axis=-1)
+        """What commands set (n_trials, n_iterations + 1, n_commands)."""
+        return np.stack([self.column(name) for name in self.space.names], axis=-1)
 
     @property
     def stimulus(self) -> np.ndarray:
@@ -156,9 +180,10 @@ def _trials(table: TrialTable, chosen: np.ndarray, n_rows: int) -> Trials | None
         return None
     rows = np.stack([by_trial[trial] for trial in sorted(by_trial)])
     return Trials(
+        space=table.space,
         training_iteration=int(table.column("training_iteration")[rows[0, 0]]),
         trial=np.array(sorted(by_trial)),
-        columns={name: table.column(name)[rows] for name in _MEASURED_NAMES},
+        columns={name: table.column(name)[rows] for name in table.names if name not in EPISODE_NAMES},
         rows=rows,
     )
 
@@ -175,9 +200,10 @@ def only_test(table: TrialTable, n_iterations: int) -> Trials:
 
 
 def pooled(tests: Sequence[Trials]) -> Trials:
-    """Return the trials of several runs' tests as if they were of one."""
+    """Return the trials of several runs' tests, of one command space, as if they were of one."""
     names = set.intersection(*(set(test.columns) for test in tests))
     return Trials(
+        space=tests[0].space,
         training_iteration=tests[0].training_iteration,
         trial=np.concatenate([test.trial for test in tests]),
         columns={n: np.concatenate([test.columns[n] for test in tests]) for n in sorted(names)},

@@ -97,9 +97,9 @@ def extend(directory: Path, n_more: int) -> None:
     manifests = []
     for manifest, states in checkpoint.everyone(directory / "checkpoints"):
         check_unchanged(directory, manifest, before)
-        progress = Progress(end)
+        progress = Progress(end, manager.protocol.space)
         rows = read_state(states / TRIALS_FILE, TRIALS_KIND)["rows"]
-        progress.restore(manifest.progress, TrialTable.saved(rows))
+        progress.restore(manifest.progress, TrialTable.saved(rows, manager.protocol.space))
         progress.extend(end + n_more, protocol.training_iterations_before(manifest.place))
         manifests.append(
             dataclasses.replace(manifest, parameters=after, progress=progress.document())
@@ -132,7 +132,7 @@ class Branch:
         checkpoints = directory / "checkpoints"
         to = checkpoint.place_directory(checkpoints, place)
         to.mkdir(parents=True)
-        progress = Progress(manager.protocol.n_training_iterations)
+        progress = Progress(manager.protocol.n_training_iterations, manager.protocol.space)
         progress.begin_at(self.training_iterations)
         write_state(to / TRIALS_FILE, TRIALS_KIND, {"rows": progress.trial_table().rows})
         for name in _LEARNERS:

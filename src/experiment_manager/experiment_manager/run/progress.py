@@ -9,8 +9,8 @@ from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.kept_trials import KeptTrials, with_test
 from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, summary_of
 from experiment_manager.measures.results import Summary
-from experiment_manager.measures.trials import TRIAL_NAMES, TrialTable, only_test
-from lockstep.command_space import COMMAND_SPACES, PAIR
+from experiment_manager.measures.trials import TrialTable, only_test
+from lockstep.command_space import CommandSpace
 from lockstep.errors import InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
 
@@ -27,10 +27,10 @@ class Progress:
     during a test.
     """
 
-    def __init__(self, n_training_iterations: int) -> None:
-        """n_training_iterations: of the whole run."""
+    def __init__(self, n_training_iterations: int, space: CommandSpace) -> None:
+        """n_training_iterations: of the whole run; space: of its commands."""
         self._n_training_iterations = n_training_iterations
-        self._space = COMMAND_SPACES[PAIR]
+        self.space = space
         self.tests: list[Summary] = []
         self.kept_trials: KeptTrials | None = None
         # Of float64. A test has ten thousands of rows: as lists of numbers they would be 20 MB.
@@ -55,7 +55,7 @@ class Progress:
         Of an observation, they may come before or after its ground truth.
         """
         if phase == TEST:
-            means = self._space.from_muscles(activations.astype(np.float64))
+            means = self.space.from_muscles(activations.astype(np.float64))
             self._activation_bytes += means.tobytes()
 
     def add_reward(self, phase: int, training_iteration: int, values: np.ndarray) -> None:
@@ -106,7 +106,7 @@ class Progress:
         trials = only_test(self.trial_table(), n_iterations)
         self.tests.append(summary_of(trials, criteria))
         self.kept_trials = with_test(self.kept_trials, trials)
-        self._keep(TrialTable(np.zeros((0, len(TRIAL_NAMES)))))
+        self._keep(TrialTable.empty(self.space))
         return self.tests[-1]
 
     def cost_share(self, end: str, metabolic_cost_weight: float) -> float | None:
@@ -141,7 +141,7 @@ class Progress:
         Raises InputError when ground truth or activations of some have not come.
         """
         truth = np.frombuffer(bytes(self._truth_bytes)).reshape(-1, len(GROUND_TRUTH_NAMES))
-        n_activations = len(self._space.names)
+        n_activations = len(self.space.names)
         activations = np.frombuffer(bytes(self._activation_bytes)).reshape(-1, n_activations)
         if len(truth) != len(activations):
             raise InputError(

@@ -62,7 +62,7 @@ class Run:
         self.protocol = make_protocol(config)
         self.directory = Path(config.run_directory or _new_directory())
         self.run_id = config.run_id or self.directory.name
-        self.progress = Progress(config.protocol.n_training_iterations)
+        self.progress = Progress(config.protocol.n_training_iterations, config.protocol.space)
         self.place = 0
         self.stamp_ns = 0
         self._checkpoint_place = -1
@@ -223,7 +223,7 @@ class Run:
         self._loaded_from = states
         self.place = self._checkpoint_place = manifest.place
         trials = read_state(states / TRIALS_FILE, TRIALS_KIND)
-        table = TrialTable.saved(trials.pop(_ROWS))
+        table = TrialTable.saved(trials.pop(_ROWS), self.progress.space)
         self.progress.restore(manifest.progress, table, from_arrays(trials))
         # A checkpoint that was copied without the bag is enough to go on.
         bag = self.directory / "bag"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import Eyes, Protocol
+from experiment_manager.experiment.starts import PairStarts
 from experiment_manager.measures.results import Summary, read_results
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
@@ -60,7 +61,8 @@ def status_of(run: CellRun) -> Status:
         return Status(run.cell.name, state)
     configuration = read_configuration(run.directory / CONFIG_FILE)
     manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
-    eyes = Eyes(0, manager.mechanics.baseline_m, _undrawn)
+    baseline_m = manager.mechanics.baseline_m
+    eyes = Eyes(0, baseline_m, PairStarts(manager.protocol, baseline_m, _undrawn))
     protocol = Protocol(manager.protocol, manager.seed, [eyes])
     points = _checkpoints(run.directory)
     made = [_iterations_before(protocol, place) for place, _, _ in points]
@@ -129,7 +131,7 @@ def _iterations_before(protocol: Protocol, place: int) -> int:
     return last.first_observation - last.first + n_episodes * per_episode
 
 
-def _undrawn(vergence_deg: float, fraction: float) -> tuple[float, float]:
+def _undrawn(vergence_deg: float, fraction: float) -> tuple[float, ...]:
     raise AssertionError("no episode is drawn to count them")
 
 

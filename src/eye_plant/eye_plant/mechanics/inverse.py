@@ -122,14 +122,14 @@ class Inverse:
         """Raise InputError unless some pair of activations gives the vergence; quick."""
         self._edge(vergence_deg, FULL_RANGE, 0)
 
-    def optimal(self, vergence_deg: float) -> OptimalPair:
+    def optimal(self, vergence_deg: float, limits: Limits = FULL_RANGE) -> OptimalPair:
         """Least metabolic rate of the horizontal recti with gaze correct (K17: C*).
 
         The rate rises with either activation, so the least is where the line of equal vergence
         ends for lack of activation to give back: one muscle silent.
-        Raises InputError when no pair of activations gives the vergence.
+        Raises InputError when no pair of activations within limits gives the vergence.
         """
-        medial, lateral = self._end(vergence_deg, FULL_RANGE, 0)
+        medial, lateral = self._end(vergence_deg, limits, 0)
         self._vergence_deg(medial, lateral)
         rates_w = self._eyes.settled_metabolic_rate_w()
         return OptimalPair(

@@ -47,6 +47,12 @@ class MechanicsConfig:
     timestep_s: float = setting(
         0.0, "time step of the simulation; 0: the parameter set's own", "s", least=0, most=0.01
     )
+    moves: str = setting(
+        "simulated",
+        "how the eyes come to where a command lets them rest: simulated over the control period,"
+        " or at once, in a fifth of the time, without what is felt and spent on the way",
+        choices=("simulated", "at_once"),
+    )
     strength: tuple[float, ...] = setting(
         (1.0,) * N_MUSCLES,
         "factor on each muscle's active force, 0 paralysed, 1 healthy",

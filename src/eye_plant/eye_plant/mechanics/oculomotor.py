@@ -84,6 +84,7 @@ class Oculomotor:
         period_s = config.period_s
         self._timestep_s = config.timestep_s or parameters.timestep_s
         self._n_substeps = max(1, round(period_s / self._timestep_s))
+        self._n_simulated = 0 if config.moves == "at_once" else self._n_substeps
         self.model.opt.timestep = period_s / self._n_substeps
         self._forget_trace()
         self.settle(self.tonic_activations)
@@ -120,12 +121,13 @@ class Oculomotor:
         """Spend one control period on the way to the target activations (12,); ends settled.
 
         The period is simulated; what would still creep after it is taken at once, so that the
-        eyes rest at the static equilibrium that they were on their way to (D1).
+        eyes rest at the static equilibrium that they were on their way to (D1). Of eyes whose
+        moves are at_once nothing is simulated, and they rest at the same place.
         """
         activations = check_activations(activations)
         self.data.ctrl[:] = activations
         # A new one each time: states of before may still want theirs.
-        self._trace = np.empty((self._n_substeps, len(self._live), N_MUSCLES))
+        self._trace = np.empty((self._n_simulated, len(self._live), N_MUSCLES))
         self._excitations = activations.copy()
         step_and_trace(self._addresses, self._trace, self._live)
         self._equilibrium.solve(activations, self._angles)

@@ -27,6 +27,8 @@ GROUND_TRUTH_NAMES = (
     "cyclovergence_error_deg",
     "version_deg",
     "elevation_deg",
+    "left_torsion_deg",
+    "right_torsion_deg",
     "left_deviation_deg",
     "right_deviation_deg",
     "metabolic_rate_w",

@@ -76,6 +76,20 @@ def kept_share(n_visits: int, memory: float) -> float:
     return float(np.exp(-n_visits / memory))
 
 
+def weights_of(rewards: Floats, temperature: float) -> Floats:
+    """Return the weights, (n_visits,), of an episode's places in their mean; they add up to 1.
+
+    exp((r - max r) / (temperature SD of r)) of rewards (n_visits,), temperature above 0: the best of
+    ten places in many dimensions is mostly noise, their weighted mean less so (Peters & Schaal
+    2007).
+    """
+    scale = temperature * float(rewards.std())
+    if not scale > 0.0:
+        return np.full(len(rewards), 1.0 / len(rewards))
+    weights: Floats = np.exp((rewards - rewards.max()) / scale)
+    return weights / weights.sum()
+
+
 def regressed_actor(sums: Sums, ridge_share: float) -> Floats:
     """Return W (n_muscles, n_state), the least of sum w |T - W s|^2 + ridge |W|^2.
 

@@ -17,8 +17,9 @@ from vergence_rl.hindsight.regression import (
     regressed_actor,
     residual_covariance,
     root_of,
+    weights_of,
 )
-from vergence_rl.learning_rule import Decision, Observation, Task
+from vergence_rl.learning_rule import Decision, Floats, Observation, Task
 from vergence_rl.td import td_variance
 
 
@@ -41,6 +42,12 @@ class HindsightRule:
         self._covariance = variance * np.eye(task.n_muscles)
         self._td_variance = task.initial_td_variance
         self._visits: list[Observation] = []
+        self._metric = np.eye(task.n_muscles)
+        self._starts: list[Floats] | None = [] if config.starts_share else None
+        self._scatter = np.zeros((task.n_muscles, task.n_muscles))
+        self._spread = np.zeros((task.n_muscles, task.n_muscles))
+        self._scatter_weight = 0.0
+        self._free = np.zeros((task.n_muscles, task.n_muscles))
 
     def step(
         self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
@@ -123,16 +130,70 @@ class HindsightRule:
         config = self._config
         states = np.array([visit.state for visit in self._visits])
         visited = np.array([visit.activations for visit in self._visits])
-        best = visited[np.argmax([visit.reward for visit in self._visits])]
+        rewards = np.array([visit.reward for visit in self._visits])
+        if self._starts is not None:
+            self._add_start(visited[0])
+            return
+        best = self._target(visited, rewards, n_seen)
         wanted = visited + states @ self._weights.T
         targets = freed_targets(best, wanted, self._covariance, *self._limits) - visited
-        weights = nearness(best - visited, config.target_scale)
+        weights = nearness((best - visited) @ self._metric, config.target_scale)
         self._sums.add(states, targets, weights, kept=self._kept_share(n_seen))
         if n_seen % config.regression_period == 0:
-            self._weights = regressed_actor(self._sums, config.ridge_share)
+            ridge_share = config.ridge_share + config.ridge_visits / self._memory(n_seen)
+            self._weights = regressed_actor(self._sums, ridge_share)
             if config.exploration_follows_residuals:
                 self._covariance = residual_covariance(self._sums, self._weights)
+                if config.keeps_scatter:
+                    done = n_seen / self._task.n_training_iterations
+                    fade = np.clip(np.interp(done, config.scatter_fades, (1.0, 0.0)), 0, 1)
+                    free = self._freed(n_seen)
+                    self._covariance = self._covariance + fade * free @ self._first @ free.T
+            if config.best_in_flat:
+                self._free = self._freed(n_seen)
+
+    def _add_start(self, start: Floats) -> None:
+        self._starts.append(start)
+        if len(self._starts) < 10 * len(start):
+            return
+        share = self._config.starts_share
+        covariance = share**2 * np.cov(np.array(self._starts).T)
+        self._starts = None
+        config = self._config
+        self._covariance = self._first = covariance
+        self._sums = first_sums(self._task.n_state, len(start), 1.0, config.least_memory)
+        self._sums.targets = config.least_memory * covariance
+        self._metric = np.sqrt(config.exploration_variance) * np.linalg.inv(root_of(covariance))
+
+    def _target(self, visited, rewards, n_seen):
+        best = visited[np.argmax(rewards)]
+        config = self._config
+        if not config.temperature:
+            return best
+        weights = weights_of(rewards, config.temperature)
+        mean = weights @ visited
+        deviations = visited - mean
+        kept = self._kept_share(n_seen)
+        scatter = (deviations.T * weights) @ deviations / max(1e-3, 1.0 - (weights**2).sum())
+        self._scatter = kept * self._scatter + scatter
+        self._scatter_weight = kept * self._scatter_weight + 1.0
+        self._spread = kept * self._spread + np.cov(visited.T)
+        return mean + self._free @ (best - mean)
+
+    def _freed(self, n_seen):
+        import scipy.linalg
+        s, v = self._scatter / self._scatter_weight, self._spread / self._scatter_weight
+        v = v + 1e-9 * np.trace(v) * np.eye(len(v))
+        rho, u = scipy.linalg.eigh(s, v)
+        f = np.clip(rho / rho.max(), 0, 1) ** self._config.flat_power
+        import os
+        if os.environ.get("RHO") and n_seen % 5000 == 0:
+            import sys
+            print(n_seen, "rho", np.round(rho, 3), "sd", np.round(np.sqrt(np.linalg.eigvalsh(self._covariance))[::-1], 5), file=sys.stderr)
+        return (v @ u * f) @ u.T
 
     def _kept_share(self, n_seen: int) -> float:
-        memory = max(self._config.least_memory, self._config.memory_share * n_seen)
-        return kept_share(self._task.iterations_per_episode, memory)
+        return kept_share(self._task.iterations_per_episode, self._memory(n_seen))
+
+    def _memory(self, n_seen: int) -> float:
+        return max(self._config.least_memory, self._config.memory_share * n_seen)

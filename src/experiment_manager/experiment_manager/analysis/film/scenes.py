@@ -20,14 +20,15 @@ _LEAST_START_ERROR_DEG = 0.5
 class Scene:
     """The first iterations of an episode, n of them.
 
-    pictures: (n, 2, height, width) uint8; error_deg: (n,) vergence error; activations: (n, 2) of
-    medial and lateral rectus, the mean of both eyes; px_deg: visual angle of a pixel.
+    pictures: (n, 2, height, width) uint8; error_deg: (n,) vergence error; activations: (n, n_commands)
+    what commands set, with their names; px_deg: visual angle of a pixel.
     """
 
     caption: str
     pictures: np.ndarray
     error_deg: np.ndarray
     activations: np.ndarray
+    names: tuple[str, ...]
     px_deg: float
 
 
@@ -121,7 +122,7 @@ def _spread(episodes: Sequence[Episode]) -> list[Episode]:
 def _scene(
     bag: Bag, pictured: PicturedEpisodes, muscles: VectorTable, episode: Episode, caption: str
 ) -> Scene:
-    truth = pictured.truth
+    truth, settings = pictured.truth, evaluation_settings_of(bag)
     wanted = truth.stamps_ns[pictured.rows[episode.i_episode]]
     pairs = [dict(bag.images(topic, wanted.tolist())) for topic in PICTURES]
     stamps_ns = [s for s in wanted.tolist() if all(s in pair for pair in pairs)][:MOST_ITERATIONS]
@@ -130,6 +131,7 @@ def _scene(
         caption,
         np.stack([[pair[s] for pair in pairs] for s in stamps_ns]),
         truth.column("vergence_error_deg")[rows],
-        commanded(muscles)[muscles.at(np.array(stamps_ns))],
-        evaluation_settings_of(bag).criteria(episode.training_iteration).px_deg,
+        commanded(muscles, settings.plant.space)[muscles.at(np.array(stamps_ns))],
+        settings.plant.space.names,
+        settings.criteria(episode.training_iteration).px_deg,
     )

@@ -1,0 +1,192 @@
+"""With what gaze an episode begins: drawn for training, the same for each test's trials.
+
+Eyes that one command turns alike begin as K17's, looking straight ahead at another distance than
+the plane's. Eyes with a command for each muscle begin with errors of their own about all axes that
+the commands turn, and look aside.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from experiment_manager.experiment.config import ProtocolConfig, bounds
+from eye_plant.geometry import desired_vergence_deg
+from eye_plant.geometry import fixation_distance_m as distance_of_vergence_m
+from eye_plant.mechanics.gaze_inverse import ERRORS, TURNED_ANGLES, GazeInverse
+from eye_plant.mechanics.inverse import Inverse
+from eye_plant.mechanics.model import MechanicsConfig
+from lockstep.command_space import PAIR
+from lockstep.errors import InputError
+from lockstep.randomness import generator
+
+Activations = tuple[float, ...]
+ActivationsOfVergence = Callable[[float, float], Activations]
+
+# Tests of all runs start alike, so that they compare.
+_SEED_OF_TESTS = 0
+# So often the place among all activations with a gaze is brought half-way to the tonic level.
+_MOST_HALVINGS = 8
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Where a test trial's plane stands, and the vergence error at its start.
+
+    start: its number, where first errors are drawn.
+    """
+
+    object_distance_m: float
+    start_error_deg: float
+    start: int = 0
+
+
+class Starts(Protocol):
+    """The first activations (12,) of episodes, for eyes as they are in one stage of a run."""
+
+    def training(self, draw: np.random.Generator) -> tuple[float, Activations]:
+        """Draw the distance of a training episode's plane, in m, and the first activations."""
+
+    def trial(self, condition: Condition, draw: np.random.Generator) -> Activations:
+        """Return the first activations of a test trial; draw: its own source of randomness."""
+
+
+def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ...]:
+    """Return the conditions of a test: distances x first errors.
+
+    Of the pair, start errors go from least_start_error_deg to the largest whole degree that leaves
+    the initial vergence 0 or more (D11; K17: "the smallest possible initial angle of the eyes to
+    zero"); of muscles with a command each they are drawn.
+    """
+    if config.command_space != PAIR:
+        planes_m = np.repeat(config.test_distances_m, config.n_starts_per_distance).tolist()
+        return tuple(
+            Condition(distance_m, _drawn_deg(config, start)["horizontal"], start)
+            for start, distance_m in enumerate(planes_m)
+        )
+    return tuple(
+        Condition(distance_m, float(error_deg))
+        for distance_m in config.test_distances_m
+        for error_deg in range(
+            config.least_start_error_deg,
+            math.floor(desired_vergence_deg(distance_m, baseline_m)) + 1,
+        )
+    )
+
+
+def starts(config: ProtocolConfig, mechanics: MechanicsConfig) -> Starts:
+    """Return how episodes begin with eyes of these mechanics."""
+    if config.command_space == PAIR:
+        inverse, limits = Inverse(mechanics), config.pair_limits
+        return PairStarts(
+            config, mechanics.baseline_m, lambda v, part: inverse.activations(v, part, limits)
+        )
+    return GazeStarts(config, mechanics)
+
+
+class PairStarts:
+    """Vergences, and fractions of the line of pairs that give them."""
+
+    def __init__(
+        self, config: ProtocolConfig, baseline_m: float, activations: ActivationsOfVergence
+    ) -> None:
+        """activations: (vergence_deg, fraction in [0, 1]) -> those of the twelve muscles."""
+        self._config, self._baseline_m, self._of_vergence = config, baseline_m, activations
+
+    def training(self, draw: np.random.Generator) -> tuple[float, Activations]:
+        """Draw the plane's distance, and another at which the eyes look."""
+        config = self._config
+        object_distance_m, fixation_distance_m = (
+            drawn_distance_m(config, draw, bounds(ends_m), self._baseline_m)
+            for ends_m in (config.object_distance_m, config.fixation_distance_m)
+        )
+        vergence_deg = desired_vergence_deg(fixation_distance_m, self._baseline_m)
+        return object_distance_m, self._activations(vergence_deg, draw)
+
+    def trial(self, condition: Condition, draw: np.random.Generator) -> Activations:
+        """Return activations with the condition's error."""
+        desired_deg = desired_vergence_deg(condition.object_distance_m, self._baseline_m)
+        return self._activations(desired_deg - condition.start_error_deg, draw)
+
+    def _activations(self, vergence_deg: float, draw: np.random.Generator) -> Activations:
+        return self._of_vergence(vergence_deg, float(draw.random()))
+
+
+class GazeStarts:
+    """Errors about all axes that the commands turn, and version, each drawn uniformly."""
+
+    def __init__(self, config: ProtocolConfig, mechanics: MechanicsConfig) -> None:
+        """Build an inverse of the eyes."""
+        self._config, self._baseline_m = config, mechanics.baseline_m
+        limits = config.limits
+        self._inverse = GazeInverse(mechanics, config.space, limits.lowest, limits.highest)
+
+    def training(self, draw: np.random.Generator) -> tuple[float, Activations]:
+        """Draw the plane's distance, and a gaze."""
+        ends_m = bounds(self._config.object_distance_m)
+        distance_m = drawn_distance_m(self._config, draw, ends_m, self._baseline_m)
+        return distance_m, self._activations(distance_m, draw)
+
+    def trial(self, condition: Condition, draw: np.random.Generator) -> Activations:
+        """Return activations with the condition's gaze."""
+        own_draw = generator(_SEED_OF_TESTS, "start", condition.start)
+        return self._activations(condition.object_distance_m, own_draw)
+
+    def _activations(self, distance_m: float, draw: np.random.Generator) -> Activations:
+        config = self._config
+        angles_deg = draw_angles_deg(config, draw)
+        aside = draw.normal(0.0, config.start_spread, len(config.space.names))
+        for _ in range(_MOST_HALVINGS):
+            try:
+                found = self._inverse.activations(angles_deg, distance_m, aside)
+            except InputError:
+                aside = aside / 2.0
+            else:
+                return tuple(found.tolist())
+        found = self._inverse.activations(angles_deg, distance_m, np.zeros_like(aside))
+        return tuple(found.tolist())
+
+
+def draw_angles_deg(config: ProtocolConfig, draw: np.random.Generator) -> dict[str, float]:
+    """Draw a gaze, by names of GAZE_ANGLES that the command space turns."""
+    largest_deg = largest_angles_deg(config)
+    drawn = draw.uniform(-1.0, 1.0, len(largest_deg))
+    return {
+        name: float(most * share)
+        for (name, most), share in zip(largest_deg.items(), drawn, strict=True)
+    }
+
+
+def largest_angles_deg(config: ProtocolConfig) -> dict[str, float]:
+    """Return the largest errors and version with which episodes begin, by names of GAZE_ANGLES."""
+    largest = dict(zip(ERRORS, config.start_error_deg, strict=True)) | dict(
+        zip(("version", "elevation"), config.start_version_deg, strict=True)
+    )
+    return {name: largest[name] for name in TURNED_ANGLES[config.command_space]}
+
+
+def _drawn_deg(config: ProtocolConfig, start: int) -> dict[str, float]:
+    return draw_angles_deg(config, generator(_SEED_OF_TESTS, "start", start))
+
+
+def drawn_distance_m(
+    config: ProtocolConfig,
+    draw: np.random.Generator,
+    ends_m: tuple[float, float],
+    baseline_m: float,
+) -> float:
+    """Draw a distance uniformly (K17), or one of uniformly drawn vergence (D18).
+
+    ours: uniform distances are seldom near, so that the vergence errors of more than 2 deg with
+    which a test may start hardly occur in training.
+    """
+    if not config.draws_vergence_evenly:
+        return float(draw.uniform(*ends_m))
+    nearest_m, farthest_m = ends_m
+    vergence = draw.uniform(
+        desired_vergence_deg(farthest_m, baseline_m),
+        desired_vergence_deg(nearest_m, baseline_m),
+    )
+    return distance_of_vergence_m(float(vergence), baseline_m)

@@ -1,0 +1,225 @@
+"""Which activations give two eyes a wanted gaze, each muscle its own: on the static equilibrium.
+
+A gaze has more activations than angles, so the nearest one to a point that the caller chooses is
+taken: Newton's method with the least change of activations.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linprog
+
+from eye_plant.gaze_error import gaze_error
+from eye_plant.mechanics.equilibrium import Equilibrium
+from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.oculomotor import Oculomotor
+from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI, CommandSpace
+from lockstep.errors import InputError
+
+Array = NDArray[np.float64]
+
+# Angles of two eyes before a plane. The errors are those of gaze_error; version and elevation are
+# where both look together, to the right and up.
+GAZE_ANGLES = ("horizontal", "vertical", "torsional", "version", "elevation")
+ERRORS = GAZE_ANGLES[:3]
+# Those that a command space turns.
+TURNED_ANGLES = {
+    HORIZONTAL_RECTI: ("horizontal", "version"),
+    ALL_MUSCLES: GAZE_ANGLES,
+}
+
+_TOLERANCE_DEG = 1e-6
+_MAX_STEPS = 30
+_PROBE = 1e-4
+_REFERENCE_M = 2.0
+# The cheapest activations: reweighted until they change by less, or so often.
+_SETTLED = 1e-6
+_ACCEPTED_DEG = 1e-3
+_MAX_ROUNDS = 25
+# Bends the cost's slope at rest, which is infinite there.
+_SOFTENING = 1e-3
+_LARGEST_CHANGE = 0.05
+
+
+def _spoken(name: str) -> str:
+    return f"{name} error" if name in ERRORS else name
+
+
+@dataclass(frozen=True)
+class LeastCost:
+    """The cheapest activations (12,) with a gaze, and what they cost the commanded muscles."""
+
+    activations: Array
+    metabolic_rate_w: float
+
+
+class GazeInverse:
+    """Activations of the muscles that a command space has, for a gaze; the others at tonic level.
+
+    Owns a simulation of its own; calls do not influence one another.
+    """
+
+    def __init__(
+        self,
+        config: MechanicsConfig,
+        space: CommandSpace,
+        lowest: Sequence[float] | Array,
+        highest: Sequence[float] | Array,
+    ) -> None:
+        """lowest, highest: limits of the activation of each muscle of the space."""
+        self._eyes = Oculomotor(config)
+        self._equilibrium = Equilibrium(self._eyes.model, self._eyes.data)
+        self._space = space
+        self._tonic = self._eyes.tonic_activations
+        self._lowest, self._highest = np.array(lowest), np.array(highest)
+
+    def gaze_deg(self, activations: Array, distance_m: float) -> Array:
+        """Return GAZE_ANGLES (5,) of eyes at rest with activations (12,) before a plane."""
+        self._equilibrium.solve(activations)
+        return self._present_deg(distance_m)
+
+    def activations(
+        self, wanted_deg: Mapping[str, float], distance_m: float, aside: Array
+    ) -> Array:
+        """Return activations (12,) of eyes with the wanted angles, by names of GAZE_ANGLES.
+
+        aside: (n_muscles,) change from the tonic level, of which the part that hardly moves the
+        wanted angles says which of all activations with that gaze these are near.
+        Raises InputError, naming the angle that is missed most, when the muscles' limits leave no
+        such gaze there.
+        """
+        names = [name for name in GAZE_ANGLES if name in wanted_deg]
+        held = [GAZE_ANGLES.index(name) for name in names]
+        wanted = np.array([wanted_deg[name] for name in names])
+        slopes = self._slopes[held]
+        inverse = np.linalg.pinv(slopes, rcond=1e-6)
+        start = aside - inverse @ (slopes @ aside)
+        values = np.clip(self._tonic[self._space.indices] + start, self._lowest, self._highest)
+        missed = wanted - self.gaze_deg(self._with(values), distance_m)[held]
+        for _ in range(_MAX_STEPS):
+            if np.abs(missed).max() < _TOLERANCE_DEG:
+                return self._with(values)
+            values = self._step_to(values, missed, slopes)
+            missed = wanted - self._continued_deg(values, distance_m)[held]
+        i = int(np.abs(missed).argmax())
+        raise InputError(
+            f"mechanics: expected muscles that reach a {_spoken(names[i])} of {wanted[i]:.2f} deg "
+            f"at {distance_m:g} m, within the limits of their activations; these come as near as "
+            f"{abs(missed[i]):.2g} deg to it"
+        )
+
+    def least(
+        self, wanted_deg: Mapping[str, float], distance_m: float, near: LeastCost | None = None
+    ) -> LeastCost:
+        """Return the least cost of the commanded muscles with the wanted angles, others being free.
+
+        The rate grows more slowly the more a muscle is driven already, so that few muscles hold a
+        gaze more cheaply than many: the least of a weighted sum of activations, again and again,
+        each weight the slope of the muscle's rate where it was last (Candes, Wakin & Boyd 2008),
+        from several first weights. near: the least of a gaze near by, to begin with, sooner.
+        Raises InputError for a gaze that the muscles do not reach.
+        """
+        n = len(self._space.indices)
+        first = self.activations(wanted_deg, distance_m, np.zeros(n))
+        weights = [np.ones(n)]
+        if near is None:
+            weights += [*(1.0 + 9.0 * np.eye(n))]
+        else:
+            weights += [self._price_slopes(near.activations[self._space.indices])]
+        found = [self._cheaper(first, w, wanted_deg, distance_m) for w in weights]
+        return min(found, key=lambda least: least.metabolic_rate_w)
+
+    def _cheaper(
+        self, activations: Array, weights: Array, wanted_deg: Mapping[str, float], distance_m: float
+    ) -> LeastCost:
+        """Return the least that reweighting finds from these activations and first weights."""
+        names = [name for name in GAZE_ANGLES if name in wanted_deg]
+        held = [GAZE_ANGLES.index(name) for name in names]
+        wanted = np.array([wanted_deg[name] for name in names])
+        values = activations[self._space.indices]
+        for _ in range(_MAX_ROUNDS):
+            slopes = self._slopes_at(self._with(values), distance_m)[held]
+            aimed = wanted - self.gaze_deg(self._with(values), distance_m)[held] + slopes @ values
+            bounds = np.stack(
+                [
+                    np.maximum(values - _LARGEST_CHANGE, self._lowest),
+                    np.minimum(values + _LARGEST_CHANGE, self._highest),
+                ],
+                axis=1,
+            )
+            solution = linprog(weights, A_eq=slopes, b_eq=aimed, bounds=bounds)
+            if solution.x is None:
+                break
+            change = np.abs(solution.x - values).max()
+            values = np.clip(solution.x, self._lowest, self._highest)
+            if change < _SETTLED:
+                break
+            weights = self._price_slopes(values)
+        now = self.gaze_deg(self._with(values), distance_m)[held]
+        if np.abs(now - wanted).max() > _ACCEPTED_DEG:
+            return LeastCost(activations, math.inf)
+        rates_w = self._eyes.settled_metabolic_rate_w()
+        return LeastCost(self._with(values), float(rates_w[self._space.indices].sum()))
+
+    def _price_slopes(self, values: Array) -> Array:
+        """Return the slope of each muscle's rate, (n,), at lengths of now and a little more drive."""
+        lengths_m = self._eyes.data.actuator_length
+        low, high = (
+            self._eyes.musculature.settled_rate_w(self._with(values + more), lengths_m)
+            for more in (0.5 * _SOFTENING, 1.5 * _SOFTENING)
+        )
+        slopes: Array = (high - low)[self._space.indices] / _SOFTENING
+        return slopes
+
+    @cached_property
+    def _slopes(self) -> Array:
+        """Degrees of each of GAZE_ANGLES per unit of each activation, (5, n), at tonic level."""
+        return self._slopes_at(self._tonic, _REFERENCE_M)
+
+    def _slopes_at(self, activations: Array, distance_m: float) -> Array:
+        base = self.gaze_deg(activations, distance_m)
+        columns = []
+        for i in self._space.indices:
+            probed = activations.copy()
+            probed[i] += _PROBE
+            columns.append((self._continued_deg(probed[self._space.indices], distance_m) - base))
+        return np.stack(columns, axis=1) / _PROBE
+
+    def _step_to(self, values: Array, missed: Array, slopes: Array) -> Array:
+        """Return activations nearer to the gaze, changed least among those off their limits."""
+        free = np.ones(len(values), bool)
+        while True:
+            step = np.zeros_like(values)
+            step[free] = np.linalg.pinv(slopes[:, free], rcond=1e-6) @ missed
+            beyond = free & (
+                ((values <= self._lowest) & (step < 0)) | ((values >= self._highest) & (step > 0))
+            )
+            if not beyond.any() or free.sum() <= len(missed):
+                return np.clip(values + step, self._lowest, self._highest)
+            free &= ~beyond
+
+    def _with(self, values: Array) -> Array:
+        activations = self._tonic.copy()
+        activations[self._space.indices] = values
+        return activations
+
+    def _continued_deg(self, values: Array, distance_m: float) -> Array:
+        self._equilibrium.solve(self._with(values), self._eyes.data.qpos.copy())
+        return self._present_deg(distance_m)
+
+    def _present_deg(self, distance_m: float) -> Array:
+        error = gaze_error(self._eyes.eye_positions_m(), self._eyes.eye_rotations(), distance_m)
+        left, right = np.degrees(self._eyes.data.qpos).reshape(2, 3)
+        return np.array(
+            [
+                error.horizontal_deg,
+                error.vertical_deg,
+                error.torsional_deg,
+                (left[0] - right[0]) / 2.0,
+                (left[1] + right[1]) / 2.0,
+            ]
+        )

@@ -1,0 +1,97 @@
+"""C*: the least metabolic rate with which the commanded muscles hold correct vergence (K17)."""
+
+import math
+from functools import lru_cache
+from typing import Protocol
+
+import numpy as np
+
+from eye_plant.geometry import fixation_distance_m
+from eye_plant.mechanics.gaze_inverse import ERRORS, TURNED_ANGLES, GazeInverse, LeastCost
+from eye_plant.mechanics.inverse import Inverse, Limits, pair_limits
+from eye_plant.mechanics.model import MechanicsConfig
+from lockstep.command_space import COMMAND_SPACES, PAIR
+from lockstep.errors import InputError
+
+# Vergences from 10 m to 0.3 m with the eyes of K17; in between the rate is nearly straight.
+_VERGENCES_DEG = np.linspace(0.32, 10.72, 27)
+
+
+class CostOfVergence(Protocol):
+    """The least rate by vergence."""
+
+    def check(self, vergence_deg: float) -> None:
+        """Raise InputError unless the muscles can give the vergence; quick."""
+
+    def least_w(self, vergence_deg: float) -> float:
+        """Return the least metabolic rate of the commanded muscles with a vergence."""
+
+
+class PairCost:
+    """Of both eyes alike, by the line of pairs that give the vergence."""
+
+    def __init__(self, mechanics: MechanicsConfig, limits: Limits) -> None:
+        """limits: ((lowest, highest) medial, (lowest, highest) lateral)."""
+        self._inverse, self._limits = Inverse(mechanics), limits
+
+    def check(self, vergence_deg: float) -> None:
+        """Raise InputError unless some pair gives the vergence."""
+        self._inverse.check(vergence_deg)
+
+    def least_w(self, vergence_deg: float) -> float:
+        """Return the least metabolic rate with a vergence."""
+        return self._inverse.optimal(vergence_deg, self._limits).metabolic_rate_w
+
+
+class MuscleCost:
+    """Of muscles that have a command each.
+
+    Held are the errors that the muscles can turn, horizontal, vertical and torsional; version is
+    free. The eyes look at a plane straight ahead at the distance of the vergence.
+    """
+
+    def __init__(self, mechanics: MechanicsConfig, space: str, lowest: tuple[float, ...]) -> None:
+        """lowest: least activation of each muscle of the space."""
+        self._table = mechanics, space, lowest
+
+    def check(self, vergence_deg: float) -> None:
+        """Raise InputError unless the muscles can give the vergence."""
+        self.least_w(vergence_deg)
+
+    def least_w(self, vergence_deg: float) -> float:
+        """Return the least metabolic rate with a vergence, between those of a table."""
+        found = float(np.interp(vergence_deg, _VERGENCES_DEG, _least_rates_w(*self._table)))
+        if not np.isfinite(found):
+            raise InputError(
+                f"no activations of these muscles give a vergence of {vergence_deg:g} deg"
+            )
+        return found
+
+
+def cost_of_vergence(
+    mechanics: MechanicsConfig, space: str, lowest: tuple[float, ...]
+) -> CostOfVergence:
+    """Return the least costs of eyes whose commands are of a space, with these least activations."""
+    if space == PAIR:
+        return PairCost(mechanics, pair_limits(lowest, (1.0, 1.0)))
+    return MuscleCost(mechanics, space, lowest)
+
+
+@lru_cache(maxsize=16)
+def _least_rates_w(
+    mechanics: MechanicsConfig, space: str, lowest: tuple[float, ...]
+) -> tuple[float, ...]:
+    """Return the least rate at each of _VERGENCES_DEG, infinite where the muscles do not reach."""
+    inverse = GazeInverse(mechanics, COMMAND_SPACES[space], lowest, np.ones(len(lowest)))
+    wanted_deg = {name: 0.0 for name in ERRORS if name in TURNED_ANGLES[space]}
+    rates_w: list[float] = []
+    near: LeastCost | None = None
+    for vergence_deg in _VERGENCES_DEG:
+        distance_m = fixation_distance_m(float(vergence_deg), mechanics.baseline_m)
+        try:
+            near = inverse.least(wanted_deg, distance_m, near)
+        except InputError:
+            rates_w.append(math.inf)
+        else:
+            rates_w.append(near.metabolic_rate_w)
+    return tuple(rates_w)
