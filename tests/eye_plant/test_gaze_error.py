@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from eye_plant.gaze_error import gaze_error
+from eye_plant.gaze_error import gaze_error, listing_torsion_deg
 from eye_plant.geometry import desired_vergence_deg
 
 BASELINE_M = 0.056
@@ -74,3 +74,27 @@ def test_an_eye_that_looks_away_from_the_plane_has_no_error_to_tell() -> None:
     error = gaze_error(POSITIONS_M, np.array([rotation(95, 0), rotation(0, 0)]), 1.0)
     assert math.isnan(error.horizontal_deg)
     assert math.isnan(error.torsional_deg)
+
+
+def test_eyes_that_turn_about_one_axis_in_listings_plane_have_no_torsion() -> None:
+    # Sideways alone, or up alone.
+    eyes = np.array([rotation(12.0, 0.0), rotation(0.0, -9.0)])
+    assert listing_torsion_deg(eyes) == pytest.approx((0.0, 0.0), abs=1e-12)
+
+
+def test_torsion_is_positive_where_upper_poles_lean_to_the_nose() -> None:
+    # Clockwise is to the right: the left eye's nose, the right eye's temple.
+    eyes = np.array([rotation(0.0, 0.0, 3.0), rotation(0.0, 0.0, 3.0)])
+    assert listing_torsion_deg(eyes) == pytest.approx((3.0, -3.0))
+
+
+def test_an_oblique_gaze_in_ficks_order_has_false_torsion() -> None:
+    # tan(torsion / 2) = -tan(azimuth / 2) tan(elevation / 2) about the line of sight before both.
+    azimuth_deg, elevation_deg = 10.0, 20.0
+    false_deg = 2.0 * math.degrees(
+        math.atan(math.tan(math.radians(azimuth_deg / 2)) * math.tan(math.radians(10.0)))
+    )
+    eyes = np.array([rotation(azimuth_deg, elevation_deg)] * 2)
+    left, right = listing_torsion_deg(eyes)
+    assert abs(left) == pytest.approx(false_deg)
+    assert right == pytest.approx(-left)

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from lockstep.command_space import (
+    ALL_MUSCLES,
     COMMAND_SPACES,
+    HORIZONTAL_RECTI,
     MUSCLE_NAMES,
     PAIR,
     CommandSpace,
@@ -63,3 +65,11 @@ def test_limits_that_do_not_fit_are_refused(
 ) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
         activation_limits(PAIR_OF_RECTI, lowest, highest)
+
+
+def test_spaces_of_single_muscles_pass_activations_through() -> None:
+    values = np.arange(12.0)
+    assert COMMAND_SPACES[ALL_MUSCLES].from_all(values).tolist() == values.tolist()
+    recti = COMMAND_SPACES[HORIZONTAL_RECTI]
+    assert recti.names == PAIR_OF_RECTI.muscle_names
+    assert recti.from_all(values).tolist() == [0.0, 1.0, 6.0, 7.0]

@@ -16,7 +16,9 @@ def _trials(errors_deg: list[list[float]], pairs: list[tuple[int, float]]) -> Tr
         "object_distance_m": np.broadcast_to(distance_m[:, None], error_deg.shape),
         "vergence_error_deg": error_deg,
     }
-    return Trials(PAIR_SPACE, 0, np.arange(len(error_deg)), columns, np.zeros(error_deg.shape, dtype=int))
+    return Trials(
+        PAIR_SPACE, 0, np.arange(len(error_deg)), columns, np.zeros(error_deg.shape, dtype=int)
+    )
 
 
 def test_resting_places_by_hand() -> None:

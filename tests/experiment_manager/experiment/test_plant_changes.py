@@ -7,8 +7,8 @@ from experiment_manager.experiment.plant_changes import (
     read_schedule,
     stages_of,
 )
-from experiment_manager.experiment.starts import PairStarts
 from experiment_manager.experiment.protocol import Eyes, Protocol, make_protocol
+from experiment_manager.experiment.starts import PairStarts
 from eye_plant.config import EyePlantConfig
 from eye_plant.mechanics.muscles import N_MUSCLES
 from lockstep.configuration import build

@@ -294,3 +294,20 @@ def test_a_wider_baseline_moves_the_eyes_apart_and_nothing_else():
     wide, normal = eyes_with(baseline_m=0.07), eyes_with()
     np.testing.assert_allclose(wide.eye_positions_m()[:, 1], [0.035, -0.035])
     np.testing.assert_allclose(angles_deg(wide), angles_deg(normal), atol=1e-9)
+
+
+@pytest.mark.parametrize("parameter_set", SETS)
+def test_moves_at_once_end_where_simulated_ones_do(parameter_set) -> None:
+    draw = np.random.default_rng(3)
+    simulated, at_once = (
+        eyes_with(parameter_set=parameter_set, moves=moves) for moves in ("simulated", "at_once")
+    )
+    for _ in range(5):
+        activations = draw.uniform(0.0, 0.2, 12)
+        for eyes in (simulated, at_once):
+            eyes.step(activations)
+        assert angles_deg(at_once) == pytest.approx(angles_deg(simulated), abs=1e-9)
+        state = at_once.state()
+        assert (state.activations == activations).all()
+        # Nothing was spent on the way.
+        assert (state.mean_metabolic_rate_w == state.metabolic_rate_w).all()

@@ -40,7 +40,7 @@ def stored(n: int, kept: float) -> tuple[NDArray[np.float64], ...]:
 
 
 def test_a_regression_by_hand() -> None:
-    sums = first_sums(1, 1, variance=0.25, weight=2.0)
+    sums = first_sums(1, 0.25 * np.eye(1), weight=2.0)
     # Two visits with state 2, targets 3 and 1, weights 1 and 0.5; half of the first sums is left.
     states, targets = np.array([[2.0], [2.0]]), np.array([[3.0], [1.0]])
     sums.add(states, targets, np.array([1.0, 0.5]), kept=0.5)
@@ -55,7 +55,7 @@ def test_a_regression_by_hand() -> None:
 
 def test_visits_are_added_in_place_with_the_bits_of_a_plain_sum() -> None:
     draw, n_state = np.random.default_rng(5), 803
-    sums = first_sums(n_state, N_MUSCLES, 0.0, 0.0)
+    sums = first_sums(n_state, 0.0 * np.eye(N_MUSCLES), 0.0)
     expected = np.zeros((n_state, n_state))
     for _ in range(3):
         states, targets = draw.normal(size=(10, n_state)), draw.normal(size=(10, N_MUSCLES))
@@ -70,7 +70,7 @@ def test_visits_are_added_in_place_with_the_bits_of_a_plain_sum() -> None:
 def test_the_actor_is_the_least_squares_solution_of_all_stored_visits(
     kept: float, ridge_share: float
 ) -> None:
-    sums = summed(20, kept, first_sums(N_STATE, N_MUSCLES, 0.0, 0.0))
+    sums = summed(20, kept, first_sums(N_STATE, 0.0 * np.eye(N_MUSCLES), 0.0))
     states, targets, weights = stored(20, kept)
     root = np.sqrt(weights)[:, None]
     ridge = ridge_share * np.mean(((root * states) ** 2).sum(axis=0))
@@ -81,7 +81,7 @@ def test_the_actor_is_the_least_squares_solution_of_all_stored_visits(
 
 
 def test_the_covariance_is_that_of_the_residuals_of_all_stored_visits() -> None:
-    sums = summed(20, 0.9, first_sums(N_STATE, N_MUSCLES, 0.0, 0.0))
+    sums = summed(20, 0.9, first_sums(N_STATE, 0.0 * np.eye(N_MUSCLES), 0.0))
     states, targets, weights = stored(20, 0.9)
     actor = np.random.default_rng(4).standard_normal((N_MUSCLES, N_STATE))
     residuals = targets - states @ actor.T
@@ -91,12 +91,12 @@ def test_the_covariance_is_that_of_the_residuals_of_all_stored_visits() -> None:
 
 
 def test_squares_stay_symmetric_to_the_last_bit() -> None:
-    squares = summed(30, 0.97, first_sums(N_STATE, N_MUSCLES, 0.01, 5.0)).squares
+    squares = summed(30, 0.97, first_sums(N_STATE, 0.01 * np.eye(N_MUSCLES), 5.0)).squares
     np.testing.assert_array_equal(squares, squares.T)
 
 
 def test_without_visits_the_actor_does_nothing_and_residuals_scatter_as_told() -> None:
-    sums = first_sums(N_STATE, N_MUSCLES, 0.04, 7.0)
+    sums = first_sums(N_STATE, 0.04 * np.eye(N_MUSCLES), 7.0)
     actor = regressed_actor(sums, 0.01)
     np.testing.assert_array_equal(actor, np.zeros((N_MUSCLES, N_STATE)))
     np.testing.assert_allclose(residual_covariance(sums, actor), 0.04 * np.eye(N_MUSCLES))

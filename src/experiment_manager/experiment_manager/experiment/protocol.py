@@ -25,6 +25,7 @@ from lockstep.errors import InputError
 from lockstep.randomness import generator
 from lockstep.wire.topics import TEST, TRAINING
 
+
 @dataclass(frozen=True)
 class Segment:
     """A run of episodes of one kind, with the plant in one stage of its schedule.

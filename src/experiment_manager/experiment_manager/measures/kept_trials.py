@@ -11,7 +11,7 @@ import numpy as np
 
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS
 from experiment_manager.measures.trials import Trials, space_of
-from lockstep.command_space import PAIR, COMMAND_SPACES
+from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.errors import InputError
 from lockstep.state_file import read_state, write_state
 
@@ -98,9 +98,7 @@ class KeptTrials:
             columns |= {name: activations[..., k] for k, name in enumerate(space.names)}
             columns |= {n: other_deg[..., k] for k, n in enumerate(_OTHER_ERROR_COLUMNS)}
             no_rows = np.broadcast_to(-1, shape)
-            tests.append(
-                Trials(space, int(training_iteration), self.trial, columns, no_rows)
-            )
+            tests.append(Trials(space, int(training_iteration), self.trial, columns, no_rows))
         return tests
 
 
@@ -144,7 +142,7 @@ def with_test(kept: KeptTrials | None, trials: Trials) -> KeptTrials:
 
 
 def _other_errors_deg(trials: Trials) -> np.ndarray:
-    """Return vertical and cyclovergence errors (n_trials, n_iterations + 1, 2), of the pair none."""
+    """Return vertical and cyclovergence errors, (n_trials, n_iterations + 1, 2); the pair's none."""
     if trials.space == COMMAND_SPACES[PAIR]:
         return _no_other_errors()
     return _small(np.stack([trials.column(name) for name in _OTHER_ERROR_COLUMNS], axis=-1))
@@ -169,7 +167,7 @@ def arrays_of(kept: KeptTrials | None) -> dict[str, np.ndarray]:
     """Return what is kept by name, nothing for None; what is empty only where it says something."""
     if kept is None:
         return {}
-    left_out = () if len(kept.began_otherwise) else OTHER_STARTS
+    left_out: tuple[str, ...] = () if len(kept.began_otherwise) else OTHER_STARTS
     left_out += () if len(kept.other_errors_deg) else OTHER_ERRORS
     return {name: values for name, values in vars(kept).items() if name not in left_out}
 

@@ -82,7 +82,7 @@ class Trials:
 
     n_iterations is that of each trial; iteration 0 is the start, before the first command. trial:
     (n_trials,); columns: of trial_names(space), each (n_trials, n_iterations + 1), nan where
-    nothing was recorded; rows: of the table that the trials came from, (n_trials, n_iterations + 1).
+    nothing was recorded; rows: of the table that the trials came from, of the same shape.
     """
 
     space: CommandSpace
@@ -183,7 +183,9 @@ def _trials(table: TrialTable, chosen: np.ndarray, n_rows: int) -> Trials | None
         space=table.space,
         training_iteration=int(table.column("training_iteration")[rows[0, 0]]),
         trial=np.array(sorted(by_trial)),
-        columns={name: table.column(name)[rows] for name in table.names if name not in EPISODE_NAMES},
+        columns={
+            name: table.column(name)[rows] for name in table.names if name not in EPISODE_NAMES
+        },
         rows=rows,
     )
 

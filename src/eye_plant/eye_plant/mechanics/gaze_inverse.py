@@ -34,6 +34,8 @@ TURNED_ANGLES = {
 
 _TOLERANCE_DEG = 1e-6
 _MAX_STEPS = 30
+# Of the steepest: what turns the eyes by less is not used.
+_LEAST_SLOPE = 1e-6
 _PROBE = 1e-4
 _REFERENCE_M = 2.0
 # The cheapest activations: reweighted until they change by less, or so often.
@@ -46,7 +48,8 @@ _LARGEST_CHANGE = 0.05
 
 
 def _spoken(name: str) -> str:
-    return f"{name} error" if name in ERRORS else name
+    article = "an" if name == "elevation" else "a"
+    return f"{article} {name} error" if name in ERRORS else f"{article} {name}"
 
 
 @dataclass(frozen=True)
@@ -89,15 +92,31 @@ class GazeInverse:
 
         aside: (n_muscles,) change from the tonic level, of which the part that hardly moves the
         wanted angles says which of all activations with that gaze these are near.
-        Raises InputError, naming the angle that is missed most, when the muscles' limits leave no
-        such gaze there.
+        Raises InputError, naming the first angle that cannot be had with those before it, when the
+        muscles' limits leave no such gaze there.
         """
         names = [name for name in GAZE_ANGLES if name in wanted_deg]
+        found = self._reached(names, wanted_deg, distance_m, aside)
+        if found is not None:
+            return found
+        n_reached = 0
+        while self._reached(names[: n_reached + 1], wanted_deg, distance_m, aside) is not None:
+            n_reached += 1
+        name = names[n_reached]
+        before = "".join(f" with {_spoken(n)} of {wanted_deg[n]:.2f}" for n in names[:n_reached])
+        raise InputError(
+            f"mechanics: expected muscles that reach {_spoken(name)} of {wanted_deg[name]:.2f} "
+            f"deg{before} at {distance_m:g} m, within the limits of their activations; these do not"
+        )
+
+    def _reached(
+        self, names: Sequence[str], wanted_deg: Mapping[str, float], distance_m: float, aside: Array
+    ) -> Array | None:
+        """Return activations (12,) with these of the wanted angles, None when there are none."""
         held = [GAZE_ANGLES.index(name) for name in names]
         wanted = np.array([wanted_deg[name] for name in names])
         slopes = self._slopes[held]
-        inverse = np.linalg.pinv(slopes, rcond=1e-6)
-        start = aside - inverse @ (slopes @ aside)
+        start = aside - np.linalg.pinv(slopes, rcond=_LEAST_SLOPE) @ (slopes @ aside)
         values = np.clip(self._tonic[self._space.indices] + start, self._lowest, self._highest)
         missed = wanted - self.gaze_deg(self._with(values), distance_m)[held]
         for _ in range(_MAX_STEPS):
@@ -105,12 +124,7 @@ class GazeInverse:
                 return self._with(values)
             values = self._step_to(values, missed, slopes)
             missed = wanted - self._continued_deg(values, distance_m)[held]
-        i = int(np.abs(missed).argmax())
-        raise InputError(
-            f"mechanics: expected muscles that reach a {_spoken(names[i])} of {wanted[i]:.2f} deg "
-            f"at {distance_m:g} m, within the limits of their activations; these come as near as "
-            f"{abs(missed[i]):.2g} deg to it"
-        )
+        return None
 
     def least(
         self, wanted_deg: Mapping[str, float], distance_m: float, near: LeastCost | None = None
@@ -166,7 +180,7 @@ class GazeInverse:
         return LeastCost(self._with(values), float(rates_w[self._space.indices].sum()))
 
     def _price_slopes(self, values: Array) -> Array:
-        """Return the slope of each muscle's rate, (n,), at lengths of now and a little more drive."""
+        """Return the slope of each muscle's rate, (n,), as long as now and a little more driven."""
         lengths_m = self._eyes.data.actuator_length
         low, high = (
             self._eyes.musculature.settled_rate_w(self._with(values + more), lengths_m)
@@ -186,7 +200,7 @@ class GazeInverse:
         for i in self._space.indices:
             probed = activations.copy()
             probed[i] += _PROBE
-            columns.append((self._continued_deg(probed[self._space.indices], distance_m) - base))
+            columns.append(self._continued_deg(probed[self._space.indices], distance_m) - base)
         return np.stack(columns, axis=1) / _PROBE
 
     def _step_to(self, values: Array, missed: Array, slopes: Array) -> Array:
@@ -194,7 +208,7 @@ class GazeInverse:
         free = np.ones(len(values), bool)
         while True:
             step = np.zeros_like(values)
-            step[free] = np.linalg.pinv(slopes[:, free], rcond=1e-6) @ missed
+            step[free] = np.linalg.pinv(slopes[:, free], rcond=_LEAST_SLOPE) @ missed
             beyond = free & (
                 ((values <= self._lowest) & (step < 0)) | ((values >= self._highest) & (step > 0))
             )

@@ -71,7 +71,7 @@ class MuscleCost:
 def cost_of_vergence(
     mechanics: MechanicsConfig, space: str, lowest: tuple[float, ...]
 ) -> CostOfVergence:
-    """Return the least costs of eyes whose commands are of a space, with these least activations."""
+    """Return the least costs of eyes with a command space and its least activations."""
     if space == PAIR:
         return PairCost(mechanics, pair_limits(lowest, (1.0, 1.0)))
     return MuscleCost(mechanics, space, lowest)

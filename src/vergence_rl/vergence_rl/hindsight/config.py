@@ -17,27 +17,30 @@ class HindsightConfig:
     )
     starts_share: float = setting(
         0.0,
-        "share of the scatter of first activations, as a standard deviation, that the first noise"
-        " takes in place of that variance, once they are known; 0: it does not",
+        "share of the standard deviation of first activations that the first noise has, in their"
+        " shape, in place of that variance; 0: it keeps the variance, alike for all muscles (D20)",
         least=0,
+        most=1,
     )
     exploration_follows_residuals: bool = setting(
         True,
         "whether the noise takes the covariance of what the regression leaves, and commands come as"
         " near their limits as it measures; otherwise the noise stays as it began (D16)",
     )
+    scatter_until: tuple[float, ...] = setting(
+        (0.0, 0.0),
+        "shares of training from and to which the scatter of the places that count in a target"
+        " vanishes from the noise, whose covariance it is added to (D20)",
+        least=0,
+        most=1,
+        is_interval=True,
+    )
     temperature: float = setting(
         0.0,
-        "reward below an episode's largest one, in standard deviations of its rewards, at which a"
-        " place counts 1 / e in the mean that is the target; 0: the best place alone is the target",
+        "how far below the largest reward of an episode, in standard deviations of its rewards, a"
+        " place counts 1 / e in the mean that is the target; 0: the best place alone is it (D20)",
         least=0,
     )
-    keeps_scatter: bool = setting(
-        False, "whether the scatter of the places that count is part of the noise"
-    )
-    scatter_fades: tuple[float, ...] = setting((0.65, 0.8), "shares of training", is_interval=True)
-    flat_power: float = setting(8.0, "0: mean in all directions", least=0)
-    best_in_flat: bool = setting(False, "x")
     target_scale: float = setting(
         0.005,
         "change of activation at which a target counts half in the regression",
@@ -49,7 +52,9 @@ class HindsightConfig:
         above=0,
     )
     ridge_visits: float = setting(
-        0.0, "visits by whose number the penalty grows, as a share of those remembered", least=0
+        0.0,
+        "number of visits, as a share of those remembered, that is added to that share (D20)",
+        least=0,
     )
     memory_share: float = setting(
         0.5,

@@ -51,13 +51,16 @@ class Sums:
         self.targets = kept * self.targets + t.T @ t
 
 
-def first_sums(n_state: int, n_muscles: int, variance: float, weight: float) -> Sums:
-    """Return the sums of visits that say nothing but how far targets scatter, of that weight."""
+def first_sums(n_state: int, covariance: Floats, weight: float) -> Sums:
+    """Return the sums of visits that say nothing but how far targets scatter, of that weight.
+
+    covariance: (n_muscles, n_muscles).
+    """
     return Sums(
         weight,
         np.zeros((n_state, n_state)),
-        np.zeros((n_state, n_muscles)),
-        weight * variance * np.eye(n_muscles),
+        np.zeros((n_state, len(covariance))),
+        weight * covariance,
     )
 
 
@@ -77,16 +80,16 @@ def kept_share(n_visits: int, memory: float) -> float:
 
 
 def weights_of(rewards: Floats, temperature: float) -> Floats:
-    """Return the weights, (n_visits,), of an episode's places in their mean; they add up to 1.
+    """Return the weights, (n_visits,), of an episode's places in its target; they add up to 1.
 
-    exp((r - max r) / (temperature SD of r)) of rewards (n_visits,), temperature above 0: the best of
-    ten places in many dimensions is mostly noise, their weighted mean less so (Peters & Schaal
-    2007).
+    exp((r - max r) / (temperature SD of r)) of rewards (n_visits,): the best of ten places in many
+    dimensions is mostly noise, their weighted mean less so (Peters & Schaal 2007). At temperature 0
+    the best place, the first of several, has all the weight.
     """
-    scale = temperature * float(rewards.std())
-    if not scale > 0.0:
-        return np.full(len(rewards), 1.0 / len(rewards))
-    weights: Floats = np.exp((rewards - rewards.max()) / scale)
+    spread = temperature * float(rewards.std())
+    if not spread > 0.0:
+        return np.eye(len(rewards))[np.argmax(rewards)]
+    weights: Floats = np.exp((rewards - rewards.max()) / spread)
     return weights / weights.sum()
 
 

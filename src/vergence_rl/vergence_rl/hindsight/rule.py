@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.hindsight.limits import freed_targets, within_limits
+from vergence_rl.hindsight.noise import FirstNoise
 from vergence_rl.hindsight.regression import (
     Sums,
     first_sums,
@@ -35,19 +36,19 @@ class HindsightRule:
         """Start with an actor that does nothing, and wide noise."""
         self._config, self._task = config, task
         self._limits = task.lowest, task.highest
-        variance = config.exploration_variance
+        self._first = FirstNoise(task.n_muscles, config.exploration_variance, config.starts_share)
         self.learning_steps = 0
         self._weights = np.zeros((task.n_muscles, task.n_state))
-        self._sums = first_sums(task.n_state, task.n_muscles, variance, config.least_memory)
-        self._covariance = variance * np.eye(task.n_muscles)
+        self._begin()
         self._td_variance = task.initial_td_variance
         self._visits: list[Observation] = []
-        self._metric = np.eye(task.n_muscles)
-        self._starts: list[Floats] | None = [] if config.starts_share else None
-        self._scatter = np.zeros((task.n_muscles, task.n_muscles))
-        self._spread = np.zeros((task.n_muscles, task.n_muscles))
-        self._scatter_weight = 0.0
-        self._free = np.zeros((task.n_muscles, task.n_muscles))
+
+    def _begin(self) -> None:
+        """Know nothing but the first noise."""
+        n_state = self._task.n_state
+        self._covariance = self._first.covariance
+        self._sums = first_sums(n_state, self._covariance, self._config.least_memory)
+        self._scatter = np.zeros_like(self._covariance)
 
     def step(
         self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
@@ -97,11 +98,13 @@ class HindsightRule:
             "actor": self._weights.copy(),
             "covariance": self._covariance.copy(),
             "learning_steps": np.array(self.learning_steps),
+            "scatter": self._scatter.copy(),
             "sum_products": self._sums.products.copy(),
             "sum_squares": self._sums.squares[np.triu_indices(self._task.n_state)],
             "sum_targets": self._sums.targets.copy(),
             "sum_weight": np.array(self._sums.weight),
             "td_variance": np.array(self._td_variance),
+            **self._first.state(),
         }
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
@@ -117,7 +120,9 @@ class HindsightRule:
             state["sum_targets"].copy(),
         )
         self._weights = state["actor"].copy()
+        self._first.restore(state)
         self._covariance = state["covariance"].copy()
+        self._scatter = state["scatter"].copy()
         self.learning_steps = int(state["learning_steps"])
         self._td_variance = float(state["td_variance"])
         self._visits.clear()
@@ -130,67 +135,41 @@ class HindsightRule:
         config = self._config
         states = np.array([visit.state for visit in self._visits])
         visited = np.array([visit.activations for visit in self._visits])
-        rewards = np.array([visit.reward for visit in self._visits])
-        if self._starts is not None:
-            self._add_start(visited[0])
+        if not self._first.is_known:
+            self._first.add(visited[0])
+            self._begin()
             return
-        best = self._target(visited, rewards, n_seen)
+        kept = self._kept_share(n_seen)
+        aim = self._aim(visited, kept)
         wanted = visited + states @ self._weights.T
-        targets = freed_targets(best, wanted, self._covariance, *self._limits) - visited
-        weights = nearness((best - visited) @ self._metric, config.target_scale)
-        self._sums.add(states, targets, weights, kept=self._kept_share(n_seen))
+        targets = freed_targets(aim, wanted, self._covariance, *self._limits) - visited
+        weights = nearness((aim - visited) @ self._first.metric, config.target_scale)
+        self._sums.add(states, targets, weights, kept=kept)
         if n_seen % config.regression_period == 0:
             ridge_share = config.ridge_share + config.ridge_visits / self._memory(n_seen)
             self._weights = regressed_actor(self._sums, ridge_share)
             if config.exploration_follows_residuals:
                 self._covariance = residual_covariance(self._sums, self._weights)
-                if config.keeps_scatter:
-                    done = n_seen / self._task.n_training_iterations
-                    fade = np.clip(np.interp(done, config.scatter_fades, (1.0, 0.0)), 0, 1)
-                    free = self._freed(n_seen)
-                    self._covariance = self._covariance + fade * free @ self._first @ free.T
-            if config.best_in_flat:
-                self._free = self._freed(n_seen)
+                self._covariance += self._scatter_share(n_seen) * self._scatter
 
-    def _add_start(self, start: Floats) -> None:
-        self._starts.append(start)
-        if len(self._starts) < 10 * len(start):
-            return
-        share = self._config.starts_share
-        covariance = share**2 * np.cov(np.array(self._starts).T)
-        self._starts = None
-        config = self._config
-        self._covariance = self._first = covariance
-        self._sums = first_sums(self._task.n_state, len(start), 1.0, config.least_memory)
-        self._sums.targets = config.least_memory * covariance
-        self._metric = np.sqrt(config.exploration_variance) * np.linalg.inv(root_of(covariance))
+    def _aim(self, visited: Floats, kept: float) -> Floats:
+        """Return the place (n_muscles,) that an episode teaches, and take note of its scatter."""
+        rewards = np.array([visit.reward for visit in self._visits])
+        weights = weights_of(rewards, self._config.temperature)
+        if weights.max() == 1.0:
+            return visited[np.argmax(rewards)]
+        aim: Floats = weights @ visited
+        deviations = visited - aim
+        self._scatter = kept * self._scatter + (1.0 - kept) * (weights * deviations.T) @ deviations
+        return aim
 
-    def _target(self, visited, rewards, n_seen):
-        best = visited[np.argmax(rewards)]
-        config = self._config
-        if not config.temperature:
-            return best
-        weights = weights_of(rewards, config.temperature)
-        mean = weights @ visited
-        deviations = visited - mean
-        kept = self._kept_share(n_seen)
-        scatter = (deviations.T * weights) @ deviations / max(1e-3, 1.0 - (weights**2).sum())
-        self._scatter = kept * self._scatter + scatter
-        self._scatter_weight = kept * self._scatter_weight + 1.0
-        self._spread = kept * self._spread + np.cov(visited.T)
-        return mean + self._free @ (best - mean)
-
-    def _freed(self, n_seen):
-        import scipy.linalg
-        s, v = self._scatter / self._scatter_weight, self._spread / self._scatter_weight
-        v = v + 1e-9 * np.trace(v) * np.eye(len(v))
-        rho, u = scipy.linalg.eigh(s, v)
-        f = np.clip(rho / rho.max(), 0, 1) ** self._config.flat_power
-        import os
-        if os.environ.get("RHO") and n_seen % 5000 == 0:
-            import sys
-            print(n_seen, "rho", np.round(rho, 3), "sd", np.round(np.sqrt(np.linalg.eigvalsh(self._covariance))[::-1], 5), file=sys.stderr)
-        return (v @ u * f) @ u.T
+    def _scatter_share(self, n_seen: int) -> float:
+        """Return the share of the scatter that is part of the noise, falling from 1 to 0."""
+        begin, end = self._config.scatter_until
+        done = n_seen / self._task.n_training_iterations
+        return (
+            min(1.0, max(0.0, (end - done) / (end - begin))) if end > begin else float(done < end)
+        )
 
     def _kept_share(self, n_seen: int) -> float:
         return kept_share(self._task.iterations_per_episode, self._memory(n_seen))

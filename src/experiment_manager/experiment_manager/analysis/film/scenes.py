@@ -20,8 +20,8 @@ _LEAST_START_ERROR_DEG = 0.5
 class Scene:
     """The first iterations of an episode, n of them.
 
-    pictures: (n, 2, height, width) uint8; error_deg: (n,) vergence error; activations: (n, n_commands)
-    what commands set, with their names; px_deg: visual angle of a pixel.
+    pictures: (n, 2, height, width) uint8; error_deg: (n,) vergence error; activations: (n,
+    n_commands) what commands set, with their names; px_deg: visual angle of a pixel.
     """
 
     caption: str

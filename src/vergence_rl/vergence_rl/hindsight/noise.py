@@ -1,0 +1,67 @@
+"""The noise with which hindsight regression begins, in the shape of the places it begins from."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vergence_rl.hindsight.regression import root_of
+
+Floats = NDArray[np.float64]
+
+# First places that tell their scatter, for each muscle.
+_PLACES_PER_MUSCLE = 10
+
+
+class FirstNoise:
+    """Learns the scatter of first activations, and makes the first noise of it.
+
+    Muscles differ in how far they turn the eyes, up to tenfold between axes. First places that are
+    drawn evenly in angles scatter as the muscles have to move, so noise of that shape tries all
+    axes alike. covariance: (n, n) of the noise; metric: (n, n), by which changes of activation are
+    multiplied before their length is taken, so that the noise's SD has the same length everywhere.
+    """
+
+    def __init__(self, n_muscles: int, variance: float, share: float) -> None:
+        """variance: of noise without a shape; share: of the scatter's SD, 0 to do without it."""
+        self._variance, self._share = variance, share
+        self._n_needed = _PLACES_PER_MUSCLE * n_muscles if share else 0
+        self._n_places = 0
+        self._sum, self._squares = np.zeros(n_muscles), np.zeros((n_muscles, n_muscles))
+        self._derive()
+
+    @property
+    def is_known(self) -> bool:
+        """Whether enough places have come; nothing is learned from what comes before."""
+        return self._n_places >= self._n_needed
+
+    def add(self, place: Floats) -> None:
+        """Add the first activations (n,) of an episode."""
+        self._n_places += 1
+        self._sum += place
+        self._squares += np.outer(place, place)
+        self._derive()
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Return what has been learned, as copies."""
+        return {
+            "first_count": np.array(self._n_places),
+            "first_sum": self._sum.copy(),
+            "first_squares": self._squares.copy(),
+        }
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Continue from what `state` returned."""
+        self._n_places = int(state["first_count"])
+        self._sum, self._squares = state["first_sum"].copy(), state["first_squares"].copy()
+        self._derive()
+
+    def _derive(self) -> None:
+        n = len(self._sum)
+        self.covariance, self.metric = self._variance * np.eye(n), np.eye(n)
+        if self._share and self.is_known:
+            mean = self._sum / self._n_places
+            scatter = self._squares / self._n_places - np.outer(mean, mean)
+            self.covariance = self._share**2 * scatter
+            self.metric = np.sqrt(self._variance) * np.linalg.inv(root_of(self.covariance))
