@@ -10,6 +10,7 @@ _EMPTY: dict[str, Any] = {
     "n_trials": 0,
     "bias_by_distance_deg": {},
     "after": {},
+    "antagonists": {},
 }
 NO_TRIALS = SetSummary(**_EMPTY)
 

@@ -79,7 +79,9 @@ def _sets(trials: Trials) -> list[dict[str, float | None]]:
     sets = (test, test.without_zero_start_error, test.authors_test_set)
     measures = [measures for of_set in sets for measures in (of_set, *of_set.after.values())]
     names = Measures.__dataclass_fields__
-    return [{name: getattr(after, name) for name in names} for after in measures]
+    values = [{name: getattr(after, name) for name in names} for after in measures]
+    # Of the pair's tests there are no others.
+    return [{n: v for n, v in of_set.items() if v is not None} for of_set in values]
 
 
 def test_tests_of_other_eyes_have_their_own_starts_and_optima(tmp_path: Path) -> None:

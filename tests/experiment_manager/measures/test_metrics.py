@@ -95,7 +95,7 @@ def test_a_summary_by_hand() -> None:
     # c of the four trials where it is defined: 1.0 0.1 0.0 1.2
     assert result.median_cost_reduction == pytest.approx(0.55)
     # After 1: |error| .8 .4 .0 1.2 2.; C - C* .5 1. .1 1.5 .1; c .5 0 .25 .8
-    assert vars(result.after[1]) == {
+    assert result.after[1].to_json() == {
         "median_abs_vergence_error_deg": pytest.approx(0.8),
         "iqr_abs_vergence_error_deg": pytest.approx(0.8),
         "median_delta_cost_w": pytest.approx(0.5),
@@ -283,7 +283,7 @@ def test_one_test_is_expected() -> None:
         summary_of(np.array(two))
     with pytest.raises(InputError, match="expected the rows of one test, got those of 0"):
         summary_of(np.array(one)[1:])
-    with pytest.raises(InputError, match=r"expected rows of .*; got .*\(3,\)"):
+    with pytest.raises(InputError, match=r"expected rows of .*, got .*\(3,\)"):
         summary_of(np.zeros(3))
 
 

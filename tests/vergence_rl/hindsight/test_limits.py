@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 
 from vergence_rl.hindsight.limits import freed_targets, within_limits
 
@@ -74,3 +75,29 @@ def test_beyond_both_limits_of_the_best_place_nothing_is_to_be_learned() -> None
     wanted = np.array([[-0.01, -0.02]])
     targets = freed_targets(LOWEST, wanted, TOGETHER, LOWEST, HIGHEST)
     np.testing.assert_array_equal(targets, wanted)
+
+
+def test_many_muscles_against_bounded_least_squares() -> None:
+    draw, lowest, highest = np.random.default_rng(4), np.zeros(12), np.full(12, 0.2)
+    for _ in range(50):
+        root = draw.normal(size=(12, 12)) / 100.0
+        covariance = root @ root.T
+        wanted = draw.uniform(-0.05, 0.25, 12)
+        found = within_limits(wanted, covariance, lowest, highest)
+        whitening = np.linalg.inv(np.linalg.cholesky(covariance))
+        oracle = lsq_linear(whitening, whitening @ wanted, (lowest, highest), tol=1e-12).x
+        far, least = (float(np.sum((whitening @ (c - wanted)) ** 2)) for c in (found, oracle))
+        assert far == pytest.approx(least, rel=1e-9)
+        assert (found >= lowest).all()
+        assert (found <= highest).all()
+
+
+def test_targets_of_many_muscles_free_those_beyond_their_limits() -> None:
+    covariance = np.diag([1.0, 4.0, 9.0])
+    covariance[0, 1] = covariance[1, 0] = 1.0
+    best = np.array([0.0, 0.1, 0.2])
+    wanted = np.array([[-0.1, 0.3, 0.3], [0.05, 0.3, 0.1], [-0.1, -0.1, 0.1]])
+    found = freed_targets(best, wanted, covariance, np.zeros(3), np.full(3, 0.2))
+    # The first stays beyond both limits that hold it, and the second muscle goes along with one of
+    # them: cov / var = 1. Of the second visit nothing is held, of the third the first muscle is.
+    assert found == pytest.approx(np.array([[-0.1, 0.0, 0.3], best, [-0.1, 0.0, 0.2]]))

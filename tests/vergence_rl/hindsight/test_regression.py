@@ -10,6 +10,7 @@ from vergence_rl.hindsight.regression import (
     regressed_actor,
     residual_covariance,
     root_of,
+    weights_of,
 )
 
 N_STATE, N_MUSCLES, N_VISITS = 5, 2, 10
@@ -121,3 +122,13 @@ def test_a_root_squared_is_the_covariance(covariance: NDArray[np.float64]) -> No
 
 def test_rounding_below_zero_has_no_root() -> None:
     np.testing.assert_array_equal(root_of(np.diag([1.0, -1e-20])), np.diag([1.0, 0.0]))
+
+
+def test_weights_of_places_by_hand() -> None:
+    rewards = np.array([-1.0, -3.0, -2.0, -2.0])
+    # The best one alone; then e^0, e^-2, e^-1, e^-1 where the temperature is an SD, 0.7071.
+    assert weights_of(rewards, 0.0).tolist() == [1.0, 0.0, 0.0, 0.0]
+    raw = np.exp([0.0, -2.0, -1.0, -1.0])
+    assert weights_of(rewards, 1.0 / rewards.std()) == pytest.approx(raw / raw.sum())
+    assert weights_of(np.full(4, -0.2), 0.0).tolist() == [1.0, 0.0, 0.0, 0.0]
+    assert weights_of(np.full(4, -0.2), 0.3).tolist() == [1.0, 0.0, 0.0, 0.0]

@@ -142,7 +142,7 @@ def with_test(kept: KeptTrials | None, trials: Trials) -> KeptTrials:
 
 
 def _other_errors_deg(trials: Trials) -> np.ndarray:
-    """Return vertical and cyclovergence errors, (n_trials, n_iterations + 1, 2); the pair's none."""
+    """Return vertical and cyclovergence errors, (n_trials, n_iterations + 1, 2); no pair's."""
     if trials.space == COMMAND_SPACES[PAIR]:
         return _no_other_errors()
     return _small(np.stack([trials.column(name) for name in _OTHER_ERROR_COLUMNS], axis=-1))

@@ -22,7 +22,7 @@ def within_limits(wanted: Floats, covariance: Floats, lowest: Floats, highest: F
     """
     clipped: Floats = np.clip(wanted, lowest, highest)
     held: Held = clipped != wanted
-    if not held.any():
+    if not (held.any() and np.isfinite(covariance).all()):
         return clipped
     found = clipped
     for _ in range(2 * len(wanted)):

@@ -1,0 +1,40 @@
+import numpy as np
+import pytest
+
+from vergence_rl.hindsight.noise import FirstNoise
+
+
+def test_noise_without_a_shape_is_known_at_once() -> None:
+    noise = FirstNoise(3, 0.25, 0.0)
+    assert noise.is_known
+    assert noise.covariance.tolist() == (0.25 * np.eye(3)).tolist()
+    assert noise.metric.tolist() == np.eye(3).tolist()
+
+
+def test_noise_takes_the_shape_of_first_places() -> None:
+    draw = np.random.default_rng(1)
+    root = np.array([[0.03, 0.0], [0.02, 0.01]])
+    places = 0.1 + draw.normal(size=(20, 2)) @ root.T
+    noise = FirstNoise(2, 4e-4, 0.5)
+    for place in places[:-1]:
+        noise.add(place)
+        assert not noise.is_known
+    noise.add(places[-1])
+    assert noise.is_known
+    assert noise.covariance == pytest.approx(0.25 * np.cov(places.T, bias=True))
+    # A change as large as the noise's SD has the length of the SD of noise without a shape.
+    values, axes = np.linalg.eigh(noise.covariance)
+    for value, axis in zip(values, axes.T, strict=True):
+        assert np.linalg.norm(np.sqrt(value) * axis @ noise.metric) == pytest.approx(0.02)
+
+
+def test_noise_goes_on_where_it_stopped() -> None:
+    draw = np.random.default_rng(2)
+    whole, first, second = (FirstNoise(2, 1e-4, 0.3) for _ in range(3))
+    for i, place in enumerate(draw.random((20, 2))):
+        whole.add(place)
+        if i == 10:
+            second.restore(first.state())
+        (first if i < 10 else second).add(place)
+    assert second.covariance.tolist() == whole.covariance.tolist()
+    assert second.metric.tolist() == whole.metric.tolist()
