@@ -62,11 +62,11 @@ def test_horizontal_recti_begin_with_what_they_turn() -> None:
     [
         (
             {"experiment_manager.protocol.start_version_deg": [20.0, 20.0]},
-            r"reach a version of -20\.00 deg with a horizontal error of -3\.00, a vertical error of ",
+            r"reach a version of -20\.00 deg with a horizontal error of -3\.00, a vertical ",
         ),
         (
             {"vergence_rl.highest_activations": [0.01]},
-            r"mechanics: expected muscles that reach a horizontal error of ",
+            r"mechanics: expected muscles that reach a torsional error of -4\.00",
         ),
         (
             {"eye_plant.mechanics.strength": [1.0, 1.0, *[0.0] * 4, *[1.0] * 6]},

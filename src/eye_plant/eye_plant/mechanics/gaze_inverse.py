@@ -103,10 +103,11 @@ class GazeInverse:
         while self._reached(names[: n_reached + 1], wanted_deg, distance_m, aside) is not None:
             n_reached += 1
         name = names[n_reached]
-        before = ", ".join(f"{_spoken(n)} of {wanted_deg[n]:.2f}" for n in names[:n_reached])
+        others = ", ".join(f"{_spoken(n)} of {wanted_deg[n]:.2f}" for n in names[:n_reached])
+        before = f" with {others}" if others else ""
         raise InputError(
             f"mechanics: expected muscles that reach {_spoken(name)} of {wanted_deg[name]:.2f} "
-            f"deg{' with ' if before else ''}{before} at {distance_m:g} m, within the limits of their activations; these do not"
+            f"deg{before} at {distance_m:g} m, within the limits of their activations; these do not"
         )
 
     def _reached(
