@@ -25,7 +25,7 @@ ENDS = (
     {"vergence_error_deg": 0.3, "vertical_error_deg": 0.0, "cyclovergence_error_deg": 0.0},
     {"vergence_error_deg": 0.1, "vertical_error_deg": 0.1, "cyclovergence_error_deg": 2.0},
 )
-ACTIVATIONS = (
+ACTIVATIONS: tuple[dict[str, float], ...] = (
     {"left_medial_rectus": 0.001, "left_superior_rectus": 0.054, "right_lateral_rectus": 0.0},
     {"left_lateral_rectus": 0.004, "left_superior_rectus": 0.056},
     {"left_inferior_rectus": 0.0},

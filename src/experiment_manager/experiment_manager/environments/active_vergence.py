@@ -1,6 +1,7 @@
 """Plant and sparse coder as an environment; whoever acts is the third part.
 
-Dimensions: n_muscles is 2, medial and lateral rectus, the same command for both eyes.
+Dimensions: n_muscles is the number of commands, of the pair 2, medial and lateral rectus, the same
+for both eyes.
 """
 
 import math
@@ -132,7 +133,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
             raise InputError("step: expected a reset before, and after the end of each episode")
         action = np.asarray(action, np.float64)
         if action.shape != self.action_space.shape or not np.isfinite(action).all():
-            raise InputError(f"action: expected two finite numbers, got {action.tolist()}")
+            raise InputError(f"action: expected {len(self._space.names)} finite numbers, got {action.tolist()}")
         change = self.action_scale * np.clip(action, -1.0, 1.0)
         command = np.clip(self._activations + change, self._lowest, self._highest)
         observation = self._plant.execute(self._plant.targets(self._space.names, command))
