@@ -111,10 +111,10 @@ PAIR, HORIZONTAL_RECTI, ALL_MUSCLES = "pair", "horizontal_recti", "all_muscles"
 COMMAND_SPACES = {
     # Both eyes alike, as in K17.
     PAIR: CommandSpace(("medial_rectus", "lateral_rectus")),
-    # Each eye its own: it may turn sideways.
+    # Each eye its own (D19): it may turn sideways ...
     HORIZONTAL_RECTI: CommandSpace(
         tuple(f"{side}_{muscle}" for side in SIDES for muscle in MUSCLES[:2])
     ),
-    # It may turn about all three axes.
+    # ... and about all three axes.
     ALL_MUSCLES: CommandSpace(MUSCLE_NAMES),
 }

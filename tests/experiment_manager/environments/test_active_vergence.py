@@ -308,5 +308,5 @@ def test_bad_arguments_are_one_error(
 @pytest.mark.parametrize("action", [[0.1], [np.nan, 0.0], [0.0, 0.0, 0.0]])
 def test_an_action_that_is_none_is_refused(bare: VergenceEnvironment, action: list[float]) -> None:
     bare.reset(seed=1)
-    with pytest.raises(InputError, match="expected two finite numbers"):
+    with pytest.raises(InputError, match="expected 2 finite numbers"):
         bare.step(np.array(action))

@@ -133,7 +133,8 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
             raise InputError("step: expected a reset before, and after the end of each episode")
         action = np.asarray(action, np.float64)
         if action.shape != self.action_space.shape or not np.isfinite(action).all():
-            raise InputError(f"action: expected {len(self._space.names)} finite numbers, got {action.tolist()}")
+            n_commands = len(self._space.names)
+            raise InputError(f"action: expected {n_commands} finite numbers, got {action.tolist()}")
         change = self.action_scale * np.clip(action, -1.0, 1.0)
         command = np.clip(self._activations + change, self._lowest, self._highest)
         observation = self._plant.execute(self._plant.targets(self._space.names, command))
