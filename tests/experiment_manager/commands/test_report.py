@@ -15,7 +15,9 @@ from experiment_manager.commands.report import main
 from experiment_manager.measures.tables import percent
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
+from lockstep.command_space import ALL_MUSCLES, PAIR
 from lockstep.state_file import write_state
+from tests.experiment_manager.own_commands import write_run
 
 
 def _with_checkpoint(directory: Path) -> None:
@@ -76,6 +78,23 @@ def test_a_single_run_has_its_report_in_its_directory(
     assert main([str(directory)]) == 0
     assert (directory / "report.html").is_file()
     assert (directory / "figures" / "performance.png").is_file()
+
+
+def test_a_page_says_of_each_command_space_what_holds_for_it(tmp_path: Path) -> None:
+    run = write_run(tmp_path / "twelve", ALL_MUSCLES)
+    assert main([str(run)]) == 0
+    text = _page(run)
+    assert "Not drawn, for want of a plane of two activations, those of both eyes alike" in text
+    assert "Where each muscle has a command of its own" in text
+    assert "median |cyclovergence error| / deg" in text
+    assert "superior oblique and inferior oblique" in text
+    for of_pair in ("paper, M", "The paper and ours", "up to 2 m", "authors' test set"):
+        assert of_pair not in text
+    pair = write_run(tmp_path / "pair", PAIR)
+    assert main([str(pair), str(run), "--out", str(tmp_path / "both")]) == 0
+    text = _page(tmp_path / "both")
+    for of_both in ("paper, M", "up to 2 m", "Where each muscle has a command of its own"):
+        assert of_both in text
 
 
 def test_what_is_no_run_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -15,6 +15,7 @@ from experiment_manager.analysis.report.groups import Group, groups_of, held_bac
 from experiment_manager.analysis.report.performance_figures import FIGURES, STYLE, save
 from experiment_manager.analysis.report.reported_run import ReportedRun, runs_below
 from experiment_manager.analysis.report.tables import (
+    antagonists_table,
     bias_table,
     comparison_table,
     iterations_table,
@@ -30,6 +31,21 @@ from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
 
 REPORT_FILE = "report.html"
+_ABOUT_PAIR = (
+    "Our test set has the start errors from -3 deg to the largest whole degree that leaves "
+    "a vergence of 0 or more; the authors' code stops at +2 deg and leaves out the trials "
+    "that start at zero error, so its test set is those of our trials that start at -3, "
+    "-2, -1, +1 or +2 deg. The paper gives four interquartile ranges, 0.319 and 1.076 deg, "
+    "from a plant and pictures of its own. The antagonist, silent below an "
+    "activation of 0.005, is the lateral rectus up to 2 m and the medial one from 4 m on; "
+    "other distances do not count in that share."
+)
+# Of groups with more commands than the pair.
+_ABOUT_OTHERS = (
+    "Where each muscle has a command of its own, trials start with errors drawn about all axes "
+    "that the commands turn. Within 1 px are both the horizontal and the vertical error. The "
+    "antagonist is silent where one of the two horizontal recti of an eye is."
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -132,15 +148,8 @@ def write_report(runs: Sequence[ReportedRun], out: Path) -> Path:
 
 
 def _tables(groups: Sequence[Group]) -> list[str]:
-    over_seeds = [
-        report_page.heading("Over seeds"),
-        report_page.paragraph(
-            "Median over seeds, in brackets the least and the greatest seed: our test set."
-        ),
-        seeds_table(groups),
-        report_page.paragraph("The same of the authors' test set."),
-        seeds_table(groups, authors=True),
-    ]
+    are_of_pair = [group.is_of_pair for group in groups]
+    compared = "The paper and ours, after 20 iterations of a trial"
     return [
         report_page.heading("Runs"),
         runs_table(groups),
@@ -148,27 +157,52 @@ def _tables(groups: Sequence[Group]) -> list[str]:
             "Lambda's share of the reward is that over the first and over the last 5,000 training "
             "iterations."
         ),
-        report_page.heading("The paper and ours, after 20 iterations of a trial"),
+        report_page.heading(compared if any(are_of_pair) else "After 20 iterations of a trial"),
         report_page.paragraph("Over all trials of all seeds."),
         comparison_table(groups),
-        report_page.paragraph(
-            "Our test set has the start errors from -3 deg to the largest whole degree that leaves "
-            "a vergence of 0 or more; the authors' code stops at +2 deg and leaves out the trials "
-            "that start at zero error, so its test set is those of our trials that start at -3, "
-            "-2, -1, +1 or +2 deg. The paper gives four interquartile ranges, 0.319 and 1.076 deg, "
-            "from a plant and pictures of its own. The antagonist, silent below an "
-            "activation of 0.005, is the lateral rectus up to 2 m and the medial one from 4 m on; "
-            "other distances do not count in that share."
-        ),
-        *(over_seeds if any(len(group.runs) > 1 for group in groups) else ()),
+        *([report_page.paragraph(_ABOUT_PAIR)] if any(are_of_pair) else ()),
+        *(() if all(are_of_pair) else [report_page.paragraph(_ABOUT_OTHERS)]),
+        *_over_seeds(groups),
         report_page.heading("Bias"),
         report_page.paragraph(
             "Median of the signed error by object distance, after 20 iterations, over our test "
             "set. Above 0 the eyes end with too little vergence."
         ),
         bias_table(groups),
+        *(() if all(are_of_pair) else _antagonists(groups)),
         report_page.heading("During a trial, at the end of training"),
         iterations_table(groups),
+    ]
+
+
+def _over_seeds(groups: Sequence[Group]) -> list[str]:
+    several = [group for group in groups if len(group.runs) > 1]
+    if not several:
+        return []
+    parts = [
+        report_page.heading("Over seeds"),
+        report_page.paragraph(
+            "Median over seeds, in brackets the least and the greatest seed: our test set."
+        ),
+        seeds_table(groups),
+    ]
+    if any(group.is_of_pair for group in several):
+        parts += [
+            report_page.paragraph("The same of the authors' test set."),
+            seeds_table(groups, authors=True),
+        ]
+    return parts
+
+
+def _antagonists(groups: Sequence[Group]) -> list[str]:
+    return [
+        report_page.heading("Antagonists"),
+        report_page.paragraph(
+            "After 20 iterations, over our test set. Co-contraction: median of the lesser "
+            "activation of two antagonists, above the least that commands may set. One is silent: "
+            "share of trials in which that is below 0.005; by object distance, too."
+        ),
+        antagonists_table(groups),
     ]
 
 

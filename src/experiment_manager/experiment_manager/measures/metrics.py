@@ -114,7 +114,7 @@ def _antagonist_is_silent(trials: Trials, iteration: int, criteria: Criteria) ->
             for values in zip(
                 *(
                     _lesser_of_two(trials, iteration, criteria, names)
-                    for names in _antagonist_names(trials.space)
+                    for names in antagonist_names(trials.space)
                     if names[0].endswith("medial_rectus")
                 ),
                 strict=True,
@@ -136,7 +136,7 @@ def _antagonists(trials: Trials, criteria: Criteria) -> dict[str, AntagonistPair
         return {}
     distance_m = trials.object_distance_m
     found = {}
-    for names in _antagonist_names(trials.space):
+    for names in antagonist_names(trials.space):
         lesser, limit = _lesser_of_two(trials, trials.n_iterations, criteria, names)
         is_silent = lesser < limit
         found["-".join(names)] = AntagonistPair(
@@ -149,7 +149,7 @@ def _antagonists(trials: Trials, criteria: Criteria) -> dict[str, AntagonistPair
     return found
 
 
-def _antagonist_names(space: CommandSpace) -> list[tuple[str, str]]:
+def antagonist_names(space: CommandSpace) -> list[tuple[str, str]]:
     """Return the names of antagonists that both have a command."""
     pairs = [
         (f"{side}_{first}", f"{side}_{second}")

@@ -33,27 +33,41 @@ def percent(share: float | None) -> str:
 
 def summary_line(test: Summary) -> str:
     """Return the measures of one test in one line."""
+    others = "".join(f"{name} {number(value)} deg, " for name, value in _other_errors_deg(test))
     return (
         f"test at {test.iteration} iterations: "
         f"median |vergence error| {number(test.median_abs_vergence_error_deg)} deg, "
-        f"IQR {number(test.iqr_abs_vergence_error_deg)} deg, "
+        f"IQR {number(test.iqr_abs_vergence_error_deg)} deg, {others}"
         f"{percent(test.share_within_1_px)} within 1 px, "
         f"c {number(test.median_cost_reduction)} ({test.n_trials} trials)"
     )
 
 
+def _other_errors_deg(test: Summary) -> list[tuple[str, float | None]]:
+    """Return the median errors about other axes with their names, of the pair none."""
+    if test.median_abs_vertical_error_deg is None:
+        return []
+    return [
+        ("|vertical|", test.median_abs_vertical_error_deg),
+        ("|cyclovergence|", test.median_abs_cyclovergence_error_deg),
+    ]
+
+
 def summaries_table(tests: Sequence[Summary]) -> str:
     """Return the learning curve of a run, one line per test."""
+    others = [_other_errors_deg(test) for test in tests]
     errors_deg = [test.median_abs_vergence_error_deg or 0.0 for test in tests]
     most = max(errors_deg, default=0.0) or 1.0
-    header = ["iteration", "trials", "|vergence error|/deg", "IQR/deg", "within 1 px"]
-    header += ["beyond 1 deg", "delta C/W", "c", "silent", ""]
+    header = ["iteration", "trials", "|vergence error|/deg", "IQR/deg"]
+    header += [f"{name}/deg" for name, _ in max(others, key=len, default=[])]
+    header += ["within 1 px", "beyond 1 deg", "delta C/W", "c", "silent", ""]
     rows = [
         (
             str(test.iteration),
             str(test.n_trials),
             number(test.median_abs_vergence_error_deg),
             number(test.iqr_abs_vergence_error_deg),
+            *(number(value) for _, value in of_test),
             percent(test.share_within_1_px),
             percent(test.share_beyond_1_deg),
             number(test.median_delta_cost_w),
@@ -61,6 +75,6 @@ def summaries_table(tests: Sequence[Summary]) -> str:
             percent(test.share_antagonist_silent),
             ("#" * round(_BAR_WIDTH * error_deg / most)).ljust(_BAR_WIDTH),
         )
-        for test, error_deg in zip(tests, errors_deg, strict=True)
+        for test, error_deg, of_test in zip(tests, errors_deg, others, strict=True)
     ]
     return text_table(header, rows, n_left=0)

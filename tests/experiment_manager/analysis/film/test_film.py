@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from experiment_manager.analysis.film.frames import Curves, frames
 from experiment_manager.analysis.film.scenes import scenes
 from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.commands.inspect_bag import main
+from lockstep.command_space import MUSCLE_NAMES
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TEST, TRAINING
 from tests.pair import HORIZONTAL_RECTI
 
@@ -27,13 +29,42 @@ def _grey(episode: int, iteration: int, side: int) -> int:
     return 40 + 50 * episode + 8 * iteration + 20 * side
 
 
+TWELVE = """/**/eye_plant:
+  ros__parameters:
+    command_space: all_muscles
+    lowest_activations: [0.0]
+"""
+
+
 @pytest.fixture
 def bag(
     tmp_path: Path, vector_bytes: Callable[..., bytes], image_bytes: Callable[..., bytes]
 ) -> Path:
     """Three episodes of 12 observations with pictures: a trial, a training episode, a trial."""
+    muscles = dict(zip(HORIZONTAL_RECTI, (0.1, 0.05, 0.1, 0.05), strict=True))
+    return _write(tmp_path / "bag", muscles, vector_bytes, image_bytes)
+
+
+@pytest.fixture
+def bag_of_twelve(
+    tmp_path: Path, vector_bytes: Callable[..., bytes], image_bytes: Callable[..., bytes]
+) -> Path:
+    """The same with a command for each muscle."""
+    muscles = {name: 0.01 * (1 + i) for i, name in enumerate(MUSCLE_NAMES)}
+    return _write(tmp_path / "twelve", muscles, vector_bytes, image_bytes, configuration=TWELVE)
+
+
+def _write(
+    path: Path,
+    muscles: dict[str, float],
+    vector_bytes: Callable[..., bytes],
+    image_bytes: Callable[..., bytes],
+    configuration: str = "",
+) -> Path:
     topics = {"ground_truth": VECTOR, "muscle_activations": VECTOR} | dict.fromkeys(PICTURES, IMAGE)
-    with BagWriter(tmp_path / "bag", topics, {"model": "M", "seed": "1"}) as writer:
+    with BagWriter(
+        path, topics, {"model": "M", "seed": "1"}, configuration=configuration
+    ) as writer:
         for episode, (phase, training) in enumerate(((TEST, 0), (TRAINING, 500), (TEST, 1000))):
             for iteration in range(N_ITERATIONS):
                 stamp_ns = (episode * N_ITERATIONS + iteration) * PERIOD_NS
@@ -42,16 +73,18 @@ def bag(
                     "iteration": iteration,
                     "training_iteration": training,
                     "vergence_error_deg": 2.0 - 0.1 * iteration,
+                    "vertical_error_deg": -1.0,
+                    "cyclovergence_error_deg": 3.0,
                 }
                 truth = vector_bytes(tuple(values), tuple(values.values()), stamp_ns)
                 writer.write("ground_truth", truth, stamp_ns)
-                muscles = vector_bytes(HORIZONTAL_RECTI, (0.1, 0.05, 0.1, 0.05), stamp_ns)
-                writer.write("muscle_activations", muscles, stamp_ns)
+                activations = vector_bytes(tuple(muscles), tuple(muscles.values()), stamp_ns)
+                writer.write("muscle_activations", activations, stamp_ns)
                 for side, topic in enumerate(PICTURES):
                     picture = np.full((HEIGHT, WIDTH), _grey(episode, iteration, side), np.uint8)
                     writer.write(topic, image_bytes(picture, stamp_ns), stamp_ns)
         writer.commit()
-    return tmp_path / "bag"
+    return path
 
 
 def _frames_of_mp4(file: Path) -> list[np.ndarray]:
@@ -97,6 +130,30 @@ def test_an_mp4_shows_pictures_and_growing_curves_of_each_iteration(bag: Path) -
     curves = slice(CAPTION_PX + HEIGHT, None)
     n_dark = [int((frames[number][curves].max(axis=-1) < 240).sum()) for number in (0, 9)]
     assert n_dark[1] > n_dark[0] + 200
+
+
+def test_each_muscle_and_each_error_has_its_curve(bag_of_twelve: Path) -> None:
+    shown = scenes(Bag(bag_of_twelve))
+    assert shown[0].errors_deg[4].tolist() == pytest.approx([1.6, -1.0, 3.0])
+    curves = Curves(960, shown)
+    picture = curves.draw(shown[0], 4)
+    assert picture.shape[1] == 960
+    left, right, errors = curves.figure.axes
+    for eye, names in ((left, MUSCLE_NAMES[:6]), (right, MUSCLE_NAMES[6:])):
+        for line, name in zip(eye.get_lines(), names, strict=True):
+            expected = [0.01 * (1 + MUSCLE_NAMES.index(name))] * 5
+            assert np.asarray(line.get_ydata()).tolist() == pytest.approx(expected)
+            assert str(line.get_label()).replace(" ", "_") == name.partition("_")[2]
+    ends_deg = {line.get_label(): np.asarray(line.get_ydata())[-1] for line in errors.get_lines()}
+    assert ends_deg == pytest.approx({"vergence": 1.6, "vertical": -1.0, "cyclovergence": 3.0})
+
+
+def test_small_pictures_grow_to_make_room_for_the_curves(bag_of_twelve: Path) -> None:
+    first, *rest = frames(scenes(Bag(bag_of_twelve)))
+    # 3 x 120 px make 360; three times as many are 960 or more.
+    assert first[0].shape[1] == 9 * WIDTH
+    assert first[0][CAPTION_PX + 3 * HEIGHT // 2, 3 * WIDTH // 2].tolist() == [_grey(0, 0, 0)] * 3
+    assert {frame.shape for frame, _ in rest} == {first[0].shape}
 
 
 def test_a_gif_is_half_as_wide_and_holds_the_last_of_each_scene(bag: Path) -> None:

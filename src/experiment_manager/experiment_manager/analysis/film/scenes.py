@@ -8,9 +8,11 @@ import numpy as np
 from experiment_manager.analysis.pictured_episodes import PicturedEpisodes, pictured_episodes
 from experiment_manager.analysis.recorded_run import commanded, evaluation_settings_of
 from experiment_manager.bag.reader import Bag, VectorTable
+from lockstep.command_space import PAIR
 from lockstep.wire.topics import PICTURES, TEST
 
 SCENES_PER_STAGE = 3
+ERRORS = ("vergence", "vertical", "cyclovergence")
 # What comes later is rest.
 MOST_ITERATIONS = 10
 _LEAST_START_ERROR_DEG = 0.5
@@ -20,13 +22,14 @@ _LEAST_START_ERROR_DEG = 0.5
 class Scene:
     """The first iterations of an episode, n of them.
 
-    pictures: (n, 2, height, width) uint8; error_deg: (n,) vergence error; activations: (n,
-    n_commands) what commands set, with their names; px_deg: visual angle of a pixel.
+    pictures: (n, 2, height, width) uint8; errors_deg: (n, 3) vergence, vertical and cyclovergence
+    error, of the pair (n, 1) the first; activations: (n, n_commands) what commands set, with their
+    names; px_deg: visual angle of a pixel.
     """
 
     caption: str
     pictures: np.ndarray
-    error_deg: np.ndarray
+    errors_deg: np.ndarray
     activations: np.ndarray
     names: tuple[str, ...]
     px_deg: float
@@ -127,10 +130,11 @@ def _scene(
     pairs = [dict(bag.images(topic, wanted.tolist())) for topic in PICTURES]
     stamps_ns = [s for s in wanted.tolist() if all(s in pair for pair in pairs)][:MOST_ITERATIONS]
     rows = truth.at(np.array(stamps_ns))
+    errors = ERRORS[: 1 if settings.plant.command_space == PAIR else None]
     return Scene(
         caption,
         np.stack([[pair[s] for pair in pairs] for s in stamps_ns]),
-        truth.column("vergence_error_deg")[rows],
+        np.stack([truth.column(f"{name}_error_deg")[rows] for name in errors], axis=1),
         commanded(muscles, settings.plant.space)[muscles.at(np.array(stamps_ns))],
         settings.plant.space.names,
         settings.criteria(episode.training_iteration).px_deg,

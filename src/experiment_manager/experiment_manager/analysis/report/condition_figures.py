@@ -42,7 +42,8 @@ def conditions_figure(groups: Sequence[Group]) -> Figure:
 def _draw(axes: Axes, group: Group, px_deg: float) -> AxesImage:
     trials = group.last_trials
     distance_m = trials.object_distance_m
-    start_deg = np.round(trials.vergence_error_deg[:, 0])
+    # Adding 0 makes what rounds to -0.0 a plain 0.
+    start_deg = np.round(trials.vergence_error_deg[:, 0]) + 0.0
     end_deg = np.abs(trials.vergence_error_deg[:, -1])
     distances_m, starts_deg = np.unique(distance_m), np.unique(start_deg)
     medians_deg = np.full((len(distances_m), len(starts_deg)), np.nan)

@@ -7,8 +7,10 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 
+from experiment_manager.analysis.report.activation_figure import activations_figure
 from experiment_manager.analysis.report.condition_figures import conditions_figure
 from experiment_manager.analysis.report.dictionary_figures import dictionary_figure
+from experiment_manager.analysis.report.error_figures import errors_figure
 from experiment_manager.analysis.report.groups import Group
 from experiment_manager.analysis.report.motor_space_figure import motor_space, motor_space_figure
 from experiment_manager.analysis.report.performance_figures import box_figure, performance_figure
@@ -25,6 +27,7 @@ _PLANT_PREFIX = "mechanics."
 _MOST_GROUPS = 4
 _NEEDS_TRIALS = "trials.npz or a bag"
 _NEEDS_BAG = "a bag"
+_NEEDS_PAIR = "a plane of two activations, those of both eyes alike"
 
 
 @dataclass(frozen=True)
@@ -67,32 +70,31 @@ def drawings(groups: Sequence[Group]) -> Iterator[Drawing]:
         left_out,
         left_out,
     )
-    yield from _motor_spaces(with_trials, left_out)
+    yield from _motor_spaces(groups)
+    yield from _of_own_commands(with_trials)
     yield Drawing(
         "conditions",
         "Where it succeeds, and where not",
         "Median absolute vergence error after the last test's trials in deg, by where the object "
-        "stands and by the error that the trial starts with. White is 1 px, blue less, red more.",
+        "stands and by the error that the trial starts with. White is 1 px, blue less, red more."
+        + ("" if all(_is_of_pair(g) for g in groups) else " Starts are rounded to whole degrees."),
         lambda: conditions_figure(with_trials) if with_trials else None,
         left_out,
         left_out,
     )
-    family = over_prices(groups)
-    if family:
-        yield Drawing(
-            "price_of_energy",
-            "What a price on energy does",
-            "After 20 iterations of the last test's trials, over lambda: median and quartiles over "
-            "all trials of all seeds, dots are the medians of single seeds. In the last panel the "
-            "median error against the median metabolic rate, a point per lambda. Model M, which "
-            "has no price, stands at 0 where there is no M_C with lambda 0.",
-            lambda: price_figure(family),
-        )
+    yield from _prices(groups)
     yield from _drawings_from_bags(groups)
 
 
-def _motor_spaces(groups: Sequence[Group], left_out: str) -> Iterator[Drawing]:
+def _motor_spaces(all_groups: Sequence[Group]) -> Iterator[Drawing]:
     title = "Muscles and their cost (K17 Fig. 4)"
+    what = "Not drawn, for want of"
+    reasons = [
+        _left_out(what, _NEEDS_TRIALS, all_groups, _has_trials),
+        _left_out(what, _NEEDS_PAIR, all_groups, _is_of_pair),
+    ]
+    left_out = " ".join(reason for reason in reasons if reason)
+    groups = [group for group in all_groups if group.has_trials and group.is_of_pair]
     if not groups:
         yield Drawing("motor_space", title, "", lambda: None, left_out)
     for number, (mechanics, members) in enumerate(_by_plant(groups)):
@@ -107,6 +109,44 @@ def _motor_spaces(groups: Sequence[Group], left_out: str) -> Iterator[Drawing]:
             "not fall any more, so the contours turn there. Of more than four settings, four.",
             partial(_motor_space, mechanics, members),
             left_out=left_out,
+        )
+
+
+def _of_own_commands(groups: Sequence[Group]) -> Iterator[Drawing]:
+    """Yield what shows the groups, with trials, whose commands are not those of the pair."""
+    chosen = [group for group in groups if not group.is_of_pair]
+    if chosen:
+        yield Drawing(
+            "errors",
+            "Errors about all axes",
+            "Above: over the iterations of the last test's trials, as many as were kept. Below: "
+            "after a trial's last iteration, over training. Median and quartiles of the absolute "
+            "error, over all trials of all seeds. Horizontal and vertical: disparity of what the "
+            "left fovea looks at. Torsional: how far its surroundings are turned, eye against eye.",
+            partial(errors_figure, chosen),
+        )
+    for number, group in enumerate(chosen):
+        yield Drawing(
+            f"activations_{number}_{group.model}",
+            f"Muscles of {group.name}",
+            "Activations at the start (rings) and at the end (dots) of the last test's trials, by "
+            "object distance: median and quartiles over all trials of all seeds. Each panel has "
+            "two antagonists.",
+            partial(activations_figure, group),
+        )
+
+
+def _prices(groups: Sequence[Group]) -> Iterator[Drawing]:
+    family = over_prices(groups)
+    if family:
+        yield Drawing(
+            "price_of_energy",
+            "What a price on energy does",
+            "After 20 iterations of the last test's trials, over lambda: median and quartiles over "
+            "all trials of all seeds, dots are the medians of single seeds. In the last panel the "
+            "median error against the median metabolic rate, a point per lambda. Model M, which "
+            "has no price, stands at 0 where there is no M_C with lambda 0.",
+            lambda: price_figure(family),
         )
 
 
@@ -135,6 +175,10 @@ def _left_out(
 
 def _has_trials(group: Group) -> bool:
     return group.has_trials
+
+
+def _is_of_pair(group: Group) -> bool:
+    return group.is_of_pair
 
 
 def _has_bag(group: Group) -> bool:

@@ -82,6 +82,11 @@ class Group:
         return self.common.model
 
     @property
+    def is_of_pair(self) -> bool:
+        """Whether two activations are commanded, the same in both eyes, as in K17."""
+        return self.runs[0].is_of_pair
+
+    @property
     def iterations(self) -> list[int]:
         """Training iterations before each test that all runs made, in order."""
         made = [{test.iteration for test in run.summaries} for run in self.runs]

@@ -90,9 +90,9 @@ def performance_figure(groups: Sequence[Group]) -> Figure:
     upper.set_xlabel("")
     for group in groups:
         _draw_errors(lower, group, len(groups))
-    _mark_pixel(lower, px_deg_of(groups))
+    mark_pixel(lower, px_deg_of(groups))
     lower.set(yscale="log", ylabel=ERROR_LABEL, xlabel="training iterations")
-    _label_decades(lower)
+    label_decades(lower)
     add_legend(figure, handles)
     return figure
 
@@ -115,7 +115,7 @@ def add_legend(figure: Figure, handles: Sequence[Any]) -> None:
     figure.set_figheight(figure.get_figheight() + max(0.0, needed - _LEGEND_HEIGHT))
 
 
-def _label_decades(axes: Axes) -> None:
+def label_decades(axes: Axes) -> None:
     """Let a logarithmic axis begin and end at 1, 2 or 5 times a power of ten: labelled ticks."""
     low, high = axes.get_ylim()
     reach = range(math.floor(math.log10(low)) - 1, math.ceil(math.log10(high)) + 2)
@@ -136,7 +136,7 @@ def _performance(axes: Axes, groups: Sequence[Group]) -> list[Any]:
     for group in groups:
         handles.append(_draw_errors(axes, group, len(groups)))
         _draw_deltas(right, group)
-    _mark_pixel(axes, px_deg_of(groups))
+    mark_pixel(axes, px_deg_of(groups))
     axes.set(xlabel="training iterations", ylabel=ERROR_LABEL, ylim=(0, None))
     axes.xaxis.set_major_formatter(mpl.ticker.EngFormatter(sep=""))
     right.set_ylabel(r"$\Delta C$ / W")
@@ -199,7 +199,7 @@ def px_deg_of(groups: Sequence[Group]) -> float:
     return groups[0].last_criteria.px_deg
 
 
-def _mark_pixel(axes: Axes, px_deg: float, *, outside: bool = False) -> None:
+def mark_pixel(axes: Axes, px_deg: float, *, outside: bool = False) -> None:
     """Draw a line at 1 px; outside: its name stands to the right of the axes."""
     axes.axhline(px_deg, color="0.5", lw=0.7, ls=":")
     axes.annotate(
@@ -227,7 +227,7 @@ def box_figure(groups: Sequence[Group]) -> Figure:
     shown = [k for k in REPORTED_ITERATIONS if k <= n_iterations]
     px_deg = px_deg_of(groups)
     upper.axhspan(0, px_deg, color="0.85", lw=0)
-    _mark_pixel(upper, px_deg, outside=True)
+    mark_pixel(upper, px_deg, outside=True)
     for level in (0, 100):
         lower.axhline(level, color="0.6", lw=0.7, ls=":")
     width = 0.7 / len(groups)

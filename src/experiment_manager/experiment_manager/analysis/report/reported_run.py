@@ -10,6 +10,7 @@ from experiment_manager.measures.trials import Trials
 from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.run.described_run import DescribedRun
 from experiment_manager.sweep.sweep_file import SWEEP_FILE
+from lockstep.command_space import PAIR
 from lockstep.errors import InputError
 
 
@@ -38,6 +39,11 @@ class ReportedRun(DescribedRun):
             except (OSError, UnicodeDecodeError) as error:
                 raise InputError(f"{directory}: expected its {CONFIG_FILE}: {error}") from error
         super().__init__(directory, text, str(directory))
+
+    @property
+    def is_of_pair(self) -> bool:
+        """Whether two activations are commanded, the same in both eyes, as in K17."""
+        return self.evaluation_settings.plant.command_space == PAIR
 
     @property
     def is_finished(self) -> bool:

@@ -1,8 +1,9 @@
 """The tables of a report: K17's numbers beside those of the runs."""
 
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import astuple, dataclass, replace
+from itertools import chain
 
 from experiment_manager.analysis.recorded_run import RecordedRun
 from experiment_manager.analysis.report import page as report_page
@@ -10,7 +11,7 @@ from experiment_manager.analysis.report.groups import Group
 from experiment_manager.analysis.report.reported_run import ReportedRun
 from experiment_manager.analysis.resting_places import resting_places
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS, SHARE_ITERATIONS
-from experiment_manager.measures.results import Measures, SetSummary
+from experiment_manager.measures.results import Measures, SetSummary, Summary
 from experiment_manager.measures.tables import number, percent
 
 
@@ -45,6 +46,18 @@ class _Column:
 
 _ERROR = _Column("median |vergence error| / deg", lambda m: m.median_abs_vergence_error_deg, number)
 _IQR = _Column("IQR of |vergence error| / deg", lambda m: m.iqr_abs_vergence_error_deg, number)
+_OTHER_AXES = (
+    _Column("median |vertical error| / deg", lambda m: m.median_abs_vertical_error_deg, number),
+    _Column("IQR of |vertical error| / deg", lambda m: m.iqr_abs_vertical_error_deg, number),
+    _Column(
+        "median |cyclovergence error| / deg",
+        lambda m: m.median_abs_cyclovergence_error_deg,
+        number,
+    ),
+    _Column(
+        "IQR of |cyclovergence error| / deg", lambda m: m.iqr_abs_cyclovergence_error_deg, number
+    ),
+)
 _SHORT_IQR = replace(_IQR, heading="IQR / deg")
 _DELTA_COST = _Column("median Delta C / W", lambda m: m.median_delta_cost_w, number)
 _REDUCTION = _Column("median c", lambda m: m.median_cost_reduction, percent)
@@ -52,10 +65,20 @@ _WITHIN = _Column("within 1 px", lambda m: m.share_within_1_px, percent)
 _BEYOND = _Column("beyond 1 deg", lambda m: m.share_beyond_1_deg, percent)
 _SILENT = _Column("antagonist silent", lambda m: m.share_antagonist_silent, percent)
 
+# Each begins with the vergence error and its spread.
 _OF_GROUPS = (_ERROR, _IQR, _DELTA_COST, _REDUCTION, _WITHIN, _BEYOND, _SILENT)
 _OF_ITERATIONS = (_ERROR, _SHORT_IQR, _WITHIN, _BEYOND, _REDUCTION)
 _OF_TESTS = (_ERROR, _SHORT_IQR, _WITHIN, _BEYOND, _DELTA_COST, _REDUCTION, _SILENT)
 _OF_TESTS_AUTHORS = (_ERROR, _SHORT_IQR)
+
+
+def _with_other_axes(
+    columns: tuple[_Column, ...], tests: Iterable[Measures | None]
+) -> tuple[_Column, ...]:
+    """Return the columns, with those of vertical error and cyclovergence where a test has them."""
+    known = [test for test in tests if test is not None]
+    others = [column for column in _OTHER_AXES if any(column.value(t) is not None for t in known)]
+    return (*columns[:2], *others, *columns[2:])
 
 
 def runs_table(groups: Sequence[Group]) -> str:
@@ -92,34 +115,41 @@ def comparison_table(groups: Sequence[Group]) -> str:
     """Return the paper's measures beside those of each group's last test, trials pooled."""
     header = ["measure"]
     columns: list[list[str]] = []
-    for group in groups:
-        if group.model in _PAPER and f"paper, {group.model}" not in header:
+    tests = [group.last_summary for group in groups]
+    measures = _with_other_axes(_OF_GROUPS, tests)
+    for group, test in zip(groups, tests, strict=True):
+        if group.is_of_pair and group.model in _PAPER and f"paper, {group.model}" not in header:
             header.append(f"paper, {group.model}")
-            columns.append(_paper_column(_PAPER[group.model]))
+            columns.append(_paper_column(_PAPER[group.model], measures))
         header.append(f"ours, {group.name}")
-        columns.append(_column(group))
+        columns.append(_column(group, test, measures))
     names = ["training iterations", "runs pooled", "lambda / per W"]
-    for trial_set in ("our test set", "authors' test set"):
-        measures = ("trials", *(column.heading for column in _OF_GROUPS))
-        names += [f"{trial_set}: {measure}" for measure in measures]
-    rows = [(name, *cells) for name, *cells in zip(names, *columns, strict=True)]
+    trial_sets = ["our test set"]
+    if any(group.is_of_pair for group in groups):
+        trial_sets.append("authors' test set")
+    for trial_set in trial_sets:
+        names += [f"{trial_set}: {name}" for name in ("trials", *(m.heading for m in measures))]
+    # The authors' test set comes last in the columns; it may have no rows.
+    rows = [(name, *cells) for name, *cells in zip(names, *columns, strict=False)]
     return report_page.table(header, rows)
 
 
-def _paper_column(paper: _Paper) -> list[str]:
-    ours = ["-"] * (1 + len(_OF_GROUPS))
-    authors = ["-", paper.median_deg, paper.iqr_deg, "-", paper.cost_reduction, "-", "-", "-"]
+def _paper_column(paper: _Paper, measures: Sequence[_Column]) -> list[str]:
+    ours = ["-"] * (1 + len(measures))
+    known = {_ERROR: paper.median_deg, _IQR: paper.iqr_deg, _REDUCTION: paper.cost_reduction}
+    authors = ["-", *(known.get(measure, "-") for measure in measures)]
     return [paper.n_iterations, "5", paper.weight, *ours, *authors]
 
 
-def _column(group: Group) -> list[str]:
-    test = group.last_summary
+def _column(group: Group, test: Summary | None, measures: Sequence[_Column]) -> list[str]:
+    """Return the measures of both test sets; the authors' is one of the pair alone."""
+    authors = test.authors_test_set if test and group.is_of_pair else None
     cells = [f"{group.iterations[-1]:,}", str(len(group.runs)), _weight(group)]
-    for of_set in (test, test and test.authors_test_set):
+    for of_set in (test, authors):
         if of_set is None:
-            cells += ["-"] * (1 + len(_OF_GROUPS))
+            cells += ["-"] * (1 + len(measures))
         else:
-            cells += [f"{of_set.n_trials:,}", *(column.cell(of_set) for column in _OF_GROUPS)]
+            cells += [f"{of_set.n_trials:,}", *(measure.cell(of_set) for measure in measures)]
     return cells
 
 
@@ -130,16 +160,17 @@ def _weight(group: Group) -> str:
 def seeds_table(groups: Sequence[Group], *, authors: bool = False) -> str:
     """Return the median over seeds, and the least and the greatest seed, of groups of several.
 
-    authors: of the authors' test set, instead of ours.
+    authors: of the authors' test set, which groups of the pair have, instead of ours.
     """
-    header = ["runs", "seeds", "lambda / per W", *(column.heading for column in _OF_GROUPS)]
+    chosen = [g for g in groups if len(g.runs) > 1 and (g.is_of_pair or not authors)]
+    tests = [group.summaries_at(group.iterations[-1]) for group in chosen]
+    columns = _with_other_axes(_OF_GROUPS, chain(*tests))
+    header = ["runs", "seeds", "lambda / per W", *(column.heading for column in columns)]
     rows = []
-    for group in groups:
-        if len(group.runs) > 1:
-            tests = group.summaries_at(group.iterations[-1])
-            sets = [test.authors_test_set if authors else test for test in tests]
-            cells = [_over_seeds(sets, column) for column in _OF_GROUPS]
-            rows.append([group.name, str(len(group.runs)), _weight(group), *cells])
+    for group, of_group in zip(chosen, tests, strict=True):
+        sets = [test.authors_test_set if authors else test for test in of_group]
+        cells = [_over_seeds(sets, column) for column in columns]
+        rows.append([group.name, str(len(group.runs)), _weight(group), *cells])
     return report_page.table(header, rows)
 
 
@@ -166,12 +197,43 @@ def bias_table(groups: Sequence[Group]) -> str:
     return report_page.table(header, rows)
 
 
+def antagonists_table(groups: Sequence[Group]) -> str:
+    """Return how antagonists share their work after each group's last test, a line a pair."""
+    rows = []
+    distances_m: set[float] = set()
+    for group in groups:
+        test = group.last_summary
+        for names, pair in (test.antagonists if test else {}).items():
+            distances_m |= pair.share_silent_by_distance.keys()
+            rows.append((group, names, pair))
+    header = ["runs", "lambda / per W", "eye", "antagonists", "co-contraction", "one is silent"]
+    lines = [
+        (
+            group.name,
+            _weight(group),
+            *_eye_and_muscles(names),
+            number(pair.median_co_contraction),
+            percent(pair.share_silent),
+            *(percent(pair.share_silent_by_distance.get(d)) for d in sorted(distances_m)),
+        )
+        for group, names, pair in rows
+    ]
+    return report_page.table((*header, *(f"at {d:g} m" for d in sorted(distances_m))), lines)
+
+
+def _eye_and_muscles(names: str) -> tuple[str, str]:
+    """Return the eye of two antagonists, and what they are, from their names in results.json."""
+    muscles = [name.partition("_") for name in names.split("-")]
+    return muscles[0][0], " and ".join(muscle.replace("_", " ") for _, _, muscle in muscles)
+
+
 def iterations_table(groups: Sequence[Group]) -> str:
     """Return each group's measures after 1, 2, 3 and all iterations of the last test's trials."""
     header = ("runs", "lambda / per W", "trained for", "after")
     rows = []
-    for group in groups:
-        test = group.last_summary
+    tests = [group.last_summary for group in groups]
+    columns = _with_other_axes(_OF_ITERATIONS, tests)
+    for group, test in zip(groups, tests, strict=True):
         if test is not None:
             last = group.last_trials.n_iterations if group.has_trials else REPORTED_ITERATIONS[-1]
             rows += [
@@ -180,23 +242,25 @@ def iterations_table(groups: Sequence[Group]) -> str:
                     _weight(group),
                     f"{group.iterations[-1]:,}",
                     str(k),
-                    *(column.cell(measures) for column in _OF_ITERATIONS),
+                    *(column.cell(measures) for column in columns),
                 )
                 for k, measures in {**test.after, last: test}.items()
             ]
-    return report_page.table((*header, *(column.heading for column in _OF_ITERATIONS)), rows)
+    return report_page.table((*header, *(column.heading for column in columns)), rows)
 
 
 def learning_table(run: ReportedRun) -> str:
     """Return a run's tests, as in its results.json."""
-    header = ["iteration", "trials", *(column.heading for column in _OF_TESTS)]
-    header += [f"authors' test set: {column.heading}" for column in _OF_TESTS_AUTHORS]
+    columns = _with_other_axes(_OF_TESTS, run.summaries)
+    of_authors = _OF_TESTS_AUTHORS if run.is_of_pair else ()
+    header = ["iteration", "trials", *(column.heading for column in columns)]
+    header += [f"authors' test set: {column.heading}" for column in of_authors]
     rows = [
         (
             f"{test.iteration:,}",
             str(test.n_trials),
-            *(column.cell(test) for column in _OF_TESTS),
-            *(column.cell(test.authors_test_set) for column in _OF_TESTS_AUTHORS),
+            *(column.cell(test) for column in columns),
+            *(column.cell(test.authors_test_set) for column in of_authors),
         )
         for test in run.summaries
     ]

@@ -1,0 +1,81 @@
+"""What each muscle does, where each has a command of its own."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FormatStrFormatter
+
+from experiment_manager.analysis.report.groups import Group
+from experiment_manager.analysis.report.performance_figures import new_figure
+from experiment_manager.measures.metrics import antagonist_names
+from lockstep.command_space import SIDES
+
+# Of the first and the second of two antagonists: hue, and where from a distance's place.
+_COLOURS = ("#0072b2", "#d55e00")
+_DIRECTIONS = (-1, 1)
+# From a distance's place to the start and to the end of trials there.
+_START, _END = 0.30, 0.14
+
+
+def activations_figure(group: Group) -> Figure:
+    """Return activations at the start and at the end of the last test's trials, over distance.
+
+    A row for each eye, a panel for each two antagonists; median and quartiles. group: with trials,
+    of commands of their own.
+    """
+    trials = group.last_trials
+    pairs = antagonist_names(trials.space)
+    n_columns = len(pairs) // len(SIDES)
+    figure = new_figure(max(3.0 * n_columns, 4.4), 5.2)
+    rows = figure.subplots(len(SIDES), n_columns, sharex=True, sharey=True, squeeze=False)
+    distances_m = np.unique(trials.object_distance_m)
+    for axes, names in zip(rows.ravel(), pairs, strict=True):
+        for name, colour, direction in zip(names, _COLOURS, _DIRECTIONS, strict=True):
+            for iteration, offset, face in ((0, _START, "white"), (-1, _END, colour)):
+                values = trials.column(name)[:, iteration]
+                of_distances = [values[trials.object_distance_m == d] for d in distances_m]
+                places = np.arange(len(distances_m)) + direction * offset
+                _draw(axes, places, of_distances, colour, face)
+        _describe(axes, names)
+    for side, row in zip(SIDES, rows, strict=True):
+        row[0].set_ylabel(f"activation, {side} eye")
+    for axes in rows[-1]:
+        axes.set_xticks(range(len(distances_m)), [f"{d:g}" for d in distances_m])
+        axes.set_xlabel("object distance / m")
+    rows[0, 0].set_ylim(0, None)
+    rows[0, 0].yaxis.set_major_formatter(FormatStrFormatter("%g"))
+    ends = {"start of the trial": "white", "its end": "0.3"}
+    handles = [_handle("0.3", face, label) for label, face in ends.items()]
+    figure.legend(handles=handles, loc="outside lower center", ncols=2)
+    return figure
+
+
+def _draw(
+    axes: Axes, places: np.ndarray, values: Sequence[np.ndarray], colour: str, face: str
+) -> None:
+    """Draw the median of each of the values with their quartiles, at its place (n,)."""
+    lower, median, upper = np.array([np.nanquantile(v, (0.25, 0.5, 0.75)) for v in values]).T
+    axes.vlines(places, lower, upper, color=colour, lw=1.0)
+    axes.plot(places, median, "o", ms=4, color=colour, mfc=face, mew=1.0)
+
+
+def _describe(axes: Axes, names: Sequence[str]) -> None:
+    """Write the names of both muscles above their panel, in their colours."""
+    labels = [name.partition("_")[2].replace("_", " ") for name in names]
+    handles = [_handle(c, c, label) for c, label in zip(_COLOURS, labels, strict=True)]
+    axes.legend(
+        handles=handles,
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        ncols=2,
+        fontsize=8,
+        handletextpad=0.1,
+        columnspacing=0.8,
+    )
+
+
+def _handle(colour: str, face: str, label: str) -> Line2D:
+    return Line2D([], [], ls="", marker="o", ms=5, color=colour, mfc=face, label=label)

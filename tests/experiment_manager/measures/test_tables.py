@@ -1,0 +1,24 @@
+"""What a terminal shows of tests."""
+
+from experiment_manager.measures.tables import summaries_table, summary_line
+from tests.experiment_manager.summaries import summary
+
+_OTHERS = {"median_abs_vertical_error_deg": 0.25, "median_abs_cyclovergence_error_deg": 1.5}
+
+
+def test_errors_about_other_axes_are_shown_where_commands_turn_them() -> None:
+    pair = summary(iteration=7, median_abs_vergence_error_deg=0.125)
+    twelve = summary(iteration=7, median_abs_vergence_error_deg=0.125, **_OTHERS)
+    assert "IQR - deg, |vertical| 0.250 deg, |cyclovergence| 1.500 deg, - within" in summary_line(
+        twelve
+    )
+    assert "vertical" not in summary_line(pair)
+    header, row = summaries_table([twelve]).splitlines()
+    assert header.split()[2:6] == [
+        "|vergence",
+        "error|/deg",
+        "IQR/deg",
+        "|vertical|/deg",
+    ]
+    assert row.split()[:6] == ["7", "0", "0.125", "-", "0.250", "1.500"]
+    assert "vertical" not in summaries_table([pair])
