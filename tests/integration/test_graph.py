@@ -20,6 +20,8 @@ from mcap_ros2.reader import read_ros2_messages
 from rosbags.highlevel import AnyReader
 
 from experiment_manager.bag.reader import Bag
+from experiment_manager.measures.kept_trials import read_trials
+from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI
 from lockstep.wire.topics import TOPIC_TYPES
 from tests.graph_harness import small_run
 from tests.loop_contract import (
@@ -120,6 +122,33 @@ def test_a_run_records_what_the_loop_computes(
 
 def test_a_graph_records_what_the_loop_computes(run: Path) -> None:
     assert_as_the_loop(run)
+
+
+@pytest.mark.parametrize("space", [HORIZONTAL_RECTI, ALL_MUSCLES])
+def test_muscles_with_commands_of_their_own_are_recorded_as_the_loop_has_them(
+    pictures: Path, tmp_path: Path, space: str
+) -> None:
+    settings = (
+        f"vergence_rl.command_space={space}",
+        "vergence_rl.lowest_activations=[0.01]",
+        "vergence_rl.highest_activations=[0.2]",
+        "vergence_rl.hindsight.temperature=0.3",
+        "vergence_rl.hindsight.scatter_until=[0.5, 0.8]",
+        "experiment_manager.protocol.n_starts_per_distance=4",
+        "eye_plant.mechanics.parameter_set=anatomical",
+        "eye_plant.mechanics.moves=at_once",
+    )
+    directory = tmp_path / "run"
+    line = run_line(pictures, *settings, rule="hindsight")
+    _interrupted_and_resumed(line, directory, begins_in_process=True)
+    assert_as_the_loop(directory)
+    names = COMMAND_SPACES[space].names
+    command = Bag(directory / "bag").vectors("muscle_command")["muscle_command"]
+    for name in names:
+        assert (command.column(name) >= 0.01).all()
+    kept = read_trials(directory)[-1]
+    assert kept.activations.shape[-1] == len(names)
+    assert np.isfinite(kept.column("cyclovergence_error_deg")[:, -1]).all()
 
 
 def _assert_same_files(one: Path, other: Path) -> None:

@@ -310,3 +310,26 @@ def test_an_action_that_is_none_is_refused(bare: VergenceEnvironment, action: li
     bare.reset(seed=1)
     with pytest.raises(InputError, match="expected 2 finite numbers"):
         bare.step(np.array(action))
+
+
+def test_each_muscle_has_an_action_of_its_own(settings: dict[str, Any]) -> None:
+    own = settings | {
+        "eye_plant.mechanics.parameter_set": "anatomical",
+        "vergence_rl.command_space": "all_muscles",
+        "vergence_rl.lowest_activations": [0.0],
+        "vergence_rl.highest_activations": [0.2],
+    }
+    environment = gymnasium.make(IDS[1], model="M_C", settings=own)
+    check_env(environment.unwrapped, skip_render_check=True)
+    before, info = environment.reset(seed=1)
+    # More of the left superior rectus alone: that eye looks up, and is the higher one.
+    action = np.zeros(12)
+    action[2] = 0.02
+    after, _, _, _, changed = environment.step(action)
+    environment.close()
+    assert after["activations"] - before["activations"] == pytest.approx(0.25 * action)
+    rise_deg = (
+        changed["ground_truth"]["vertical_error_deg"] - info["ground_truth"]["vertical_error_deg"]
+    )
+    # 302 deg per unit at the tonic level.
+    assert rise_deg == pytest.approx(1.5, abs=0.4)
