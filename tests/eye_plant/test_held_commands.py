@@ -9,6 +9,8 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimulusSet
+from lockstep.command_space import ALL_MUSCLES, MUSCLE_NAMES
+from lockstep.errors import InputError
 from lockstep.wire.topics import TRAINING
 from tests.pair import HORIZONTAL_RECTI, pair_activations
 
@@ -46,5 +48,21 @@ def test_each_command_adds_to_those_before_it() -> None:
         plant.begin(dataclasses.replace(EPISODE, first_observation=10))
         expected = [0.05, 0.02, 0.05, 0.04]
         assert told("right_lateral_rectus", values=[0.04]) == pytest.approx(expected)
+    finally:
+        plant.close()
+
+
+def test_a_command_of_muscles_with_their_own_names_all_of_them() -> None:
+    picture = np.zeros((64, 64), dtype=np.uint8)
+    config = EyePlantConfig(command_space=ALL_MUSCLES, lowest_activations=(0.0,))
+    plant = EyePlant(config, StimulusSet((picture,), (picture,)))
+    try:
+        with pytest.raises(
+            InputError, match="expected left_medial_rectus, .*, as command_space al"
+        ):
+            plant.targets(MUSCLE_NAMES[:6], np.zeros(6))
+        values = np.linspace(0.0, 0.11, 12)
+        in_reverse = plant.targets(MUSCLE_NAMES[::-1], values[::-1])
+        assert in_reverse.tolist() == values.tolist()
     finally:
         plant.close()

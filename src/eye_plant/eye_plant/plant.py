@@ -103,8 +103,16 @@ class EyePlant:
         """Return the target activations (12,) of a command; see `target_activations`.
 
         Muscles that it does not name hold what they were last told, at first in an episode its
-        first activations.
+        first activations. In lockstep a command of muscles with commands of their own names all of
+        them; raises InputError for another one.
         """
+        space = self.config.space
+        is_own = self.config.command_space != PAIR and not self.config.free_running.rate_hz
+        if is_own and set(names) != set(space.names):
+            raise InputError(
+                f"muscle_command: expected {', '.join(space.names)}, as command_space "
+                f"{self.config.command_space} has, got {', '.join(names)}"
+            )
         return target_activations(
             names, values, self.oculomotor.muscle_names, self._held_activations
         )
