@@ -58,7 +58,7 @@ def test_a_command_of_muscles_with_their_own_names_all_of_them() -> None:
     plant = EyePlant(config, StimulusSet((picture,), (picture,)))
     try:
         with pytest.raises(
-            InputError, match="expected left_medial_rectus, .*, as command_space al"
+            InputError, match=r"expected left_medial_rectus, .*, as command_space al"
         ):
             plant.targets(MUSCLE_NAMES[:6], np.zeros(6))
         values = np.linspace(0.0, 0.11, 12)
