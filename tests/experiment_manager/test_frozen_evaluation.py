@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from experiment_manager.commands.evaluate import main
+from experiment_manager.commands.run_experiment import main as run_experiment
 from experiment_manager.frozen_evaluation import FrozenEvaluation
 from experiment_manager.measures.results import Summary, read_results
 from lockstep.errors import InputError
@@ -165,3 +166,46 @@ def test_two_kinds_of_stimuli_are_refused(run: Path, pictures: Path) -> None:
         InputError, match="expected one of a directory, stereograms, random dots and"
     ):
         FrozenEvaluation(run, stimuli=pictures, random_dots=True).results()
+
+
+@pytest.fixture(scope="module")
+def twelve(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
+    """Return the directory of a run of twelve muscles, hardly trained."""
+    directory = tmp_path_factory.mktemp("twelve") / "run"
+    settings = {
+        "eye_plant.camera.renderer": "plane",
+        "eye_plant.stimuli.size_px": 64,
+        "experiment_manager.protocol.test_distances_m": "[2.0]",
+        "experiment_manager.protocol.iterations_per_trial": 2,
+        "experiment_manager.protocol.n_starts_per_distance": 2,
+    }
+    line = ["--in-process", "--profile", "twelve", "--iterations", "20", "--tests", "0"]
+    line += ["--stimuli", str(pictures), "--out", str(directory)]
+    for name, value in settings.items():
+        line += ["--set", f"{name}={value}"]
+    assert run_experiment(line) == 0
+    return directory
+
+
+def test_twelve_muscles_are_tested_as_in_their_run_and_from_farther_off(twelve: Path) -> None:
+    own = FrozenEvaluation(twelve).results()
+    assert own.test == _tests(twelve)[-1]
+    # Without learning the eyes stay where the trials begin.
+    farther = FrozenEvaluation(twelve, n_episodes=0, start_scale=1.5).results()
+    near_deg, far_deg = (
+        summary.median_abs_cyclovergence_error_deg for summary in (_tests(twelve)[0], farther.test)
+    )
+    assert near_deg is not None
+    assert far_deg == pytest.approx(1.5 * near_deg, rel=1e-3)
+
+
+def test_a_muscle_may_be_lost_before_a_test_of_twelve(twelve: Path) -> None:
+    strength = [0.0, *[1.0] * 11]
+    lost = FrozenEvaluation(twelve, settings={"mechanics.strength": strength}).results()
+    assert lost.test.n_trials == _tests(twelve)[-1].n_trials
+    assert lost.test != _tests(twelve)[-1]
+
+
+def test_the_pair_has_no_ranges_of_first_errors(run: Path) -> None:
+    with pytest.raises(InputError, match="start_scale: expected a run with a command for each mus"):
+        FrozenEvaluation(run, start_scale=1.5).results()

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.experiment.plant_changes import read_schedule
 from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.loop import InProcessLoop, make_loop
@@ -30,6 +30,7 @@ from eye_plant.stimuli.stimulus_set import (
     load_stimuli,
     load_unseen_stimuli,
 )
+from lockstep.command_space import PAIR
 from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
 from lockstep.wire.topics import TEST
@@ -49,7 +50,8 @@ class FrozenEvaluation:
     of a run that was trained on others; without any of them the run's own test stimuli.
     dictionary, actor: directories of checkpoints, of this run or another, whose dictionary or whose
     actor, with its critic, takes the place of the checkpoint's own. settings: of the plant, by
-    dotted name, other than they were at that age.
+    dotted name, other than they were at that age. start_scale: how many times as far off trials
+    begin as in the run's own tests, in errors and version, of eyes with a command for each muscle.
     """
 
     run: Path
@@ -62,6 +64,7 @@ class FrozenEvaluation:
     dictionary: Path | None = None
     actor: Path | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
+    start_scale: float = 1.0
 
     def results(self) -> "FrozenResults":
         """Make the test; return its summary, and what it is a test of.
@@ -77,6 +80,7 @@ class FrozenEvaluation:
         criteria = criteria_of(plant)
         shown = self._shown(plant.stimuli, manager)
         n_stimuli = len(shown.all) + len(shown.stereograms)
+        manager = dataclasses.replace(manager, protocol=self._with_starts(manager.protocol))
         protocol = _test_protocol(manager, trained, n_stimuli)
         loop = make_loop(configuration, shown)
         loop.restore(
@@ -99,9 +103,26 @@ class FrozenEvaluation:
             dictionary=str(self.dictionary.resolve()) if self.dictionary else "",
             actor=str(self.actor.resolve()) if self.actor else "",
             settings=self.settings,
+            start_scale=self.start_scale,
             stimuli=self.shown,
             n_stimuli=n_stimuli,
             test=summary_of(trials, criteria),
+        )
+
+    def _with_starts(self, protocol: ProtocolConfig) -> ProtocolConfig:
+        if self.start_scale == 1.0:
+            return protocol
+        if protocol.command_space == PAIR:
+            raise InputError(
+                "start_scale: expected a run with a command for each muscle, whose first errors "
+                "are drawn from ranges; those of the pair are whole degrees"
+            )
+        error_deg, version_deg = (
+            tuple(self.start_scale * most for most in largest_deg)
+            for largest_deg in (protocol.start_error_deg, protocol.start_version_deg)
+        )
+        return dataclasses.replace(
+            protocol, start_error_deg=error_deg, start_version_deg=version_deg
         )
 
     @property
@@ -157,7 +178,7 @@ class FrozenResults:
 
     checkpoint: episodes that its run had done; dictionary, actor: directories of the checkpoints
     that took their place, "" for none; settings: of the plant, other than at the learners' age;
-    stimuli: what was shown, in words, "" for the run's own.
+    start_scale: of the first errors; stimuli: what was shown, in words, "" for the run's own.
     """
 
     model: str
@@ -168,6 +189,7 @@ class FrozenResults:
     dictionary: str
     actor: str
     settings: Mapping[str, Any]
+    start_scale: float
     stimuli: str
     n_stimuli: int
     test: Summary

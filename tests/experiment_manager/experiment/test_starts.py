@@ -61,7 +61,10 @@ def test_horizontal_recti_begin_with_what_they_turn() -> None:
     ("overrides", "message"),
     [
         (
-            {"experiment_manager.protocol.start_version_deg": [20.0, 20.0]},
+            {
+                "experiment_manager.protocol.start_version_deg": [20.0, 20.0],
+                "vergence_rl.highest_activations": [0.05],
+            },
             r"reach a version of -20\.00 deg with a horizontal error of -3\.00, a vertical ",
         ),
         (

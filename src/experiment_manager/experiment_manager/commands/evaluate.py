@@ -23,7 +23,16 @@ from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIFFERENT
 # Sums may be taken in another order; everything else is the same arithmetic on the same doubles.
 _RELATIVE_TOLERANCE = 1e-9
 # What asks for a test of frozen learners, besides --checkpoint.
-_FROZEN = ("stimuli", "stereograms", "random_dots", "generated", "dictionary", "actor", "set")
+_FROZEN = (
+    "stimuli",
+    "stereograms",
+    "random_dots",
+    "generated",
+    "dictionary",
+    "actor",
+    "set",
+    "start_scale",
+)
 _FROZEN_OPTIONS = ", ".join(f"--{name.replace('_', '-')}" for name in ("checkpoint", *_FROZEN))
 
 
@@ -90,7 +99,15 @@ def _add_shown(parser: argparse.ArgumentParser) -> None:
         "--stimuli-per-test",
         type=int,
         metavar="K",
-        help="pictures at most, 39 trials each (default: as in the run's own tests)",
+        help="pictures at most, 39 trials each, 42 with a command for each muscle (default: as in"
+        " the run's own tests)",
+    )
+    group.add_argument(
+        "--start-scale",
+        type=float,
+        metavar="FACTOR",
+        help="begin so many times as far off as the run's own tests do, with a command for each"
+        " muscle",
     )
 
 
@@ -133,6 +150,7 @@ def _test_frozen(options: argparse.Namespace) -> int:
         dictionary=options.dictionary,
         actor=options.actor,
         settings=plant_settings(options.set),
+        start_scale=1.0 if options.start_scale is None else options.start_scale,
     )
     results = evaluation.results()
     print(
