@@ -119,7 +119,8 @@ class GazeInverse:
         held = [GAZE_ANGLES.index(name) for name in names]
         wanted = np.array([wanted_deg[name] for name in names])
         slopes = self._slopes[held]
-        start = aside - np.linalg.pinv(slopes, rcond=_LEAST_SLOPE) @ (slopes @ aside)
+        inverse = np.linalg.pinv(slopes, rcond=_LEAST_SLOPE)
+        start = aside - inverse @ (slopes @ aside)
         values = np.clip(self._tonic[self._space.indices] + start, self._lowest, self._highest)
         missed = wanted - self.gaze_deg(self._with(values), distance_m)[held]
         for step in range(_MAX_STEPS):
@@ -127,7 +128,8 @@ class GazeInverse:
                 return self._with(values)
             if step >= _QUICK_STEPS:
                 slopes = self._slopes_at(self._with(values), distance_m)[held]
-            values = self._step_to(values, missed, slopes)
+                inverse = np.linalg.pinv(slopes, rcond=_LEAST_SLOPE)
+            values = self._step_to(values, missed, slopes, inverse)
             missed = wanted - self._continued_deg(values, distance_m)[held]
         return None
 
@@ -208,18 +210,22 @@ class GazeInverse:
             columns.append(self._continued_deg(probed[self._space.indices], distance_m) - base)
         return np.stack(columns, axis=1) / _PROBE
 
-    def _step_to(self, values: Array, missed: Array, slopes: Array) -> Array:
-        """Return activations nearer to the gaze, changed least among those off their limits."""
+    def _step_to(self, values: Array, missed: Array, slopes: Array, inverse: Array) -> Array:
+        """Return activations nearer to the gaze, changed least among those off their limits.
+
+        inverse: of all slopes.
+        """
         free = np.ones(len(values), bool)
+        step = inverse @ missed
         while True:
-            step = np.zeros_like(values)
-            step[free] = np.linalg.pinv(slopes[:, free], rcond=_LEAST_SLOPE) @ missed
             beyond = free & (
                 ((values <= self._lowest) & (step < 0)) | ((values >= self._highest) & (step > 0))
             )
             if not beyond.any() or free.sum() <= len(missed):
                 return np.clip(values + step, self._lowest, self._highest)
             free &= ~beyond
+            step = np.zeros_like(values)
+            step[free] = np.linalg.pinv(slopes[:, free], rcond=_LEAST_SLOPE) @ missed
 
     def _with(self, values: Array) -> Array:
         activations = self._tonic.copy()
