@@ -75,6 +75,8 @@ class Plant(Node):
             "cyclovergence_error_deg": 0.0,
             "version_deg": 0.0,
             "elevation_deg": 0.0,
+            "left_torsion_deg": 0.0,
+            "right_torsion_deg": 0.0,
             "left_deviation_deg": adduction - desired / 2.0,
             "right_deviation_deg": adduction - desired / 2.0,
             "metabolic_rate_w": sum(rates),
