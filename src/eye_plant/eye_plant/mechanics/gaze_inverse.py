@@ -119,7 +119,7 @@ class GazeInverse:
         held = [GAZE_ANGLES.index(name) for name in names]
         wanted = np.array([wanted_deg[name] for name in names])
         slopes = self._slopes[held]
-        inverse = np.linalg.pinv(slopes, rcond=_LEAST_SLOPE)
+        inverse: Array = np.linalg.pinv(slopes, rcond=_LEAST_SLOPE)
         start = aside - inverse @ (slopes @ aside)
         values = np.clip(self._tonic[self._space.indices] + start, self._lowest, self._highest)
         missed = wanted - self.gaze_deg(self._with(values), distance_m)[held]
@@ -128,7 +128,7 @@ class GazeInverse:
                 return self._with(values)
             if step >= _QUICK_STEPS:
                 slopes = self._slopes_at(self._with(values), distance_m)[held]
-                inverse = np.linalg.pinv(slopes, rcond=_LEAST_SLOPE)
+                inverse: Array = np.linalg.pinv(slopes, rcond=_LEAST_SLOPE)
             values = self._step_to(values, missed, slopes, inverse)
             missed = wanted - self._continued_deg(values, distance_m)[held]
         return None

@@ -44,7 +44,9 @@ class FirstNoise:
         self._derive()
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """Return what has been learned, as copies."""
+        """Return what has been learned, as copies; of noise without a shape nothing."""
+        if not self._share:
+            return {}
         return {
             "first_count": np.array(self._n_places),
             "first_sum": self._sum.copy(),
@@ -53,6 +55,8 @@ class FirstNoise:
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from what `state` returned."""
+        if not self._share:
+            return
         self._n_places = int(state["first_count"])
         self._sum, self._squares = state["first_sum"].copy(), state["first_squares"].copy()
         self._derive()

@@ -98,12 +98,12 @@ class HindsightRule:
             "actor": self._weights.copy(),
             "covariance": self._covariance.copy(),
             "learning_steps": np.array(self.learning_steps),
-            "scatter": self._scatter.copy(),
             "sum_products": self._sums.products.copy(),
             "sum_squares": self._sums.squares[np.triu_indices(self._task.n_state)],
             "sum_targets": self._sums.targets.copy(),
             "sum_weight": np.array(self._sums.weight),
             "td_variance": np.array(self._td_variance),
+            **({"scatter": self._scatter.copy()} if self._config.temperature else {}),
             **self._first.state(),
         }
 
@@ -122,7 +122,8 @@ class HindsightRule:
         self._weights = state["actor"].copy()
         self._first.restore(state)
         self._covariance = state["covariance"].copy()
-        self._scatter = state["scatter"].copy()
+        if self._config.temperature:
+            self._scatter = state["scatter"].copy()
         self.learning_steps = int(state["learning_steps"])
         self._td_variance = float(state["td_variance"])
         self._visits.clear()
