@@ -391,7 +391,10 @@ def test_weights_that_are_no_numbers_never_become_an_answer(name: str) -> None:
         ({"lowest_activations": (0.3,)}, "expected 0.3 or more for medial_rectus, .*, got 0.2"),
         ({"highest_activations": (0.2, 1.1)}, "highest_activations: expected 0 to 1, got"),
         ({"highest_activations": (0.2,) * 3}, "expected 2 entries, of medial_rectus, lateral_"),
-        ({"command_space": "legs"}, "command_space: expected pair or horizontal_recti or all_muscles, got 'legs'"),
+        (
+            {"command_space": "legs"},
+            "command_space: expected pair or horizontal_recti or all_muscles, got 'legs'",
+        ),
         ({"learning_rule": "sarsa"}, "learning_rule: expected cacla or hindsight, got 'sarsa'"),
         (
             {"learning_rule": "hindsight", "hindsight.regression_period": 15},

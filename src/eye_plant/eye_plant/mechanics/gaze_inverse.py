@@ -49,6 +49,12 @@ _SOFTENING = 1e-3
 _LARGEST_CHANGE = 0.05
 
 
+def _inverse_of(slopes: Array) -> Array:
+    """Return the pseudo-inverse: of all changes of activation with a change of gaze the least."""
+    inverse: Array = np.linalg.pinv(slopes, rcond=_LEAST_SLOPE)
+    return inverse
+
+
 def _spoken(name: str) -> str:
     article = "an" if name == "elevation" else "a"
     return f"{article} {name} error" if name in ERRORS else f"{article} {name}"
@@ -119,7 +125,7 @@ class GazeInverse:
         held = [GAZE_ANGLES.index(name) for name in names]
         wanted = np.array([wanted_deg[name] for name in names])
         slopes = self._slopes[held]
-        inverse: Array = np.linalg.pinv(slopes, rcond=_LEAST_SLOPE)
+        inverse = _inverse_of(slopes)
         start = aside - inverse @ (slopes @ aside)
         values = np.clip(self._tonic[self._space.indices] + start, self._lowest, self._highest)
         missed = wanted - self.gaze_deg(self._with(values), distance_m)[held]
@@ -128,7 +134,7 @@ class GazeInverse:
                 return self._with(values)
             if step >= _QUICK_STEPS:
                 slopes = self._slopes_at(self._with(values), distance_m)[held]
-                inverse: Array = np.linalg.pinv(slopes, rcond=_LEAST_SLOPE)
+                inverse = _inverse_of(slopes)
             values = self._step_to(values, missed, slopes, inverse)
             missed = wanted - self._continued_deg(values, distance_m)[held]
         return None
@@ -225,7 +231,7 @@ class GazeInverse:
                 return np.clip(values + step, self._lowest, self._highest)
             free &= ~beyond
             step = np.zeros_like(values)
-            step[free] = np.linalg.pinv(slopes[:, free], rcond=_LEAST_SLOPE) @ missed
+            step[free] = _inverse_of(slopes[:, free]) @ missed
 
     def _with(self, values: Array) -> Array:
         activations = self._tonic.copy()
