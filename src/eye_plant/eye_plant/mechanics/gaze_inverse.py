@@ -51,8 +51,7 @@ _LARGEST_CHANGE = 0.05
 
 def _inverse_of(slopes: Array) -> Array:
     """Return the pseudo-inverse: of all changes of activation with a change of gaze the least."""
-    inverse: Array = np.linalg.pinv(slopes, rcond=_LEAST_SLOPE)
-    return inverse
+    return np.asarray(np.linalg.pinv(slopes, rcond=_LEAST_SLOPE), dtype=np.float64)
 
 
 def _spoken(name: str) -> str:
