@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Check formatting, lint and types, then run all tests. Fails when one of them fails.
 #
-# The tests are distributed over all cores, each module on one core. -n 0 runs them one after the other, as --pdb requires.
+# The tests are distributed over all cores, each module on one. -n 0 runs them one after the other, as --pdb requires.
 #
 # usage: launch_scripts/test.sh [pytest arguments, for example tests/sparse_coder -k pursuit -x]
 set -euo pipefail
