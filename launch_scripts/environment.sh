@@ -1,4 +1,4 @@
-# Sourced by the scripts in this folder, not run: where things are, and how to start one entry point.
+# The scripts in this folder source this file: it has the project's paths and starts one entry point.
 # shellcheck shell=bash
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measure what a run has learned: vergence error and energy after each of its tests.
+# Evaluate a run: vergence error and energy at each of its tests.
 #
 # usage: launch_scripts/evaluate.sh RUN [options]
 set -euo pipefail

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Write the eyes as MJCF, both parameter sets, with a README of their own: for mujoco.viewer and other people's projects.
+# Write the eyes of both parameter sets as MJCF, with a README: for mujoco.viewer and other projects.
 #
 # usage: launch_scripts/export_model.sh DIR
 set -euo pipefail

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Start the eye plant alone: two eyes with twelve muscles in MuJoCo, and what they see.
+# Start the eye plant alone: two eyes with twelve muscles in MuJoCo, and their pictures.
 #
 # usage: launch_scripts/eye_plant.sh [--ros-args -p NAME:=VALUE -r FROM:=TO --params-file FILE ...]
 #

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Show what a bag holds: topics, types, counts, stamps.
+# Show the contents of a bag: topics, types, counts, stamps.
 #
 # usage: launch_scripts/inspect_bag.sh BAG [options]
 set -euo pipefail

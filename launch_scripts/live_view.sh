@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Start the live view alone: it shows a graph to Lichtblick or Foxglove. run_experiment.sh --live starts it by itself.
+# Start the live view alone: it shows a graph in Lichtblick or Foxglove. run_experiment.sh --live starts it too.
 #
 # usage: launch_scripts/live_view.sh [--ros-args -p host:=0.0.0.0 -p port:=8765 -p page_port:=8766 -p rate_hz:=20.0 ...]
 #

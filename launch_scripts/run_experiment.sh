@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Run an experiment, all nodes in one command: train, test, record, draw. Without arguments, a demonstration that
-# learns vergence in 50,000 iterations. Ctrl-C ends it cleanly and says how to resume.
+# Run an experiment with all its nodes: train, test, record, draw. Without arguments it runs a demonstration that
+# learns vergence in 50,000 iterations. Ctrl-C ends the run cleanly and prints how to resume it.
 #
 # usage: launch_scripts/run_experiment.sh [--model M|M_C] [--iterations N] [--seed S] [--stimuli DIR] [--out DIR]
 #                                         [--resume DIR] [more options]
 #
-# environment: ROS_DOMAIN_ID, the ROS domain (default: a free one, which it prints, so that others can listen)
+# environment: ROS_DOMAIN_ID, the ROS domain (default: a free one, which it prints, so that other tools can subscribe)
 set -euo pipefail
 # shellcheck source=launch_scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Check everything: formatting, lint, types, then all tests. Fails when one of them does.
+# Check formatting, lint and types, then run all tests. Fails when one of them fails.
 #
-# The tests are shared over all cores, a module's on one. -n 0 makes them one after the other, as --pdb needs it.
+# The tests are distributed over all cores, each module on one. -n 0 runs them one after the other, as --pdb requires.
 #
 # usage: launch_scripts/test.sh [pytest arguments, for example tests/sparse_coder -k pursuit -x]
 set -euo pipefail

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Disturb runs on purpose, for as long as you like: nodes killed and stopped at random points, killed or
-# short of memory while they start, hostile input, the network between two hosts cut, the clock set far ahead and back,
-# a long run. It works in slices; with --totals it adds them up in a file and goes on from there, whenever it was broken
-# off.
+# Disturb runs on purpose, as many times as requested: kill and stop nodes at random points, kill them or limit their
+# memory while they start, send hostile input, cut the network between two hosts, set the clock far ahead and back, make
+# a long run. It works in slices; with --totals it adds up their totals in a file and continues there after an
+# interruption.
 #
 # usage: launch_scripts/torture.sh [--kills N] [--inputs N] [--cuts N] [--jumps N] [--soak ITERATIONS]
 #                                  [--start-kills N] [--memory-limits N] [--seed S] [--totals FILE] [--out DIR]

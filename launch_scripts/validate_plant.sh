@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Hold the simulated eyes against physiology; writes plant_validation.json, a list of {name, value, unit, bound, ok}.
+# Compare the simulated eyes with physiology; writes plant_validation.json, a list of {name, value, unit, bound, ok}.
 #
 # usage: launch_scripts/validate_plant.sh [--out DIR]
 set -euo pipefail

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Start the actor-critic alone: it turns features and reward into muscle commands, and learns to.
+# Start the learner alone: it turns features and reward into muscle commands.
 #
 # usage: launch_scripts/vergence_rl.sh [--ros-args -p NAME:=VALUE -r FROM:=TO --params-file FILE ...]
 #
