@@ -95,6 +95,11 @@ def test_what_is_kept_has_all_axes_and_all_muscles(tmp_path: Path) -> None:
         for trials in (kept, whole)
     )
     assert shares == expected
+    first, _ = read_trials(tmp_path)
+    for pair in summary_of(first, CRITERIA).antagonists.values():
+        # Activations are kept of the last test only.
+        assert pair.share_silent is None
+        assert set(pair.share_silent_by_distance.values()) == {None}
 
 
 def test_a_number_of_commands_that_no_space_has_is_refused() -> None:

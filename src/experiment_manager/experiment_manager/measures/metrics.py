@@ -138,12 +138,14 @@ def _antagonists(trials: Trials, criteria: Criteria) -> dict[str, AntagonistPair
     found = {}
     for names in antagonist_names(trials.space):
         lesser, limit = _lesser_of_two(trials, trials.n_iterations, criteria, names)
+        is_known = ~np.isnan(lesser)
         is_silent = lesser < limit
         found["-".join(names)] = AntagonistPair(
-            share_silent=_share(is_silent),
+            share_silent=_share(is_silent[is_known]),
             median_co_contraction=_quantile(lesser, 0.5),
             share_silent_by_distance={
-                d: _share(is_silent[distance_m == d]) for d in np.unique(distance_m).tolist()
+                d: _share(is_silent[is_known & (distance_m == d)])
+                for d in np.unique(distance_m).tolist()
             },
         )
     return found
