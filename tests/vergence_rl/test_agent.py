@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lockstep.configuration import build
 from lockstep.errors import DivergenceError, InputError
 from lockstep.randomness import generator
 from vergence_rl.agent import Agent
@@ -377,40 +376,3 @@ def test_weights_that_are_no_numbers_never_become_an_answer(name: str) -> None:
     weights[name.removeprefix("actor_")][...] = np.nan
     with pytest.raises(DivergenceError, match=r"iteration 20: .* is nan"):
         train(agent, 20, 1)
-
-
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"n_training_iterations": 0}, "n_training_iterations: expected 1 or more, got 0"),
-        ({"cacla.n_hidden": 0}, "cacla.n_hidden: expected 1 or more"),
-        ({"cacla.discount": 1.0}, "cacla.discount: expected 0 or more, less than 1, got 1.0"),
-        ({"cacla.exploration_variance": -1.0}, "cacla.exploration_variance: expected 0 or more"),
-        ({"cacla.actor_learning_rate": math.nan}, "rate: expected 0 or more, got nan"),
-        ({"state_standard_deviation": 0.0}, "state_standard_deviation: expected more than 0"),
-        ({"lowest_activations": (0.3,)}, "expected 0.3 or more for medial_rectus, .*, got 0.2"),
-        ({"highest_activations": (0.2, 1.1)}, "highest_activations: expected 0 to 1, got"),
-        ({"highest_activations": (0.2,) * 3}, "expected 2 entries, of medial_rectus, lateral_"),
-        (
-            {"command_space": "legs"},
-            "command_space: expected pair or horizontal_recti or all_muscles, got 'legs'",
-        ),
-        ({"learning_rule": "sarsa"}, "learning_rule: expected cacla or hindsight, got 'sarsa'"),
-        (
-            {"learning_rule": "hindsight", "hindsight.regression_period": 15},
-            r"hindsight.regression_period: expected a multiple of 10 .*, got 15",
-        ),
-        (
-            {"learning_rule": "hindsight", "iterations_per_episode": 1},
-            "iterations_per_episode: expected 2 or more, whose rewards",
-        ),
-    ],
-)
-def test_bad_settings_are_refused(settings: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        build(VergenceRlConfig, settings)
-
-
-def test_settings_of_the_other_rule_do_not_matter() -> None:
-    settings = {"iterations_per_episode": 8, "hindsight.regression_period": 100}
-    assert build(VergenceRlConfig, settings).iterations_per_episode == 8

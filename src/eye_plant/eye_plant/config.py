@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from eye_plant.camera.config import CameraConfig
-from eye_plant.mechanics.least_cost import CostOfVergence, cost_of_vergence
+from eye_plant.inverse.least_cost import CostOfVergence, cost_of_vergence
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig
 from lockstep.command_space import (

@@ -34,6 +34,23 @@ def test_a_paralysed_muscle_is_allowed_where_the_protocol_can_be_met() -> None:
     _check(_strength(right_medial_rectus=0.0), f"{_PROTOCOL}.least_start_error_deg=-2")
 
 
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (
+            ("start_version_deg=[20.0, 5.0]", "test_distances_m=[6.0]"),
+            r"start_version_deg: expected \d+\.\d deg at most",
+        ),
+        (("test_distances_m=[0.2, 1.0]",), r"converge by 0\.32 to 10\.72 deg, got 15\.\d\d deg"),
+    ],
+)
+def test_what_own_commands_cannot_meet_is_refused(settings: tuple[str, ...], message: str) -> None:
+    words = [word for setting in settings for word in ("--set", f"{_PROTOCOL}.{setting}")]
+    words = ["--profile", "twelve", *words]
+    with pytest.raises(InputError, match=message):
+        configuration_of(request_of(arguments(words)), "")
+
+
 def test_anatomical_eyes_meet_the_protocol() -> None:
     _check("eye_plant.mechanics.parameter_set=anatomical")
 

@@ -7,7 +7,7 @@ from experiment_manager.experiment.config import ProtocolConfig
 from experiment_manager.experiment.starts import GazeStarts, conditions, draw_angles_deg
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.request import RunRequest
-from eye_plant.mechanics.gaze_inverse import GAZE_ANGLES, GazeInverse
+from eye_plant.inverse.gaze import GAZE_ANGLES, GazeInverse
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI
 from lockstep.errors import InputError

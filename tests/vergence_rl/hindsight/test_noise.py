@@ -21,7 +21,7 @@ def test_noise_takes_the_shape_of_first_places() -> None:
         assert not noise.is_known
     noise.add(places[-1])
     assert noise.is_known
-    assert noise.covariance == pytest.approx(0.25 * np.cov(places.T, bias=True))
+    assert noise.covariance == pytest.approx(0.25 * np.cov(places.T, bias=True), rel=1e-4)
     # A change as large as the noise's SD has the length of the SD of noise without a shape.
     values, axes = np.linalg.eigh(noise.covariance)
     for value, axis in zip(values, axes.T, strict=True):
@@ -38,3 +38,13 @@ def test_noise_goes_on_where_it_stopped() -> None:
         (first if i < 10 else second).add(place)
     assert second.covariance.tolist() == whole.covariance.tolist()
     assert second.metric.tolist() == whole.metric.tolist()
+
+
+def test_places_that_are_alike_in_a_direction_leave_a_little_noise_there() -> None:
+    draw = np.random.default_rng(3)
+    noise = FirstNoise(2, 1e-4, 0.3)
+    for size in draw.random(20):
+        noise.add(np.array([0.05, 0.1]) + 0.02 * size)  # both muscles together alone
+    assert np.isfinite(noise.metric).all()
+    across = np.array([1.0, -1.0]) / np.sqrt(2.0)
+    assert 0.0 < across @ noise.covariance @ across < 1e-9

@@ -126,9 +126,7 @@ def test_rounding_below_zero_has_no_root() -> None:
 
 def test_weights_of_places_by_hand() -> None:
     rewards = np.array([-1.0, -3.0, -2.0, -2.0])
-    # The best one alone; then e^0, e^-2, e^-1, e^-1 where the temperature is an SD, 0.7071.
-    assert weights_of(rewards, 0.0).tolist() == [1.0, 0.0, 0.0, 0.0]
+    # e^0, e^-2, e^-1, e^-1 where the temperature times the SD, 0.7071, is 1.
     raw = np.exp([0.0, -2.0, -1.0, -1.0])
     assert weights_of(rewards, 1.0 / rewards.std()) == pytest.approx(raw / raw.sum())
-    assert weights_of(np.full(4, -0.2), 0.0).tolist() == [1.0, 0.0, 0.0, 0.0]
-    assert weights_of(np.full(4, -0.2), 0.3).tolist() == [1.0, 0.0, 0.0, 0.0]
+    assert weights_of(np.full(4, -0.2), 0.3).tolist() == [0.25] * 4

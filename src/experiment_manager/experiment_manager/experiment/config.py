@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 
 from experiment_manager.experiment.plant_changes import check_places, read_schedule
 from eye_plant.config import EyePlantConfig
-from eye_plant.mechanics.inverse import Limits as PairLimits
-from eye_plant.mechanics.inverse import pair_limits
+from eye_plant.inverse.pair import Limits as PairLimits
+from eye_plant.inverse.pair import pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.command_space import (
     COMMAND_SPACES,

@@ -14,8 +14,9 @@ from experiment_manager.experiment.plant_changes import read_schedule, stages_of
 from experiment_manager.experiment.starts import Condition, conditions, largest_angles_deg
 from eye_plant.config import EyePlantConfig
 from eye_plant.geometry import desired_vergence_deg
-from eye_plant.mechanics.gaze_inverse import GazeInverse
-from eye_plant.mechanics.inverse import Inverse, Limits
+from eye_plant.inverse.gaze import GazeInverse
+from eye_plant.inverse.least_cost import check_tabled
+from eye_plant.inverse.pair import Inverse, Limits
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.command_space import PAIR
 from lockstep.configuration import build
@@ -51,7 +52,7 @@ def _check_eyes(
     config: ExperimentManagerConfig, plant: EyePlantConfig, tested: Sequence[Condition]
 ) -> None:
     if config.protocol.command_space != PAIR:
-        _check_gazes(config.protocol, config.mechanics)
+        _check_gazes(config.protocol, config.mechanics, plant.camera.plane_size_m)
         return
     plane_m = plant.camera.plane_size_m
     inverse = Inverse(config.mechanics)
@@ -64,8 +65,20 @@ def _check_eyes(
 
 
 @functools.lru_cache(maxsize=64)
-def _check_gazes(protocol: ProtocolConfig, mechanics: MechanicsConfig) -> None:
-    """Raise InputError unless the muscles reach the outermost first gazes, and correct ones."""
+def _check_gazes(protocol: ProtocolConfig, mechanics: MechanicsConfig, plane_m: float) -> None:
+    """Raise InputError unless the muscles reach the outermost first gazes, and correct ones.
+
+    Eyes that look aside must still look at the plane, and the least cost there must be known.
+    """
+    distances_m = sorted({*protocol.object_distance_m, *protocol.test_distances_m})
+    for distance_m in distances_m:
+        check_tabled(desired_vergence_deg(distance_m, mechanics.baseline_m))
+    most_deg = math.degrees(math.atan(plane_m / 2.0 / distances_m[-1]))
+    if max(protocol.start_version_deg) > most_deg:
+        raise InputError(
+            f"start_version_deg: expected {most_deg:.1f} deg at most, where the plane ends at "
+            f"{distances_m[-1]:g} m, got {list(protocol.start_version_deg)}"
+        )
     limits = protocol.limits
     inverse = GazeInverse(mechanics, protocol.space, limits.lowest, limits.highest)
     at_tonic_level = np.zeros(len(protocol.space.names))
@@ -73,7 +86,7 @@ def _check_gazes(protocol: ProtocolConfig, mechanics: MechanicsConfig) -> None:
     corners = itertools.product(*((-most, most) for most in largest_deg.values()))
     for corner in (*corners, np.zeros(len(largest_deg))):
         angles_deg = dict(zip(largest_deg, corner, strict=True))
-        for distance_m in protocol.object_distance_m:
+        for distance_m in (distances_m[0], distances_m[-1]):
             inverse.activations(angles_deg, distance_m, at_tonic_level)
 
 

@@ -15,11 +15,10 @@ import numpy as np
 from experiment_manager.experiment.config import ProtocolConfig, bounds
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.geometry import fixation_distance_m as distance_of_vergence_m
-from eye_plant.mechanics.gaze_inverse import ERRORS, TURNED_ANGLES, GazeInverse
-from eye_plant.mechanics.inverse import Inverse
+from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, GazeInverse
+from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.command_space import PAIR
-from lockstep.errors import InputError
 from lockstep.randomness import generator
 
 Activations = tuple[float, ...]
@@ -27,8 +26,6 @@ ActivationsOfVergence = Callable[[float, float], Activations]
 
 # Tests of all runs start alike, so that they compare.
 _SEED_OF_TESTS = 0
-# So often the place among all activations with a gaze is brought half-way to the tonic level.
-_MOST_HALVINGS = 8
 
 
 @dataclass(frozen=True)
@@ -138,15 +135,7 @@ class GazeStarts:
         config = self._config
         angles_deg = draw_angles_deg(config, draw)
         aside = draw.normal(0.0, config.start_spread, len(config.space.names))
-        for _ in range(_MOST_HALVINGS):
-            try:
-                found = self._inverse.activations(angles_deg, distance_m, aside)
-            except InputError:
-                aside = aside / 2.0
-            else:
-                return tuple(found.tolist())
-        found = self._inverse.activations(angles_deg, distance_m, np.zeros_like(aside))
-        return tuple(found.tolist())
+        return tuple(self._inverse.activations(angles_deg, distance_m, aside).tolist())
 
 
 def draw_angles_deg(config: ProtocolConfig, draw: np.random.Generator) -> dict[str, float]:

@@ -11,7 +11,6 @@ import numpy as np
 
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS
 from experiment_manager.measures.trials import Trials, space_of
-from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.errors import InputError
 from lockstep.state_file import read_state, write_state
 
@@ -143,7 +142,7 @@ def with_test(kept: KeptTrials | None, trials: Trials) -> KeptTrials:
 
 def _other_errors_deg(trials: Trials) -> np.ndarray:
     """Return vertical and cyclovergence errors, (n_trials, n_iterations + 1, 2); no pair's."""
-    if trials.space == COMMAND_SPACES[PAIR]:
+    if trials.is_of_pair:
         return _no_other_errors()
     return _small(np.stack([trials.column(name) for name in _OTHER_ERROR_COLUMNS], axis=-1))
 
@@ -164,7 +163,7 @@ def _small(values: np.ndarray) -> np.ndarray:
 
 
 def arrays_of(kept: KeptTrials | None) -> dict[str, np.ndarray]:
-    """Return what is kept by name, nothing for None; what is empty only where it says something."""
+    """Return what is kept by name, nothing for None; of what is optional only what there is."""
     if kept is None:
         return {}
     left_out: tuple[str, ...] = () if len(kept.began_otherwise) else OTHER_STARTS

@@ -3,12 +3,14 @@
 Medians and shares over trials; Delta C and c of each trial (K17 eq. 8) are in measures.trials.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.results import AntagonistPair, Measures, SetSummary, Summary
 from experiment_manager.measures.trials import Trials
-from lockstep.command_space import COMMAND_SPACES, MUSCLES, PAIR, SIDES, CommandSpace
+from lockstep.command_space import MUSCLES, SIDES, CommandSpace
 
 # K17 Fig. 3 shows these; the last one is what all tables report.
 REPORTED_ITERATIONS = (1, 2, 3, 20)
@@ -68,27 +70,25 @@ def _measures(trials: Trials, iteration: int, criteria: Criteria) -> Measures:
         for name in ("vergence_error_deg", "vertical_error_deg", "cyclovergence_error_deg")
     )
     is_known = ~np.isnan(error_deg)
-    error_deg, vertical_deg = error_deg[is_known], vertical_deg[is_known]
-    # Of eyes that share their commands the vertical one may not have been kept.
-    is_within = (error_deg < criteria.px_deg) & ~(vertical_deg >= criteria.px_deg)
+    is_within = error_deg < criteria.px_deg
+    other_axes: dict[str, float | None] = {}
+    if not trials.is_of_pair:
+        is_within &= vertical_deg < criteria.px_deg
+        other_axes = {
+            "median_abs_vertical_error_deg": _quantile(vertical_deg, 0.5),
+            "iqr_abs_vertical_error_deg": _spread(vertical_deg),
+            "median_abs_cyclovergence_error_deg": _quantile(torsional_deg, 0.5),
+            "iqr_abs_cyclovergence_error_deg": _spread(torsional_deg),
+        }
     return Measures(
         median_abs_vergence_error_deg=_quantile(error_deg, 0.5),
         iqr_abs_vergence_error_deg=_spread(error_deg),
         median_delta_cost_w=_quantile(trials.delta_cost_w(iteration), 0.5),
         median_cost_reduction=_quantile(trials.cost_reduction(iteration), 0.5),
-        share_within_1_px=_share(is_within),
-        share_beyond_1_deg=_share(error_deg > ARRIVED_DEG),
+        share_within_1_px=_share(is_within[is_known]),
+        share_beyond_1_deg=_share(error_deg[is_known] > ARRIVED_DEG),
         share_antagonist_silent=_share(_antagonist_is_silent(trials, iteration, criteria)),
-        **(
-            {}
-            if trials.space == COMMAND_SPACES[PAIR]
-            else {
-                "median_abs_vertical_error_deg": _quantile(vertical_deg, 0.5),
-                "iqr_abs_vertical_error_deg": _spread(vertical_deg),
-                "median_abs_cyclovergence_error_deg": _quantile(torsional_deg, 0.5),
-                "iqr_abs_cyclovergence_error_deg": _spread(torsional_deg[~np.isnan(torsional_deg)]),
-            }
-        ),
+        **other_axes,
     )
 
 
@@ -108,22 +108,15 @@ def _antagonist_is_silent(trials: Trials, iteration: int, criteria: Criteria) ->
 
     Of both eyes' horizontal recti, where each has its own command: whether one of the two is.
     """
-    if trials.space != COMMAND_SPACES[PAIR]:
-        lesser, limit = (
-            np.concatenate(values)
-            for values in zip(
-                *(
-                    _lesser_of_two(trials, iteration, criteria, names)
-                    for names in antagonist_names(trials.space)
-                    if names[0].endswith("medial_rectus")
-                ),
-                strict=True,
-            )
-        )
-        return lesser[~np.isnan(lesser)] < limit[~np.isnan(lesser)]
-    medial, lateral = (
-        trials.column(name)[:, iteration] for name in ("medial_rectus", "lateral_rectus")
-    )
+    if not trials.is_of_pair:
+        of_eyes = [
+            _above_floor(trials, iteration, criteria, names).min(axis=0)
+            for names in antagonist_names(trials.space)
+            if names[0].endswith("medial_rectus")
+        ]
+        lesser = np.concatenate(of_eyes)
+        return lesser[~np.isnan(lesser)] < _silent_below(criteria)
+    medial, lateral = _above_floor(trials, iteration, criteria, trials.space.names)
     near = trials.object_distance_m <= criteria.lateral_is_silent_up_to_m
     far = trials.object_distance_m >= criteria.medial_is_silent_from_m
     antagonist = np.where(near, lateral, medial)[near | far]
@@ -132,14 +125,14 @@ def _antagonist_is_silent(trials: Trials, iteration: int, criteria: Criteria) ->
 
 def _antagonists(trials: Trials, criteria: Criteria) -> dict[str, AntagonistPair]:
     """Return how antagonists share their work in the end, by the names of both."""
-    if trials.space == COMMAND_SPACES[PAIR]:
+    if trials.is_of_pair:
         return {}
     distance_m = trials.object_distance_m
     found = {}
     for names in antagonist_names(trials.space):
-        lesser, limit = _lesser_of_two(trials, trials.n_iterations, criteria, names)
+        lesser = _above_floor(trials, trials.n_iterations, criteria, names).min(axis=0)
         is_known = ~np.isnan(lesser)
-        is_silent = lesser < limit
+        is_silent = lesser < _silent_below(criteria)
         found["-".join(names)] = AntagonistPair(
             share_silent=_share(is_silent[is_known]),
             median_co_contraction=_quantile(lesser, 0.5),
@@ -161,17 +154,16 @@ def antagonist_names(space: CommandSpace) -> list[tuple[str, str]]:
     return [pair for pair in pairs if set(pair) <= set(space.names)]
 
 
-def _lesser_of_two(
-    trials: Trials, iteration: int, criteria: Criteria, names: tuple[str, str]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the lesser activation of two muscles above their floors, and what counts as silent."""
-    above = [
-        trials.column(name)[:, iteration]
-        - criteria.lowest_activations[trials.space.names.index(name)]
-        for name in names
-    ]
-    lesser = np.minimum(*above)
-    return lesser, np.full_like(lesser, max(criteria.silent_activation, _SILENT))
+def _above_floor(
+    trials: Trials, iteration: int, criteria: Criteria, names: Sequence[str]
+) -> np.ndarray:
+    """Return the activations of some commands above the least that they may set, (k, n_trials)."""
+    floors = dict(zip(trials.space.names, criteria.lowest_activations, strict=True))
+    return np.stack([trials.column(name)[:, iteration] - floors[name] for name in names])
+
+
+def _silent_below(criteria: Criteria) -> float:
+    return max(criteria.silent_activation, _SILENT)
 
 
 def _share(true: np.ndarray) -> float | None:
@@ -184,9 +176,10 @@ def _quantile(values: np.ndarray, share: float) -> float | None:
 
 
 def _spread(values: np.ndarray) -> float | None:
-    if not len(values):
+    defined = values[~np.isnan(values)]
+    if not len(defined):
         return None
-    lower, upper = np.quantile(values, (0.25, 0.75))
+    lower, upper = np.quantile(defined, (0.25, 0.75))
     return float(upper - lower)
 
 

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from lockstep.command_space import COMMAND_SPACES, CommandSpace
+from lockstep.command_space import COMMAND_SPACES, PAIR, CommandSpace
 from lockstep.errors import InputError
 from lockstep.wire.topics import EPISODE_NAMES, GROUND_TRUTH_NAMES, TEST
 
@@ -90,6 +90,11 @@ class Trials:
     trial: np.ndarray
     columns: Mapping[str, np.ndarray]
     rows: np.ndarray
+
+    @property
+    def is_of_pair(self) -> bool:
+        """Whether one command moved both eyes alike."""
+        return self.space == COMMAND_SPACES[PAIR]
 
     @property
     def n_iterations(self) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 from eye_plant.camera.offscreen import GraphicsError
 from eye_plant.camera.stereo_camera import CameraConfig, StereoCamera
 from eye_plant.geometry import desired_vergence_deg, disparity_px
-from eye_plant.mechanics.inverse import Inverse, pair_limits
+from eye_plant.inverse.pair import Inverse, pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.stimuli.stimulus_set import StimulusSet

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from eye_plant.mechanics.inverse import Inverse
+from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.muscle_curves import force_length, force_velocity, passive_force_length
 from eye_plant.mechanics.oculomotor import Oculomotor

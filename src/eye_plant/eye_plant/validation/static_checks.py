@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from eye_plant.geometry import desired_vergence_deg
-from eye_plant.mechanics.inverse import Inverse, pair_limits
+from eye_plant.inverse.pair import Inverse, pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.mechanics.parameters import GRAM_FORCE_N

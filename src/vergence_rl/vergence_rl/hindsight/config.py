@@ -72,6 +72,10 @@ class HindsightConfig:
     def __post_init__(self) -> None:
         """Refuse values out of range."""
         check_settings(self)
+        if any(self.scatter_until) and not self.temperature:
+            raise InputError(
+                "scatter_until: expected a temperature above 0, whose places scatter, got 0"
+            )
 
     def check_fits(self, iterations_per_episode: int) -> None:
         """Raise InputError unless whole episodes of two iterations or more fit a period."""

@@ -12,6 +12,8 @@ Floats = NDArray[np.float64]
 
 # First places that tell their scatter, for each muscle.
 _PLACES_PER_MUSCLE = 10
+# Of the mean variance, in directions in which first places do not differ.
+_LEAST_SHARE = 1e-6
 
 
 class FirstNoise:
@@ -36,12 +38,13 @@ class FirstNoise:
         """Whether enough places have come; nothing is learned from what comes before."""
         return self._n_places >= self._n_needed
 
-    def add(self, place: Floats) -> None:
-        """Add the first activations (n,) of an episode."""
+    def add(self, place: Floats) -> bool:
+        """Add the first activations (n,) of an episode; return whether enough have come."""
         self._n_places += 1
         self._sum += place
         self._squares += np.outer(place, place)
         self._derive()
+        return self.is_known
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return what has been learned, as copies; of noise without a shape nothing."""
@@ -67,5 +70,8 @@ class FirstNoise:
         if self._share and self.is_known:
             mean = self._sum / self._n_places
             scatter = self._squares / self._n_places - np.outer(mean, mean)
+            # Places that are alike in some direction leave a little noise there, so that the
+            # metric has an inverse.
+            scatter += _LEAST_SHARE * (np.trace(scatter) / n + self._variance) * np.eye(n)
             self.covariance = self._share**2 * scatter
             self.metric = np.sqrt(self._variance) * np.linalg.inv(root_of(self.covariance))

@@ -82,13 +82,13 @@ def kept_share(n_visits: int, memory: float) -> float:
 def weights_of(rewards: Floats, temperature: float) -> Floats:
     """Return the weights, (n_visits,), of an episode's places in its target; they add up to 1.
 
-    exp((r - max r) / (temperature SD of r)) of rewards (n_visits,): the best of ten places in many
-    dimensions is mostly noise, their weighted mean less so (Peters & Schaal 2007). At temperature 0
-    the best place, the first of several, has all the weight.
+    exp((r - max r) / (temperature SD of r)) of rewards (n_visits,), temperature above 0: the best
+    of ten places in many dimensions is a noisier target than their weighted mean (Peters & Schaal
+    2007). Places with the same reward count alike.
     """
     spread = temperature * float(rewards.std())
     if not spread > 0.0:
-        return np.eye(len(rewards))[np.argmax(rewards)]
+        return np.full(len(rewards), 1.0 / len(rewards))
     weights: Floats = np.exp((rewards - rewards.max()) / spread)
     return weights / weights.sum()
 

@@ -137,8 +137,8 @@ class HindsightRule:
         states = np.array([visit.state for visit in self._visits])
         visited = np.array([visit.activations for visit in self._visits])
         if not self._first.is_known:
-            self._first.add(visited[0])
-            self._begin()
+            if self._first.add(visited[0]):
+                self._begin()
             return
         kept = self._kept_share(n_seen)
         aim = self._aim(visited, kept)
@@ -156,9 +156,9 @@ class HindsightRule:
     def _aim(self, visited: Floats, kept: float) -> Floats:
         """Return the place (n_muscles,) that an episode teaches, and take note of its scatter."""
         rewards = np.array([visit.reward for visit in self._visits])
-        weights = weights_of(rewards, self._config.temperature)
-        if weights.max() == 1.0:
+        if not self._config.temperature:
             return visited[np.argmax(rewards)]
+        weights = weights_of(rewards, self._config.temperature)
         aim: Floats = weights @ visited
         deviations = visited - aim
         self._scatter = kept * self._scatter + (1.0 - kept) * (weights * deviations.T) @ deviations
@@ -166,11 +166,8 @@ class HindsightRule:
 
     def _scatter_share(self, n_seen: int) -> float:
         """Return the share of the scatter that is part of the noise, falling from 1 to 0."""
-        begin, end = self._config.scatter_until
         done = n_seen / self._task.n_training_iterations
-        return (
-            min(1.0, max(0.0, (end - done) / (end - begin))) if end > begin else float(done < end)
-        )
+        return float(np.interp(done, self._config.scatter_until, (1.0, 0.0)))
 
     def _kept_share(self, n_seen: int) -> float:
         return kept_share(self._task.iterations_per_episode, self._memory(n_seen))

@@ -33,7 +33,7 @@ from experiment_manager.analysis.report.price_figure import over_prices, price_f
 from experiment_manager.analysis.report.reported_run import ReportedRun
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.trials import Trials
-from eye_plant.mechanics.inverse import Inverse
+from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
 from sparse_coder.patches import PX_PER_PIXEL

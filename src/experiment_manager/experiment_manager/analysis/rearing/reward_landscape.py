@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from experiment_manager.analysis.basis_functions import left_share
 from eye_plant.episode import Episode
 from eye_plant.geometry import desired_vergence_deg
-from eye_plant.mechanics.inverse import FULL_RANGE, Inverse
+from eye_plant.inverse.pair import FULL_RANGE, Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.observation import Observation
 from eye_plant.plant import EyePlant

@@ -7,8 +7,8 @@ from typing import Protocol
 import numpy as np
 
 from eye_plant.geometry import fixation_distance_m
-from eye_plant.mechanics.gaze_inverse import ERRORS, TURNED_ANGLES, GazeInverse, LeastCost
-from eye_plant.mechanics.inverse import Inverse, Limits, pair_limits
+from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, GazeInverse, LeastCost
+from eye_plant.inverse.pair import Inverse, Limits, pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.errors import InputError
@@ -55,17 +55,31 @@ class MuscleCost:
         self._table = mechanics, space, lowest
 
     def check(self, vergence_deg: float) -> None:
-        """Raise InputError unless the muscles can give the vergence."""
+        """Raise InputError unless the muscles can give the vergence, and the table has it."""
         self.least_w(vergence_deg)
 
     def least_w(self, vergence_deg: float) -> float:
-        """Return the least metabolic rate with a vergence, between those of a table."""
+        """Return the least metabolic rate with a vergence, between those of a table.
+
+        Raises InputError for one that the muscles do not reach, or beyond the table.
+        """
+        check_tabled(vergence_deg)
         found = float(np.interp(vergence_deg, _VERGENCES_DEG, _least_rates_w(*self._table)))
         if not np.isfinite(found):
             raise InputError(
                 f"no activations of these muscles give a vergence of {vergence_deg:g} deg"
             )
         return found
+
+
+def check_tabled(vergence_deg: float) -> None:
+    """Raise InputError unless a vergence is among those of which the least costs are tabled."""
+    least_deg, most_deg = _VERGENCES_DEG[[0, -1]]
+    if not least_deg <= vergence_deg <= most_deg:
+        raise InputError(
+            f"with a command for each muscle: expected planes at which eyes converge by "
+            f"{least_deg:g} to {most_deg:g} deg, got {vergence_deg:.2f} deg"
+        )
 
 
 def cost_of_vergence(

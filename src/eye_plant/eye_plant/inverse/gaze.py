@@ -36,6 +36,7 @@ _TOLERANCE_DEG = 1e-6
 _MAX_STEPS = 30
 # Two to five steps do along the slopes at tonic level; eyes far from there have others.
 _QUICK_STEPS = 10
+_MOST_HALVINGS = 8
 # Of the steepest: what turns the eyes by less is not used.
 _LEAST_SLOPE = 1e-6
 _PROBE = 1e-4
@@ -52,6 +53,12 @@ _LARGEST_CHANGE = 0.05
 def _inverse_of(slopes: Array) -> Array:
     """Return the pseudo-inverse: of all changes of activation with a change of gaze the least."""
     return np.asarray(np.linalg.pinv(slopes, rcond=_LEAST_SLOPE), dtype=np.float64)
+
+
+def _held(names: Sequence[str], wanted_deg: Mapping[str, float]) -> tuple[list[int], Array]:
+    """Return the positions of angles among GAZE_ANGLES, and what is wanted of them."""
+    positions = [GAZE_ANGLES.index(name) for name in names]
+    return positions, np.array([wanted_deg[name] for name in names])
 
 
 def _spoken(name: str) -> str:
@@ -98,16 +105,19 @@ class GazeInverse:
         """Return activations (12,) of eyes with the wanted angles, by names of GAZE_ANGLES.
 
         aside: (n_muscles,) change from the tonic level, of which the part that hardly moves the
-        wanted angles says which of all activations with that gaze these are near.
-        Raises InputError, naming the first angle that cannot be had with those before it, when the
-        muscles' limits leave no such gaze there.
+        wanted angles says which of all activations with that gaze these are near. Where the limits
+        leave no such gaze there, half of it, half of that, and in the end none of it counts.
+        Raises InputError, naming the first angle that cannot be had with those before it.
         """
         names = [name for name in GAZE_ANGLES if name in wanted_deg]
-        found = self._reached(names, wanted_deg, distance_m, aside)
-        if found is not None:
-            return found
+        nowhere = np.zeros_like(aside)
+        nearer = [aside / 2.0**k for k in range(_MOST_HALVINGS)] if aside.any() else []
+        for place in (*nearer, nowhere):
+            found = self._reached(names, wanted_deg, distance_m, place)
+            if found is not None:
+                return found
         n_reached = 0
-        while self._reached(names[: n_reached + 1], wanted_deg, distance_m, aside) is not None:
+        while self._reached(names[: n_reached + 1], wanted_deg, distance_m, nowhere) is not None:
             n_reached += 1
         name = names[n_reached]
         others = ", ".join(f"{_spoken(n)} of {wanted_deg[n]:.2f}" for n in names[:n_reached])
@@ -121,8 +131,7 @@ class GazeInverse:
         self, names: Sequence[str], wanted_deg: Mapping[str, float], distance_m: float, aside: Array
     ) -> Array | None:
         """Return activations (12,) with these of the wanted angles, None when there are none."""
-        held = [GAZE_ANGLES.index(name) for name in names]
-        wanted = np.array([wanted_deg[name] for name in names])
+        held, wanted = _held(names, wanted_deg)
         slopes = self._slopes[held]
         inverse = _inverse_of(slopes)
         start = aside - inverse @ (slopes @ aside)
@@ -163,9 +172,7 @@ class GazeInverse:
         self, activations: Array, weights: Array, wanted_deg: Mapping[str, float], distance_m: float
     ) -> LeastCost:
         """Return the least that reweighting finds from these activations and first weights."""
-        names = [name for name in GAZE_ANGLES if name in wanted_deg]
-        held = [GAZE_ANGLES.index(name) for name in names]
-        wanted = np.array([wanted_deg[name] for name in names])
+        held, wanted = _held([*wanted_deg], wanted_deg)
         values = activations[self._space.indices]
         for _ in range(_MAX_ROUNDS):
             slopes = self._slopes_at(self._with(values), distance_m)[held]

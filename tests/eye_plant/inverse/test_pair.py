@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from eye_plant.geometry import desired_vergence_deg
-from eye_plant.mechanics.inverse import Inverse
+from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.oculomotor import MechanicsConfig, Oculomotor
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError

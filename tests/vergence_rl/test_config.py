@@ -1,0 +1,51 @@
+"""Settings of the learner that are refused, and those that are not looked at."""
+
+import math
+from typing import Any
+
+import pytest
+
+from lockstep.configuration import build
+from lockstep.errors import InputError
+from vergence_rl.config import VergenceRlConfig
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"n_training_iterations": 0}, "n_training_iterations: expected 1 or more, got 0"),
+        ({"cacla.n_hidden": 0}, "cacla.n_hidden: expected 1 or more"),
+        ({"cacla.discount": 1.0}, "cacla.discount: expected 0 or more, less than 1, got 1.0"),
+        ({"cacla.exploration_variance": -1.0}, "cacla.exploration_variance: expected 0 or more"),
+        ({"cacla.actor_learning_rate": math.nan}, "rate: expected 0 or more, got nan"),
+        ({"state_standard_deviation": 0.0}, "state_standard_deviation: expected more than 0"),
+        ({"lowest_activations": (0.3,)}, "expected 0.3 or more for medial_rectus, .*, got 0.2"),
+        ({"highest_activations": (0.2, 1.1)}, "highest_activations: expected 0 to 1, got"),
+        ({"highest_activations": (0.2,) * 3}, "expected 2 entries, of medial_rectus, lateral_"),
+        (
+            {"command_space": "legs"},
+            "command_space: expected pair or horizontal_recti or all_muscles, got 'legs'",
+        ),
+        ({"learning_rule": "sarsa"}, "learning_rule: expected cacla or hindsight, got 'sarsa'"),
+        (
+            {"learning_rule": "hindsight", "hindsight.regression_period": 15},
+            r"hindsight.regression_period: expected a multiple of 10 .*, got 15",
+        ),
+        (
+            {"learning_rule": "hindsight", "iterations_per_episode": 1},
+            "iterations_per_episode: expected 2 or more, whose rewards",
+        ),
+        (
+            {"hindsight.scatter_until": (0.5, 0.8)},
+            r"scatter_until: expected a temperature above 0, whose places scatter, got 0",
+        ),
+    ],
+)
+def test_bad_settings_are_refused(settings: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        build(VergenceRlConfig, settings)
+
+
+def test_settings_of_the_other_rule_do_not_matter() -> None:
+    settings = {"iterations_per_episode": 8, "hindsight.regression_period": 100}
+    assert build(VergenceRlConfig, settings).iterations_per_episode == 8
