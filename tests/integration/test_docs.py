@@ -7,7 +7,9 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).parents[2]
-PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md"), ROOT / "results/README.md"])
+DOCS = sorted((ROOT / "docs").glob("*.md"))
+RESULTS = sorted((ROOT / "results").glob("*.md"))
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *DOCS, *RESULTS]
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
 
 
@@ -29,6 +31,17 @@ def test_links_to_files_and_headings_of_ours_lead_there(page: Path) -> None:
 
 def test_the_index_is_a_click_from_the_readme() -> None:
     assert "docs/index.md" in _LINK.findall((ROOT / "README.md").read_text())
+
+
+def test_the_index_reaches_every_page() -> None:
+    index = ROOT / "docs" / "index.md"
+    links = {link.partition("#")[0] for link in _LINK.findall(index.read_text())}
+    reached = {(index.parent / link).resolve() for link in links}
+    assert {*DOCS, *RESULTS} - reached == {index}
+
+
+def test_the_readme_is_short() -> None:
+    assert len((ROOT / "README.md").read_bytes()) <= 9000
 
 
 def test_the_citation_has_what_its_format_asks_for() -> None:

@@ -34,7 +34,7 @@ TURNED_ANGLES = {
 
 _TOLERANCE_DEG = 1e-6
 _MAX_STEPS = 30
-# Two to five steps do along the slopes at tonic level; eyes far from there have others.
+# Steps along the slopes at tonic level; eyes far from there have others.
 _QUICK_STEPS = 10
 _MOST_HALVINGS = 8
 # Of the steepest: what turns the eyes by less is not used.

@@ -49,8 +49,8 @@ class MechanicsConfig:
     )
     moves: str = setting(
         "simulated",
-        "how the eyes come to where a command lets them rest: simulated over the control period,"
-        " or at once, in a fifth of the time, without what is felt and spent on the way",
+        "how the eyes reach the equilibrium of a command: simulated over the control period, or"
+        " at once, without lengths, forces and heat on the way",
         choices=("simulated", "at_once"),
     )
     strength: tuple[float, ...] = setting(
