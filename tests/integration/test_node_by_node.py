@@ -24,19 +24,12 @@ from tests.graph_harness import (
     write_configuration,
 )
 from tests.loop_contract import assert_as_the_loop
-from tests.node_harness import Graph, ros_graph
+from tests.node_harness import Graph
 from tests.pair import ACTOR_CRITIC_NAMES
 from tests.supervisor import finished, start_supervisor
 
 N_TRAINING = 20
 Start = Callable[..., NodeProcess]
-
-
-@pytest.fixture
-def graph() -> Iterator[Graph]:
-    """Yield a domain of the test's own."""
-    with ros_graph() as graph:
-        yield graph
 
 
 @pytest.fixture

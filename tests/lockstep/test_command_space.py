@@ -7,7 +7,6 @@ from lockstep.command_space import (
     ALL_MUSCLES,
     COMMAND_SPACES,
     HORIZONTAL_RECTI,
-    MUSCLE_NAMES,
     PAIR,
     CommandSpace,
     activation_limits,
@@ -40,11 +39,6 @@ def test_a_space_of_single_muscles_keeps_its_own_order() -> None:
     assert space.muscle_names == ("left_superior_oblique", "right_medial_rectus")
     assert space.from_muscles(np.array([0.1, 0.2])).tolist() == [0.2, 0.1]
     assert space.from_all(np.arange(12.0)).tolist() == [6.0, 4.0]
-
-
-def test_all_twelve_muscles_are_themselves() -> None:
-    space = CommandSpace(MUSCLE_NAMES)
-    assert space.from_all(np.arange(12.0)).tolist() == list(range(12))
 
 
 def test_one_limit_holds_for_all_commands() -> None:

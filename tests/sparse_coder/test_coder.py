@@ -47,14 +47,6 @@ def test_the_whole_code_matches_a_slow_one(stereo_pair: Pair, brute_force_pursui
         assert encoding.reconstruction_error[scale] == pytest.approx(error, abs=1e-5)
 
 
-def test_shapes_and_types_of_an_encoding(stereo_pair: Pair) -> None:
-    encoding = SparseCoder(SparseCoderConfig()).encode(*stereo_pair)
-    assert (encoding.features.shape, encoding.features.dtype) == ((2, 400), np.float32)
-    errors = encoding.reconstruction_error
-    assert (errors.shape, errors.dtype) == ((2,), np.float64)
-    assert [p.shape for p in encoding.patches] == [(49, 128), (81, 128)]
-
-
 def test_encoding_changes_nothing_and_repeats_bit_for_bit(stereo_pair: Pair) -> None:
     coder = SparseCoder(SMALL)
     before = coder.state()
@@ -193,12 +185,6 @@ def test_a_bad_state_is_refused_and_changes_nothing(
         coder.restore(change(coder.state()))
     np.testing.assert_array_equal(coder.atoms(), before)
     assert coder.learning_steps == 0
-
-
-def test_bad_pictures_are_refused() -> None:
-    image = np.zeros((240, 320), np.uint8)
-    with pytest.raises(InputError, match="right image: expected a grey uint8 array"):
-        SparseCoder(SMALL).encode(image, image.astype(np.float64))
 
 
 @pytest.mark.parametrize(

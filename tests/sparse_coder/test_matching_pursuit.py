@@ -110,13 +110,6 @@ def test_error_never_grows_with_more_selections(picture: NDArray[np.uint8]) -> N
     assert 0.0 < errors[-1] < errors[0] < 1.0
 
 
-def test_at_most_10_atoms_are_active(picture: NDArray[np.uint8]) -> None:
-    chosen = pursue(image_patches(picture), dictionary()).atoms
-    assert chosen.shape[1] == 10
-    assert chosen.min() >= 0
-    assert chosen.max() < 400
-
-
 def test_energy_is_conserved(picture: NDArray[np.uint8]) -> None:
     patches, of = image_patches(picture), dictionary()
     selections = pursue(patches, of)

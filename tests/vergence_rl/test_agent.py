@@ -133,15 +133,6 @@ def test_default_weights_are_the_published_ones() -> None:
         assert 0.9 * width < np.abs(state[name]).max() <= width
 
 
-def test_an_untrained_agent_answers_with_almost_no_action() -> None:
-    agent = Agent(VergenceRlConfig())
-    got = agent.observe(
-        np.ones((2, 400), np.float32), MID, -1.0, 0, 0, learning=False, exploration=False
-    )
-    assert np.abs(got.action).max() < 1e-6
-    np.testing.assert_allclose(got.command, MID, atol=1e-6)
-
-
 def test_rates_and_value_are_reported() -> None:
     agent = Agent(CONFIG)
     decision = train(agent, 0, 31)[-1]

@@ -28,13 +28,6 @@ def test_critic_step() -> None:
     np.testing.assert_allclose(got, [1.75, -2.0])
 
 
-def test_critic_step_lowers_the_error_it_was_made_for() -> None:
-    weights, state = np.array([0.1, 0.2, -0.3]), np.array([0.5, -1.0, 0.25])
-    delta = 1.5 - value(weights, state)
-    after = 1.5 - value(critic_step(weights, state, delta, 0.1), state)
-    assert after == pytest.approx(delta * (1 - 0.1 * state @ state))
-
-
 @pytest.mark.parametrize(("now", "rate"), [(0, 0.5), (250, 0.375), (1000, 0.0), (1001, 0.0)])
 def test_rate_declines_linearly_to_0(now: int, rate: float) -> None:
     assert declining_rate(0.5, now, 1000) == pytest.approx(rate)

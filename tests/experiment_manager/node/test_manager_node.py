@@ -1,7 +1,7 @@
 """The node experiment_manager, with a scripted plant and scripted learners around it."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -41,13 +41,6 @@ SMALL: dict[str, Any] = {
 # A trial, two training episodes, the trial again.
 N_OBSERVATIONS = 21 + 2 * 11 + 21
 Start = Callable[..., ExperimentManagerNode]
-
-
-@pytest.fixture
-def graph() -> Iterator[Graph]:
-    """Yield a domain of the test's own."""
-    with ros_graph() as graph:
-        yield graph
 
 
 @pytest.fixture

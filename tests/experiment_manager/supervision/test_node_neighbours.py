@@ -1,6 +1,5 @@
 """Other graphs in the domain that a run is to use."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -14,14 +13,7 @@ from experiment_manager.supervision.node_neighbours import addresses, refuse_nei
 from experiment_manager.supervision.supervisor import known_domain
 from lockstep.errors import InputError
 from lockstep.wire.qos import LOCKSTEP_QOS
-from tests.node_harness import Graph, ros_graph
-
-
-@pytest.fixture
-def graph() -> Iterator[Graph]:
-    """Yield a domain of the test's own."""
-    with ros_graph() as graph:
-        yield graph
+from tests.node_harness import Graph
 
 
 def _publishes(topic: str) -> type[Node]:

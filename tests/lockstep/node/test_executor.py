@@ -1,7 +1,6 @@
 """The executor goes on when a request cannot be understood, whichever way it came upon it."""
 
 import threading
-from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
@@ -21,14 +20,7 @@ from lockstep.node.executor import make_executor
 from lockstep.node.fast_executor import LockstepExecutor
 from lockstep.plain import VARIABLE
 from lockstep.wire.qos import LOCKSTEP_QOS
-from tests.node_harness import Graph, ros_graph
-
-
-@pytest.fixture
-def graph() -> Iterator[Graph]:
-    """Yield a domain of the test's own."""
-    with ros_graph() as graph:
-        yield graph
+from tests.node_harness import Graph
 
 
 @pytest.mark.parametrize("way", ["spin", "spin_once"])

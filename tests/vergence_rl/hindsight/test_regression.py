@@ -91,11 +91,6 @@ def test_the_covariance_is_that_of_the_residuals_of_all_stored_visits() -> None:
     np.testing.assert_allclose(residual_covariance(sums, actor), expected, rtol=1e-10)
 
 
-def test_squares_stay_symmetric_to_the_last_bit() -> None:
-    squares = summed(30, 0.97, first_sums(N_STATE, 0.01 * np.eye(N_MUSCLES), 5.0)).squares
-    np.testing.assert_array_equal(squares, squares.T)
-
-
 def test_without_visits_the_actor_does_nothing_and_residuals_scatter_as_told() -> None:
     sums = first_sums(N_STATE, 0.04 * np.eye(N_MUSCLES), 7.0)
     actor = regressed_actor(sums, 0.01)
