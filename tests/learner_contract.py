@@ -1,7 +1,6 @@
 """The contract of both learners' nodes: answered once, learned from once, saved and loaded."""
 
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -61,9 +60,7 @@ def bytes_of(learner: Any) -> dict[str, bytes]:
 class LearnerContract:
     """Tests for a module with the fixture `bench`, a LearnerBench whose run has started."""
 
-    def test_the_same_observation_is_answered_again_and_learned_from_once(
-        self, bench: LearnerBench
-    ) -> None:
+    def test_the_same_observation_is_answered_again_and_learned_from_once(self, bench) -> None:
         bench.shown(0)
         before = bench.node.learner.learning_steps
         bench.shown(1, 1, 1)
@@ -84,9 +81,7 @@ class LearnerContract:
         bench.shown(0, 1, phase=TEST)
         assert bench.weights() == before
 
-    def test_a_saved_state_is_loaded_into_another_run(
-        self, bench: LearnerBench, tmp_path: Path
-    ) -> None:
+    def test_a_saved_state_is_loaded_into_another_run(self, bench, tmp_path) -> None:
         path, untrained = str(tmp_path / "state.npz"), bench.weights()
         bench.shown(7, 8)
         bench.graph.spin_until(lambda: bench.weights() != untrained, "a lesson")
@@ -101,9 +96,7 @@ class LearnerContract:
         bench.shown(0)
 
     @pytest.mark.parametrize("damage", ["missing", "foreign", "of another size"])
-    def test_a_bad_state_is_refused_and_changes_nothing(
-        self, bench: LearnerBench, tmp_path: Path, damage: str
-    ) -> None:
+    def test_a_bad_state_is_refused_and_changes_nothing(self, bench, tmp_path, damage) -> None:
         path = tmp_path / "state.npz"
         state = bench.node.learner.state()
         if damage == "of another size":
@@ -116,9 +109,7 @@ class LearnerContract:
         assert str(path) in reason
         assert bench.weights() == before
 
-    def test_a_state_that_cannot_be_saved_is_refused(
-        self, bench: LearnerBench, tmp_path: Path
-    ) -> None:
+    def test_a_state_that_cannot_be_saved_is_refused(self, bench, tmp_path) -> None:
         successful, reason = bench.request("save", path=str(tmp_path / "nowhere" / "state.npz"))
         assert not successful
         assert "cannot be written" in reason

@@ -55,9 +55,7 @@ def ours(graph: Graph, tmp_path: Path, pictures: Path) -> Iterator[Callable[...,
 
 
 @pytest.mark.parametrize("example", OURS)
-def test_a_replacement_makes_a_run_with_our_other_nodes(
-    start: Start, ours: Callable[..., NodeProcess], tmp_path: Path, example: str
-) -> None:
+def test_a_replacement_makes_a_run_with_our_other_nodes(start, ours, tmp_path, example) -> None:
     run = tmp_path / "run"
     start(example)
     for name, package in OURS.items():

@@ -54,9 +54,7 @@ def test_one_limit_holds_for_all_commands() -> None:
         ([0.0, 0.15], [0.2, 0.1], "expected 0.15 or more for lateral_rectus, the least one, got"),
     ],
 )
-def test_limits_that_do_not_fit_are_refused(
-    lowest: list[float], highest: list[float], message: str
-) -> None:
+def test_limits_that_do_not_fit_are_refused(lowest, highest, message) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
         activation_limits(PAIR_OF_RECTI, lowest, highest)
 

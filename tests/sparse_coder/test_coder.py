@@ -100,9 +100,7 @@ def test_a_step_at_rate_zero_would_leave_the_bits_of_normalised_atoms(stereo_pai
         assert same.tobytes() == atoms.tobytes()
 
 
-def test_after_learning_equal_pictures_cost_less_than_shifted_ones(
-    picture: NDArray[np.uint8],
-) -> None:
+def test_after_learning_equal_pictures_cost_less_than_shifted_ones(picture) -> None:
     coder = SparseCoder(SMALL)
     equal, other = picture[10:250, 10:330], picture[10:250, 20:340]
     for _ in range(50):
@@ -176,9 +174,7 @@ def _with_nan(atoms: NDArray[np.float32]) -> NDArray[np.float32]:
         (lambda s: s | {"colour": np.array(1)}, "state: expected .*colour"),
     ],
 )
-def test_a_bad_state_is_refused_and_changes_nothing(
-    change: Callable[[dict[str, Any]], dict[str, Any]], message: str
-) -> None:
+def test_a_bad_state_is_refused_and_changes_nothing(change, message) -> None:
     coder = SparseCoder(SMALL)
     before = coder.atoms()
     with pytest.raises(InputError, match=message):

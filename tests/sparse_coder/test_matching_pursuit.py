@@ -75,9 +75,7 @@ def test_agrees_with_brute_force_on_random_patches(brute_force_pursuit: Pursuit)
     assert_same_pursuit(random_patches(60), brute_force_pursuit)
 
 
-def test_agrees_with_brute_force_on_image_patches(
-    picture: NDArray[np.uint8], brute_force_pursuit: Pursuit
-) -> None:
+def test_agrees_with_brute_force_on_image_patches(picture, brute_force_pursuit) -> None:
     assert_same_pursuit(image_patches(picture), brute_force_pursuit)
 
 

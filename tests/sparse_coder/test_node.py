@@ -158,9 +158,7 @@ _NAN_RATE = array.array("d", [9.0, math.nan, 0.0, 0.0, 0.0])
         ),
     ],
 )
-def test_a_bad_observation_is_refused_and_the_good_one_answered(
-    bench: LearnerBench, change: Callable[[dict[str, Any]], None], reason: str
-) -> None:
+def test_a_bad_observation_is_refused_and_the_good_one_answered(bench, change, reason) -> None:
     messages = _observation(1)
     change(messages)
     bench.send(messages)

@@ -197,9 +197,7 @@ _NAN_REWARD = array.array("d", [0.0, 0.0, 0.0, math.nan, 0.0])
         (_episode(phase=math.nan), "episode: expected finite values"),
     ],
 )
-def test_a_bad_observation_is_refused_and_the_good_one_answered(
-    bench: LearnerBench, change: Callable[[dict[str, Any]], None], reason: str
-) -> None:
+def test_a_bad_observation_is_refused_and_the_good_one_answered(bench, change, reason) -> None:
     agent = Agent(CONFIG)
     bench.show(0)
     bench.wait_distinct("actor_critic", 1)

@@ -40,9 +40,7 @@ def test_a_rate_is_bounded_by_the_energy_of_the_state() -> None:
 
 
 @pytest.mark.parametrize(("limit", "diverges"), [(1.0, False), (1e9, True)])
-def test_a_lasting_state_far_out_makes_an_unbounded_critic_diverge(
-    limit: float, diverges: bool
-) -> None:
+def test_a_lasting_state_far_out_makes_an_unbounded_critic_diverge(limit, diverges) -> None:
     # K17's rates: each step multiplies V's error by 1 - alpha |s|^2 (1 - gamma) = -1.6.
     state, weights = np.array([2.0, 1.0]), np.zeros(2)
     for _ in range(50):

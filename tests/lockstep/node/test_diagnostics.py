@@ -1,6 +1,5 @@
 """Diagnostics: what a node says of itself, and how little a flood of bad input can log."""
 
-import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
 
@@ -33,9 +32,7 @@ def test_counts_refusals_and_more_are_published_each_second(graph: Graph) -> Non
     assert listener.values()["observations"] == "3"
 
 
-def test_a_flood_of_refusals_is_a_trickle_of_log_lines(
-    graph: Graph, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_flood_of_refusals_is_a_trickle_of_log_lines(graph, capfd) -> None:
     node = graph.add(lambda **kwargs: Node("flooded", **kwargs))
     diagnostics = Diagnostics(node)
     for i in range(5000):

@@ -125,11 +125,7 @@ def test_the_environment_asks_for_rclpys_own(graph: Graph, monkeypatch: pytest.M
     [(Client, "get_pending_request"), (Future, "_set_executor"), (Node, "guards")],
 )
 def test_another_rclpy_is_met_with_its_own_executor_and_a_warning(
-    graph: Graph,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
-    owner: type,
-    name: str,
+    graph, monkeypatch, capfd, owner, name
 ) -> None:
     names = executor_module._PRIVATE_NAMES | {owner: (f"{name}_of_another_version",)}
     monkeypatch.setattr(executor_module, "_PRIVATE_NAMES", names)

@@ -60,9 +60,7 @@ def test_values_arrive_as_they_were(servant: Servant, bench: Bench) -> None:
     assert servant.done[-1] == ("work", values)
 
 
-def test_the_same_request_again_is_acknowledged_and_done_once(
-    servant: Servant, bench: Bench
-) -> None:
+def test_the_same_request_again_is_acknowledged_and_done_once(servant, bench) -> None:
     bench.request(START_RUN)
     for _ in range(3):
         assert bench.request("work", load=1) == (True, "")
@@ -115,9 +113,7 @@ def test_a_refusal_tells_why_counts_and_changes_nothing(servant: Servant, bench:
         ({"run_id": "a", "request": [1.0]}, "expected end_run, start_run, work, got [1.0]"),
     ],
 )
-def test_requests_without_sense(
-    servant: Servant, bench: Bench, values: dict[str, Any], reason: str
-) -> None:
+def test_requests_without_sense(servant, bench, values, reason) -> None:
     successful, got = bench.request_raw(values)
     assert not successful
     assert got.endswith(reason)

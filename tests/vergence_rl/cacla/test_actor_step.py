@@ -10,9 +10,7 @@ from vergence_rl.cacla.networks import ActorOutput, ActorWeights, actor
     ("delta", "variance", "n"),
     [(-0.1, 1.0, 0), (0.0, 1.0, 0), (1e-9, 1.0, 1), (1.0, 1.0, 1), (1.01, 1.0, 2), (0.5, 0.01, 5)],
 )
-def test_number_of_updates_is_the_surprise_in_standard_deviations(
-    delta: float, variance: float, n: int
-) -> None:
+def test_number_of_updates_is_the_surprise_in_standard_deviations(delta, variance, n) -> None:
     assert n_updates(delta, variance) == n
 
 

@@ -68,9 +68,7 @@ def test_visits_are_added_in_place_with_the_bits_of_a_plain_sum() -> None:
 
 @pytest.mark.parametrize("ridge_share", [1e-9, 0.05])
 @pytest.mark.parametrize("kept", [1.0, 0.9])
-def test_the_actor_is_the_least_squares_solution_of_all_stored_visits(
-    kept: float, ridge_share: float
-) -> None:
+def test_the_actor_is_the_least_squares_solution_of_all_stored_visits(kept, ridge_share) -> None:
     sums = summed(20, kept, first_sums(N_STATE, 0.0 * np.eye(N_MUSCLES), 0.0))
     states, targets, weights = stored(20, kept)
     root = np.sqrt(weights)[:, None]
