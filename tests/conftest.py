@@ -1,7 +1,9 @@
 """What all tests share: a ROS that stays on this machine, and a few small pictures."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -18,6 +20,15 @@ STIMULUS_PX = 64
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with the longest tests: those of whole runs, so that no core ends with one of them."""
     items.sort(key=lambda item: "integration" not in item.path.parts)
+
+
+@pytest.fixture
+def graph() -> Iterator[Any]:
+    """Yield a ROS domain of the test's own, a tests.node_harness.Graph."""
+    from tests.node_harness import ros_graph
+
+    with ros_graph() as graph:
+        yield graph
 
 
 @pytest.fixture(scope="session")

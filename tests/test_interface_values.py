@@ -140,9 +140,7 @@ def test_names_and_fields_are_those_of_the_page(sent: Sent) -> None:
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row[0]}.{row[1]} {row[2][0]}")
-def test_what_is_sent_is_within_the_range_of_its_row(
-    sent: Sent, row: tuple[str, str, list[str], str, str]
-) -> None:
+def test_what_is_sent_is_within_the_range_of_its_row(sent, row) -> None:
     topic, field, names, _, expected = row
     vectors = sent[topic]
     columns = [vectors[0].name.index(name) for name in names if name != "any muscle"]

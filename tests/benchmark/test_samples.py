@@ -50,8 +50,6 @@ def test_a_run_that_ends_at_half_the_rate_with_three_times_the_work() -> None:
 @pytest.mark.parametrize(
     "rows", [[], [(0.0, 5, 0.0, 0.0)], [(0.0, 5, 0.0, 0.0), (9.0, 5, 1.0, 1.0)]]
 )
-def test_a_graph_that_does_not_go_on_has_no_rate(
-    rows: list[tuple[float, int, float, float]],
-) -> None:
+def test_a_graph_that_does_not_go_on_has_no_rate(rows) -> None:
     with pytest.raises(InputError, match="expected samples of a graph that goes on"):
         rate_hz(_samples(*rows))

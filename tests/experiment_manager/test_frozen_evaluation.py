@@ -28,15 +28,11 @@ def _tests(run: Path) -> tuple[Summary, ...]:
     return read_results(run / "results.json").tests
 
 
-def test_the_last_checkpoint_on_its_own_stimuli_gives_the_last_test(
-    small_run: Path, run: Path
-) -> None:
+def test_the_last_checkpoint_on_its_own_stimuli_gives_the_last_test(small_run, run) -> None:
     assert FrozenEvaluation(run).results().test == _tests(small_run)[-1]
 
 
-def test_own_stimuli_from_their_directory_are_the_same(
-    small_run: Path, run: Path, pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_own_stimuli_from_their_directory_are_the_same(small_run, run, pictures, tmp_path, capsys):
     out = tmp_path / "out.json"
     assert main([str(run), "--stimuli", str(pictures), "--out", str(out)]) == 0
     document = json.loads(out.read_text())
@@ -75,9 +71,7 @@ def test_other_pictures_and_fewer_of_them(run: Path, tmp_path: Path) -> None:
         (("--stimuli", ".", "--stimuli-per-test", "0"), "stimuli per test: expected 1 or more"),
     ],
 )
-def test_what_is_not_there_is_one_line(
-    run: Path, line: tuple[str, ...], message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_not_there_is_one_line(run, line, message, capsys) -> None:
     assert main([str(run), *line]) == 2
     error = capsys.readouterr().err
     assert error.startswith("error: ")
@@ -92,18 +86,14 @@ def test_a_damaged_state_is_one_line(run: Path, capsys: pytest.CaptureFixture[st
     assert "vergence_rl.npz is missing or was changed" in capsys.readouterr().err
 
 
-def test_a_run_without_checkpoints_is_one_line(
-    run: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_run_without_checkpoints_is_one_line(run, capsys) -> None:
     shutil.rmtree(run / "checkpoints")
     assert main([str(run), "--stimuli", "."]) == 2
     assert "expected a checkpoint, found none" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("line", [("--out", "x.json"), ("--checkpoint", "0", "--write")])
-def test_options_that_do_not_go_together(
-    run: Path, line: tuple[str, ...], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_options_that_do_not_go_together(run, line, capsys) -> None:
     with pytest.raises(SystemExit) as exit_info:
         main([str(run), *line])
     assert exit_info.value.code == 2
@@ -152,9 +142,7 @@ def test_dictionary_and_actor_of_another_age(small_run: Path, run: Path) -> None
     assert mixed != both.test
 
 
-def test_a_setting_that_is_not_the_plants_is_refused(
-    run: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_setting_that_is_not_the_plants_is_refused(run, capsys) -> None:
     assert main([str(run), "--set", "vergence_rl.cacla.discount=0.1"]) == 2
     assert "expected each eye_plant.PARAMETER=VALUE" in capsys.readouterr().err
     assert main([str(run), "--set", "eye_plant.camera.width_px=64"]) == 2

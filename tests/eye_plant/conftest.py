@@ -1,6 +1,5 @@
 """What the tests of the plant's node share."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -8,14 +7,7 @@ from sensor_msgs.msg import JointState
 
 from eye_plant.node import EyePlantNode
 from tests.eye_plant.plant_bench import HEARD
-from tests.node_harness import Bench, Graph, ros_graph
-
-
-@pytest.fixture
-def graph() -> Iterator[Graph]:
-    """Yield a domain of the test's own."""
-    with ros_graph() as graph:
-        yield graph
+from tests.node_harness import Bench, Graph
 
 
 @pytest.fixture

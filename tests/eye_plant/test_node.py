@@ -1,7 +1,6 @@
 """The node eye_plant among others: what it sends, what it accepts, and what it refuses."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -230,9 +229,7 @@ def test_after_the_end_of_a_run_the_plant_is_silent(bench: Bench) -> None:
         ("camera__with_px", 320, "unknown parameter camera.with_px"),
     ],
 )
-def test_a_configuration_that_cannot_be_met(
-    graph: Graph, name: str, value: Any, message: str
-) -> None:
+def test_a_configuration_that_cannot_be_met(graph, name, value, message) -> None:
     with pytest.raises(InputError) as error:
         graph.add(EyePlantNode, **{name: value})
     assert message in str(error.value)

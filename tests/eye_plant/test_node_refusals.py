@@ -50,9 +50,7 @@ _bases = itertools.count(1000, 1000)
         ((), "expected one position per name, got 2 for 0 names"),
     ],
 )
-def test_commands_with_wrong_names_are_refused(
-    shared: Bench, names: tuple[str, ...], reason: str
-) -> None:
+def test_commands_with_wrong_names_are_refused(shared, names, reason) -> None:
     _refuses(shared, lambda n: send_command(shared, n, (0.1, 0.1), names), reason)
 
 
@@ -67,9 +65,7 @@ def test_commands_with_wrong_names_are_refused(
         ((), "expected one position per name, got 0 for 2 names"),
     ],
 )
-def test_commands_with_wrong_values_are_refused(
-    shared: Bench, values: tuple[float, ...], reason: str
-) -> None:
+def test_commands_with_wrong_values_are_refused(shared, values, reason) -> None:
     _refuses(shared, lambda n: send_command(shared, n, values), reason)
 
 
@@ -143,9 +139,7 @@ def _vergence_after_first_command() -> float:
         ({"weather": 1}, "missing: none, unknown: weather"),
     ],
 )
-def test_episodes_that_cannot_be_are_refused(
-    shared: Bench, changes: dict[str, Any], reason: str
-) -> None:
+def test_episodes_that_cannot_be_are_refused(shared, changes, reason) -> None:
     first = next(_bases)
     n_refused = shared.node.diagnostics.n_refused
     successful, got = begin(shared, **({"first_observation": first} | changes))

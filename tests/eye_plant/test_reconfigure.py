@@ -86,9 +86,7 @@ def test_a_refused_change_leaves_the_plant_as_it_was(plain, stimuli):
 
 
 @pytest.mark.parametrize("mechanics", [{}, {"mechanics.baseline_m": 0.062}])
-def test_a_change_that_cannot_be_drawn_leaves_the_plant_as_it_was(
-    stimuli, mechanics, monkeypatch: pytest.MonkeyPatch
-):
+def test_a_change_that_cannot_be_drawn_leaves_the_plant_as_it_was(stimuli, mechanics, monkeypatch):
     plant = made(build(EyePlantConfig, {"camera.renderer": "mujoco"}), stimuli)
     before = seen(plant)
 

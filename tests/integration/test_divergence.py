@@ -1,7 +1,6 @@
 """Learning that runs away ends the run with one error, and leaves what was saved before whole."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,9 +19,7 @@ SETTINGS = (
 
 
 @pytest.mark.parametrize("in_process", [False, True])
-def test_divergence_ends_the_run_with_one_error(
-    pictures: Path, tmp_path: Path, in_process: bool
-) -> None:
+def test_divergence_ends_the_run_with_one_error(pictures, tmp_path, in_process) -> None:
     directory = tmp_path / "run"
     with SupervisedRun(
         small_run(pictures, 400, *SETTINGS), directory, in_process=in_process

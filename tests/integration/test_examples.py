@@ -11,19 +11,12 @@ import pytest
 
 from experiment_manager.commands.evaluate import main as evaluate
 from tests.graph_harness import NodeProcess, small_run, write_configuration
-from tests.node_harness import Graph, ros_graph
+from tests.node_harness import Graph
 from tests.supervisor import environment, finished
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 OURS = {"plant": "eye_plant", "coder": "sparse_coder", "controller": "vergence_rl"}
 Start = Callable[[str], "subprocess.Popen[str]"]
-
-
-@pytest.fixture
-def graph() -> Iterator[Graph]:
-    """Yield a domain of the test's own."""
-    with ros_graph() as graph:
-        yield graph
 
 
 @pytest.fixture
@@ -62,9 +55,7 @@ def ours(graph: Graph, tmp_path: Path, pictures: Path) -> Iterator[Callable[...,
 
 
 @pytest.mark.parametrize("example", OURS)
-def test_a_replacement_makes_a_run_with_our_other_nodes(
-    start: Start, ours: Callable[..., NodeProcess], tmp_path: Path, example: str
-) -> None:
+def test_a_replacement_makes_a_run_with_our_other_nodes(start, ours, tmp_path, example) -> None:
     run = tmp_path / "run"
     start(example)
     for name, package in OURS.items():

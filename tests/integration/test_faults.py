@@ -25,9 +25,7 @@ def _recording(run: SupervisedRun) -> Callable[[], bool]:
     return lambda: len(list((run.directory / "bag").glob("*.mcap"))) > n_before
 
 
-def test_each_node_killed_once_and_one_stopped_beside_another_run(
-    pictures: Path, tmp_path: Path
-) -> None:
+def test_each_node_killed_once_and_one_stopped_beside_another_run(pictures, tmp_path) -> None:
     line, directory, other = run_line(pictures), tmp_path / "run", tmp_path / "other"
     with SupervisedRun(line, directory) as run, SupervisedRun(line, other) as beside:
         # One that is only starting, before there is any checkpoint ...

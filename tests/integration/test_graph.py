@@ -110,9 +110,7 @@ def _is_beyond(run: SupervisedRun, n_episodes: int) -> bool:
     ],
     ids=["whole", "from graph to process", "from process to graph", "killed", "no disk"],
 )
-def test_a_run_records_what_the_loop_computes(
-    pictures: Path, run: Path, tmp_path: Path, rule: str, make: Any
-) -> None:
+def test_a_run_records_what_the_loop_computes(pictures, run, tmp_path, rule, make) -> None:
     directory = tmp_path / "run"
     make(run_line(pictures, rule=rule), directory)
     assert_as_the_loop(directory)
@@ -126,7 +124,7 @@ def test_a_graph_records_what_the_loop_computes(run: Path) -> None:
 
 @pytest.mark.parametrize("space", [HORIZONTAL_RECTI, ALL_MUSCLES])
 def test_muscles_with_commands_of_their_own_are_recorded_as_the_loop_has_them(
-    pictures: Path, tmp_path: Path, space: str
+    pictures, tmp_path, space
 ) -> None:
     settings = (
         f"vergence_rl.command_space={space}",
@@ -255,9 +253,7 @@ def test_a_directory_that_holds_a_run_is_refused(run: Path, pictures: Path) -> N
     assert sorted(run.rglob("*")) == before
 
 
-def test_resuming_a_finished_run_changes_nothing_but_says_its_results(
-    run: Path, tmp_path: Path
-) -> None:
+def test_resuming_a_finished_run_changes_nothing_but_says_its_results(run, tmp_path) -> None:
     again = tmp_path / "run"
     shutil.copytree(run, again)
     output = finished(start_supervisor(["--resume", str(again)]))

@@ -52,9 +52,7 @@ def _break_and_mend(run: SupervisedRun, hosts: TwoHosts, log: Path) -> None:
     hosts.heal()
 
 
-def test_the_plant_on_another_machine_behind_a_network_that_breaks(
-    hosts: TwoHosts, pictures: Path, tmp_path: Path
-) -> None:
+def test_the_plant_on_another_machine_behind_a_network_that_breaks(hosts, pictures, tmp_path):
     directory = tmp_path / "run"
     line = run_line(pictures)
     log = directory / "logs" / "experiment_manager.log"

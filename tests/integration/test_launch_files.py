@@ -168,9 +168,7 @@ def test_arguments_that_are_not_given_leave_no_trace() -> None:
         assert own.endswith(".yaml")
 
 
-def test_launched_nodes_have_the_environment_of_the_scripts(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_launched_nodes_have_the_environment_of_the_scripts(monkeypatch) -> None:
     names = set(launch_environment(ROOT / "src/lockstep"))
     for name in names:
         monkeypatch.delenv(name, raising=False)

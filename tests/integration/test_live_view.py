@@ -60,9 +60,7 @@ def _live_view_of(supervisor_id: int) -> psutil.Process:
     return found
 
 
-def test_viewers_see_the_run_and_a_stalled_one_costs_it_nothing(
-    pictures: Path, tmp_path: Path
-) -> None:
+def test_viewers_see_the_run_and_a_stalled_one_costs_it_nothing(pictures, tmp_path) -> None:
     port, out = _free_port(), tmp_path / "run"
     with (
         _watched(_line(pictures, out), port) as run,
@@ -81,9 +79,7 @@ def test_viewers_see_the_run_and_a_stalled_one_costs_it_nothing(
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
-def test_a_run_whose_live_view_dies_or_stops_goes_on(
-    pictures: Path, tmp_path: Path, number: signal.Signals
-) -> None:
+def test_a_run_whose_live_view_dies_or_stops_goes_on(pictures, tmp_path, number) -> None:
     port, out = _free_port(), tmp_path / "run"
     with _watched(_line(pictures, out), port) as run, FoxgloveClient(port) as viewer:
         topics = [f"/{topic}" for topic in PICTURES]
@@ -117,9 +113,7 @@ def _inspect(*arguments: str | Path) -> "subprocess.Popen[str]":
     )
 
 
-def test_a_recorded_bag_is_played_to_the_same_view(
-    tmp_path_factory: pytest.TempPathFactory, pictures: Path
-) -> None:
+def test_a_recorded_bag_is_played_to_the_same_view(tmp_path_factory, pictures) -> None:
     port = _free_port()
     process = _inspect(
         whole_graph(tmp_path_factory, pictures), "--play", "--rate", "1000", "--at", f":{port}"

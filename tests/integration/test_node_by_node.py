@@ -24,19 +24,12 @@ from tests.graph_harness import (
     write_configuration,
 )
 from tests.loop_contract import assert_as_the_loop
-from tests.node_harness import Graph, ros_graph
+from tests.node_harness import Graph
 from tests.pair import ACTOR_CRITIC_NAMES
 from tests.supervisor import finished, start_supervisor
 
 N_TRAINING = 20
 Start = Callable[..., NodeProcess]
-
-
-@pytest.fixture
-def graph() -> Iterator[Graph]:
-    """Yield a domain of the test's own."""
-    with ros_graph() as graph:
-        yield graph
 
 
 @pytest.fixture
@@ -64,9 +57,7 @@ def _in_run(directory: Path) -> tuple[str, str]:
     return "-p", f"run_directory:={directory}"
 
 
-def test_any_order_and_a_late_learner_give_the_same_numbers(
-    start: Start, tmp_path: Path, config_file: Path
-) -> None:
+def test_any_order_and_a_late_learner_give_the_same_numbers(start, tmp_path, config_file) -> None:
     run = tmp_path / "run"
     manager = start("experiment_manager", *_in_run(run))
     manager.wait_for_line("waiting for episode, ")
@@ -149,7 +140,7 @@ def test_a_foreign_node_needs_only_its_topics(graph: Graph, start: Start, tmp_pa
     ],
 )
 def test_nodes_that_contradict_each_other_do_not_start(
-    start: Start, tmp_path: Path, package: str, parameter: str, message: str
+    start, tmp_path, package, parameter, message
 ) -> None:
     for name in ("eye_plant", "sparse_coder", "vergence_rl"):
         start(name, *(("-p", parameter) if name == package else ()))
@@ -158,9 +149,7 @@ def test_nodes_that_contradict_each_other_do_not_start(
     assert not (tmp_path / "run").exists()
 
 
-def test_nodes_that_are_not_as_the_run_began_do_not_go_on(
-    start: Start, tmp_path: Path, config_file: Path
-) -> None:
+def test_nodes_that_are_not_as_the_run_began_do_not_go_on(start, tmp_path, config_file) -> None:
     run = tmp_path / "run"
     run.mkdir()
     (run / "config.yaml").write_bytes(config_file.read_bytes())

@@ -232,9 +232,7 @@ os.execvp(sys.argv[2], sys.argv[2:])
 """
 
 
-def test_a_terminal_that_is_closed_and_a_reader_that_leaves(
-    line: list[str], tmp_path: Path
-) -> None:
+def test_a_terminal_that_is_closed_and_a_reader_that_leaves(line, tmp_path) -> None:
     directory = tmp_path / "run"
     ours, theirs = pty.openpty()
     prefix = (sys.executable, "-c", IN_TERMINAL, os.ttyname(theirs))

@@ -134,9 +134,7 @@ def test_script_starts_its_entry_point(ready: Checkout, script: str, module: str
 
 
 @pytest.mark.parametrize("script", MODULES)
-def test_help_of_a_ready_script_ends_with_that_of_its_entry_point(
-    ready: Checkout, script: str
-) -> None:
+def test_help_of_a_ready_script_ends_with_that_of_its_entry_point(ready, script) -> None:
     shown = ready.start(script, "--help").stdout
     assert shown.index(f"usage: launch_scripts/{script}.sh") < shown.index(f"{MODULES[script]}\n")
 
@@ -286,9 +284,7 @@ def test_a_missing_python_is_said_in_one_sentence(checkout: Checkout) -> None:
 
 
 @pytest.mark.parametrize("environment", [{"GL_LOADS": "1"}, {"GL_WORKS": "none"}])
-def test_a_machine_without_opengl_is_set_up_and_told(
-    checkout: Checkout, environment: dict[str, str]
-) -> None:
+def test_a_machine_without_opengl_is_set_up_and_told(checkout, environment) -> None:
     started = checkout.start("run_experiment", **environment)
     assert started.returncode == 0, started.stderr
     notes = [line for line in started.stderr.splitlines() if "no OpenGL here" in line]
@@ -328,9 +324,7 @@ def test_osmesa_serves_where_egl_does_not(checkout: Checkout) -> None:
         ({"PYTEST": "2", "RUFF": "1"}, 2),
     ],
 )
-def test_every_check_counts_and_pytest_has_the_last_word(
-    ready: Checkout, environment: dict[str, str], status: int
-) -> None:
+def test_every_check_counts_and_pytest_has_the_last_word(ready, environment, status) -> None:
     tested = ready.start("test", "-n", "0", "-x", **environment)
     assert tested.returncode == status
     *_, call, last = tested.stdout.splitlines()

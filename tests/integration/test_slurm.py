@@ -31,9 +31,7 @@ def sweep_file(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path
     return write_sweep(path, pictures, {"seed": [1, 2, 3]}, iterations=400)
 
 
-def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(
-    slurm: Cluster, sweep_file: Path, tmp_path: Path
-) -> None:
+def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, sweep_file, tmp_path):
     directory = tmp_path / "array"
     words = ["--slurm", "--partition", PARTITION, "--time", "60", "--tasks", "2"]
     output = finished(start_sweep(sweep_file, "--out", directory, *words, **slurm.variables))
@@ -63,9 +61,7 @@ def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(
     assert "3 done" in finished(start_sweep(directory, "--slurm", **slurm.variables))
 
 
-def test_a_partition_that_is_not_there_is_one_error(
-    slurm: Cluster, sweep_file: Path, tmp_path: Path
-) -> None:
+def test_a_partition_that_is_not_there_is_one_error(slurm, sweep_file, tmp_path) -> None:
     words = ["--slurm", "--partition", "nowhere"]
     output = finished(
         start_sweep(sweep_file, "--out", tmp_path / "s", *words, **slurm.variables), code=2

@@ -52,9 +52,7 @@ def _wait_for(process: "subprocess.Popen[str]", condition: Callable[[], bool]) -
         time.sleep(_POLL_S)
 
 
-def test_each_run_is_the_run_of_its_command_line(
-    whole: Path, sweep_file: Path, pictures: Path, tmp_path: Path
-) -> None:
+def test_each_run_is_the_run_of_its_command_line(whole, sweep_file, pictures, tmp_path) -> None:
     cells = read_sweep(sweep_file).cells()
     assert {path.name for path in whole.iterdir()} == {
         "sweep.yaml",
@@ -92,9 +90,7 @@ def test_the_status_is_a_table(whole: Path) -> None:
     assert lines[-1] == "3 done"
 
 
-def test_a_sweep_that_is_stopped_and_then_killed_goes_on(
-    whole: Path, sweep_file: Path, tmp_path: Path
-) -> None:
+def test_a_sweep_that_is_stopped_and_then_killed_goes_on(whole, sweep_file, tmp_path) -> None:
     directory = tmp_path / "sweep"
     sweep = start_sweep(sweep_file, "--out", directory, "--jobs", 2)
     *runs, third = [directory / cell.name for cell in read_sweep(sweep_file).cells()]
@@ -149,9 +145,7 @@ def _small_disk(directory: Path, n_bytes: int) -> Iterator[None]:
 
 
 @pytest.mark.skipif(not is_root(), reason="only root can mount a small disk")
-def test_a_full_disk_in_one_run_leaves_the_others_alone(
-    whole: Path, sweep_file: Path, tmp_path: Path
-) -> None:
+def test_a_full_disk_in_one_run_leaves_the_others_alone(whole, sweep_file, tmp_path) -> None:
     directory = tmp_path / "sweep"
     full, *others = [cell.name for cell in read_sweep(sweep_file).cells()]
     directory.mkdir()
@@ -175,9 +169,7 @@ def test_a_full_disk_in_one_run_leaves_the_others_alone(
         (lambda d: (d / "notes.txt").write_text("mine"), "it already holds something"),
     ],
 )
-def test_a_directory_that_holds_something_else_is_refused(
-    sweep_file: Path, tmp_path: Path, make: Callable[[Path], object], error: str
-) -> None:
+def test_a_directory_that_holds_something_else_is_refused(sweep_file, tmp_path, make, error):
     make(tmp_path)
     before = {path: path.read_bytes() for path in tmp_path.iterdir()}
     output = finished(start_sweep(sweep_file, "--out", tmp_path), code=2)

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -48,9 +47,7 @@ def line(pictures: Path, *more: str) -> list[str]:
 
 @pytest.mark.parametrize("is_named", [False, True])
 @pytest.mark.parametrize("in_process", [False, True])
-def test_the_plane_is_drawn(
-    refusing: Sequence[str], pictures: Path, tmp_path: Path, *, in_process: bool, is_named: bool
-) -> None:
+def test_the_plane_is_drawn(refusing, pictures, tmp_path, in_process, is_named) -> None:
     directory = tmp_path / "run"
     named = ["eye_plant.camera.renderer=plane"] if is_named else []
     with SupervisedRun(
@@ -74,9 +71,7 @@ def test_the_plane_is_drawn(
     assert tested.returncode == 0, tested.stderr
 
 
-def test_mujoco_says_what_is_missing(
-    refusing: Sequence[str], pictures: Path, tmp_path: Path
-) -> None:
+def test_mujoco_says_what_is_missing(refusing, pictures, tmp_path) -> None:
     with SupervisedRun(
         line(pictures, "eye_plant.camera.renderer=mujoco"),
         tmp_path / "run",

@@ -7,7 +7,6 @@ from lockstep.command_space import (
     ALL_MUSCLES,
     COMMAND_SPACES,
     HORIZONTAL_RECTI,
-    MUSCLE_NAMES,
     PAIR,
     CommandSpace,
     activation_limits,
@@ -42,11 +41,6 @@ def test_a_space_of_single_muscles_keeps_its_own_order() -> None:
     assert space.from_all(np.arange(12.0)).tolist() == [6.0, 4.0]
 
 
-def test_all_twelve_muscles_are_themselves() -> None:
-    space = CommandSpace(MUSCLE_NAMES)
-    assert space.from_all(np.arange(12.0)).tolist() == list(range(12))
-
-
 def test_one_limit_holds_for_all_commands() -> None:
     limits = activation_limits(PAIR_OF_RECTI, [0.01], [0.2, 0.1])
     assert (limits.lowest, limits.highest) == ((0.01, 0.01), (0.2, 0.1))
@@ -60,9 +54,7 @@ def test_one_limit_holds_for_all_commands() -> None:
         ([0.0, 0.15], [0.2, 0.1], "expected 0.15 or more for lateral_rectus, the least one, got"),
     ],
 )
-def test_limits_that_do_not_fit_are_refused(
-    lowest: list[float], highest: list[float], message: str
-) -> None:
+def test_limits_that_do_not_fit_are_refused(lowest, highest, message) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
         activation_limits(PAIR_OF_RECTI, lowest, highest)
 

@@ -43,10 +43,6 @@ def test_flatten_names_nested_fields_with_dots() -> None:
     assert flatten(Outer()) == DEFAULTS
 
 
-def test_nothing_given_is_all_defaults() -> None:
-    assert build(Outer, {}) == Outer()
-
-
 def test_flatten_and_build_are_inverse() -> None:
     config = Outer(7, True, "x", Inner(0.25, (1.0, 2.0, 3.0), ("p", "q")))
     assert build(Outer, flatten(config)) == config

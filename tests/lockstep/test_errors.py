@@ -13,7 +13,3 @@ def test_long_texts_keep_their_ends() -> None:
     assert text.startswith("begin x")
     assert " ... " in text
     assert text.endswith("x end")
-
-
-def test_it_is_a_value_error() -> None:
-    assert isinstance(InputError(""), ValueError)

@@ -63,13 +63,6 @@ def test_hand_computed_step() -> None:
     np.testing.assert_allclose(got, [[0.1**0.5, 0.9**0.5], [0.0, 1.0]], atol=1e-7)
 
 
-def test_atoms_keep_unit_norm() -> None:
-    atoms, patches = small_problem()
-    for _ in range(100):
-        atoms = learned_atoms(atoms, patches, SELECTIONS, 0.2)
-    np.testing.assert_allclose(np.linalg.norm(atoms, axis=1), 1.0, atol=1e-6)
-
-
 def test_an_atom_that_was_not_selected_keeps_its_bits() -> None:
     atoms, patches = small_problem()
     got = learned_atoms(atoms, patches, SELECTIONS, 0.2)

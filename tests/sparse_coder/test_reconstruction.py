@@ -49,9 +49,7 @@ def test_a_patch_is_the_sum_of_its_atoms() -> None:
     np.testing.assert_array_equal(coded_patches(selections, atoms), expected)
 
 
-def test_the_squared_residual_of_the_patches_is_the_reconstruction_error(
-    picture: NDArray[np.uint8],
-) -> None:
+def test_the_squared_residual_of_the_patches_is_the_reconstruction_error(picture) -> None:
     coder = SparseCoder(SparseCoderConfig())
     encoding = coder.encode(picture, np.roll(picture, 2, axis=1))
     for i, (patches, selections) in enumerate(

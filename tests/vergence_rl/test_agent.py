@@ -1,7 +1,6 @@
 import dataclasses
 import math
 import re
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -133,15 +132,6 @@ def test_default_weights_are_the_published_ones() -> None:
         assert 0.9 * width < np.abs(state[name]).max() <= width
 
 
-def test_an_untrained_agent_answers_with_almost_no_action() -> None:
-    agent = Agent(VergenceRlConfig())
-    got = agent.observe(
-        np.ones((2, 400), np.float32), MID, -1.0, 0, 0, learning=False, exploration=False
-    )
-    assert np.abs(got.action).max() < 1e-6
-    np.testing.assert_allclose(got.command, MID, atol=1e-6)
-
-
 def test_rates_and_value_are_reported() -> None:
     agent = Agent(CONFIG)
     decision = train(agent, 0, 31)[-1]
@@ -228,9 +218,7 @@ def test_commands_stay_within_their_limits_and_actions_do_not() -> None:
 
 
 @pytest.mark.parametrize(("copies_clipped_action", "share_left"), [(False, 1.0), (True, 0.875)])
-def test_what_an_action_beyond_the_limits_teaches(
-    copies_clipped_action: bool, share_left: float
-) -> None:
+def test_what_an_action_beyond_the_limits_teaches(copies_clipped_action, share_left) -> None:
     # Both muscles are silent and the actor relaxes them further, unchanged by any noise.
     config = with_cacla(
         VergenceRlConfig(n_features=6),
@@ -300,9 +288,7 @@ def test_a_state_shares_no_memory_with_the_agent() -> None:
         (lambda s: {"critic": s["critic"]}, "state: expected"),
     ],
 )
-def test_a_bad_state_is_refused_and_changes_nothing(
-    change: Callable[[dict[str, Any]], dict[str, Any]], message: str
-) -> None:
+def test_a_bad_state_is_refused_and_changes_nothing(change, message) -> None:
     agent = Agent(CONFIG)
     train(agent, 0, 20)
     before = agent.state()
@@ -330,11 +316,7 @@ def test_a_bad_state_is_refused_and_changes_nothing(
     ],
 )
 def test_a_bad_observation_is_refused_and_changes_nothing(
-    features: NDArray[Any],
-    activations: NDArray[Any],
-    reward: float,
-    iteration: int,
-    message: str,
+    features, activations, reward, iteration, message
 ) -> None:
     agent, other = Agent(CONFIG), Agent(CONFIG)
     train(agent, 0, 3)
@@ -353,9 +335,7 @@ def test_a_bad_observation_is_refused_and_changes_nothing(
         ({"actor_learning_rate": 1e9}, "action"),
     ],
 )
-def test_divergence_ends_learning_with_iteration_and_quantity(
-    settings: dict[str, Any], quantity: str
-) -> None:
+def test_divergence_ends_learning_with_iteration_and_quantity(settings, quantity) -> None:
     agent = Agent(with_cacla(CONFIG, **settings))
     message = rf"diverged in training iteration (\d+): ({quantity}) is .*, expected 100 at most"
     with pytest.raises(DivergenceError, match=message) as error:

@@ -2,8 +2,7 @@
 
 import array
 import math
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,12 +10,11 @@ import pytest
 from sensor_msgs.msg import Image, JointState
 
 from lockstep.configuration import build
-from lockstep.errors import InputError
-from lockstep.state_file import write_state
 from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import EPISODE_NAMES, REWARD_NAMES, TEST, TRAINING
 from lockstep.wire.vectors import vector_message
-from tests.node_harness import Bench, Graph, ros_graph
+from tests.learner_contract import LearnerBench, LearnerContract, bytes_of
+from tests.node_harness import Graph
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES, HORIZONTAL_RECTI
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
@@ -32,18 +30,16 @@ ACTIVATIONS = (0.02, 0.04, 0.04, 0.06)  # medial and lateral rectus, left then r
 
 
 @pytest.fixture
-def graph() -> Iterator[Graph]:
-    """Yield a domain of the test's own."""
-    with ros_graph() as graph:
-        yield graph
-
-
-@pytest.fixture
-def bench(graph: Graph) -> Bench:
+def bench(graph: Graph) -> LearnerBench:
     """Return a small learner whose run has started."""
-    bench = Bench(graph, graph.add(VergenceRlNode, **SMALL), INPUTS, ANSWERS)
+    node = graph.add(VergenceRlNode, **SMALL)
+    bench = LearnerBench(graph, node, INPUTS, ANSWERS, _observation)
     assert bench.request("start_run") == (True, "")
     return bench
+
+
+class TestContract(LearnerContract):
+    """Of all learners."""
 
 
 def _features(number: int) -> np.ndarray:
@@ -80,11 +76,6 @@ def _observation(number: int, phase: int = TRAINING, **changes: float) -> dict[s
     }
 
 
-def _show(bench: Bench, messages: dict[str, Any]) -> None:
-    for topic, message in messages.items():
-        bench.outsider.send(topic, message)
-
-
 def _decide(agent: Agent, number: int, phase: int = TRAINING) -> Decision:
     """Return what the pure agent decides on the same observation."""
     in_training = phase == TRAINING
@@ -100,14 +91,10 @@ def _decide(agent: Agent, number: int, phase: int = TRAINING) -> Decision:
     )
 
 
-def _weights(bench: Bench) -> dict[str, bytes]:
-    return {name: array.tobytes() for name, array in bench.node.learner.state().items()}
-
-
-def test_commands_and_thoughts_are_the_agents(bench: Bench) -> None:
+def test_commands_and_thoughts_are_the_agents(bench: LearnerBench) -> None:
     agent = Agent(CONFIG)
     for number in range(4):
-        _show(bench, _observation(number))
+        bench.show(number)
         command = bench.wait_distinct("muscle_command", number + 1)[-1]
         thought = bench.wait_distinct("actor_critic", number + 1)[-1]
         decision = _decide(agent, number)
@@ -144,64 +131,12 @@ def test_thoughts_are_in_the_order_of_their_names() -> None:
     }
 
 
-def test_the_same_observation_is_answered_again_and_learned_from_once(bench: Bench) -> None:
-    _show(bench, _observation(0))
-    for _ in range(3):
-        _show(bench, _observation(1))
-    bench.wait_heard("muscle_command", 4)
-    thoughts = bench.wait_heard("actor_critic", 4)
-    assert thoughts[1] == thoughts[2] == thoughts[3]
-    commands = bench.outsider.heard["muscle_command"]
-    assert commands[1] == commands[2] == commands[3]
-    assert bench.node.learner.learning_steps == 1
-
-
-def test_an_older_observation_is_ignored(bench: Bench) -> None:
-    for number in (5, 4, 6):
-        _show(bench, _observation(number))
-    bench.wait_distinct("actor_critic", 2)
-    assert bench.outsider.stamps_ns("actor_critic") == [5 * 10**9, 6 * 10**9]
-
-
-def test_tests_are_answered_without_noise_and_not_learned_from(bench: Bench) -> None:
-    before, agent = _weights(bench), Agent(CONFIG)
+def test_tests_are_answered_without_noise(bench: LearnerBench) -> None:
+    agent = Agent(CONFIG)
     for number in (0, 1):
-        _show(bench, _observation(number, TEST))
+        bench.show(number, TEST)
         command = bench.wait_distinct("muscle_command", number + 1)[-1]
         assert list(command.position) == _decide(agent, number, TEST).command.tolist()
-    assert _weights(bench) == before
-
-
-def test_a_saved_state_goes_on_bit_for_bit(bench: Bench, tmp_path: Path) -> None:
-    path = tmp_path / "state.npz"
-    for number in (0, 1):
-        _show(bench, _observation(number))
-    bench.wait_distinct("actor_critic", 2)
-    assert bench.request("save", path=str(path)) == (True, "")
-    saved = _weights(bench)
-    assert bench.request("end_run") == (True, "")
-    assert bench.request("start_run", run_id="next") == (True, "")
-    assert _weights(bench) == {k: v.tobytes() for k, v in Agent(CONFIG).state().items()}
-    assert bench.request("load", run_id="next", path=str(path)) == (True, "")
-    assert _weights(bench) == saved
-
-
-@pytest.mark.parametrize("damage", ["foreign", "of another size", "not finite"])
-def test_a_bad_state_is_refused_and_changes_nothing(
-    bench: Bench, tmp_path: Path, damage: str
-) -> None:
-    path = tmp_path / "state.npz"
-    n_hidden = 5 if damage == "of another size" else 4
-    config = build(VergenceRlConfig, SMALL | {"cacla.n_hidden": n_hidden, "seed": 9})
-    state = Agent(config).state()
-    if damage == "not finite":
-        state["critic"][3] = math.nan
-    write_state(path, "sparse_coder" if damage == "foreign" else "vergence_rl", state)
-    before = _weights(bench)
-    successful, reason = bench.request("load", path=str(path))
-    assert not successful
-    assert str(path) in reason
-    assert _weights(bench) == before
 
 
 def _with(topic: str, **changes: Any) -> Callable[[dict[str, Any]], None]:
@@ -262,46 +197,24 @@ _NAN_REWARD = array.array("d", [0.0, 0.0, 0.0, math.nan, 0.0])
         (_episode(phase=math.nan), "episode: expected finite values"),
     ],
 )
-def test_a_bad_observation_is_refused_and_the_good_one_answered(
-    bench: Bench, change: Callable[[dict[str, Any]], None], reason: str
-) -> None:
+def test_a_bad_observation_is_refused_and_the_good_one_answered(bench, change, reason) -> None:
     agent = Agent(CONFIG)
-    _show(bench, _observation(0))
+    bench.show(0)
     bench.wait_distinct("actor_critic", 1)
     _decide(agent, 0)
-    before = _weights(bench)
+    before = bench.weights()
     messages = _observation(1)
     change(messages)
-    _show(bench, messages)
+    bench.send(messages)
     assert reason in bench.wait_refused(1)
-    assert _weights(bench) == before
-    _show(bench, _observation(1))
+    assert bench.weights() == before
+    bench.show(1)
     thought = bench.wait_distinct("actor_critic", 2)[1]
     assert tuple(thought.position) == actor_critic_values(_decide(agent, 1), 1)
-    assert _weights(bench) == {k: v.tobytes() for k, v in agent.state().items()}
+    assert bench.weights() == bytes_of(agent)
 
 
-def test_the_last_training_iteration_there_can_be(bench: Bench) -> None:
-    _show(bench, _observation(1, training_iteration=2.0**53))
+def test_the_last_training_iteration_there_can_be(bench: LearnerBench) -> None:
+    bench.send(_observation(1, training_iteration=2.0**53))
     bench.wait_distinct("muscle_command", 1)
     assert bench.node.diagnostics.n_refused == 0
-
-
-def test_it_never_hears_the_ground_truth(bench: Bench) -> None:
-    assert set(INPUTS) == {"features", "reward", "episode", "muscle_activations"}
-    heard = {name for name, _ in bench.node.get_subscriber_names_and_types_by_node(bench.name, "/")}
-    assert {name.lstrip("/") for name in heard} == set(INPUTS)
-
-
-@pytest.mark.parametrize(
-    ("parameters", "message"),
-    [
-        ({"cacla.discount": 1.0}, "discount: expected"),
-        ({"cacla.discount": "high"}, "discount: expected a number, got 'high'"),
-        ({"highest_activations": [0.2, 1.1]}, "highest_activations: expected 0 to 1"),
-        ({"gamma": 0.3}, "unknown parameter gamma"),
-    ],
-)
-def test_a_bad_configuration(graph: Graph, parameters: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        graph.add(VergenceRlNode, **parameters)

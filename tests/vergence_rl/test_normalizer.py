@@ -35,14 +35,6 @@ def test_a_start_above_0_damps_the_entries() -> None:
     np.testing.assert_allclose(normalized(statistics, np.array([5.0]), 0.02), [0.06 / 3**0.5])
 
 
-def test_normalised_observations_have_the_asked_spread() -> None:
-    observations = np.random.default_rng(1).standard_normal((500, 2)) * [3.0, 0.1] + [5.0, -2.0]
-    statistics = after(observations)
-    got = np.array([normalized(statistics, entries, 0.02) for entries in observations])
-    np.testing.assert_allclose(got.mean(axis=0), 0.0, atol=1e-12)
-    np.testing.assert_allclose(got.std(axis=0, ddof=1), 0.02)
-
-
 @pytest.mark.parametrize("n_observations", [0, 1])
 def test_before_the_second_observation_all_entries_give_0(n_observations: int) -> None:
     statistics = after(np.full((n_observations, 2), 4.0), squared_deviation=1.0)

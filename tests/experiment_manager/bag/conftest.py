@@ -1,7 +1,5 @@
 """What the tests of bags write."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
@@ -9,9 +7,7 @@ from tests.experiment_manager.bag.bag_harness import N_MESSAGES, NAMES, PERIOD_N
 
 
 @pytest.fixture
-def messages(
-    vector_bytes: Callable[..., bytes], image_bytes: Callable[..., bytes]
-) -> list[tuple[str, bytes, int]]:
+def messages(vector_bytes, image_bytes) -> list[tuple[str, bytes, int]]:
     """Thirty vectors, a picture with every tenth of them."""
     rng = np.random.default_rng(5)
     found = []

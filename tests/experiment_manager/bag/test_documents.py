@@ -46,16 +46,12 @@ def test_every_block_is_run() -> None:
 
 
 @pytest.mark.parametrize("i_block", range(len(_blocks("python"))))
-def test_python_of_the_document(
-    here: Path, i_block: int, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_python_of_the_document(here, i_block, capsys) -> None:
     exec(compile(_blocks("python")[i_block], f"bags.md, block {i_block}", "exec"), {})
     assert capsys.readouterr().out.strip()
 
 
-def test_the_first_block_prints_the_learning_curve(
-    here: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_first_block_prints_the_learning_curve(here, capsys) -> None:
     exec(_blocks("python")[0], {})
     lines = [line.split() for line in capsys.readouterr().out.splitlines()]
     tests = json.loads((here / "runs" / "demo" / "results.json").read_text())["tests"]

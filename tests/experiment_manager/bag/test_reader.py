@@ -21,9 +21,7 @@ def values() -> np.ndarray:
     return np.random.default_rng(3).normal(size=(500, 3))
 
 
-def test_the_columns_are_what_was_written(
-    make_bag: Callable[..., Path], values: np.ndarray
-) -> None:
+def test_the_columns_are_what_was_written(make_bag, values) -> None:
     table = Bag(make_bag({"ground_truth": (NAMES, values)}, n_files=3)).vectors("ground_truth")[
         "ground_truth"
     ]
@@ -34,9 +32,7 @@ def test_the_columns_are_what_was_written(
     assert np.array_equal(table.column("metabolic_rate_w"), values[:, 1])
 
 
-def test_velocity_and_effort_are_read_with_every_alignment(
-    tmp_path: Path, vector_bytes: Callable[..., bytes]
-) -> None:
+def test_velocity_and_effort_are_read_with_every_alignment(tmp_path, vector_bytes) -> None:
     # The lengths of the names move the doubles through all offsets modulo 8.
     for i, names in enumerate((["a"], ["abcd", "b"], ["abcdefg", "hij"], ["abcdefgh", "ijklmnop"])):
         parts = np.arange(3.0 * len(names)).reshape(3, len(names))
@@ -53,9 +49,7 @@ def test_velocity_and_effort_are_read_with_every_alignment(
             assert table.effort.tolist() == [list(expected["effort"])]
 
 
-def test_what_the_padding_holds_does_not_matter(
-    tmp_path: Path, vector_bytes: Callable[..., bytes]
-) -> None:
+def test_what_the_padding_holds_does_not_matter(tmp_path, vector_bytes) -> None:
     messages = [bytearray(vector_bytes(["a", "b"], [i, -i])) for i in range(4)]
     # Header 4, stamp 8, frame: length 4 and "\0", then 3 bytes of padding.
     assert messages[1][17:20] == b"\0\0\0"
@@ -73,9 +67,7 @@ def test_what_the_padding_holds_does_not_matter(
     ]
 
 
-def test_changing_names_make_columns_with_gaps(
-    tmp_path: Path, vector_bytes: Callable[..., bytes]
-) -> None:
+def test_changing_names_make_columns_with_gaps(tmp_path, vector_bytes) -> None:
     with BagWriter(tmp_path / "bag", {"muscle_command": VECTOR}, {}) as writer:
         for i, names in enumerate((["aa", "bb"], ["aa", "cc"], ["d"], ["bb", "aa"])):
             writer.write("muscle_command", vector_bytes(names, [i + 1.0, -i][: len(names)]), i)
@@ -92,9 +84,7 @@ def test_rows_are_found_by_stamp(make_bag: Callable[..., Path], values: np.ndarr
     assert table.at(stamps_ns).tolist() == [3, -1, 0, -1]
 
 
-def test_topics_are_found_by_their_last_parts(
-    tmp_path: Path, image_bytes: Callable[..., bytes]
-) -> None:
+def test_topics_are_found_by_their_last_parts(tmp_path, image_bytes) -> None:
     topics = {"/a/left/image_raw": IMAGE, "/b/left/image_raw": IMAGE, "/b/reward": VECTOR}
     with BagWriter(tmp_path / "bag", topics | {"/clock": "rosgraph_msgs/msg/Clock"}, {}) as writer:
         writer.write("/a/left/image_raw", image_bytes(np.zeros((2, 2), np.uint8), 0), 0)
@@ -128,9 +118,7 @@ def test_pictures_are_read_by_stamp(tmp_path: Path, image_bytes: Callable[..., b
     assert np.array_equal(array, features)
 
 
-def test_what_is_no_vector_or_picture_is_refused(
-    tmp_path: Path, vector_bytes: Callable[..., bytes]
-) -> None:
+def test_what_is_no_vector_or_picture_is_refused(tmp_path, vector_bytes) -> None:
     topics = {"a": VECTOR, "b": IMAGE, "c": VECTOR, "d": VECTOR, "e": VECTOR}
     with BagWriter(tmp_path / "bag", topics, {}) as writer:
         writer.write("a", b"\0\1\0\0" + bytes(5), 0)
@@ -166,18 +154,14 @@ def test_a_bag_is_expected(tmp_path: Path) -> None:
         Bag(tmp_path / "foreign.mcap")
 
 
-def test_a_listed_file_that_is_gone_is_named(
-    make_bag: Callable[..., Path], values: np.ndarray
-) -> None:
+def test_a_listed_file_that_is_gone_is_named(make_bag, values) -> None:
     directory = make_bag({"a": (NAMES, values)}, n_files=3)
     (directory / "bag_1.mcap").unlink()
     with pytest.raises(InputError, match=r"metadata\.yaml lists bag_1\.mcap, not there"):
         Bag(directory)
 
 
-def test_files_are_read_in_their_order_without_metadata(
-    make_bag: Callable[..., Path], values: np.ndarray
-) -> None:
+def test_files_are_read_in_their_order_without_metadata(make_bag, values) -> None:
     directory = make_bag({"a": (NAMES, values[:24])}, n_files=12)
     (directory / "metadata.yaml").unlink()
     assert len(list(directory.glob("bag_*.mcap"))) == 12
@@ -196,9 +180,7 @@ def test_a_broken_chunk_is_named(make_bag: Callable[..., Path], values: np.ndarr
 
 
 @pytest.fixture
-def chunked(
-    tmp_path: Path, vector_bytes: Callable[..., bytes], monkeypatch: pytest.MonkeyPatch
-) -> tuple[Path, np.ndarray]:
+def chunked(tmp_path, vector_bytes, monkeypatch) -> tuple[Path, np.ndarray]:
     """A file with some twenty chunks of vectors; and the vectors."""
     monkeypatch.setattr("experiment_manager.bag.writer._CHUNK_BYTES", 3000)
     values = np.random.default_rng(8).normal(size=(400, 3))
@@ -209,9 +191,7 @@ def chunked(
     return tmp_path / "bag" / "bag_0.mcap", values
 
 
-def test_a_file_cut_at_any_byte_opens_up_to_the_last_complete_chunk(
-    chunked: tuple[Path, np.ndarray], tmp_path: Path
-) -> None:
+def test_a_file_cut_at_any_byte_opens_up_to_the_last_complete_chunk(chunked, tmp_path) -> None:
     path, values = chunked
     whole = McapFile.open(path)
     content = path.read_bytes()
@@ -255,9 +235,7 @@ def test_garbage_behind_a_cut_is_left_out(chunked: tuple[Path, np.ndarray], tmp_
         assert 0 < bag.files[0].n_lost_bytes <= n_garbage
 
 
-def test_damaged_bytes_are_one_clear_error_or_do_no_harm(
-    chunked: tuple[Path, np.ndarray], tmp_path: Path
-) -> None:
+def test_damaged_bytes_are_one_clear_error_or_do_no_harm(chunked, tmp_path) -> None:
     path, values = chunked
     content = path.read_bytes()
     rng = np.random.default_rng(14)

@@ -23,9 +23,7 @@ from tests.experiment_manager.bag.bag_harness import (
 )
 
 
-def test_resuming_deletes_what_was_not_committed_and_goes_on(
-    tmp_path: Path, messages: list[tuple[str, bytes, int]]
-) -> None:
+def test_resuming_deletes_what_was_not_committed_and_goes_on(tmp_path, messages) -> None:
     directory = tmp_path / "bag"
     whole = tmp_path / "whole"
     write_bag(whole, messages, n_per_file=11)
@@ -54,9 +52,7 @@ def test_resuming_deletes_what_was_not_committed_and_goes_on(
         ]
 
 
-def test_resuming_from_nothing_starts_anew(
-    tmp_path: Path, messages: list[tuple[str, bytes, int]]
-) -> None:
+def test_resuming_from_nothing_starts_anew(tmp_path, messages) -> None:
     with BagWriter(tmp_path / "bag", TOPICS, METADATA, resume_files=[]) as writer:
         writer.write(*messages[0])
     assert writer.files == ["bag_0.mcap"]
@@ -76,9 +72,7 @@ def test_resuming_needs_whole_files(tmp_path: Path, messages: list[tuple[str, by
     assert (tmp_path / "bag" / "bag_2.mcap").exists(), "nothing may be deleted before all is well"
 
 
-def test_what_was_written_can_be_read_before_the_end(
-    tmp_path: Path, messages: list[tuple[str, bytes, int]]
-) -> None:
+def test_what_was_written_can_be_read_before_the_end(tmp_path, messages) -> None:
     with BagWriter(tmp_path / "bag", TOPICS, METADATA, flush_period_s=0.0) as writer:
         for message in messages:
             writer.write(*message)
@@ -87,9 +81,7 @@ def test_what_was_written_can_be_read_before_the_end(
         assert file.summary().n_messages == len(messages)
 
 
-def test_an_idle_writer_flushes_when_asked(
-    tmp_path: Path, messages: list[tuple[str, bytes, int]], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_idle_writer_flushes_when_asked(tmp_path, messages, monkeypatch) -> None:
     now_s = [100.0]
     monkeypatch.setattr("experiment_manager.bag.writer.time.monotonic", lambda: now_s[0])
     with BagWriter(tmp_path / "bag", TOPICS, METADATA, flush_period_s=2.0) as writer:
@@ -125,9 +117,7 @@ def _as_mcap_doctor_reads(path: Path) -> list[tuple[str, int]]:
     return found
 
 
-def test_messages_lie_in_the_order_of_their_stamps_and_topics(
-    tmp_path: Path, messages: list[tuple[str, bytes, int]]
-) -> None:
+def test_messages_lie_in_the_order_of_their_stamps_and_topics(tmp_path, messages) -> None:
     # Topic after topic, as bunches arrive; the diagnostics with the stamp of then.
     arrival = sorted(messages, key=lambda message: (message[0] == "ground_truth", message[2]))
     arrival.insert(2, ("/diagnostics", b"\0\1\0\0" + bytes(16), 3 * PERIOD_NS))
@@ -143,18 +133,14 @@ def test_messages_lie_in_the_order_of_their_stamps_and_topics(
     ]
 
 
-def test_the_files_of_a_run_are_in_order_and_none_is_without_an_observation(
-    small_run: Path,
-) -> None:
+def test_the_files_of_a_run_are_in_order_and_none_is_without_an_observation(small_run) -> None:
     paths = sorted((small_run / "bag").glob("*.mcap"))
     assert paths
     for path in paths:
         assert "/ground_truth" in {topic for topic, _ in _as_mcap_doctor_reads(path)}
 
 
-def test_what_is_released_is_written_and_the_rest_waits(
-    tmp_path: Path, messages: list[tuple[str, bytes, int]], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_released_is_written_and_the_rest_waits(tmp_path, messages, monkeypatch) -> None:
     now_s = [100.0]
     monkeypatch.setattr("experiment_manager.bag.writer.time.monotonic", lambda: now_s[0])
     vectors = [message for message in messages if message[0] == "ground_truth"]
@@ -178,9 +164,7 @@ def test_what_is_released_is_written_and_the_rest_waits(
     assert len(_as_mcap_doctor_reads(path)) == 22
 
 
-def test_a_file_begins_with_an_observation(
-    tmp_path: Path, messages: list[tuple[str, bytes, int]]
-) -> None:
+def test_a_file_begins_with_an_observation(tmp_path, messages) -> None:
     diagnostics = b"\0\1\0\0" + bytes(16)
     directory = tmp_path / "bag"
     with BagWriter(directory, TOPICS, METADATA, flush_period_s=0.0) as writer:
@@ -211,9 +195,7 @@ def small_files_only() -> Iterator[None]:
         signal.signal(signal.SIGXFSZ, handler)
 
 
-def test_a_refused_write_is_raised_and_ends_the_writer(
-    tmp_path: Path, messages: list[tuple[str, bytes, int]]
-) -> None:
+def test_a_refused_write_is_raised_and_ends_the_writer(tmp_path, messages) -> None:
     writer = BagWriter(tmp_path / "bag", TOPICS, METADATA)
     writer.write(*messages[0])
     with small_files_only(), pytest.raises(OSError, match="File too large"):

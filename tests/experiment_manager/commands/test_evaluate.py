@@ -52,7 +52,7 @@ def test_the_training_curve_is_of_episode_ends(run: RecordedRun) -> None:
 
 
 def test_the_share_of_the_cost_is_that_of_the_first_and_the_last_training_iterations(
-    run: RecordedRun, monkeypatch: pytest.MonkeyPatch
+    run, monkeypatch
 ) -> None:
     monkeypatch.setattr("experiment_manager.analysis.recorded_run.SHARE_ITERATIONS", 100)
     tables = run.bag.vectors("reward", "ground_truth")
@@ -77,10 +77,7 @@ def test_the_share_of_the_cost_is_that_of_the_first_and_the_last_training_iterat
 
 
 def test_results_are_not_written_before_the_run_has_ended(
-    run_directories: dict[str, Path],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    run_directories, tmp_path, monkeypatch, capsys
 ) -> None:
     directory = Path(shutil.copytree(run_directories["M"], tmp_path / "run"))
     monkeypatch.setattr(RecordedRun, "n_iterations", 500)
@@ -91,9 +88,7 @@ def test_results_are_not_written_before_the_run_has_ended(
     assert not (directory / "results.json").exists()
 
 
-def test_results_from_the_bag_agree_with_themselves(
-    run_directories: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_results_from_the_bag_agree_with_themselves(run_directories, tmp_path, capsys) -> None:
     directory = Path(shutil.copytree(run_directories["M_C"], tmp_path / "run"))
     path = directory / "results.json"
     assert main([str(directory)]) == 0

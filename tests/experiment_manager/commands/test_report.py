@@ -30,9 +30,7 @@ def _with_checkpoint(directory: Path) -> None:
     checkpoint.commit(directory / "checkpoints", manifest)
 
 
-def test_the_report_of_two_models(
-    run_directories: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_report_of_two_models(run_directories, tmp_path, capsys) -> None:
     runs = [Path(shutil.copytree(path, tmp_path / name)) for name, path in run_directories.items()]
     _with_checkpoint(runs[0])
     out = tmp_path / "out"
@@ -71,9 +69,7 @@ def test_the_report_of_two_models(
         assert told in text
 
 
-def test_a_single_run_has_its_report_in_its_directory(
-    run_directories: dict[str, Path], tmp_path: Path
-) -> None:
+def test_a_single_run_has_its_report_in_its_directory(run_directories, tmp_path) -> None:
     directory = Path(shutil.copytree(run_directories["M"], tmp_path / "run"))
     assert main([str(directory)]) == 0
     assert (directory / "report.html").is_file()
@@ -133,9 +129,7 @@ def _cells(text: str, name: str) -> list[str]:
     return re.findall(r"<td>([^<]*)</td>", row)[1:]
 
 
-def test_a_sweep_without_bags_pools_its_seeds(
-    kept: Path, run_directories: dict[str, Path], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_sweep_without_bags_pools_its_seeds(kept, run_directories, capsys) -> None:
     (kept / "unfinished").mkdir()
     (kept / "unfinished" / "config.yaml").write_text("run: {}\n")
     assert main([str(kept)]) == 0
@@ -159,9 +153,7 @@ def test_a_sweep_without_bags_pools_its_seeds(
     assert told in text
 
 
-def test_results_alone_are_shown_as_far_as_they_go(
-    kept: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_results_alone_are_shown_as_far_as_they_go(kept, tmp_path, capsys) -> None:
     old = Path(shutil.copytree(kept / "M_1", tmp_path / "results" / "old"))
     (old / "trials.npz").unlink()
     (tmp_path / "results" / "README.md").write_text("")
@@ -183,9 +175,7 @@ def test_the_runs_that_are_kept_make_a_report(tmp_path: Path) -> None:
     assert (tmp_path / "figures" / "performance.png").is_file()
 
 
-def test_a_sweep_without_any_finished_run_is_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_sweep_without_any_finished_run_is_one_line(tmp_path, capsys) -> None:
     (tmp_path / "sweep.yaml").write_text("")
     assert main([str(tmp_path)]) == 2
     assert capsys.readouterr().err == f"error: {tmp_path}: expected runs in the sweep\n"

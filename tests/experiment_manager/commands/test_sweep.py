@@ -1,7 +1,5 @@
 """What sweep.sh refuses before it does anything."""
 
-from pathlib import Path
-
 import pytest
 
 from experiment_manager.commands.sweep import main
@@ -21,13 +19,7 @@ from tests.sweep_harness import write_sweep
     ],
 )
 def test_bad_options_are_one_error(
-    pictures: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    *,
-    words: list[str],
-    error: str,
+    pictures, tmp_path, monkeypatch, capsys, *, words, error
 ) -> None:
     monkeypatch.setenv("PATH", "")
     sweep = write_sweep(tmp_path / "small.yaml", pictures, {"seed": [1, 2]})
@@ -36,9 +28,7 @@ def test_bad_options_are_one_error(
     assert not (tmp_path / "out").exists()
 
 
-def test_the_directory_of_a_sweep_takes_no_other_stimuli(
-    tmp_path: Path, pictures: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_directory_of_a_sweep_takes_no_other_stimuli(tmp_path, pictures, capsys) -> None:
     write_sweep(tmp_path / "sweep.yaml", pictures, {"seed": [1, 2]})
     assert main([str(tmp_path), "--stimuli", str(pictures)]) == 2
     expected = f"error: {tmp_path}: expected no --out and no --stimuli: it has its own\n"
@@ -52,14 +42,7 @@ def test_the_directory_of_a_sweep_takes_no_other_stimuli(
         ({"sparse_coder.n_bases": 16}, "sparse_coder.n_bases: the run to be resumed, DIR"),
     ],
 )
-def test_what_a_run_has_begun_with_cannot_be_edited(
-    tmp_path: Path,
-    pictures: Path,
-    capsys: pytest.CaptureFixture[str],
-    *,
-    edit: dict[str, int],
-    error: str,
-) -> None:
+def test_what_a_run_has_begun_with_cannot_be_edited(tmp_path, pictures, capsys, edit, error):
     sweep = write_sweep(tmp_path / "sweep.yaml", pictures, {"seed": [1, 2]})
     first, _ = read_sweep(sweep).cells()
     begun = tmp_path / first.name

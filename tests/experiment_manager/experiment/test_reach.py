@@ -84,9 +84,7 @@ def test_anatomical_eyes_meet_the_protocol() -> None:
         ),
     ],
 )
-def test_what_cannot_be_met_is_refused_with_the_limits(
-    settings: tuple[str, ...], message: str
-) -> None:
+def test_what_cannot_be_met_is_refused_with_the_limits(settings, message) -> None:
     with pytest.raises(InputError, match=r"^mechanics: expected ") as caught:
         _check(*settings)
     assert re.search(message, str(caught.value))

@@ -3,7 +3,7 @@
 import json
 import re
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -67,9 +67,7 @@ def _picture(seed: int) -> np.ndarray:
     return np.random.default_rng(seed).integers(0, 256, (240, 320), dtype=np.uint8)
 
 
-def test_what_is_watched_is_sent_as_it_is_and_made_into_pictures(
-    server: ViewServer, vector_bytes: Any, image_bytes: Any
-) -> None:
+def test_what_is_watched_is_sent_as_it_is_and_made_into_pictures(server, vector_bytes, image_bytes):
     view = View(server, n_selections=10)
     left, right = _picture(1), _picture(2)
     messages = {
@@ -102,9 +100,7 @@ def test_what_is_watched_is_sent_as_it_is_and_made_into_pictures(
     assert json.loads(got[LEARNING]) == dict(zip(LEARNING_NAMES, (10.0, 0.5), strict=True))
 
 
-def test_nothing_is_made_or_sent_of_what_nobody_watches(
-    server: ViewServer, image_bytes: Any
-) -> None:
+def test_nothing_is_made_or_sent_of_what_nobody_watches(server, image_bytes) -> None:
     view = View(server, n_selections=10)
     assert not view.is_watched()
     assert view.wanted_topics() == {"ground_truth"}
@@ -157,9 +153,7 @@ def test_a_bag_without_pictures_cannot_be_played(make_bag: Any, server: ViewServ
         Player(Bag(bag), View(server, n_selections=10))
 
 
-def test_a_bag_with_a_broken_configuration_has_a_coder_of_the_default_size(
-    tmp_path: Path, vector_bytes: Callable[..., bytes]
-) -> None:
+def test_a_bag_with_a_broken_configuration_has_a_coder_of_the_default_size(tmp_path, vector_bytes):
     vector = "sensor_msgs/msg/JointState"
     with BagWriter(
         tmp_path / "bag", {"ground_truth": vector}, {}, configuration="sparse_coder: [1"
@@ -179,9 +173,7 @@ def test_a_port_in_use_is_one_error(server: ViewServer) -> None:
         Page("127.0.0.1", server.port, "ws://127.0.0.1:1")
 
 
-def test_without_the_sdk_the_command_that_installs_it_is_told(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_without_the_sdk_the_command_that_installs_it_is_told(monkeypatch) -> None:
     monkeypatch.setattr(server_module.importlib.util, "find_spec", lambda name: None)
     command = why_unavailable().partition(": ")[2]
     assert command.startswith(".venv/bin/python -m pip install --require-hashes -r ")

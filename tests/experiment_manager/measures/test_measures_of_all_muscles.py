@@ -9,9 +9,8 @@ from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.kept_trials import read_trials, with_test, write_trials
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary
-from experiment_manager.measures.trials import Trials, TrialTable, only_test, space_of, trial_names
+from experiment_manager.measures.trials import Trials, TrialTable, only_test, trial_names
 from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES
-from lockstep.errors import InputError
 from lockstep.wire.topics import TEST
 
 SPACE = COMMAND_SPACES[ALL_MUSCLES]
@@ -100,8 +99,3 @@ def test_what_is_kept_has_all_axes_and_all_muscles(tmp_path: Path) -> None:
         # Activations are kept of the last test only.
         assert pair.share_silent is None
         assert set(pair.share_silent_by_distance.values()) == {None}
-
-
-def test_a_number_of_commands_that_no_space_has_is_refused() -> None:
-    with pytest.raises(InputError, match="expected activations of 2, 4, 12 commands, got 5"):
-        space_of(5)

@@ -68,7 +68,7 @@ def test_a_second_publisher() -> None:
     ],
 )
 def test_silence_is_a_fault_only_of_a_supervised_node_that_is_there_or_long_lost(
-    absent: list[str], silent_s: float, supervised: bool, found: Fault | Wait
+    absent, silent_s, supervised, found
 ) -> None:
     assert of_silence(5.0, "2 of reward", absent, silent_s, supervised=supervised) == found
 
@@ -87,9 +87,7 @@ def test_a_gap_that_is_long_makes_a_lost_node_wait_longer() -> None:
         ("actor_critic", TEST, 4, 27),
     ],
 )
-def test_learning_steps_must_be_those_of_the_protocol(
-    topic: str, phase: int, iteration: int, expected: int
-) -> None:
+def test_learning_steps_must_be_those_of_the_protocol(topic, phase, iteration, expected) -> None:
     stamp_ns = (100 + iteration) * PERIOD_NS
     check_learning_steps(topic, _record(phase), stamp_ns, float(expected))
     for found in (expected - 1, expected + 1):

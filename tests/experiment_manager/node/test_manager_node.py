@@ -1,7 +1,7 @@
 """The node experiment_manager, with a scripted plant and scripted learners around it."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -44,13 +44,6 @@ Start = Callable[..., ExperimentManagerNode]
 
 
 @pytest.fixture
-def graph() -> Iterator[Graph]:
-    """Yield a domain of the test's own."""
-    with ros_graph() as graph:
-        yield graph
-
-
-@pytest.fixture
 def nodes(graph: Graph) -> tuple[ScriptedPlant, ScriptedCoder, ScriptedLearner]:
     """Return the scripted nodes."""
     return graph.add(ScriptedPlant), graph.add(ScriptedCoder), graph.add(ScriptedLearner)
@@ -74,9 +67,7 @@ def test_the_scripted_plant_keeps_the_managers_time() -> None:
     assert period_ns(MechanicsConfig().period_s) == PERIOD_NS
 
 
-def test_a_run_from_its_first_request_to_its_results(
-    graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path
-) -> None:
+def test_a_run_from_its_first_request_to_its_results(graph, nodes, tmp_path) -> None:
     plant, coder, learner = nodes
     manager = _start(graph, tmp_path / "run")
     assert _finished(graph, manager) == 0
@@ -97,13 +88,7 @@ def test_a_run_from_its_first_request_to_its_results(
 @pytest.mark.parametrize(
     "refusal", [(0, "start_run"), (0, "episode"), (1, "start_run"), (1, "save"), (2, "save")]
 )
-def test_a_refusal_ends_the_run_with_its_reason(
-    graph: Graph,
-    nodes: tuple[Any, Any, Any],
-    tmp_path: Path,
-    capfd: pytest.CaptureFixture[str],
-    refusal: tuple[int, str],
-) -> None:
+def test_a_refusal_ends_the_run_with_its_reason(graph, nodes, tmp_path, capfd, refusal) -> None:
     who, kind = refusal
     nodes[who].refuses = kind
     name = nodes[who].get_name()
@@ -115,9 +100,7 @@ def test_a_refusal_ends_the_run_with_its_reason(
     assert not (tmp_path / "run" / "results.json").exists()
 
 
-def test_under_supervision_a_gap_is_a_fault(
-    graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_under_supervision_a_gap_is_a_fault(graph, nodes, tmp_path, capfd) -> None:
     nodes[1].is_mute = True
     manager = _start(graph, tmp_path / "run", supervised=True, gap_s=0.3)
     assert _finished(graph, manager) == EXIT_FAULT
@@ -126,9 +109,7 @@ def test_under_supervision_a_gap_is_a_fault(
     assert "20 of reward" in error
 
 
-def test_under_supervision_who_is_not_there_is_waited_for(
-    graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_under_supervision_who_is_not_there_is_waited_for(graph, nodes, tmp_path, capfd) -> None:
     # Nobody whom the supervisor has started: it would know. So it is the network, or a person.
     _, coder, _ = nodes
     coder.is_mute = True
@@ -150,17 +131,13 @@ def test_under_supervision_who_is_not_there_is_waited_for(
     assert "the run cannot go on: no message for 0.3 s; missing: " in capfd.readouterr().err
 
 
-def test_under_supervision_learning_steps_must_fit(
-    graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_under_supervision_learning_steps_must_fit(graph, nodes, tmp_path, capfd) -> None:
     # The scripted learners never learn: the second iteration of training shows it.
     assert _finished(graph, _start(graph, tmp_path / "run", supervised=True)) == EXIT_FAULT
     assert "expected 1 learning steps in episode 0, got 0" in capfd.readouterr().err
 
 
-def test_without_supervision_a_gap_is_waited_out(
-    graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_without_supervision_a_gap_is_waited_out(graph, nodes, tmp_path, capfd) -> None:
     plant, coder, _ = nodes
     coder.is_mute = True
     manager = _start(graph, tmp_path / "run", gap_s=0.3)
@@ -180,9 +157,7 @@ def test_without_supervision_a_gap_is_waited_out(
     assert len(tables["episode"].stamps_ns) == N_OBSERVATIONS
 
 
-def test_a_second_publisher_is_a_fault(
-    graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_second_publisher_is_a_fault(graph, nodes, tmp_path, capfd) -> None:
     _, coder, learner = nodes
     coder.is_mute = True
     manager = _start(graph, tmp_path / "run")
@@ -192,9 +167,7 @@ def test_a_second_publisher_is_a_fault(
     assert "expected one publisher per topic, found more on reward" in capfd.readouterr().err
 
 
-def test_a_message_without_a_stamp_is_a_fault(
-    graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_message_without_a_stamp_is_a_fault(graph, nodes, tmp_path, capfd) -> None:
     plant, coder, _ = nodes
     coder.is_mute = True
     clock = plant.create_publisher(Clock, "/clock", LOCKSTEP_QOS)
@@ -205,9 +178,7 @@ def test_a_message_without_a_stamp_is_a_fault(
     assert "expected a message with a header, got 4 bytes" in capfd.readouterr().err
 
 
-def test_answers_to_the_last_observation_are_not_recorded(
-    graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path
-) -> None:
+def test_answers_to_the_last_observation_are_not_recorded(graph, nodes, tmp_path) -> None:
     nodes[1].answers_all = True
     manager = _start(graph, tmp_path / "run")
     assert _finished(graph, manager) == 0
@@ -216,9 +187,7 @@ def test_answers_to_the_last_observation_are_not_recorded(
         assert len(table.stamps_ns) == N_OBSERVATIONS - 4
 
 
-def test_an_interrupt_ends_the_run_after_the_episode_and_it_can_be_resumed(
-    graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path
-) -> None:
+def test_an_interrupt_ends_the_run_after_the_episode_and_it_can_be_resumed(graph, nodes, tmp_path):
     plant, coder, _ = nodes
     coder.is_mute = True
     manager = _start(graph, tmp_path / "run")
@@ -240,9 +209,7 @@ def test_an_interrupt_ends_the_run_after_the_episode_and_it_can_be_resumed(
     assert tables["ground_truth"].stamps_ns.tolist() == stamps_ns.tolist()
 
 
-def test_two_interrupts_end_the_run_at_once(
-    graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path
-) -> None:
+def test_two_interrupts_end_the_run_at_once(graph, nodes, tmp_path) -> None:
     nodes[1].is_mute = True
     manager = _start(graph, tmp_path / "run")
     graph.spin_until(lambda: nodes[0].episodes, "the first episode")
@@ -273,10 +240,7 @@ def test_a_place_that_cannot_be_written_is_refused(graph: Graph, tmp_path: Path)
 
 
 def test_a_plant_that_takes_no_requests_is_not_waited_for_for_ever(
-    graph: Graph,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
+    graph, tmp_path, monkeypatch, capfd
 ) -> None:
     monkeypatch.setattr(node_requests, "SERVICE_WAIT_S", 0.0)
     monkeypatch.setattr(node_requests, "PLANT_WAIT_S", 0.0)
@@ -290,9 +254,7 @@ def test_a_plant_that_takes_no_requests_is_not_waited_for_for_ever(
     assert "expected a plant with the service eye_plant/request" in capfd.readouterr().err
 
 
-def test_another_configuration_is_not_resumed(
-    graph: Graph, nodes: tuple[Any, Any, Any], tmp_path: Path
-) -> None:
+def test_another_configuration_is_not_resumed(graph, nodes, tmp_path) -> None:
     assert _finished(graph, _start(graph, tmp_path / "run")) == 0
     with (
         ros_graph() as again,
@@ -302,11 +264,7 @@ def test_another_configuration_is_not_resumed(
 
 
 def test_a_disk_that_refuses_ends_the_run_with_one_error(
-    graph: Graph,
-    nodes: tuple[Any, Any, Any],
-    tmp_path: Path,
-    capfd: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    graph, nodes, tmp_path, capfd, monkeypatch
 ) -> None:
     manager = _start(graph, tmp_path / "run")
     graph.spin_until(lambda: nodes[0].episodes, "the first episode")

@@ -1,7 +1,6 @@
 """The command line of run_experiment.sh as a request, and what --set says."""
 
 import re
-from pathlib import Path
 
 import pytest
 
@@ -10,13 +9,8 @@ from experiment_manager.preparation.request import RunRequest
 from lockstep.errors import InputError
 
 
-def test_nothing_said_is_nothing_asked() -> None:
+def test_a_request_has_the_words_that_made_it(tmp_path, monkeypatch) -> None:
     assert request_of(arguments([])) == RunRequest()
-
-
-def test_a_request_has_the_words_that_made_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
     monkeypatch.chdir(tmp_path)
     words = "--iterations 1e3 --lambda 0.020 --tests 0,5e2 --stimuli photos"
     line = [*words.split(), "--set", "vergence_rl.cacla.discount=5e-1"]

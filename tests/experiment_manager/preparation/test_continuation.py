@@ -67,9 +67,7 @@ def _edit(run: Path, old: str, new: str) -> None:
         (("--lambda-share", "0.2", "--model", "M_C"), "--lambda-share 0.2: .* lambda = 0,"),
     ],
 )
-def test_a_resumed_run_keeps_its_settings(
-    run: Path, refused: Refused, line: tuple[str, ...], has: str
-) -> None:
+def test_a_resumed_run_keeps_its_settings(run, refused, line, has) -> None:
     error = refused("--resume", str(run), *line)
     assert re.search(has, error)
     assert f"--branch {run} begins a new run" in error
@@ -106,9 +104,7 @@ def test_settings_that_a_run_has_may_be_said_again(run: Path) -> None:
         ("iterations_per_trial: 4", "iterations_per_trial: 5", ("iterations_per_trial was 4",)),
     ],
 )
-def test_an_edited_configuration_is_told_by_name(
-    run: Path, refused: Refused, old: str, new: str, names: tuple[str, ...]
-) -> None:
+def test_an_edited_configuration_is_told_by_name(run, refused, old, new, names) -> None:
     _edit(run, old, new)
     error = refused("--resume", str(run))
     assert all(name in error for name in names)
@@ -158,9 +154,7 @@ def test_an_extended_run_has_the_numbers_of_the_new_schedule(small_run: Path, ru
         (("--branch", "x"), "--branch: expected it without --resume"),
     ],
 )
-def test_what_cannot_be_extended(
-    run: Path, refused: Refused, line: tuple[str, ...], message: str
-) -> None:
+def test_what_cannot_be_extended(run, refused, line, message) -> None:
     assert message in refused("--resume", str(run), *line)
 
 
@@ -209,9 +203,7 @@ def test_a_branch_goes_on_from_the_learners_of_another_run(run: Path, tmp_path: 
         (("--branch", "RUN", "--profile", "paper"), "expected the settings of RUN and single ones"),
     ],
 )
-def test_what_cannot_be_branched(
-    run: Path, refused: Refused, tmp_path: Path, line: tuple[str, ...], message: str
-) -> None:
+def test_what_cannot_be_branched(run, refused, tmp_path, line, message) -> None:
     words = [word.replace("RUN", str(run)) for word in line]
     error = refused(*words, "--out", str(tmp_path / "out"))
     assert message.replace("RUN", str(run)) in error

@@ -65,17 +65,8 @@ def test_the_rewards_of_a_run_have_the_share(pictures: Path) -> None:
     assert cost / -reward == pytest.approx(0.3, rel=1e-9)
 
 
-def test_the_configuration_given_is_not_touched(pictures: Path) -> None:
-    configuration = _configuration(pictures, "--lambda", "0.07")
-    with_weight(configuration, 0.5)
-    assert configuration == _configuration(pictures, "--lambda", "0.07")
-
-
 def test_a_run_stores_it_and_a_resume_does_not_measure_again(
-    pictures: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    pictures, tmp_path, capsys, monkeypatch
 ) -> None:
     out = tmp_path / "run"
     line = _line(pictures, "--lambda-share", "0.3", "--out", str(out))

@@ -25,9 +25,7 @@ def _renderer(found: Configuration) -> str:
     return str(found["eye_plant"]["camera.renderer"])
 
 
-def test_a_run_that_names_none_takes_the_ray_caster(
-    pictures: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_run_that_names_none_takes_the_ray_caster(pictures, capsys) -> None:
     request = RunRequest(profile="paper", stimuli=str(pictures))
     found = drawable_configuration(request, "", ())
     assert _renderer(found) == "plane"
@@ -38,9 +36,7 @@ def test_a_run_that_names_none_takes_the_ray_caster(
     assert f"{_KEY} is plane" in line
 
 
-def test_a_plant_on_another_machine_may_have_opengl(
-    pictures: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_plant_on_another_machine_may_have_opengl(pictures, capsys) -> None:
     request = RunRequest(profile="paper", stimuli=str(pictures))
     assert _renderer(drawable_configuration(request, "", ("eye_plant",))) == "mujoco"
     assert capsys.readouterr().out == ""
@@ -54,9 +50,7 @@ def test_a_renderer_that_the_request_names_is_taken_or_refused(pictures: Path) -
         drawable_configuration(named(overrides={_KEY: "mujoco"}), "", ())
 
 
-def test_a_renderer_that_the_profile_names_is_taken_or_refused(
-    pictures: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_renderer_that_the_profile_names_is_taken_or_refused(pictures, monkeypatch) -> None:
     text = "description: x\nbase: paper\nsettings: {eye_plant: {camera.renderer: mujoco}}"
     monkeypatch.setattr(configuration, "read_profile", lambda name: parse_profile(name, text))
     with pytest.raises(GraphicsError, match="no OpenGL library"):

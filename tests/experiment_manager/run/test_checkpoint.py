@@ -49,13 +49,6 @@ def test_a_manifest_comes_back_as_it_was(tmp_path: Path) -> None:
     )
 
 
-def test_the_hash_is_sha_256(tmp_path: Path) -> None:
-    (tmp_path / "file").write_bytes(b"abc")
-    assert checkpoint.hash_of(tmp_path / "file") == (
-        "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
-    )
-
-
 def test_the_newest_is_the_one_furthest_on(tmp_path: Path) -> None:
     for place in (9, 10, 100, 99):
         _commit(tmp_path, place)

@@ -9,7 +9,6 @@ from experiment_manager.run.episode_record import (
     SAMPLED_TOPICS,
     SMALL_TOPICS,
     EpisodeRecord,
-    learning_steps,
     takes_pictures,
 )
 from eye_plant.episode import Episode
@@ -67,11 +66,6 @@ def test_stamps_of_the_episode(observation: int, offset_ns: int, expected: bool)
     assert record.holds(observation * PERIOD_NS + offset_ns) is expected
 
 
-def test_iteration_of_a_stamp() -> None:
-    record = EpisodeRecord(_episode(), PERIOD_NS)
-    assert [record.iteration(n * PERIOD_NS) for n in (40, 41, 42)] == [0, 1, 2]
-
-
 def test_complete_with_the_very_last_message() -> None:
     record = EpisodeRecord(_episode(), PERIOD_NS)
     expected = [topic for topic in PLANT for _ in range(3)]
@@ -122,27 +116,3 @@ def test_missing_messages_are_named() -> None:
 def test_sampled_episodes(phase: int, number: int, expected: bool) -> None:
     config = ExperimentManagerConfig(pictures_every_n_episodes=50, pictures_every_n_trials=7)
     assert takes_pictures(config, _episode(phase, number)) is expected
-
-
-def test_zero_samples_nothing() -> None:
-    config = ExperimentManagerConfig(pictures_every_n_episodes=0, pictures_every_n_trials=0)
-    assert not takes_pictures(config, _episode(TRAINING, 0))
-    assert not takes_pictures(config, _episode(TEST, 0))
-
-
-@pytest.mark.parametrize(
-    ("topic", "phase", "iteration", "expected"),
-    [
-        # 30 training iterations in 3 episodes came before: 30 of the coder, 27 TD updates.
-        ("reward", TRAINING, 0, 30),
-        ("reward", TRAINING, 4, 34),
-        ("reward", TEST, 4, 30),
-        ("actor_critic", TRAINING, 0, 27),
-        ("actor_critic", TRAINING, 4, 31),
-        ("actor_critic", TEST, 4, 27),
-    ],
-)
-def test_learning_steps_follow_from_the_place_in_the_protocol(
-    topic: str, phase: int, iteration: int, expected: int
-) -> None:
-    assert learning_steps(topic, _episode(phase), iteration) == expected

@@ -37,9 +37,7 @@ def test_streams_that_were_closed_from_the_start_go_nowhere() -> None:
     assert done.returncode == 42
 
 
-def test_a_file_that_cannot_be_replaced_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_that_cannot_be_replaced_leaves_nothing(tmp_path, monkeypatch) -> None:
     replace_file(tmp_path / "a", b"old")
 
     def refuse(number: int) -> None:

@@ -101,10 +101,6 @@ def test_cost_share_of_the_first_and_the_last_iterations() -> None:
     assert progress.cost_share("first", 0.0) == 0.0
 
 
-def test_without_training_there_is_no_share() -> None:
-    assert Progress(0, PAIR_SPACE).cost_share("first", 0.1) is None
-
-
 def test_a_share_of_nothing_is_none() -> None:
     progress = Progress(100, PAIR_SPACE)
     progress.add_reward(TRAINING, 0, _reward(0.0, 0.0, 0.0))
@@ -158,10 +154,6 @@ def test_restoring_does_not_share_what_it_restores_from() -> None:
     second.add_reward(TRAINING, 1, _reward(0.5, 0.1, 1.0))
     second.add_truth(_truth(phase=TRAINING, vergence_error_deg=1.0), is_last=True)
     assert json.dumps(document) == before
-
-
-def test_no_trials_are_no_rows() -> None:
-    assert Progress(0, PAIR_SPACE).trial_table().rows.shape == (0, len(trial_names(PAIR_SPACE)))
 
 
 def test_activations_come_before_or_after_their_ground_truth() -> None:

@@ -157,9 +157,7 @@ def undisturbed(tmp_path: Path, drive: Drive) -> dict[str, Any]:
 
 # Two conditions and a test of 9 trials: amid the first test, in training, amid the second test.
 @pytest.mark.parametrize("place", [5, 10, 14, 24])
-def test_a_copied_checkpoint_is_enough_to_go_on(
-    tmp_path: Path, drive: Drive, undisturbed: dict[str, Any], place: int
-) -> None:
+def test_a_copied_checkpoint_is_enough_to_go_on(tmp_path, drive, undisturbed, place) -> None:
     first = _begin(tmp_path / "first")
     drive(first, place)
     _commit(first)
@@ -194,9 +192,7 @@ def test_pictures_are_listened_to_around_a_sampled_episode(tmp_path: Path, drive
     run.close()
 
 
-def test_the_next_interruption_finds_the_new_bag(
-    tmp_path: Path, drive: Drive, undisturbed: dict[str, Any]
-) -> None:
+def test_the_next_interruption_finds_the_new_bag(tmp_path, drive, undisturbed) -> None:
     first = _begin(tmp_path / "first")
     drive(first, 10)
     _commit(first)
@@ -215,9 +211,7 @@ def test_the_next_interruption_finds_the_new_bag(
     assert stamps_ns[0] == third.protocol.episode(10).first_observation * PERIOD_NS
 
 
-def test_what_is_not_in_the_bag_is_not_compared(
-    tmp_path: Path, drive: Drive, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_not_in_the_bag_is_not_compared(tmp_path, drive, capsys) -> None:
     first = _begin(tmp_path / "first")
     drive(first, 10)
     _commit(first)
@@ -247,9 +241,7 @@ def test_a_bag_that_lacks_a_file_is_refused(tmp_path: Path, drive: Drive) -> Non
         Run(_config(run.directory, resume=True))
 
 
-def test_the_graph_ends_a_run_from_its_last_checkpoint_alone(
-    small_run: Path, tmp_path: Path
-) -> None:
+def test_the_graph_ends_a_run_from_its_last_checkpoint_alone(small_run, tmp_path) -> None:
     directory = _copied_without_bag(small_run, tmp_path / "copy")
     output = finished(start_supervisor(["--resume", str(directory)]))
     assert "bag: not here; it begins with what comes now" in output

@@ -50,13 +50,6 @@ def test_a_domain_may_be_taken_again_once_left() -> None:
             assert again == domain
 
 
-def test_domains_to_avoid_are_avoided() -> None:
-    with own_domain() as first:
-        pass
-    with own_domain(frozenset({first})) as second:
-        assert second != first
-
-
 def test_a_domain_with_somebody_in_it_is_not_taken() -> None:
     with own_domain() as domain:
         pass

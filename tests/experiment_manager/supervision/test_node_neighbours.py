@@ -1,8 +1,5 @@
 """Other graphs in the domain that a run is to use."""
 
-from collections.abc import Iterator
-from pathlib import Path
-
 import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
@@ -14,14 +11,6 @@ from experiment_manager.supervision.node_neighbours import addresses, refuse_nei
 from experiment_manager.supervision.supervisor import known_domain
 from lockstep.errors import InputError
 from lockstep.wire.qos import LOCKSTEP_QOS
-from tests.node_harness import Graph, ros_graph
-
-
-@pytest.fixture
-def graph() -> Iterator[Graph]:
-    """Yield a domain of the test's own."""
-    with ros_graph() as graph:
-        yield graph
 
 
 def _publishes(topic: str) -> type[Node]:
@@ -35,9 +24,7 @@ def _publishes(topic: str) -> type[Node]:
     return Somebody
 
 
-def test_a_domain_with_another_graph_is_refused(
-    graph: Graph, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_domain_with_another_graph_is_refused(graph, monkeypatch) -> None:
     graph.add(_publishes("reward"))
     with pytest.raises(
         InputError,
@@ -50,12 +37,7 @@ def test_a_domain_with_another_graph_is_refused(
     refuse_neighbours(graph.domain, ["sparse_coder"])
 
 
-def test_a_run_is_refused_before_anything_is_written(
-    graph: Graph,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    tmp_path: Path,
-) -> None:
+def test_a_run_is_refused_before_anything_is_written(graph, monkeypatch, capsys, tmp_path) -> None:
     graph.add(_publishes("muscle_command"))
     monkeypatch.setenv("ROS_DOMAIN_ID", str(graph.domain))
     out = tmp_path / "run"
@@ -65,9 +47,7 @@ def test_a_run_is_refused_before_anything_is_written(
     assert error.startswith(f"error: ROS domain {graph.domain}: expected no other graph in it, ")
 
 
-def test_only_a_domain_that_others_can_be_in_is_listened_to(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_only_a_domain_that_others_can_be_in_is_listened_to(monkeypatch) -> None:
     monkeypatch.setattr("sys.executable", "/nowhere/python")  # which would listen
     monkeypatch.delenv("ROS_STATIC_PEERS", raising=False)
     with own_domain() as domain:

@@ -92,9 +92,7 @@ def test_a_run_is_done_until_it_is_made_longer(run: CellRun) -> None:
     assert was_done == [False, True, False, False]
 
 
-def test_a_run_whose_log_cannot_be_written_fails_alone(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_run_whose_log_cannot_be_written_fails_alone(tmp_path, capsys) -> None:
     (tmp_path / "logs").write_text("in the way")
     runs = [CellRun(tmp_path, Cell(name, RunRequest())) for name in ("seed_1", "seed_2")]
     assert Pool(1).run(runs) == EXIT_FAULT

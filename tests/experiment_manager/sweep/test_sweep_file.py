@@ -61,23 +61,6 @@ def test_an_entry_may_set_several_together(tmp_path: Path) -> None:
     assert read(tmp_path, sweep.text()) == sweep
 
 
-def test_a_cell_is_configured_as_its_command_line_says(tmp_path: Path, pictures: Path) -> None:
-    sweep = read(
-        tmp_path,
-        "options: {iterations: 100, tests: [0, 50], test-stimuli: 1, eye_plant.stimuli.size_px: 64}"
-        "\naxes: {lambda: [0, 0.5], model: [M_C], vergence_rl.cacla.discount: [1e-5]}\n",
-        pictures,
-    )
-    free, priced = (cell.configuration("0123abc") for cell in sweep.cells())
-    assert free["sparse_coder"]["metabolic_cost_weight"] == 0.0
-    assert priced["sparse_coder"]["metabolic_cost_weight"] == 0.5
-    assert priced["vergence_rl"]["cacla.discount"] == 1e-5
-    manager = priced["experiment_manager"]
-    assert manager["protocol.test_iterations"] == [0, 50]
-    assert manager["commit"] == "0123abc"
-    assert priced["eye_plant"]["stimuli.directory"] == str(pictures)
-
-
 def test_a_cell_is_the_run_of_its_command_line(tmp_path: Path, pictures: Path) -> None:
     entries: list[object] = [1, {"seed": 2, "eye_plant.camera.left_blur_px": 0.5}]
     sweep = read_sweep(write_sweep(tmp_path / "s.yaml", pictures, {"seed": entries}))
@@ -111,9 +94,7 @@ def test_what_a_sweep_keeps_of_itself_reads_as_the_same(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["stimuli", "eye_plant.stimuli.directory"])
-def test_directories_of_images_are_kept_absolute(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
-) -> None:
+def test_directories_of_images_are_kept_absolute(tmp_path, monkeypatch, name) -> None:
     monkeypatch.chdir(tmp_path)
     on_axis = read(tmp_path, f"axes: {{{name}: [photos, '']}}")
     assert on_axis.axes[name] == [str(tmp_path / "photos"), ""]
@@ -200,9 +181,7 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
         ("vergence_rl.cacla.discount: [2.0]", "discount_2.0: "),
     ],
 )
-def test_what_a_cell_cannot_be_is_said_with_its_name(
-    tmp_path: Path, pictures: Path, axes: str, error: str
-) -> None:
+def test_what_a_cell_cannot_be_is_said_with_its_name(tmp_path, pictures, axes, error) -> None:
     text = f"options: {{iterations: 100}}\naxes: {{{axes}}}"
 
     def last_configuration() -> Configuration:

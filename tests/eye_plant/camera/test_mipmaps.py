@@ -33,9 +33,7 @@ def test_a_level_lies_within_a_quarter_octave(texels_per_pixel: float, expected:
     ("shape", "sizes"),
     [((8, 8), [(8, 8), (4, 4), (2, 2), (1, 1)]), ((3, 6), [(3, 6), (1, 3), (1, 1)])],
 )
-def test_mip_maps_halve_down_to_one_pixel(
-    shape: tuple[int, int], sizes: list[tuple[int, int]]
-) -> None:
+def test_mip_maps_halve_down_to_one_pixel(shape, sizes) -> None:
     levels = mipmap_levels(np.full(shape, 90, np.uint8))
     assert [level.shape for level in levels] == sizes
     assert all((level == 90).all() for level in levels)

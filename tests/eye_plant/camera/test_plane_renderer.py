@@ -61,9 +61,7 @@ def config(request: pytest.FixtureRequest) -> CameraConfig:
 
 
 @pytest.fixture
-def cameras(
-    config: CameraConfig, stimuli: StimulusSet
-) -> Iterator[tuple[StereoCamera, StereoCamera]]:
+def cameras(config, stimuli) -> Iterator[tuple[StereoCamera, StereoCamera]]:
     mujoco, plane = (
         StereoCamera(replace(config, renderer=renderer), stimuli, EYE_HEIGHT_M)
         for renderer in (MUJOCO, PLANE)
@@ -168,9 +166,7 @@ def drawn_size_px(config: CameraConfig, view: RandomView) -> tuple[int, ...]:
     return size_px
 
 
-def test_pictures_are_those_of_mujoco(
-    config: CameraConfig, cameras: tuple[StereoCamera, StereoCamera]
-) -> None:
+def test_pictures_are_those_of_mujoco(config, cameras) -> None:
     mujoco, plane = cameras
     means, n_on_seams = [], 0
     for number in range(N_POSES):

@@ -1,7 +1,6 @@
 """Cameras that cannot be made: stimuli, settings and sizes that nothing can draw."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -33,9 +32,7 @@ def test_a_stimulus_of_another_kind_is_refused(stimulus: np.ndarray) -> None:
         ({"right_blur_px": -1.0}, r"right_blur_px: expected 0 px or more, got -1"),
     ],
 )
-def test_a_configuration_that_cannot_be_drawn_is_refused(
-    changes: dict[str, Any], message: str
-) -> None:
+def test_a_configuration_that_cannot_be_drawn_is_refused(changes, message) -> None:
     with pytest.raises(InputError, match=message):
         replace(CameraConfig(), **changes)
 

@@ -104,9 +104,7 @@ def centroid_px(picture: np.ndarray) -> tuple[float, float]:
 
 @pytest.mark.parametrize("distance_m", MARK_DISTANCES_M)
 @pytest.mark.parametrize("error_deg", [-3.0, -1.5, -0.2, 0.0, 0.2, 1.5, 3.0])
-def test_disparity_of_the_centre_point(
-    camera: StereoCamera, distance_m: float, error_deg: float
-) -> None:
+def test_disparity_of_the_centre_point(camera, distance_m, error_deg) -> None:
     vergence_deg = desired_vergence_deg(distance_m, BASELINE_M) - error_deg
     pictures = camera.render(POSITIONS_M, converged(vergence_deg), MARK[distance_m], distance_m)
     (left_px, left_below_px), (right_px, right_below_px) = map(centroid_px, pictures)
@@ -222,9 +220,7 @@ def test_eyes_turned_away_see_the_landscape(camera: StereoCamera) -> None:
 # --- determinism, errors
 
 
-def test_pictures_are_a_function_of_the_view(
-    camera: StereoCamera, make_camera: Callable[..., StereoCamera]
-) -> None:
+def test_pictures_are_a_function_of_the_view(camera, make_camera) -> None:
     other = make_camera()
     first = camera.render(POSITIONS_M, POSES["all"], NOISE, 1.3)
     camera.render(POSITIONS_M, POSES["straight"], FLAT[1], 0.5)
@@ -278,9 +274,7 @@ def test_what_is_no_rotation_is_refused(camera: StereoCamera, factor: float) -> 
 
 
 @pytest.mark.parametrize("size_px", [(128, 128), (40, 40), (320, 128), (128, 240)])
-def test_a_region_of_interest_is_the_centre_bit_by_bit(
-    camera: StereoCamera, make_camera: Callable[..., StereoCamera], size_px: tuple[int, int]
-) -> None:
+def test_a_region_of_interest_is_the_centre_bit_by_bit(camera, make_camera, size_px) -> None:
     width_px, height_px = size_px
     region = make_camera(roi_width_px=width_px, roi_height_px=height_px)
     top, left = (240 - height_px) // 2, (320 - width_px) // 2
@@ -292,9 +286,7 @@ def test_a_region_of_interest_is_the_centre_bit_by_bit(
             np.testing.assert_array_equal(seen, centre)
 
 
-def test_a_blurred_region_knows_what_lies_around_it(
-    make_camera: Callable[..., StereoCamera],
-) -> None:
+def test_a_blurred_region_knows_what_lies_around_it(make_camera) -> None:
     blur = {"left_blur_px": 3.0, "right_blur_px": 40.0}
     full = make_camera(**blur).render(POSITIONS_M, POSES["all"], NOISE, 2.0)
     region = make_camera(roi_width_px=128, roi_height_px=128, **blur)
@@ -306,9 +298,7 @@ def test_a_blurred_region_knows_what_lies_around_it(
 
 
 @pytest.mark.parametrize("i_eye", [0, 1])
-def test_blur_is_a_gaussian_in_one_eye(
-    camera: StereoCamera, make_camera: Callable[..., StereoCamera], i_eye: int
-) -> None:
+def test_blur_is_a_gaussian_in_one_eye(camera, make_camera, i_eye) -> None:
     side = ("left", "right")[i_eye]
     sharp = camera.render(POSITIONS_M, POSES["straight"], MARK[2.0], 2.0)
     blurred = make_camera(**{f"{side}_blur_px": 3.0}).render(
@@ -322,9 +312,7 @@ def test_blur_is_a_gaussian_in_one_eye(
 
 
 @pytest.mark.parametrize("i_eye", [0, 1])
-def test_magnification_moves_the_mark_away_from_the_centre(
-    camera: StereoCamera, make_camera: Callable[..., StereoCamera], i_eye: int
-) -> None:
+def test_magnification_moves_the_mark_away_from_the_centre(camera, make_camera, i_eye) -> None:
     side = ("left", "right")[i_eye]
     pose = both(rotation(yaw_deg=2.0, pitch_up_deg=2.0))
     plain = camera.render(POSITIONS_M, pose, MARK[2.0], 2.0)
@@ -336,9 +324,7 @@ def test_magnification_moves_the_mark_away_from_the_centre(
     assert centroid_px(magnified[i_eye]) == pytest.approx(expected, abs=0.05)
 
 
-def test_without_mipmaps_a_far_plane_keeps_the_contrast_of_its_texels(
-    camera: StereoCamera, make_camera: Callable[..., StereoCamera]
-) -> None:
+def test_without_mipmaps_a_far_plane_keeps_the_contrast_of_its_texels(camera, make_camera) -> None:
     """At 6 m a pixel spans two of the noise's greys a side, or shows the one in its centre."""
     view = POSITIONS_M, POSES["straight"], NOISE, 6.0
     centre = np.s_[:, 80:160, 120:200]
@@ -349,9 +335,7 @@ def test_without_mipmaps_a_far_plane_keeps_the_contrast_of_its_texels(
 
 
 @pytest.mark.parametrize("i_eye", [0, 1])
-def test_occlusion_blackens_one_eye(
-    camera: StereoCamera, make_camera: Callable[..., StereoCamera], i_eye: int
-) -> None:
+def test_occlusion_blackens_one_eye(camera, make_camera, i_eye) -> None:
     side = ("left", "right")[i_eye]
     plain = camera.render(POSITIONS_M, POSES["straight"], NOISE, 2.0)
     covered = make_camera(**{f"{side}_occluded": True, f"{side}_blur_px": 2.0}).render(

@@ -65,9 +65,7 @@ def test_a_damaged_file_of_copies_is_made_again(tmp_path: Path, content: bytes) 
     assert file.stat().st_size > 1000
 
 
-def test_copies_that_cannot_be_kept_stay_in_memory(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_copies_that_cannot_be_kept_stay_in_memory(tmp_path, monkeypatch) -> None:
     picture = mapped(tmp_path / "a.npy")
 
     def refuse(*_: object) -> None:

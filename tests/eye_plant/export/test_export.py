@@ -103,9 +103,7 @@ def test_the_readmes_code_runs(exported: Path) -> None:
     assert angle_rad == pytest.approx(eyes.state().eye_angles_rad[0, 0], abs=1e-5)
 
 
-def test_a_directory_that_holds_something_is_refused(
-    exported: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_directory_that_holds_something_is_refused(exported, capsys) -> None:
     with pytest.raises(InputError, match="expected a new or empty directory"):
         export(exported)
     assert main([str(exported)]) == 2

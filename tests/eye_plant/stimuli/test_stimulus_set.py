@@ -163,9 +163,7 @@ def test_nothing_but_pictures_is_left_in_the_cache(tmp_path: Path) -> None:
     assert len([path for path in tmp_path.rglob("*") if path.is_file()]) == 6
 
 
-def test_pictures_of_another_library_are_others(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_pictures_of_another_library_are_others(tmp_path, monkeypatch) -> None:
     load_stimuli(small(tmp_path))
     monkeypatch.setattr(cv2, "__version__", "another")
     load_stimuli(small(tmp_path))

@@ -41,7 +41,7 @@ def test_a_row_is_written_with_its_bound_in_words():
 @pytest.mark.parametrize(("value", "status"), [(0.1, 0), (math.nan, 0), (0.2, 1)])
 def test_validation_writes_its_rows_and_fails_when_a_bound_does(
     tmp_path, monkeypatch, value, status
-):
+) -> None:
     monkeypatch.setattr(
         validation, "measure", lambda maps: iter([Row("a", value, "deg", high=0.15)])
     )

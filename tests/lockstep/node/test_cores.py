@@ -47,9 +47,7 @@ def shared(cores: list[int], i_core: int, *, gives_way: bool = False) -> dict[st
 @pytest.mark.skipif(len(AVAILABLE) < 2, reason="one core only")
 @pytest.mark.parametrize("gives_way", [False, True])
 @pytest.mark.parametrize("i_core", [0, 1])
-def test_of_two_cores_a_process_keeps_to_one_and_draws_on_both(
-    i_core: int, gives_way: bool
-) -> None:
+def test_of_two_cores_a_process_keeps_to_one_and_draws_on_both(i_core, gives_way) -> None:
     cores = AVAILABLE[:2]
     mine = [cores[i_core]]
     drawing = {f"llvmpipe-{i}": [cores[i % 2]] for i in (0, 1, 3)}

@@ -1,20 +1,10 @@
 """Diagnostics: what a node says of itself, and how little a flood of bad input can log."""
 
-from collections.abc import Iterator
-
-import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
 
 from lockstep.node.diagnostics import Diagnostics
-from tests.node_harness import Graph, ros_graph
-
-
-@pytest.fixture
-def graph() -> Iterator[Graph]:
-    """Yield a domain of the test's own."""
-    with ros_graph() as graph:
-        yield graph
+from tests.node_harness import Graph
 
 
 def test_counts_refusals_and_more_are_published_each_second(graph: Graph) -> None:
@@ -42,9 +32,7 @@ def test_counts_refusals_and_more_are_published_each_second(graph: Graph) -> Non
     assert listener.values()["observations"] == "3"
 
 
-def test_a_flood_of_refusals_is_a_trickle_of_log_lines(
-    graph: Graph, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_flood_of_refusals_is_a_trickle_of_log_lines(graph, capfd) -> None:
     node = graph.add(lambda **kwargs: Node("flooded", **kwargs))
     diagnostics = Diagnostics(node)
     for i in range(5000):

@@ -1,7 +1,6 @@
 """The executor goes on when a request cannot be understood, whichever way it came upon it."""
 
 import threading
-from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
@@ -21,14 +20,7 @@ from lockstep.node.executor import make_executor
 from lockstep.node.fast_executor import LockstepExecutor
 from lockstep.plain import VARIABLE
 from lockstep.wire.qos import LOCKSTEP_QOS
-from tests.node_harness import Graph, ros_graph
-
-
-@pytest.fixture
-def graph() -> Iterator[Graph]:
-    """Yield a domain of the test's own."""
-    with ros_graph() as graph:
-        yield graph
+from tests.node_harness import Graph
 
 
 @pytest.mark.parametrize("way", ["spin", "spin_once"])
@@ -133,11 +125,7 @@ def test_the_environment_asks_for_rclpys_own(graph: Graph, monkeypatch: pytest.M
     [(Client, "get_pending_request"), (Future, "_set_executor"), (Node, "guards")],
 )
 def test_another_rclpy_is_met_with_its_own_executor_and_a_warning(
-    graph: Graph,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
-    owner: type,
-    name: str,
+    graph, monkeypatch, capfd, owner, name
 ) -> None:
     names = executor_module._PRIVATE_NAMES | {owner: (f"{name}_of_another_version",)}
     monkeypatch.setattr(executor_module, "_PRIVATE_NAMES", names)

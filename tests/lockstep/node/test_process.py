@@ -39,9 +39,7 @@ def test_a_refused_parameter_is_bad_input_in_one_line(capsys: pytest.CaptureFixt
 
 
 @pytest.mark.parametrize("name", ["1st", "a b", ""])
-def test_a_name_that_ros_refuses_is_bad_input(
-    name: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_name_that_ros_refuses_is_bad_input(name, capsys) -> None:
     assert run_node(lambda: Node(name), []) == EXIT_BAD_INPUT
     assert capsys.readouterr().err.startswith("error: Invalid node name: ")
     assert not rclpy.ok()
@@ -63,17 +61,13 @@ def test_a_parameter_of_a_wrong_type_is_bad_input(capsys: pytest.CaptureFixture[
         (["--speed"], "unknown argument --speed: expected --ros-args"),
     ],
 )
-def test_arguments_that_cannot_be_read_are_bad_input(
-    arguments: list[str], error: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_arguments_that_cannot_be_read_are_bad_input(arguments, error, capsys) -> None:
     assert run_node(pytest.fail, arguments) == EXIT_BAD_INPUT
     (line,) = [line for line in capsys.readouterr().err.splitlines() if line.startswith("error: ")]
     assert re.match(f"error: {error}", line)
 
 
-def test_a_domain_that_there_cannot_be_is_bad_input(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_domain_that_there_cannot_be_is_bad_input(monkeypatch, capsys) -> None:
     monkeypatch.setenv("ROS_DOMAIN_ID", "233")
     assert run_node(pytest.fail, []) == EXIT_BAD_INPUT
     expected = "error: ROS_DOMAIN_ID: expected a whole number 0 to 232, got '233'\n"
@@ -81,9 +75,7 @@ def test_a_domain_that_there_cannot_be_is_bad_input(
 
 
 @pytest.mark.parametrize("message", FAULTS)
-def test_what_fails_while_the_node_is_made_is_a_fault(
-    message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_fails_while_the_node_is_made_is_a_fault(message, capsys) -> None:
     with pytest.raises(rclpy_implementation.RCLError) as raised:
         run_node(failing(rclpy_implementation.RCLError(message)), [])
     assert str(raised.value) == message

@@ -2,7 +2,6 @@
 
 import math
 import sys
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,15 +16,8 @@ from lockstep.configuration import flatten
 from lockstep.node.ros_parameters import declare_config
 from lockstep.settings import check_settings, setting
 from sparse_coder.config import SparseCoderConfig
-from tests.node_harness import Graph, ros_graph
+from tests.node_harness import Graph
 from vergence_rl.config import VergenceRlConfig
-
-
-@pytest.fixture
-def graph() -> Iterator[Graph]:
-    """Yield a domain of the test's own."""
-    with ros_graph() as graph:
-        yield graph
 
 
 @dataclass(frozen=True)

@@ -71,9 +71,7 @@ def test_a_port_whose_lock_is_held_stays_with_one_error(tmp_path: Path) -> None:
     assert list(unfinished_ports(tmp_path)) == [port]
 
 
-def test_a_port_that_cannot_be_removed_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_port_that_cannot_be_removed_is_named(tmp_path, monkeypatch) -> None:
     port = tmp_path / "fastrtps_port7000"
     _make(port, 0)
 

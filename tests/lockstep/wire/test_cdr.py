@@ -21,9 +21,7 @@ STORE = get_typestore(Stores.ROS2_JAZZY)
 
 @pytest.mark.parametrize("n_names", [1, 2, 5, 12])
 @pytest.mark.parametrize("has", [*itertools.product((0, 1), repeat=2)])
-def test_no_byte_of_a_vector_is_there_that_no_reader_expects(
-    n_names: int, has: tuple[int, int]
-) -> None:
+def test_no_byte_of_a_vector_is_there_that_no_reader_expects(n_names, has) -> None:
     names = [f"{'x' * i}{i}" for i in range(n_names)]
     parts = [np.ones(n_names * there) for there in (1, *has)]
     header = STORE.types["std_msgs/msg/Header"](

@@ -91,9 +91,7 @@ def test_numbers_travel_bit_for_bit_and_stay(make: Callable[[Any], Writer]) -> N
 
 
 @pytest.mark.parametrize("has", [*itertools.product((False, True), repeat=3)])
-def test_vectors_are_read_alike_and_deserialized_once(
-    learned: mock.Mock, has: tuple[bool, ...]
-) -> None:
+def test_vectors_are_read_alike_and_deserialized_once(learned, has) -> None:
     plain, fast = plain_reader(JointState, "vector"), FastReader(JointState, "vector")
     for stamp_ns in STAMPS_NS:
         data = serialized(vector(stamp_ns, has))

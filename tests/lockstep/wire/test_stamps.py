@@ -20,11 +20,6 @@ def test_there_and_back(stamp_ns: int) -> None:
     assert checked_stamp(time.sec, time.nanosec) == stamp_ns
 
 
-def test_the_parts_of_a_time() -> None:
-    time = to_time(3_000_000_007)
-    assert (time.sec, time.nanosec) == (3, 7)
-
-
 def test_the_last_stamp_fits_a_time() -> None:
     time = to_time(MAX_STAMP_NS)
     assert checked_stamp(time.sec, time.nanosec) == MAX_STAMP_NS

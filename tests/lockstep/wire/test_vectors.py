@@ -40,12 +40,6 @@ def test_values_come_in_the_order_asked_for_and_others_are_ignored() -> None:
     assert values_of(message, ("a", "b"), "t").tolist() == [1.0, 2.0]
 
 
-def test_values_are_a_copy() -> None:
-    message = _message(["a"], position=[1.0])
-    values_of(message, ("a",), "t")[0] = 5.0
-    assert list(message.position) == [1.0]
-
-
 @pytest.mark.parametrize(
     ("message", "expected"),
     [

@@ -1,5 +1,3 @@
-import math
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -12,9 +10,7 @@ from vergence_rl.cacla.networks import ActorOutput, ActorWeights, actor
     ("delta", "variance", "n"),
     [(-0.1, 1.0, 0), (0.0, 1.0, 0), (1e-9, 1.0, 1), (1.0, 1.0, 1), (1.01, 1.0, 2), (0.5, 0.01, 5)],
 )
-def test_number_of_updates_is_the_surprise_in_standard_deviations(
-    delta: float, variance: float, n: int
-) -> None:
+def test_number_of_updates_is_the_surprise_in_standard_deviations(delta, variance, n) -> None:
     assert n_updates(delta, variance) == n
 
 
@@ -55,17 +51,6 @@ def test_step_is_down_the_gradient_of_the_squared_distance() -> None:
     got = actor_step(weights, state, actor(weights, state), executed, rate=0.1, shrinkage=0.0)
     np.testing.assert_allclose(got.hidden, weights.hidden - 0.1 * slopes(True), atol=1e-9)
     np.testing.assert_allclose(got.output, weights.output - 0.1 * slopes(False), atol=1e-9)
-
-
-def test_step_moves_the_action_towards_the_executed_one() -> None:
-    draw = np.random.default_rng(3)
-    weights = ActorWeights(draw.standard_normal((5, 4)), draw.standard_normal((2, 5)))
-    state, executed = draw.standard_normal(4), np.array([0.3, -0.2])
-    before = actor(weights, state)
-    after = actor(
-        actor_step(weights, state, before, executed, rate=0.01, shrinkage=0.0), state
-    ).action
-    assert math.dist(after, executed) < math.dist(before.action, executed)
 
 
 def test_weights_are_not_changed_in_place() -> None:

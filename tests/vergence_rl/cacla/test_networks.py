@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 
-from vergence_rl.cacla.networks import ActorWeights, actor, uniform_weights
+from vergence_rl.cacla.networks import ActorWeights, actor
 
 
 def test_actor_is_hand_computed() -> None:
@@ -13,10 +13,3 @@ def test_actor_is_hand_computed() -> None:
     medial = math.tanh(0.5) - math.tanh(0.5)
     np.testing.assert_allclose(got.activity, [math.tanh(0.5), -math.tanh(0.5)])
     np.testing.assert_allclose(got.action, [medial, -3.0 * math.tanh(0.5)], atol=1e-15)
-
-
-def test_initial_weights_fill_their_width() -> None:
-    weights = uniform_weights(np.random.default_rng(0), (50, 80), 0.09)
-    assert weights.shape == (50, 80)
-    assert 0.089 < weights.max() < 0.09
-    assert -0.09 < weights.min() < -0.089

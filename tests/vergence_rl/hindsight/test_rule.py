@@ -245,14 +245,6 @@ def test_a_bad_state_is_refused(name: str, message: str) -> None:
         agent.restore(agent.state() | {name: np.array(0.0)})
 
 
-def test_sums_that_are_no_numbers_never_become_an_answer() -> None:
-    agent = Agent(CONFIG)
-    train(agent, 0, 35)
-    vars(agent)["_rule"]._sums.products[...] = np.nan
-    with pytest.raises(DivergenceError, match="iteration 39: action is nan"):
-        train(agent, 35, 10)
-
-
 def test_rewards_that_run_away_end_learning() -> None:
     agent, (features, place, _) = Agent(CONFIG), experience(0)
     with pytest.raises(DivergenceError, match="iteration 0: value is 1000, expected 100 at most"):

@@ -37,18 +37,14 @@ TWELVE = """/**/eye_plant:
 
 
 @pytest.fixture
-def bag(
-    tmp_path: Path, vector_bytes: Callable[..., bytes], image_bytes: Callable[..., bytes]
-) -> Path:
+def bag(tmp_path, vector_bytes, image_bytes) -> Path:
     """Three episodes of 12 observations with pictures: a trial, a training episode, a trial."""
     muscles = dict(zip(HORIZONTAL_RECTI, (0.1, 0.05, 0.1, 0.05), strict=True))
     return _write(tmp_path / "bag", muscles, vector_bytes, image_bytes)
 
 
 @pytest.fixture
-def bag_of_twelve(
-    tmp_path: Path, vector_bytes: Callable[..., bytes], image_bytes: Callable[..., bytes]
-) -> Path:
+def bag_of_twelve(tmp_path, vector_bytes, image_bytes) -> Path:
     """The same with a command for each muscle."""
     muscles = {name: 0.01 * (1 + i) for i, name in enumerate(MUSCLE_NAMES)}
     return _write(tmp_path / "twelve", muscles, vector_bytes, image_bytes, configuration=TWELVE)
@@ -97,9 +93,7 @@ def _frames_of_mp4(file: Path) -> list[np.ndarray]:
         frames.append(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB))
 
 
-def test_the_muscles_are_read_once_however_many_scenes(
-    bag: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_muscles_are_read_once_however_many_scenes(bag, monkeypatch) -> None:
     read: list[str] = []
     vectors = Bag.vectors
 
@@ -177,9 +171,7 @@ def test_a_gif_is_half_as_wide_and_holds_the_last_of_each_scene(bag: Path) -> No
         ("nowhere/film.mp4", "cannot be written as a VP9 film"),
     ],
 )
-def test_a_file_that_cannot_be_is_one_error(
-    bag: Path, name: str, message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_file_that_cannot_be_is_one_error(bag, name, message, capsys) -> None:
     (bag.parent / "there.gif").touch()
     before = sorted(bag.parent.rglob("*"))
     assert main([str(bag), "--film", str(bag.parent / name)]) == 2
@@ -187,9 +179,7 @@ def test_a_file_that_cannot_be_is_one_error(
     assert sorted(bag.parent.rglob("*")) == before
 
 
-def test_a_bag_without_pictures_is_one_error(
-    make_bag: Callable[..., Path], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_bag_without_pictures_is_one_error(make_bag, capsys) -> None:
     bag = make_bag({"/ground_truth": (GROUND_TRUTH_NAMES, np.zeros((3, len(GROUND_TRUTH_NAMES))))})
     assert main([str(bag), "--film", str(bag.parent / "film.gif")]) == 2
     assert "expected pictures of both eyes, it has none" in capsys.readouterr().err

@@ -2,7 +2,7 @@
 
 import copy
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from matplotlib.text import Text
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.analysis.report.condition_figures import conditions_figure
 from experiment_manager.analysis.report.dictionary_figures import dictionary_figure
-from experiment_manager.analysis.report.groups import Group, groups_of
+from experiment_manager.analysis.report.groups import groups_of
 from experiment_manager.analysis.report.motor_space_figure import (
     MotorSpace,
     motor_space,
@@ -66,9 +66,7 @@ def test_long_names_of_groups_are_not_cut_off(runs: list[ReportedRun]) -> None:
 
 @pytest.mark.filterwarnings("error:constrained_layout")
 @pytest.mark.parametrize("drawn", [performance_figure, box_figure])
-def test_a_long_legend_leaves_a_figure_its_height(
-    drawn: Callable[[Sequence[Group]], Figure], runs: list[ReportedRun]
-) -> None:
+def test_a_long_legend_leaves_a_figure_its_height(drawn, runs) -> None:
     groups = [
         replace(groups_of(runs)[0], label=f"{i}, {'a long setting 0.123456789, ' * 2}")
         for i in range(40)
@@ -193,9 +191,7 @@ def test_encoding_is_binned_by_vergence_error(runs: list[ReportedRun]) -> None:
     assert after[at_deg == 0.0] < np.nanmin(before) - 0.1
 
 
-def test_there_is_no_encoding_of_too_few_observations(
-    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_there_is_no_encoding_of_too_few_observations(runs, monkeypatch) -> None:
     monkeypatch.setattr("experiment_manager.analysis.report.picture_figures._LEAST_PER_BIN", 10**6)
     assert encoding_figure(groups_of(runs)) is None
 
@@ -273,9 +269,7 @@ def test_each_atom_becomes_one_tile() -> None:
         dictionary_figure(np.zeros((3, 4)))
 
 
-def test_pictures_that_were_not_recorded_are_no_figure(
-    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_pictures_that_were_not_recorded_are_no_figure(runs, monkeypatch) -> None:
     run = runs[1].recorded
     assert run is not None
     monkeypatch.setattr(run.bag, "has", lambda topic: False)

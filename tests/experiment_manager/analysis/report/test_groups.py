@@ -25,9 +25,7 @@ def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[Repo
     assert len(groups[0].trials_at(130).trial) == 2 * 39
 
 
-def test_runs_with_other_settings_are_not_pooled(
-    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_runs_with_other_settings_are_not_pooled(runs, monkeypatch) -> None:
     run = runs[0]
     other = ReportedRun(run.directory)
     for own, free in (("seed: 1", "seed: 5"), ("commit: 0123abc", "commit: abc")):
@@ -46,9 +44,7 @@ def test_runs_with_other_settings_are_not_pooled(
     assert first.colour != second.colour
 
 
-def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(
-    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(runs, monkeypatch) -> None:
     run = runs[0]
     other = ReportedRun(run.directory)
     monkeypatch.setattr(
@@ -79,9 +75,7 @@ def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(
     ]
 
 
-def test_a_parameter_that_is_lacking_has_its_default(
-    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_parameter_that_is_lacking_has_its_default(runs, monkeypatch) -> None:
     run, other = runs[0], ReportedRun(runs[0].directory)
     text = configuration_text(configuration_of(request_of(arguments(["--model", "M"])), ""))
     line = "    camera.texture_mipmaps: true\n"
@@ -98,18 +92,14 @@ def test_a_parameter_that_is_lacking_has_its_default(
 
 
 @pytest.mark.parametrize("course", ["branched_at_iteration", "extended_from"])
-def test_a_run_of_another_course_is_not_pooled(
-    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch, course: str
-) -> None:
+def test_a_run_of_another_course_is_not_pooled(runs, monkeypatch, course) -> None:
     run, other = runs[0], ReportedRun(runs[0].directory)
     monkeypatch.setattr(other, "about", {**run.about, course: 100})
     first, second = groups_of([run, other])
     assert (first.name, second.name) == ("M", f"M, {course} 100")
 
 
-def test_a_run_without_its_last_test_does_not_hold_back_finished_ones(
-    runs: list[ReportedRun],
-) -> None:
+def test_a_run_without_its_last_test_does_not_hold_back_finished_ones(runs) -> None:
     run, m_c = runs
     other = ReportedRun(run.directory)
     other.summaries = run.summaries[:2]
