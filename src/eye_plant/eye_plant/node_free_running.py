@@ -83,9 +83,7 @@ class FreeRunning:
         try:
             values = values_of(message, message.name, "muscle_command")
             # Of two commands within a period, the second holds what the first has told.
-            self._targets = target_activations(
-                message.name, values, self._plant.oculomotor.muscle_names, self._targets
-            )
+            self._targets = target_activations(message.name, values, self._targets)
         except InputError as error:
             self._diagnostics.refuse(str(error))
 

@@ -113,9 +113,7 @@ class EyePlant:
                 f"muscle_command: expected {', '.join(space.names)}, as command_space "
                 f"{self.config.command_space} has, got {', '.join(names)}"
             )
-        return target_activations(
-            names, values, self.oculomotor.muscle_names, self._held_activations
-        )
+        return target_activations(names, values, self._held_activations)
 
     def execute(self, activations: np.ndarray) -> Observation:
         """Move the eyes for one control period towards the target activations (12,) in [0, 1].
