@@ -16,7 +16,7 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from lockstep.configuration import build
 from lockstep.errors import InputError
-from lockstep.node.interrupts import Interrupts
+from lockstep.machine.interrupts import Interrupts
 from lockstep.wire.stamps import period_ns, stamp_of
 from lockstep.wire.topics import TEST
 

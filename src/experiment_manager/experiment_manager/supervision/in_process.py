@@ -8,7 +8,7 @@ from experiment_manager.run.in_process import InProcessRun
 from experiment_manager.supervision.attempt import goes_on
 from lockstep.errors import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
-from lockstep.node.interrupts import Interrupts
+from lockstep.machine.interrupts import Interrupts
 
 
 def run_in_process(directory: Path) -> int:

@@ -12,7 +12,7 @@ import psutil
 from experiment_manager.supervision.domains import is_silent
 from experiment_manager.supervision.heartbeats import START_LIMIT_S, unfinished_text
 from lockstep.errors import InputError
-from lockstep.node.unfinished_ports import remove_unfinished_ports
+from lockstep.machine.unfinished_ports import remove_unfinished_ports
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 
 PUBLISHES = {

@@ -28,9 +28,9 @@ from lockstep.exit_codes import (
     EXIT_UNWRITABLE,
     FAULT_TEXT,
 )
-from lockstep.node.domain import given_domain
-from lockstep.node.interrupts import Interrupts
-from lockstep.node.unfinished_ports import remove_unfinished_ports
+from lockstep.machine.domain import given_domain
+from lockstep.machine.interrupts import Interrupts
+from lockstep.machine.unfinished_ports import remove_unfinished_ports
 
 # For nodes elsewhere, in s: a cut shorter than this is not told from a hang. Longer than Fast DDS
 # goes on to count somebody whom it does not hear, 20 s.
