@@ -16,8 +16,8 @@ from experiment_manager.bag.mcap_file import (
 )
 from experiment_manager.bag.metadata import (
     METADATA_FILE,
+    OFFERED_QOS,
     RUN_METADATA,
-    OfferedQos,
     Topic,
     bag_information,
     write_metadata,
@@ -129,7 +129,7 @@ def _rewrite_metadata(directory: Path) -> None:
                 channel.topic,
                 file.type_name(i),
                 channel.metadata.get("topic_type_hash", ""),
-                OfferedQos.parse(channel.metadata.get("offered_qos_profiles", "")),
+                channel.metadata.get("offered_qos_profiles") or OFFERED_QOS,
             )
     information = bag_information(
         list(topics.values()),

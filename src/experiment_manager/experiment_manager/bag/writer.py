@@ -18,13 +18,12 @@ from experiment_manager.bag.metadata import (
     CONFIGURATION_ATTACHMENT,
     RUN_METADATA,
     FileSummary,
-    OfferedQos,
     Topic,
     bag_information,
     write_metadata,
 )
 from experiment_manager.bag.stamp_buffer import Held, StampBuffer
-from lockstep.durable_files import sync_directory
+from lockstep.durable_files import is_free, sync_directory
 from lockstep.errors import InputError
 
 # Kept whatever their stamps.
@@ -77,7 +76,6 @@ class BagWriter:
                 name if name.startswith("/") else f"/{name}",
                 type_name,
                 message_definition(type_name).type_hash,
-                OfferedQos(),
             )
             for name, type_name in topics.items()
         }
@@ -280,7 +278,7 @@ class _OpenFile:
                 topic.name,
                 "cdr",
                 schemas[topic.type_name],
-                {"offered_qos_profiles": topic.qos.text(), "topic_type_hash": topic.type_hash},
+                {"offered_qos_profiles": topic.qos, "topic_type_hash": topic.type_hash},
             )
         return channels
 
@@ -311,7 +309,7 @@ class _OpenFile:
 
 
 def _make_new(directory: Path) -> None:
-    if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
+    if not is_free(directory):
         raise InputError(
             f"expected a new or empty directory for the bag, {directory} already holds something"
         )

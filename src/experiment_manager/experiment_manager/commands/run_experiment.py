@@ -30,10 +30,10 @@ from experiment_manager.run.config_file import (
     configuration_text,
     read_configuration,
 )
+from experiment_manager.run.in_process import run_in_process
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from experiment_manager.supervision.fork_server import ForkServer
 from experiment_manager.supervision.heartbeats import LISTENER
-from experiment_manager.supervision.in_process import run_in_process
 from experiment_manager.supervision.live_view import PACKAGE as LIVE_VIEW
 from experiment_manager.supervision.node_neighbours import refuse_neighbours
 from experiment_manager.supervision.processes import PACKAGES
@@ -41,7 +41,7 @@ from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import count_missing, load_stimuli
 from lockstep.configuration import build
-from lockstep.durable_files import replace_file, why_unwritable
+from lockstep.durable_files import is_free, replace_file, why_unwritable
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
 
@@ -179,7 +179,7 @@ def check_old(directory: Path, request: RunRequest) -> None:
 
 
 def _refuse_used(directory: Path) -> None:
-    if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
+    if not is_free(directory):
         raise InputError(
             f"{directory}: expected a new or empty directory, it already holds something; "
             f"--resume {directory} goes on with a run"

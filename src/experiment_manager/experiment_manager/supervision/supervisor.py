@@ -8,8 +8,8 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
 from experiment_manager.live.address import Address
+from experiment_manager.run.attempt import goes_on, place_of
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
-from experiment_manager.supervision.attempt import goes_on, place_of
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
 from experiment_manager.supervision.fork_server import ForkServer
 from experiment_manager.supervision.heartbeats import Heartbeats
