@@ -71,14 +71,7 @@ class BagWriter:
         self._directory = Path(directory)
         self._metadata = dict(metadata)
         self._configuration = configuration or yaml.safe_dump(self._metadata)
-        self._topics = {
-            name: Topic(
-                name if name.startswith("/") else f"/{name}",
-                type_name,
-                message_definition(type_name).type_hash,
-            )
-            for name, type_name in topics.items()
-        }
+        self._topics = {name: _topic(name, type_name) for name, type_name in topics.items()}
         self._flush_period_s = flush_period_s
         self._last_stamp_ns = dict.fromkeys(topics, -1)
         self._buffer = StampBuffer(topics)
@@ -306,6 +299,11 @@ class _OpenFile:
         # Closing writes the rest of the buffer, and may fail for the reason that was raised before.
         with contextlib.suppress(OSError):
             self._stream.close()
+
+
+def _topic(name: str, type_name: str) -> Topic:
+    full_name = name if name.startswith("/") else f"/{name}"
+    return Topic(full_name, type_name, message_definition(type_name).type_hash)
 
 
 def _make_new(directory: Path) -> None:

@@ -49,9 +49,12 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
         if isinstance(error, _OF_NAMES_AND_PARAMETERS):
             return _refused(error)
         raise
-
     share_two_cores(getattr(node, "core_of_two", 0), gives_way=getattr(node, "gives_way", False))
+    _listen_to_signals(node)
+    return _spin(node)
 
+
+def _listen_to_signals(node: Node) -> None:
     def on_signal(number: int, frame: FrameType | None) -> None:
         # Python runs this between two bytecodes: the 1 Hz diagnostics wake an idle executor.
         interrupt = getattr(node, "interrupt", None)
@@ -62,6 +65,10 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
 
     signal.signal(signal.SIGINT, on_signal)
     signal.signal(signal.SIGTERM, on_signal)
+
+
+def _spin(node: Node) -> int:
+    """Serve the node until it ends, and destroy it; return its exit code."""
     executor = make_executor()
     executor.add_node(node)
     try:
