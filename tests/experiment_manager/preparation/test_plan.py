@@ -32,8 +32,8 @@ def test_one_test_is_one() -> None:
 
 def test_a_run_that_goes_on_says_what_is_left() -> None:
     # Two tests of 39 trials, and between them 1,000 episodes of 10 iterations.
-    line = ("--profile", "demonstration", "--iterations", "10000", "--tests", "0")
-    line += ("--test-stimuli", "1")
+    words = "--profile demonstration --iterations 10000 --tests 0 --test-stimuli 1"
+    line = words.split()
     done = "left: 10,000 of 10,000 training iterations, and 820 in 41 trials of tests: "
     assert _plan(*line, place=37)[0] == done + "together about 43 seconds at 250 iterations/s"
     done = "left: 9,990 of 10,000 training iterations, and 780 in 39 trials of tests: "
@@ -49,18 +49,18 @@ def test_how_the_pictures_are_got(pictures: Path, tmp_path: Path) -> None:
     assert preparation(StimuliConfig(directory=str(pictures))) == (
         f"reading the pictures of {pictures}"
     )
-    cache = {"cache_directory": str(tmp_path)}
-    assert preparation(StimuliConfig(**cache, n_training=100, n_test=40)) == (
+    cache = str(tmp_path)
+    assert preparation(StimuliConfig(cache_directory=cache, n_training=100, n_test=40)) == (
         "generating 140 stimuli, which are kept for later runs (about 60 seconds)"
     )
-    assert preparation(StimuliConfig(**cache, n_training=1000, n_test=400)) == (
+    assert preparation(StimuliConfig(cache_directory=cache, n_training=1000, n_test=400)) == (
         "generating 1,400 stimuli, which are kept for later runs (about 10 minutes)"
     )
-    two = StimuliConfig(**cache, size_px=64, n_training=1, n_test=1)
+    two = StimuliConfig(cache_directory=cache, size_px=64, n_training=1, n_test=1)
     assert preparation(two) == "generating 2 stimuli, which are kept for later runs (some seconds)"
     load_stimuli(two)
     assert preparation(two) == ""
-    three = StimuliConfig(**cache, size_px=64, n_training=2, n_test=1)
+    three = StimuliConfig(cache_directory=cache, size_px=64, n_training=2, n_test=1)
     assert preparation(three) == (
         "generating 1 stimulus, which is kept for later runs (some seconds)"
     )
