@@ -27,19 +27,19 @@ class HindsightConfig:
         "whether the noise takes the covariance of what the regression leaves, and commands come as"
         " near their limits as it measures; otherwise the noise stays as it began (D16)",
     )
-    scatter_until: tuple[float, ...] = setting(
+    selected_until: tuple[float, ...] = setting(
         (0.0, 0.0),
-        "shares of training from and to which the scatter of the places that count in a target"
-        " vanishes from the noise, whose covariance it is added to (D20)",
+        "shares of training until and from which the noise has the covariance of the noise that led"
+        " to the best places, and of the residuals; in between of both (D20)",
         least=0,
         most=1,
         is_interval=True,
     )
-    temperature: float = setting(
-        0.0,
-        "how far below the largest reward of an episode, in standard deviations of its rewards, a"
-        " place counts 1 / e in the mean that is the target; 0: the best place alone is it (D20)",
-        least=0,
+    n_best: int = setting(
+        1,
+        "number of the best places of an episode whose mean, weighted by rank, is the target; 1:"
+        " the best place alone (D20)",
+        least=1,
     )
     target_scale: float = setting(
         0.005,
@@ -72,10 +72,8 @@ class HindsightConfig:
     def __post_init__(self) -> None:
         """Refuse values out of range."""
         check_settings(self)
-        if any(self.scatter_until) and not self.temperature:
-            raise InputError(
-                "scatter_until: expected a temperature above 0, whose places scatter, got 0"
-            )
+        if any(self.selected_until) and self.n_best == 1:
+            raise InputError("selected_until: expected [0, 0] where n_best is 1, got other shares")
 
     def check_fits(self, iterations_per_episode: int) -> None:
         """Raise InputError unless whole episodes of two iterations or more fit a period."""
@@ -83,6 +81,11 @@ class HindsightConfig:
             raise InputError(
                 "iterations_per_episode: expected 2 or more, whose rewards hindsight regression "
                 f"compares, got {iterations_per_episode}"
+            )
+        if not self.n_best < iterations_per_episode:
+            raise InputError(
+                f"hindsight.n_best: expected less than {iterations_per_episode} (iterations per "
+                f"episode), got {self.n_best}"
             )
         if self.regression_period % iterations_per_episode:
             raise InputError(
