@@ -39,10 +39,6 @@ from vergence_rl.config import VergenceRlConfig
             {"learning_rule": "hindsight", "iterations_per_episode": 1},
             "iterations_per_episode: expected 2 or more, whose rewards",
         ),
-        (
-            {"hindsight.selected_until": (0.5, 0.8)},
-            r"selected_until: expected \[0, 0\] where n_best is 1, got other shares",
-        ),
     ],
 )
 def test_bad_settings_are_refused(settings: dict[str, Any], message: str) -> None:

@@ -24,7 +24,7 @@ MEAN = dataclasses.replace(
     CONFIG,
     n_training_iterations=400,
     hindsight=dataclasses.replace(
-        CONFIG.hindsight, n_best=3, selected_until=(0.25, 0.75), ridge_visits=30.0
+        CONFIG.hindsight, n_best=3, noise_narrows=(0.25, 0.75), ridge_visits=30.0
     ),
 )
 HIGHEST = np.array([0.2, 0.1])
@@ -69,9 +69,8 @@ class SlowRule:
             self.kept.append((state, aim - place, weight))
         if n_seen % 20 == 0:
             self.solve(0.01 + self.config.hindsight.ridge_visits / memory)
-            done = n_seen / self.config.n_training_iterations
-            share = min(1.0, max(0.0, (0.75 - done) / 0.5)) if is_mean else 0.0
-            self.covariance = share * self.selected + (1.0 - share) * self.covariance
+            if is_mean:
+                self.covariance = self.selected
 
     def mean(self, share: float) -> Floats:
         n_best = self.config.hindsight.n_best
@@ -148,7 +147,10 @@ def test_agrees_with_a_slow_rule_that_keeps_all_visits(config: VergenceRlConfig)
         slow.learn(state, place, reward, now % 5, now)
         noise = generator(1, "exploration", now).normal(0.0, 1.0, 2)
         slow.noise = root_of(slow.covariance) @ noise
-        action = slow.actor @ state + slow.noise
+        width = 1.0
+        if config is MEAN:  # from 1 to 0.1 between a quarter and three quarters of 400
+            width = min(1.0, max(0.1, 1.0 - 0.9 * (now - 100) / 200))
+        action = slow.actor @ state + width * slow.noise
         slow.asked = place + action
         np.testing.assert_allclose(got.action, action, rtol=1e-6, atol=1e-9)
         wanted = place + action

@@ -27,18 +27,17 @@ class HindsightConfig:
         "whether the noise takes the covariance of what the regression leaves, and commands come as"
         " near their limits as it measures; otherwise the noise stays as it began (D16)",
     )
-    selected_until: tuple[float, ...] = setting(
-        (0.0, 0.0),
-        "shares of training until and from which the noise has the covariance of the noise that led"
-        " to the best places, and of the residuals; in between of both (D20)",
+    noise_narrows: tuple[float, ...] = setting(
+        (1.0, 1.0),
+        "shares of training from and to which the noise narrows to a tenth of its width (D20)",
         least=0,
         most=1,
         is_interval=True,
     )
     n_best: int = setting(
         1,
-        "number of the best places of an episode whose mean, weighted by rank, is the target; 1:"
-        " the best place alone (D20)",
+        "number of the best places of an episode whose mean, weighted by rank, is the target, and"
+        " whose noise is tried again; 1: the best place alone (D20)",
         least=1,
     )
     target_scale: float = setting(
@@ -72,8 +71,6 @@ class HindsightConfig:
     def __post_init__(self) -> None:
         """Refuse values out of range."""
         check_settings(self)
-        if any(self.selected_until) and self.n_best == 1:
-            raise InputError("selected_until: expected [0, 0] where n_best is 1, got other shares")
 
     def check_fits(self, iterations_per_episode: int) -> None:
         """Raise InputError unless whole episodes of two iterations or more fit a period."""

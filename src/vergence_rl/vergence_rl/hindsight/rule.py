@@ -24,13 +24,17 @@ from vergence_rl.hindsight.regression import (
 from vergence_rl.learning_rule import Decision, Floats, Observation, Task
 from vergence_rl.td import td_variance
 
+# Narrower noise finds out nothing more; wider noise is cut off at the limits of silent muscles, so
+# that its mean is not 0, which the actor learns to make up for.
+_LEAST_WIDTH = 0.1
+
 
 @dataclass(frozen=True)
 class _Visit:
     """One place of an episode.
 
     asked: (n_muscles,) activations that led to it, before the limits; at the episode's start its
-    own. noise: (n_muscles,) their exploration.
+    own. noise: (n_muscles,) their exploration, before it was narrowed.
     """
 
     seen: Observation
@@ -78,7 +82,7 @@ class HindsightRule:
         self._noise = np.zeros_like(action)
         if draw is not None:
             self._noise = root_of(self._covariance) @ draw.normal(0.0, 1.0, len(action))
-            action = action + self._noise
+            action = action + self._width(observation.training_iteration) * self._noise
         self._asked = observation.activations + action
         return Decision(
             within_limits(self._asked, self._covariance, *self._limits),
@@ -171,7 +175,11 @@ class HindsightRule:
             ridge_share = config.ridge_share + config.ridge_visits / self._memory(n_seen)
             self._weights = regressed_actor(self._sums, ridge_share)
             if config.exploration_follows_residuals:
-                self._covariance = self._next_covariance(n_seen)
+                self._covariance = (
+                    residual_covariance(self._sums, self._weights)
+                    if config.n_best == 1
+                    else self._selected.copy()
+                )
 
     def _mean_of_best(self, order: NDArray[np.intp], kept: float) -> Floats:
         """Return the mean (n_muscles,) of the best places by rank, and note which noise led there.
@@ -188,12 +196,10 @@ class HindsightRule:
         aim: Floats = weights @ asked
         return aim
 
-    def _next_covariance(self, n_seen: int) -> Floats:
-        """Return the noise's covariance: of the noise that was best, later of the residuals."""
-        residual = residual_covariance(self._sums, self._weights)
+    def _width(self, n_seen: int) -> float:
+        """Return the noise's width, of that of its covariance."""
         done = n_seen / self._task.n_training_iterations
-        share = float(np.interp(done, self._config.selected_until, (1.0, 0.0)))
-        return residual + share * (self._selected - residual) if share else residual
+        return float(np.interp(done, self._config.noise_narrows, (1.0, _LEAST_WIDTH)))
 
     def _kept_share(self, n_seen: int) -> float:
         return kept_share(self._task.iterations_per_episode, self._memory(n_seen))
