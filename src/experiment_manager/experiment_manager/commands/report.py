@@ -12,7 +12,7 @@ from experiment_manager.analysis.rearing.page import write_rearing_page
 from experiment_manager.analysis.report import page as report_page
 from experiment_manager.analysis.report.drawings import drawings
 from experiment_manager.analysis.report.groups import Group, groups_of, held_back
-from experiment_manager.analysis.report.performance_figures import FIGURES, STYLE, save
+from experiment_manager.analysis.report.performance_figures import FIGURES
 from experiment_manager.analysis.report.reported_run import ReportedRun, runs_below
 from experiment_manager.analysis.report.tables import (
     antagonists_table,
@@ -29,6 +29,7 @@ from lockstep.command_line import CommandLine
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
+from lockstep.figures import STYLE, save
 
 REPORT_FILE = "report.html"
 _ABOUT_PAIR = (
