@@ -3,6 +3,7 @@
 from itertools import combinations
 from unittest import mock
 
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -12,7 +13,7 @@ from lockstep.figures import SMALLEST_PT, WIDTH_IN
 def drawn_texts(figure: Figure) -> list[Text]:
     """Draw a figure; return its texts that can be seen."""
     with mock.patch.object(Text, "draw", autospec=True, side_effect=Text.draw) as draw:
-        figure.canvas.draw()
+        FigureCanvasAgg(figure).draw()
     texts = {id(call.args[0]): call.args[0] for call in draw.call_args_list}
     return [text for text in texts.values() if text.get_visible() and text.get_text().strip()]
 

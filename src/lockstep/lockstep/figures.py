@@ -44,7 +44,7 @@ STYLE: dict[str, Any] = {
 
 _STEPS = (1.0, 2.0, 5.0)
 # Inches of a figure's height that a legend may take.
-_LEGEND_HEIGHT_IN = 1.5
+_LEGEND_HEIGHT_IN = 0.5
 # Characters of a line of a legend.
 _LONGEST_LINE = 60
 

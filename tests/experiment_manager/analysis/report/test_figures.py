@@ -196,7 +196,7 @@ def test_encoding_is_binned_by_vergence_error(runs: list[ReportedRun]) -> None:
     figure = encoding_figure(groups_of(runs[:1]))
     assert figure is not None
     (axes,) = figure.axes
-    before, after = (np.asarray(line.get_ydata()) for line in axes.lines)
+    before, after = (np.asarray(line.get_ydata()) for line in axes.lines[:2])
     at_deg = np.asarray(axes.lines[1].get_xdata())
     assert runs[0].recorded is not None
     test = runs[0].recorded.tests[-1]

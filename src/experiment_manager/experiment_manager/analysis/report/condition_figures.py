@@ -17,7 +17,7 @@ from lockstep.figures import LIGHT_GREY, SMALLEST_PT, panel_grid, title_panels
 _REACH = 16.0
 _DARK = 6.0
 _N_COLUMNS = 2
-_LONGEST_TITLE_LINE = 40  # characters
+_LONGEST_TITLE_LINE = 44  # characters
 
 
 def conditions_figure(groups: Sequence[Group]) -> Figure:

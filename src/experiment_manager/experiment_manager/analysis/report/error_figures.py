@@ -13,6 +13,7 @@ from experiment_manager.analysis.report.performance_figures import (
     QUARTILES,
     draw_band,
     draw_quartiles,
+    place_of,
     px_deg_of,
     scale_errors,
 )
@@ -35,14 +36,16 @@ def errors_figure(groups: Sequence[Group]) -> Figure:
     figure = new_figure(WIDTH_IN, 5.2)
     rows = figure.subplots(2, len(_ERRORS), sharex="row", sharey="all")
     for during, over, name in zip(*rows, _ERRORS, strict=True):
-        for group in groups:
+        for i, group in enumerate(groups):
             draw_band(during, *_over_a_trial(group, name), group.colour, marker=group.marker, ms=3)
-            draw_quartiles(over, *_over_training(group, name), group.colour, group.marker)
+            draw_quartiles(over, *_over_training(group, name), group, place_of(i, groups))
         during.set_xlabel("iteration of the trial")
         over.set_xlabel("training iterations")
         over.xaxis.set_major_formatter(mpl.ticker.EngFormatter(sep=""))
-    for axes in rows.ravel():
-        scale_errors(axes, px_deg_of(groups))
+    for axes, name in zip(rows.ravel(), [*_ERRORS, *_ERRORS], strict=True):
+        # Pixels do not measure torsion.
+        is_of_pixels = name != "cyclovergence_error_deg"
+        scale_errors(axes, px_deg_of(groups), has_pixel=is_of_pixels)
     for axes in rows[:, 0]:
         axes.set_ylabel("|error| / deg")
     _scale_trial(rows[0, 0])

@@ -26,6 +26,8 @@ _ENDS: dict[str, dict[str, Any]] = {
     "M": {"marker": "o", "ms": 8, "mfc": "white"},
     "M_C": {"marker": "D", "ms": 4},
 }
+# Labels of contours keep a tenth of each axis from its ends, and are so near to their level.
+_MARGIN, _NEAR_W = 10, 0.02
 _COST_COLOUR = "0.65"
 _MEDIAL_LIMIT, _LATERAL_LIMIT = HIGHEST_ACTIVATIONS
 
@@ -89,7 +91,7 @@ def motor_space_figure(space: MotorSpace, groups: Sequence[Group]) -> Figure:
 
 def _handles(groups: Sequence[Group], criteria: Criteria) -> list[Line2D]:
     ends = [
-        Line2D([], [], color=group.colour, label=f"{group.label}, end", **_end(group))
+        Line2D([], [], color=group.colour, label=f"{group.label}: path and end", **_end(group))
         for group in groups
     ]
     return [
@@ -112,11 +114,12 @@ def _draw_maps(axes: Axes, space: MotorSpace, distance_m: float, criteria: Crite
     cost = axes.contour(
         *plane, space.metabolic_rate_w, 8, colors=_COST_COLOUR, linewidths=0.8, zorder=1
     )
-    axes.clabel(cost, fmt="%g", fontsize=SMALLEST_PT)
     # The cost does not fall below this activation, so there its contours turn.
     for draw in (axes.axhline, axes.axvline):
         draw(criteria.silent_activation, ls=":", lw=1.0, color=GREEN)
     desired_deg = desired_vergence_deg(distance_m, space.baseline_m)
+    places = _label_places(space, cost.levels, desired_deg)
+    axes.clabel(cost, fmt="%g", fontsize=SMALLEST_PT, manual=places)
     axes.contour(
         *plane,
         space.vergence_deg,
@@ -125,6 +128,23 @@ def _draw_maps(axes: Axes, space: MotorSpace, distance_m: float, criteria: Crite
         linestyles=["dashed", "solid", "dashed"],
         linewidths=[0.8, 1.4, 0.8],
     )
+
+
+def _label_places(
+    space: MotorSpace, levels_w: Sequence[float], desired_deg: float
+) -> list[tuple[float, float]]:
+    """Return where on the contours there is room for a label: far from the line of gaze."""
+    off_deg = np.abs(space.vergence_deg - desired_deg)
+    inner = np.zeros_like(off_deg, dtype=bool)
+    m, n = (size // _MARGIN for size in inner.shape)
+    inner[m:-m, n:-n] = True
+    places = []
+    for level_w in levels_w:
+        is_on = np.isclose(space.metabolic_rate_w, level_w, atol=_NEAR_W) & inner
+        if is_on.any():
+            i, j = np.unravel_index(np.where(is_on, off_deg, -1.0).argmax(), off_deg.shape)
+            places.append((float(space.lateral[j]), float(space.medial[i])))
+    return places
 
 
 def _draw_paths(

@@ -70,7 +70,7 @@ def performance_figure(groups: Sequence[Group], training: TrainingCurve | None =
             draw_band(axes, training.iteration, quartiles, GREY, lw=1.0)
         handles.append(Line2D([], [], color=GREY, lw=1.0, label="ends of training episodes"))
     for i, group in enumerate(groups):
-        place = i - (len(groups) - 1) / 2
+        place = place_of(i, groups)
         _draw_tests(
             errors, group, final_errors_deg, lambda t: t.median_abs_vergence_error_deg, place
         )
@@ -85,6 +85,11 @@ def performance_figure(groups: Sequence[Group], training: TrainingCurve | None =
     title_panels((errors, deltas), ("vergence error", "metabolic rate above the least possible"))
     legend_below(figure, handles)
     return figure
+
+
+def place_of(i: int, groups: Sequence[Group]) -> float:
+    """Return how many points beside an iteration the i-th group's point stands."""
+    return i - (len(groups) - 1) / 2
 
 
 def final_errors_deg(trials: Trials) -> np.ndarray:
@@ -110,8 +115,7 @@ def _draw_tests(
 ) -> None:
     """Draw a measure over the tests: pooled median and quartiles, and each seed's median.
 
-    place: how many points beside the iteration, where points are not joined. Without trials the
-    medians over seeds, without quartiles.
+    Without trials the medians over seeds, without quartiles.
     """
     seeds = _of_seeds(group, measure)
     quartiles = np.tile(np.median(seeds, axis=0), (3, 1))
@@ -119,20 +123,23 @@ def _draw_tests(
         tests = [values(group.trials_at(n)) for n in group.iterations]
         quartiles = np.array([np.quantile(of_test, QUARTILES) for of_test in tests]).T
     at = np.array(group.iterations, dtype=float)
-    if len(at) < LEAST_JOINED:
-        at += place * _DODGE * group.common.n_iterations
-    draw_quartiles(axes, at, quartiles, group.colour, marker=group.marker)
+    draw_quartiles(axes, at, quartiles, group, place)
     for of_seed in seeds if len(seeds) > 1 and len(at) >= LEAST_JOINED else ():
         axes.plot(at, of_seed, color=group.colour, lw=0.6, alpha=0.7, zorder=1)
 
 
 def draw_quartiles(
-    axes: Axes, at: np.ndarray, quartiles: np.ndarray, colour: str, marker: str
-) -> Line2D:
-    """Draw quartiles (3, n): of many a line with a band, of few points with bars."""
+    axes: Axes, at: np.ndarray, quartiles: np.ndarray, group: Group, place: float
+) -> None:
+    """Draw quartiles (3, n) over training: of many tests a line with a band, of few points.
+
+    place: how many points beside the iteration, where points are not joined.
+    """
     if len(at) < LEAST_JOINED:
-        return draw_bars(axes, at, quartiles, colour, marker=marker)
-    return draw_band(axes, at, quartiles, colour, marker=marker, ms=3)
+        beside = at + place * _DODGE * group.common.n_iterations
+        draw_bars(axes, beside, quartiles, group.colour, marker=group.marker)
+    else:
+        draw_band(axes, at, quartiles, group.colour, marker=group.marker, ms=3)
 
 
 def draw_band(
@@ -165,14 +172,15 @@ def px_deg_of(groups: Sequence[Group]) -> float:
     return groups[0].last_criteria.px_deg
 
 
-def scale_errors(axes: Axes, px_deg: float) -> None:
+def scale_errors(axes: Axes, px_deg: float, *, has_pixel: bool = True) -> None:
     """Draw errors in deg to a logarithmic scale, with a line at 1 px."""
     axes.set_yscale("log")
     low, high = axes.get_ylim()
     if low < _LEAST_PX * px_deg < high:
         axes.set_ylim(_LEAST_PX * px_deg, high)
     label_decades(axes)
-    mark_level(axes, px_deg, "1 px")
+    if has_pixel:
+        mark_level(axes, px_deg, "1 px")
 
 
 def box_figure(groups: Sequence[Group]) -> Figure:
@@ -188,7 +196,7 @@ def box_figure(groups: Sequence[Group]) -> Figure:
     places = np.arange(len(shown)) + 0.5 * (np.diff(shown, prepend=0) > 1)
     width = 0.7 / len(groups)
     for i, (group, trials) in enumerate(zip(groups, last, strict=True)):
-        at = places + (i - (len(groups) - 1) / 2) * width
+        at = places + place_of(i, groups) * width
         errors_deg = [np.abs(trials.vergence_error_deg[:, k]) for k in shown]
         _draw_boxes(errors, errors_deg, at, width, group.colour)
         shares = [100 * trials.cost_reduction(k) for k in shown]

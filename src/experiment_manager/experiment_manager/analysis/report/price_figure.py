@@ -97,7 +97,7 @@ def _draw(axes: Axes, groups: Sequence[Group], values: Values) -> None:
     axes.set_xscale("log")
     axes.set_xlabel(r"price of energy $\lambda$ / (1/W)")
     steps = [step * 10.0**decade for decade in range(-6, 4) for step in (1, 3)]
-    ticks = [step for step in steps if weights[paid].min() <= step <= weights.max()]
+    ticks = [step for step in steps if weights[paid].min() <= step <= 1.001 * weights.max()]
     is_there = [zero] if not paid.all() else []
     axes.set_xticks(is_there + ticks, ["0"] * len(is_there) + [f"{tick:g}" for tick in ticks])
     axes.xaxis.set_minor_locator(mpl.ticker.NullLocator())
