@@ -24,7 +24,7 @@ def assert_readable(figure: Figure) -> None:
     boxes = [(text, text.get_window_extent()) for text in drawn_texts(figure)]
     assert boxes
     for text, box in boxes:
-        assert text.get_fontsize() >= SMALLEST_PT, f"too small: {text.get_text()}"
+        assert float(text.get_fontsize()) >= SMALLEST_PT, f"too small: {text.get_text()}"
         is_whole = box.x0 > -1 and box.y0 > -1
         is_whole &= box.x1 < figure.bbox.x1 + 1 and box.y1 < figure.bbox.y1 + 1
         assert is_whole, f"cut off: {text.get_text()}"

@@ -1,7 +1,7 @@
 """K17 Fig. 4: gaze and metabolic rate over the plane of the two horizontal recti, with paths."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -131,7 +131,7 @@ def _draw_maps(axes: Axes, space: MotorSpace, distance_m: float, criteria: Crite
 
 
 def _label_places(
-    space: MotorSpace, levels_w: Sequence[float], desired_deg: float
+    space: MotorSpace, levels_w: Iterable[float], desired_deg: float
 ) -> list[tuple[float, float]]:
     """Return where on the contours there is room for a label: far from the line of gaze."""
     off_deg = np.abs(space.vergence_deg - desired_deg)
