@@ -13,8 +13,9 @@ import pytest
 
 from experiment_manager.bag.reader import Bag
 from experiment_manager.supervision.processes import PACKAGES
-from tests.graph_harness import PATIENCE_S, write_configuration
+from tests.graph_harness import write_configuration
 from tests.loop_contract import assert_as_the_loop, run_line
+from tests.patience import PATIENCE_S
 from tests.stress.clock_jumps import jumping_clock
 from tests.stress.supervised_run import SupervisedRun, is_intact, n_messages, stamp_faults
 from tests.supervisor import finished, start_supervisor
