@@ -359,7 +359,7 @@ def _slice(name: str, n: int, totals: Totals, options: argparse.Namespace) -> No
         directory.mkdir(parents=True)
         part = partial(_PARTS[name], directory, n, np.random.default_rng(seeds), seed)
         outcome = _outcome(name, part)
-    n_done = outcome.figures.get(_COUNTS[name], n)
+    n_done = outcome.figures.get(_COUNTS[name], 0)
     totals.add(name, n_done, outcome.figures, outcome.problems)
     print(f"{name}: {totals.of(name).n_done} done, {outcome.problems or 'all held'}", flush=True)
 
