@@ -84,7 +84,7 @@ def test_other_eyes_amid_an_episode_are_refused(shared: Bench) -> None:
     _refuses(
         shared,
         ask,
-        "reconfigure: expected between episodes, got amid one, at observation",
+        "reconfigure: expected between episodes, got during one, at observation",
     )
 
 
