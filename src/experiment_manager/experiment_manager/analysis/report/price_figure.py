@@ -95,7 +95,7 @@ def _draw(axes: Axes, groups: Sequence[Group], values: Values) -> None:
     paid = weights > 0
     axes.plot(places[paid], quartiles[1, paid], color=VERMILION, lw=0.8)
     axes.set_xscale("log")
-    axes.set_xlabel(r"price of energy $\lambda$ / (1/W)")
+    axes.set_xlabel(r"price $\lambda$ / (1/W)")
     steps = [step * 10.0**decade for decade in range(-6, 4) for step in (1, 3)]
     ticks = [step for step in steps if weights[paid].min() <= step <= 1.001 * weights.max()]
     is_there = [zero] if not paid.all() else []
