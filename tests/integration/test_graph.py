@@ -249,7 +249,7 @@ def test_a_directory_that_holds_a_run_is_refused(run: Path, pictures: Path) -> N
     before = sorted(run.rglob("*"))
     output = finished(start_supervisor([*small_run(pictures), "--out", str(run)]), code=2)
     assert output.count("error: ") == 1
-    assert f"{run}: expected a new or empty directory, it already holds something" in output
+    assert f"{run}: expected a new or empty directory, it is not empty" in output
     assert sorted(run.rglob("*")) == before
 
 

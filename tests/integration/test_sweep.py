@@ -13,8 +13,9 @@ import pytest
 import yaml
 
 from experiment_manager.sweep.sweep_file import read_sweep
+from tests.patience import PATIENCE_S
 from tests.stress.supervised_run import differences, stamp_faults
-from tests.supervisor import PATIENCE_S, finished
+from tests.supervisor import finished
 from tests.sweep_harness import (
     are_held_at_first_checkpoint,
     command_line,
@@ -99,7 +100,7 @@ def test_a_sweep_that_is_stopped_and_then_killed_goes_on(whole, sweep_file, tmp_
     for run in runs:
         _wait_for(sweep, partial(goes_on_interrupted, run))
     output = finished(sweep, code=130)
-    assert f"to go on: launch_scripts/sweep.sh {directory}\n" in output
+    assert f"to continue: launch_scripts/sweep.sh {directory}\n" in output
     assert "1 waiting" in output
     assert not [*directory.glob("*/results.json")]
     status = finished(start_sweep(directory, "--status"))
@@ -165,8 +166,8 @@ def test_a_full_disk_in_one_run_leaves_the_others_alone(whole, sweep_file, tmp_p
 @pytest.mark.parametrize(
     ("make", "error"),
     [
-        (lambda d: (d / "sweep.yaml").write_text("axes: {seed: [7]}"), "it holds another"),
-        (lambda d: (d / "notes.txt").write_text("mine"), "it already holds something"),
+        (lambda d: (d / "sweep.yaml").write_text("axes: {seed: [7]}"), "it contains another"),
+        (lambda d: (d / "notes.txt").write_text("mine"), "it is not empty"),
     ],
 )
 def test_a_directory_that_holds_something_else_is_refused(sweep_file, tmp_path, make, error):

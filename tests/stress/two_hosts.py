@@ -13,8 +13,8 @@ from typing import Self
 
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN
 from lockstep.machine.own_process import die_with
+from tests.patience import PATIENCE_S
 
-_LIMIT_S = 30.0
 _PROFILE = Path(__file__).parents[2] / "src/lockstep/config/fastdds.xml"
 # As launch_scripts/environment.sh has it for graphs across machines.
 _VARIABLES = (
@@ -53,7 +53,11 @@ class Host:
     def run(self, *command: str) -> str:
         """Run a command to its end; return what it printed."""
         done = subprocess.run(
-            [*self._enter, *command], capture_output=True, text=True, check=False, timeout=_LIMIT_S
+            [*self._enter, *command],
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=PATIENCE_S,
         )
         if done.returncode:
             raise OSError(f"{' '.join(command)}: {done.stderr.strip()}")

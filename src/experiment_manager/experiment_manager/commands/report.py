@@ -12,7 +12,7 @@ from experiment_manager.analysis.rearing.page import write_rearing_page
 from experiment_manager.analysis.report import page as report_page
 from experiment_manager.analysis.report.drawings import drawings
 from experiment_manager.analysis.report.groups import Group, groups_of, held_back
-from experiment_manager.analysis.report.performance_figures import FIGURES, STYLE, save
+from experiment_manager.analysis.report.performance_figures import FIGURES
 from experiment_manager.analysis.report.reported_run import ReportedRun, runs_below
 from experiment_manager.analysis.report.tables import (
     antagonists_table,
@@ -24,11 +24,12 @@ from experiment_manager.analysis.report.tables import (
     runs_table,
     seeds_table,
 )
-from experiment_manager.run.lasting_output import make_standard_streams_last
+from experiment_manager.run.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
+from lockstep.figures import STYLE, save
 
 REPORT_FILE = "report.html"
 _ABOUT_PAIR = (
@@ -68,25 +69,23 @@ def _parser() -> argparse.ArgumentParser:
     parser = CommandLine(
         prog="report.sh",
         description="Draw the paper's figures and tables of runs into one report.html, from "
-        "results.json, trials.npz and checkpoints, and from bags where they are. Runs that differ "
-        "in their seed alone, or in it and the seed of their pictures, are pooled, as in K17.",
+        "results.json, trials.npz, checkpoints and, where they exist, bags. Runs that differ only "
+        "in their seed, or in it and the seed of their pictures, are pooled, as in K17.",
     )
     parser.add_argument(
-        "runs", type=Path, nargs="+", metavar="RUN", help="run directory, or that of a sweep"
+        "runs", type=Path, nargs="+", metavar="RUN", help="directory of a run or of a sweep"
     )
     parser.add_argument(
         "--rearing",
         action="store_true",
-        help="instead, rearing.html: the conditions of altered rearing beside one another, from"
-        " results.json and the newest checkpoint of each run (30 to 40 s a run, one run a core);"
-        " RUN may be a sweep",
+        help="write rearing.html instead: a comparison of rearing conditions, from results.json and"
+        " the newest checkpoint of each run (30 to 40 s per run, one run per core)",
     )
     parser.add_argument(
         "--out",
         type=Path,
         metavar="DIR",
-        help="where report.html and figures/ go (default: the directory given, or report/ for"
-        " several)",
+        help="where to write report.html and figures/ (default: RUN, or report/ for several)",
     )
     return parser
 
@@ -240,5 +239,5 @@ def _configurations(runs: Sequence[ReportedRun]) -> list[str]:
 
 if __name__ == "__main__":
     # Who reads the text may have seen enough of it, as head has.
-    make_standard_streams_last()
+    ignore_broken_pipes()
     sys.exit(main())

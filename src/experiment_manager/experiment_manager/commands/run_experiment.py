@@ -32,7 +32,7 @@ from experiment_manager.run.config_file import (
     read_configuration,
 )
 from experiment_manager.run.in_process import run_in_process
-from experiment_manager.run.lasting_output import make_standard_streams_last
+from experiment_manager.run.lasting_output import ignore_broken_pipes
 from experiment_manager.supervision.fork_server import ForkServer
 from experiment_manager.supervision.heartbeats import LISTENER
 from experiment_manager.supervision.live_view import PACKAGE as LIVE_VIEW
@@ -99,7 +99,7 @@ def _live(options: argparse.Namespace) -> Address | None:
     if options.live is None:
         return None
     if why := why_unavailable():
-        print(f"error: {why}; the run goes on without", file=sys.stderr)
+        print(f"error: {why}; the run continues without it", file=sys.stderr)
         return None
     address: Address = options.live
     page = Address(address.host, address.port + 1)
@@ -175,8 +175,8 @@ def check_old(directory: Path, request: RunRequest) -> None:
 def _refuse_used(directory: Path) -> None:
     if not is_free(directory):
         raise InputError(
-            f"{directory}: expected a new or empty directory, it already holds something; "
-            f"--resume {directory} goes on with a run"
+            f"{directory}: expected a new or empty directory, it is not empty; "
+            f"--resume {directory} continues a run"
         )
 
 
@@ -255,7 +255,7 @@ def concluded(run: Callable[[], tuple[Path, int]], more: str) -> int:
         print(results_table(read_results(directory / RESULTS_FILE), directory, _figure(directory)))
     elif code != EXIT_BAD_INPUT:
         line = f"launch_scripts/run_experiment.sh --resume {directory}{more}"
-        print(f"to go on: {line}", file=sys.stderr)
+        print(f"to continue: {line}", file=sys.stderr)
     return code
 
 
@@ -267,5 +267,5 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    make_standard_streams_last()
+    ignore_broken_pipes()
     sys.exit(main())

@@ -37,9 +37,9 @@ def run_in_process(directory: Path) -> int:
         is_over = run.go_on()
         run.close()
     except OSError as error:
-        return _fault(f"{directory} cannot be written: {error}; what was saved before is whole")
+        return _fault(f"{directory} cannot be written: {error}; what was saved before is intact")
     except DivergenceError as error:
-        return _fault(f"{error}; what was saved before is whole")
+        return _fault(f"{error}; what was saved before is intact")
     except InputError as error:
         if run is None:
             raise
@@ -56,12 +56,7 @@ class InProcessRun:
     """Plant, learners and recorder of one run, driven episode by episode."""
 
     def __init__(
-        self,
-        configuration: Configuration,
-        directory: Path,
-        interrupts: Interrupts,
-        *,
-        resume: bool,
+        self, configuration: Configuration, directory: Path, interrupts: Interrupts, *, resume: bool
     ) -> None:
         """directory: of the run, with its config.yaml; resume: go on from its newest checkpoint.
 

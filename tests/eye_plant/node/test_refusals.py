@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState
 
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from eye_plant.node import EyePlantNode
+from eye_plant.node.plant_node import EyePlantNode
 from lockstep.wire.topics import (
     GROUND_TRUTH_NAMES,
 )
@@ -84,7 +84,7 @@ def test_other_eyes_amid_an_episode_are_refused(shared: Bench) -> None:
     _refuses(
         shared,
         ask,
-        "reconfigure: expected between episodes, got amid one, at observation",
+        "reconfigure: expected between episodes, got during one, at observation",
     )
 
 
