@@ -80,10 +80,15 @@ def test_a_branch_counts_on_from_its_checkpoint(run: Path, refused: Refused) -> 
     )
 
 
-def test_settings_that_a_run_has_may_be_said_again(run: Path) -> None:
+def test_settings_that_a_run_has_may_be_said_again(
+    run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     line = ["--seed", "1", "--iterations", "60", "--model", "M", "--lambda", "0", "--tests", "0,30"]
     line += ["--set", "vergence_rl.cacla.discount=0.3", "--profile", "paper", "--out", str(run)]
+    before = {path: path.read_bytes() for path in run.glob("[!f]*") if path.is_file()}
     assert run_experiment(["--in-process", "--resume", str(run), *line]) == 0
+    assert f"results: {run / 'results.json'}" in capsys.readouterr().out
+    assert before == {path: path.read_bytes() for path in before}
 
 
 @pytest.mark.parametrize(
