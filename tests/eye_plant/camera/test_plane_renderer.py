@@ -16,7 +16,7 @@ from eye_plant.stimuli.noise import octaves_noise
 from eye_plant.stimuli.stimulus_set import StimulusSet
 
 EYE_HEIGHT_M = 1.7
-N_POSES = 200
+N_POSES = 60
 STIMULUS_SIZES_PX = ((1920, 1920), (1111, 700), (64, 64), (1, 1))  # width, height
 # Of eleven settings, each with N_POSES random poses, distances and stimuli.
 SETTINGS: dict[str, dict[str, Any]] = {

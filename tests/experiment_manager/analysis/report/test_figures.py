@@ -4,7 +4,6 @@ import copy
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,7 +21,6 @@ from experiment_manager.analysis.report.motor_space_figure import (
 )
 from experiment_manager.analysis.report.performance_figures import (
     box_figure,
-    learning_curve,
     performance_figure,
 )
 from experiment_manager.analysis.report.picture_figures import (
@@ -118,12 +116,6 @@ def test_fig_3_has_a_box_per_model_and_iteration(runs: list[ReportedRun]) -> Non
     assert "%" in lower.get_ylabel()
 
 
-def test_the_learning_curve_is_a_picture_in_the_run(run_directories: dict[str, Path]) -> None:
-    path = learning_curve(run_directories["M"])
-    assert path == run_directories["M"] / "figures" / "learning_curve.png"
-    assert path.read_bytes().startswith(b"\x89PNG")
-
-
 def test_the_motor_space_is_that_of_the_plant() -> None:
     config = MechanicsConfig()
     space = motor_space(config, n_medial=3, n_lateral=2)
@@ -189,11 +181,6 @@ def test_encoding_is_binned_by_vergence_error(runs: list[ReportedRun]) -> None:
     assert after[at_deg == 0.0] == pytest.approx(expected)
     # The fixture encodes better the less the error, once it has learned.
     assert after[at_deg == 0.0] < np.nanmin(before) - 0.1
-
-
-def test_there_is_no_encoding_of_too_few_observations(runs, monkeypatch) -> None:
-    monkeypatch.setattr("experiment_manager.analysis.report.picture_figures._LEAST_PER_BIN", 10**6)
-    assert encoding_figure(groups_of(runs)) is None
 
 
 def test_an_anaglyph_is_red_for_the_left_eye_and_cyan_for_the_right() -> None:
@@ -267,13 +254,6 @@ def test_each_atom_becomes_one_tile() -> None:
     assert (mosaic[1:9, 2:18] == 0.0).all()
     with pytest.raises(InputError, match=r"expected atoms \(2, n_bases, 128\), got shape \(3, 4\)"):
         dictionary_figure(np.zeros((3, 4)))
-
-
-def test_pictures_that_were_not_recorded_are_no_figure(runs, monkeypatch) -> None:
-    run = runs[1].recorded
-    assert run is not None
-    monkeypatch.setattr(run.bag, "has", lambda topic: False)
-    assert anaglyph_figure(run) is None
 
 
 # --- several seeds, and prices
