@@ -11,7 +11,8 @@ from typing import Any
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
-PATIENCE_S = 120.0
+from tests.supervisor import PATIENCE_S
+
 _HEADER = struct.Struct("<BIQ")  # opcode, subscription, log time
 _MESSAGE_DATA = 1
 

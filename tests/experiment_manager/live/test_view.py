@@ -214,7 +214,7 @@ OF_EYES = {*PICTURES, "features"}
 @pytest.mark.parametrize(
     ("file", "shown", "series"),
     [
-        (LAYOUT, OF_EYES | {ANAGLYPH, *RECONSTRUCTIONS}, {*LEARNING_NAMES, "reward"}),
+        (LAYOUT, OF_EYES | {ANAGLYPH, *RECONSTRUCTIONS}, {"running_median_error_deg", "reward"}),
         (LAYOUT_OF_BAGS, OF_EYES, {"vergence_error_deg", "reward", "right_lateral_rectus"}),
     ],
     ids=["live", "bags"],
