@@ -14,7 +14,7 @@ from pathlib import Path
 
 import psutil
 
-from lockstep.node.own_process import die_with
+from lockstep.machine.own_process import die_with
 from tests.supervisor import PATIENCE_S
 
 PACKAGES = ("munge", "slurmctld", "slurmd", "slurm-client")

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import IO
 
-from lockstep.node.own_process import die_with
+from lockstep.machine.own_process import die_with
 
 # Generous: the machine may have ten times the work that it can do.
 PATIENCE_S = 600.0

@@ -31,7 +31,7 @@ EPISODE = Episode(
 def test_each_command_adds_to_those_before_it() -> None:
     picture = np.zeros((64, 64), dtype=np.uint8)
     plant = EyePlant(EyePlantConfig(), StimulusSet((picture,), (picture,)))
-    recti = [plant.oculomotor.muscle_names.index(name) for name in HORIZONTAL_RECTI]
+    recti = [MUSCLE_NAMES.index(name) for name in HORIZONTAL_RECTI]
 
     def told(*names: str, values: list[float]) -> list[float]:
         observation = plant.execute(plant.targets(names, np.array(values)))

@@ -11,6 +11,7 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.node import EyePlantNode
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimuliConfig
+from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError
 from lockstep.wire.topics import (
     EPISODE_NAMES,
@@ -60,7 +61,7 @@ def test_what_is_published_is_what_the_plant_computes(bench: Bench, pictures: Pa
         truth = heard["ground_truth"]
         assert tuple(truth.name) == GROUND_TRUTH_NAMES
         assert tuple(truth.position) == observation.ground_truth_values()
-        names = plant.oculomotor.muscle_names
+        names = MUSCLE_NAMES
         assert tuple(heard["muscle_states"].name) == names
         assert tuple(heard["muscle_activations"].name) == names
         assert tuple(heard["eye_states"].name) == EYE_STATE_NAMES

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from eye_plant.camera.offscreen import GraphicsError
+from eye_plant.camera.opengl.offscreen import GraphicsError
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.episode import Episode
 from eye_plant.plant import EyePlant

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import yaml
 
-from lockstep.node.launch_environment import launch_environment
+from lockstep.machine.launch_environment import launch_environment
 
 ROOT = Path(__file__).parents[2]
 PLANT = ROOT / "src/eye_plant/launch/eye_plant.launch.py"

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Self
 
-from lockstep.node.own_process import die_with
+from lockstep.machine.own_process import die_with
 
 
 class LoneNodes:

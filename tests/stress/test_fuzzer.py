@@ -34,7 +34,7 @@ def _episode(message: Any) -> None:
 
 def _command(message: Any) -> None:
     values = values_of(message, message.name, "muscle_command")
-    target_activations(message.name, values, MUSCLE_NAMES, np.zeros(len(MUSCLE_NAMES)))
+    target_activations(message.name, values, np.zeros(len(MUSCLE_NAMES)))
 
 
 def _picture(message: Any) -> None:

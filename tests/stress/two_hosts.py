@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Self
 
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN
-from lockstep.node.own_process import die_with
+from lockstep.machine.own_process import die_with
 
 _LIMIT_S = 30.0
 _PROFILE = Path(__file__).parents[2] / "src/lockstep/config/fastdds.xml"

@@ -82,17 +82,7 @@ class FrozenEvaluation:
         n_stimuli = len(shown.all) + len(shown.stereograms)
         manager = dataclasses.replace(manager, protocol=self._with_starts(manager.protocol))
         protocol = _test_protocol(manager, trained, n_stimuli)
-        loop = make_loop(configuration, shown)
-        loop.restore(
-            {
-                "sparse_coder": (self.dictionary or states) / "sparse_coder.npz",
-                "vergence_rl": (self.actor or states) / "vergence_rl.npz",
-            }
-        )
-        try:
-            table = _trial_table(loop, protocol)
-        finally:
-            loop.plant.close()
+        table = self._tested(make_loop(configuration, shown), states, protocol)
         trials = only_test(table, manager.protocol.iterations_per_trial)
         return FrozenResults(
             model=manager.model,
@@ -108,6 +98,18 @@ class FrozenEvaluation:
             n_stimuli=n_stimuli,
             test=summary_of(trials, criteria),
         )
+
+    def _tested(self, loop: InProcessLoop, states: Path, protocol: Protocol) -> TrialTable:
+        loop.restore(
+            {
+                "sparse_coder": (self.dictionary or states) / "sparse_coder.npz",
+                "vergence_rl": (self.actor or states) / "vergence_rl.npz",
+            }
+        )
+        try:
+            return _trial_table(loop, protocol)
+        finally:
+            loop.plant.close()
 
     def _with_starts(self, protocol: ProtocolConfig) -> ProtocolConfig:
         if self.start_scale == 1.0:

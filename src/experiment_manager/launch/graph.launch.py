@@ -22,7 +22,7 @@ from launch.event_handlers import OnProcessExit
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from lockstep.node.launch_environment import launch_environment
+from lockstep.machine.launch_environment import launch_environment
 
 MANAGER = "experiment_manager"
 PACKAGES = ("eye_plant", "sparse_coder", "vergence_rl", MANAGER)

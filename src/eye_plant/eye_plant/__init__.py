@@ -7,8 +7,8 @@ import os
 def _import_mujoco_without_opengl() -> None:
     """Import MuJoCo, which would load the OpenGL that MUJOCO_GL names, with none named.
 
-    OpenGL is loaded where it draws, by eye_plant.camera.offscreen, so that all else works where
-    there is none.
+    OpenGL is loaded where it draws, by eye_plant.camera.opengl.offscreen, so that all else works
+    where there is none.
     """
     wanted = os.environ.get("MUJOCO_GL")
     os.environ["MUJOCO_GL"] = "disable"

@@ -5,21 +5,18 @@ from functools import lru_cache
 
 import numpy as np
 
-from lockstep.command_space import SIDES
+from lockstep.command_space import MUSCLE_NAMES, muscles_of
 from lockstep.errors import InputError
 
 
 def target_activations(
-    names: Sequence[str],
-    values: np.ndarray,
-    muscle_names: Sequence[str],
-    held_activations: np.ndarray,
+    names: Sequence[str], values: np.ndarray, held_activations: np.ndarray
 ) -> np.ndarray:
-    """Return the target activations (n_muscles,) of a command.
+    """Return the target activations (12,) of a command.
 
     names: `left_medial_rectus` names one muscle, `medial_rectus` that muscle of both eyes; values:
-    (n,) activations in [0, 1]; held_activations: (n_muscles,), kept by muscles without a name in
-    the command. Raises InputError for no name, an unknown name, a muscle named twice, another
+    (n,) activations in [0, 1]; held_activations: (12,), kept by muscles without a name in the
+    command. Raises InputError for no name, an unknown name, a muscle named twice, another
     number of values than names, and a value out of range.
     """
     if not len(names) or len(values) != len(names):
@@ -32,25 +29,24 @@ def target_activations(
             f"muscle_command: expected activations in [0, 1], got {np.asarray(values).tolist()}"
         )
     targets = held_activations.copy()
-    i_muscles, i_values = _wiring(tuple(names), tuple(muscle_names))
+    i_muscles, i_values = _wiring(tuple(names))
     targets[i_muscles] = values[i_values]
     return targets
 
 
 @lru_cache(maxsize=8)  # the same few names come each time
-def _wiring(names: tuple[str, ...], muscle_names: tuple[str, ...]) -> tuple[list[int], list[int]]:
+def _wiring(names: tuple[str, ...]) -> tuple[list[int], list[int]]:
     """Return which muscles are commanded, and by which of the names."""
-    index_of = {name: i for i, name in enumerate(muscle_names)}
     i_muscles: list[int] = []
     i_values: list[int] = []
     for i_value, name in enumerate(names):
-        muscles = [name] if name in index_of else [f"{side}_{name}" for side in SIDES]
-        if not index_of.keys() >= set(muscles):
+        muscles = muscles_of(name)
+        if not set(muscles) <= set(MUSCLE_NAMES):
             raise InputError(
                 f"muscle_command: unknown muscle {name!r}, expected some of "
-                f"{', '.join(muscle_names)}, or one without its side for both eyes"
+                f"{', '.join(MUSCLE_NAMES)}, or one without its side for both eyes"
             )
-        indices = [index_of[muscle] for muscle in muscles]
+        indices = [MUSCLE_NAMES.index(muscle) for muscle in muscles]
         if not set(i_muscles).isdisjoint(indices):
             raise InputError(f"muscle_command: expected each muscle once, got {name!r} again")
         i_muscles += indices

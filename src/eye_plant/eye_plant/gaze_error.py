@@ -50,7 +50,8 @@ def gaze_error(
         left_y + reach * forward[1] + parallax_m - right_y,
         left_z + reach * forward[2] - right_z,
     )
-    ahead, leftward, upward = _in(right_axes, point)
+    seen = _in(right_axes, point)
+    ahead, leftward, upward = seen
     # The point moves over the plane as the direction turns, by one unit of tan, left or up.
     to_left, to_up = (
         _in(
@@ -59,14 +60,10 @@ def gaze_error(
         )
         for axis in (left, up)
     )
-    turned = math.atan2(
-        _turn(to_up[1], leftward, to_up[0], ahead) - _turn(to_left[2], upward, to_left[0], ahead),
-        _turn(to_left[1], leftward, to_left[0], ahead) + _turn(to_up[2], upward, to_up[0], ahead),
-    )
     return GazeError(
         math.degrees(math.atan2(leftward, ahead)),
         math.degrees(math.atan2(upward, ahead)),
-        -math.degrees(turned),
+        -math.degrees(_turned_rad(seen, to_left, to_up)),
     )
 
 
@@ -89,6 +86,18 @@ def _in(axes: Sequence[Sequence[float]], vector: Sequence[float]) -> list[float]
     """Return the components of a vector along three axes."""
     x, y, z = vector
     return [a * x + b * y + c * z for a, b, c in axes]
+
+
+def _turned_rad(seen: Sequence[float], to_left: Sequence[float], to_up: Sequence[float]) -> float:
+    """Return the rotation of directions about one that is seen, all (ahead, left, up).
+
+    to_left, to_up: how what is seen moves as the other eye's direction turns left and up.
+    """
+    ahead, leftward, upward = seen
+    return math.atan2(
+        _turn(to_up[1], leftward, to_up[0], ahead) - _turn(to_left[2], upward, to_left[0], ahead),
+        _turn(to_left[1], leftward, to_left[0], ahead) + _turn(to_up[2], upward, to_up[0], ahead),
+    )
 
 
 def _turn(aside_rate: float, aside: float, ahead_rate: float, ahead: float) -> float:

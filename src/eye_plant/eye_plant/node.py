@@ -7,7 +7,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from eye_plant.camera.offscreen import GraphicsError
+from eye_plant.camera.opengl.offscreen import GraphicsError
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.node_free_running import FreeRunning

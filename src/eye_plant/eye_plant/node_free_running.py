@@ -8,7 +8,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from eye_plant.commands import target_activations
-from eye_plant.config import EyePlantConfig
+from eye_plant.config import EyePlantConfig, FreeRunningConfig
 from eye_plant.episode import Episode
 from eye_plant.node_publisher import ObservationPublisher
 from eye_plant.plant import EyePlant
@@ -45,20 +45,7 @@ class FreeRunning:
         self._period_s = 1.0 / free.rate_hz
         self._period_ns = period_ns(self._period_s)
         self._targets: np.ndarray = plant.oculomotor.tonic_activations
-        self._observation = plant.begin(
-            Episode(
-                phase=TEST,
-                test=-1,
-                trial=-1,
-                episode=0,
-                training_iteration=0,
-                stimulus=free.stimulus,
-                object_distance_m=free.object_distance_m,
-                activations=tuple(self._targets.tolist()),
-                n_iterations=MAX_STAMP_NS // self._period_ns,
-                first_observation=0,
-            )
-        )
+        self._observation = plant.begin(self._endless_episode(free))
         node.create_subscription(JointState, "muscle_command", self._command, LOCKSTEP_QOS)
         self._requests = RequestServer(
             node,
@@ -73,6 +60,20 @@ class FreeRunning:
             self._period_s, self._advance, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
 
+    def _endless_episode(self, free: FreeRunningConfig) -> Episode:
+        return Episode(
+            phase=TEST,
+            test=-1,
+            trial=-1,
+            episode=0,
+            training_iteration=0,
+            stimulus=free.stimulus,
+            object_distance_m=free.object_distance_m,
+            activations=tuple(self._targets.tolist()),
+            n_iterations=MAX_STAMP_NS // self._period_ns,
+            first_observation=0,
+        )
+
     def _begin(self, arguments: Arguments) -> None:
         episode = Episode.from_arguments(arguments)
         stamp_of(episode.first_observation + episode.n_iterations, self._period_ns)
@@ -83,9 +84,7 @@ class FreeRunning:
         try:
             values = values_of(message, message.name, "muscle_command")
             # Of two commands within a period, the second holds what the first has told.
-            self._targets = target_activations(
-                message.name, values, self._plant.oculomotor.muscle_names, self._targets
-            )
+            self._targets = target_activations(message.name, values, self._targets)
         except InputError as error:
             self._diagnostics.refuse(str(error))
 

@@ -1,6 +1,7 @@
 """The whole plant: two eyes, their muscles, and what they see. The order of its step is here."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -113,9 +114,7 @@ class EyePlant:
                 f"muscle_command: expected {', '.join(space.names)}, as command_space "
                 f"{self.config.command_space} has, got {', '.join(names)}"
             )
-        return target_activations(
-            names, values, self.oculomotor.muscle_names, self._held_activations
-        )
+        return target_activations(names, values, self._held_activations)
 
     def execute(self, activations: np.ndarray) -> Observation:
         """Move the eyes for one control period towards the target activations (12,) in [0, 1].
@@ -123,27 +122,21 @@ class EyePlant:
         Raises InputError, having changed nothing, when no command is expected or an activation is
         out of range.
         """
-        episode = self._episode_under_way()
-        self.oculomotor.step(activations)
-        self._held_activations = activations
-        self._iteration += 1
-        self._start_drawing(episode)
-        return self._observe(episode, self.oculomotor.state())
+        return self._move(self.oculomotor.step, activations)
 
     def advance(self, activations: np.ndarray, duration_s: float) -> Observation:
         """Simulate for a while towards the target activations, without settling; like `execute`."""
-        episode = self._episode_under_way()
-        self.oculomotor.advance(activations, duration_s)
+        return self._move(partial(self.oculomotor.advance, duration_s=duration_s), activations)
+
+    def _move(self, move: Callable[[np.ndarray], None], activations: np.ndarray) -> Observation:
+        episode = self._episode
+        if episode is None or not self.is_waiting:
+            raise InputError("expected a command during an episode only, got one outside")
+        move(activations)
         self._held_activations = activations
         self._iteration += 1
         self._start_drawing(episode)
         return self._observe(episode, self.oculomotor.state())
-
-    def _episode_under_way(self) -> Episode:
-        episode = self._episode
-        if episode is None or not self.is_waiting:
-            raise InputError("expected a command during an episode only, got one outside")
-        return episode
 
     def _start_drawing(self, episode: Episode) -> None:
         """Have the pictures drawn while the state is read out; the last observation has none."""

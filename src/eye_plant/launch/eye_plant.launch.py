@@ -12,7 +12,7 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironment
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from lockstep.node.launch_environment import launch_environment
+from lockstep.machine.launch_environment import launch_environment
 
 RATE_HZ = 100.0
 

@@ -38,7 +38,7 @@ class CommandSpace:
     @cached_property
     def muscle_names(self) -> tuple[str, ...]:
         """The muscles that are commanded, in the order of MUSCLE_NAMES."""
-        commanded = {muscle for name in self.names for muscle in _muscles_of(name)}
+        commanded = {muscle for name in self.names for muscle in muscles_of(name)}
         return tuple(muscle for muscle in MUSCLE_NAMES if muscle in commanded)
 
     @cached_property
@@ -50,7 +50,7 @@ class CommandSpace:
     def _members(self) -> NDArray[np.intp]:
         """For each name the positions of its muscles among muscle_names."""
         return np.array(
-            [[self.muscle_names.index(muscle) for muscle in _muscles_of(n)] for n in self.names]
+            [[self.muscle_names.index(muscle) for muscle in muscles_of(n)] for n in self.names]
         )
 
     def from_muscles(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -74,7 +74,8 @@ class Limits:
     highest: tuple[float, ...]
 
 
-def _muscles_of(name: str) -> tuple[str, ...]:
+def muscles_of(name: str) -> tuple[str, ...]:
+    """Return the muscle of a name, or those of that name in both eyes."""
     return (name,) if name in MUSCLE_NAMES else tuple(f"{side}_{name}" for side in SIDES)
 
 

@@ -36,6 +36,11 @@ def sync_directory(directory: Path) -> None:
         os.close(handle)
 
 
+def is_free(directory: Path) -> bool:
+    """Return whether a directory is new or empty, so that nothing in it can be overwritten."""
+    return not directory.exists() or (directory.is_dir() and not any(directory.iterdir()))
+
+
 def why_unwritable(directory: Path) -> str:
     """Return why nothing can be written into a directory, "" when it can."""
     try:

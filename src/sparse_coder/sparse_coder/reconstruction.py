@@ -28,8 +28,8 @@ def believed_windows(
     shown. atoms: (n_scales, n_bases, n_pixels), those of the encoding.
     """
     return tuple(
-        _believed(coded_patches(selections, its_atoms), seen)
-        for selections, its_atoms, seen in zip(
+        _believed(coded_patches(selections, atoms_of_scale), seen)
+        for selections, atoms_of_scale, seen in zip(
             encoding.selections, atoms, seen_windows(left, right), strict=True
         )
     )
@@ -50,9 +50,9 @@ def _believed(patches: NDArray[np.float32], seen: NDArray[np.float32]) -> NDArra
     for i_patch, patch in enumerate(patches.reshape(-1, 2, size, size)):
         i_row, i_column = divmod(i_patch, n_columns)
         top, first = STRIDE_PX * i_row, STRIDE_PX * i_column
-        place = (slice(None), slice(top, top + size), slice(first, first + size))
-        mean = seen[place].mean(axis=(1, 2), keepdims=True)
-        norm = np.linalg.norm(seen[place] - mean, axis=(1, 2), keepdims=True)
-        total[place] += mean + norm * patch
-        count[place] += 1.0
+        covered = (slice(None), slice(top, top + size), slice(first, first + size))
+        mean = seen[covered].mean(axis=(1, 2), keepdims=True)
+        norm = np.linalg.norm(seen[covered] - mean, axis=(1, 2), keepdims=True)
+        total[covered] += mean + norm * patch
+        count[covered] += 1.0
     return total / count

@@ -10,7 +10,7 @@ from experiment_manager.preparation.graphics import drawable_configuration
 from experiment_manager.preparation.profiles import parse_profile
 from experiment_manager.preparation.request import RunRequest
 from experiment_manager.run.config_file import Configuration
-from eye_plant.camera.offscreen import GraphicsError
+from eye_plant.camera.opengl.offscreen import GraphicsError
 
 _KEY = "eye_plant.camera.renderer"
 
@@ -18,7 +18,7 @@ _KEY = "eye_plant.camera.renderer"
 @pytest.fixture(autouse=True)
 def without_opengl(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("MUJOCO_GL", raising=False)
-    monkeypatch.setattr("eye_plant.camera.offscreen._load_library", lambda _: None)
+    monkeypatch.setattr("eye_plant.camera.opengl.offscreen._load_library", lambda _: None)
 
 
 def _renderer(found: Configuration) -> str:

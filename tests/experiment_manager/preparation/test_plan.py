@@ -5,13 +5,14 @@ from pathlib import Path
 
 from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
-from experiment_manager.preparation.plan import plan
+from experiment_manager.preparation.plan import plan, preparation
+from eye_plant.stimuli.stimulus_set import StimuliConfig, load_stimuli
 
 RESULTS = Path(__file__).parents[3] / "results"
 
 
-def _plan(*line: str) -> list[str]:
-    return plan(configuration_of(request_of(arguments(line)), ""))
+def _plan(*line: str, place: int = 0) -> list[str]:
+    return plan(configuration_of(request_of(arguments(line)), ""), place)
 
 
 def test_the_papers_tests_and_how_long_they_take() -> None:
@@ -27,6 +28,42 @@ def test_one_test_is_one() -> None:
     line, _ = _plan("--iterations", "2000", "--tests", "2000", "--test-stimuli", "1")
     assert line.startswith("2,000 training iterations, and 780 in 1 test of 39 trials: together ")
     assert "about 11 seconds" in line
+
+
+def test_a_run_that_goes_on_says_what_is_left() -> None:
+    # Two tests of 39 trials, and between them 1,000 episodes of 10 iterations.
+    words = "--profile demonstration --iterations 10000 --tests 0 --test-stimuli 1"
+    line = words.split()
+    done = "left: 10,000 of 10,000 training iterations, and 820 in 41 trials of tests: "
+    assert _plan(*line, place=37)[0] == done + "together about 43 seconds at 250 iterations/s"
+    done = "left: 9,990 of 10,000 training iterations, and 780 in 39 trials of tests: "
+    assert _plan(*line, place=40)[0] == done + "together about 43 seconds at 250 iterations/s"
+    done = "left: 0 of 10,000 training iterations, and 20 in 1 trial of tests: "
+    assert _plan(*line, place=1077)[0] == done + "together about 0 seconds at 250 iterations/s"
+    assert _plan(*line, place=1078)[0] == (
+        "nothing is left: all 10,000 training iterations and all tests are done"
+    )
+
+
+def test_how_the_pictures_are_got(pictures: Path, tmp_path: Path) -> None:
+    assert preparation(StimuliConfig(directory=str(pictures))) == (
+        f"reading the pictures of {pictures}"
+    )
+    cache = str(tmp_path)
+    assert preparation(StimuliConfig(cache_directory=cache, n_training=100, n_test=40)) == (
+        "generating 140 stimuli, which are kept for later runs (about 60 seconds)"
+    )
+    assert preparation(StimuliConfig(cache_directory=cache, n_training=1000, n_test=400)) == (
+        "generating 1,400 stimuli, which are kept for later runs (about 10 minutes)"
+    )
+    two = StimuliConfig(cache_directory=cache, size_px=64, n_training=1, n_test=1)
+    assert preparation(two) == "generating 2 stimuli, which are kept for later runs (some seconds)"
+    load_stimuli(two)
+    assert preparation(two) == ""
+    three = StimuliConfig(cache_directory=cache, size_px=64, n_training=2, n_test=1)
+    assert preparation(three) == (
+        "generating 1 stimulus, which is kept for later runs (some seconds)"
+    )
 
 
 def test_a_run_that_is_too_short_to_learn_says_how_long_it_takes() -> None:

@@ -89,14 +89,17 @@ def drive(vector_bytes: Callable[..., bytes]) -> Drive:
             "metabolic_rate_w": draw[1],
         }
         is_last = iteration == episode.n_iterations
-        run.add_truth(np.array(list(values.values())), is_last)
-        run.add_activations(episode, np.zeros(len(HORIZONTAL_RECTI)))
+        run.progress.add_truth(np.array(list(values.values())), is_last)
+        run.progress.add_activations(episode.phase, np.zeros(len(HORIZONTAL_RECTI)))
         tables = {
             "ground_truth": values,
             "muscle_activations": dict.fromkeys(HORIZONTAL_RECTI, 0.0),
         }
         if not is_last:
-            run.add_reward(episode, iteration, np.array(list(reward.values())))
+            iteration_of_run = episode.training_iteration + iteration
+            run.progress.add_reward(
+                episode.phase, iteration_of_run, np.array(list(reward.values()))
+            )
             tables["reward"] = reward
         stamp_ns = number * PERIOD_NS
         for topic, table in tables.items():

@@ -163,8 +163,3 @@ def test_what_cannot_be_drawn_is_refused(changes, message):
 
 def test_blurs_up_to_the_pictures_size_are_drawn():
     assert CameraConfig(left_blur_px=320.0).blurs_px == ((320.0, 320.0), (0.0, 0.0))
-
-
-def test_pictures_of_different_size_are_no_stereogram():
-    with pytest.raises(InputError, match="of one size for both eyes, got 64 x 48 for the left and"):
-        Stereogram(np.zeros((48, 64), np.uint8), np.zeros((64, 64), np.uint8))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from eye_plant.camera.config import CameraConfig
-from eye_plant.camera.offscreen import GraphicsError
+from eye_plant.camera.opengl.offscreen import GraphicsError
 from eye_plant.camera.stereo_camera import StereoCamera
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.errors import InputError

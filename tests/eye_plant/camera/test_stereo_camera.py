@@ -239,27 +239,6 @@ def test_a_distance_out_of_range_is_refused(camera: StereoCamera, distance_m: fl
         camera.render(POSITIONS_M, POSES["straight"], 0, distance_m)
 
 
-def test_eyes_that_are_nowhere_are_refused(camera: StereoCamera) -> None:
-    nowhere_m = POSITIONS_M.copy()
-    nowhere_m[1, 2] = np.nan
-    with pytest.raises(InputError, match="eye_positions_m: expected finite numbers"):
-        camera.render(nowhere_m, POSES["straight"], 0, 1.0)
-    with pytest.raises(InputError, match=r"eye_rotations: .* shape \(2, 3, 3\)"):
-        camera.render(POSITIONS_M, np.eye(3), 0, 1.0)
-
-
-def test_eyes_behind_the_plane_are_refused(camera: StereoCamera) -> None:
-    beyond_m = POSITIONS_M + np.array([0.5, 0.0, 0.0])
-    with pytest.raises(InputError, match=r"expected eyes before the plane, x below 0\.5"):
-        camera.render(beyond_m, POSES["straight"], 0, 0.5)
-
-
-@pytest.mark.parametrize("factor", [1.01, -1.0])
-def test_what_is_no_rotation_is_refused(camera: StereoCamera, factor: float) -> None:
-    with pytest.raises(InputError, match="eye_rotations: expected rotation matrices"):
-        camera.render(POSITIONS_M, factor * POSES["straight"], 0, 1.0)
-
-
 # --- region of interest
 
 

@@ -214,12 +214,6 @@ def test_bad_activations_are_refused(activations, message):
         eyes.step(activations)
 
 
-def test_a_foreign_model_is_refused():
-    model = mujoco.MjModel.from_xml_string("<mujoco/>")
-    with pytest.raises(ValueError, match="only actuators are the twelve muscles"):
-        Oculomotor(MechanicsConfig(), model)
-
-
 # Lesions and surgery ---------------------------------------------------------------------------
 
 

@@ -107,7 +107,19 @@ def test_a_change_of_layout_is_noticed_and_taken_over(learned: mock.Mock) -> Non
     for stamp_ns, (encoding, n_bytes) in enumerate(kinds):
         data = serialized(picture(stamp_ns, encoding, n_bytes))
         assert fields_of(fast(data), Image) == fields_of(plain(data), Image)
-    assert learned.call_count == 5
+    assert learned.call_count == 6
+
+
+def test_a_single_message_of_another_layout_displaces_nothing() -> None:
+    read = FastReader(JointState, "vector")
+    foreign = serialized(vector_message(1, [str(i) for i in range(5000)], np.zeros(5000)))
+    read(serialized(vector(0)))
+    with mock.patch.object(fast_codec, "layout_in", side_effect=fast_codec.layout_in) as learned:
+        for stamp_ns in (3, 7, 9):
+            assert list(read(foreign).name) == [str(i) for i in range(5000)]
+            read_again = read(serialized(vector(stamp_ns)))
+            assert fields_of(read_again, JointState) == fields_of(vector(stamp_ns), JointState)
+    assert learned.call_count == 0
 
 
 @BOTH

@@ -1,7 +1,7 @@
 """metadata.yaml of a bag directory, in the form that rosbag2 of ROS 2 Jazzy writes (version 9)."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,51 +17,34 @@ _NEVER = {"sec": 9223372036, "nsec": 854775807}  # rmw's infinite duration
 _NO_TIME_NS = 2**63 - 1  # what rosbag2 writes as the start of an empty bag
 
 
-@dataclass(frozen=True)
-class OfferedQos:
-    """What a publisher offers; the names are those of rosbag2's YAML."""
-
-    history: str = "keep_last"
-    depth: int = 64
-    reliability: str = "reliable"
-    durability: str = "volatile"
-
-    def profiles(self) -> list[dict[str, Any]]:
-        """Return the list of one profile that both metadata.yaml and the channels carry."""
-        return [
-            {
-                "history": self.history,
-                "depth": self.depth,
-                "reliability": self.reliability,
-                "durability": self.durability,
-                "deadline": dict(_NEVER),
-                "lifespan": dict(_NEVER),
-                "liveliness": "automatic",
-                "liveliness_lease_duration": dict(_NEVER),
-                "avoid_ros_namespace_conventions": False,
-            }
-        ]
-
-    @classmethod
-    def parse(cls, text: str) -> "OfferedQos":
-        """Return the first profile of what `text` returned; the default when there is none."""
-        profiles = yaml.safe_load(text) or [{}]
-        known = {field.name: profiles[0].get(field.name) for field in fields(cls)}
-        return cls(**{name: value for name, value in known.items() if value is not None})
-
-    def text(self) -> str:
-        """Return the profiles as YAML, the channel metadata ``offered_qos_profiles``."""
-        return yaml.safe_dump(self.profiles(), sort_keys=False).rstrip()
+# How the graph's publishers offer their topics (lockstep.wire.qos), in rosbag2's YAML, which both
+# metadata.yaml and the channels carry.
+OFFERED_QOS = yaml.safe_dump(
+    [
+        {
+            "history": "keep_last",
+            "depth": 64,
+            "reliability": "reliable",
+            "durability": "volatile",
+            "deadline": dict(_NEVER),
+            "lifespan": dict(_NEVER),
+            "liveliness": "automatic",
+            "liveliness_lease_duration": dict(_NEVER),
+            "avoid_ros_namespace_conventions": False,
+        }
+    ],
+    sort_keys=False,
+).rstrip()
 
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic of a bag: what its messages are, and how they were offered."""
+    """A topic of a bag: what its messages are, and how they were offered, as OFFERED_QOS."""
 
     name: str
     type_name: str
     type_hash: str
-    qos: OfferedQos
+    qos: str = OFFERED_QOS
 
 
 @dataclass(frozen=True)
@@ -125,7 +108,7 @@ def _topic_metadata(topic: Topic) -> dict[str, Any]:
         "name": topic.name,
         "type": topic.type_name,
         "serialization_format": "cdr",
-        "offered_qos_profiles": topic.qos.profiles(),
+        "offered_qos_profiles": yaml.safe_load(topic.qos),
         "type_description_hash": topic.type_hash,
     }
 

@@ -16,8 +16,8 @@ from experiment_manager.bag.mcap_file import (
 )
 from experiment_manager.bag.metadata import (
     METADATA_FILE,
+    OFFERED_QOS,
     RUN_METADATA,
-    OfferedQos,
     Topic,
     bag_information,
     write_metadata,
@@ -80,20 +80,7 @@ def _copy(file: McapFile, stream: BinaryIO) -> tuple[int, list[IndexedChunk]]:
     """Write what can be read; return the number of messages, and the chunks that are broken."""
     writer = Writer(stream)
     writer.start(profile="ros2")
-    for name, record in file.metadata.items():
-        writer.add_metadata(name, record)
-    for name, content in file.attachments.items():
-        writer.add_attachment(0, 0, name, "application/yaml", content)
-    schemas = {
-        i: writer.register_schema(schema.name, schema.encoding, schema.data)
-        for i, schema in file.schemas.items()
-    }
-    channels = {
-        i: writer.register_channel(
-            channel.topic, channel.message_encoding, schemas[channel.schema_id], channel.metadata
-        )
-        for i, channel in file.channels.items()
-    }
+    channels = _announce(file, writer)
     n_messages, broken = 0, []
     for chunk in file.chunks:
         try:
@@ -120,6 +107,24 @@ def _copy(file: McapFile, stream: BinaryIO) -> tuple[int, list[IndexedChunk]]:
     return n_messages, broken
 
 
+def _announce(file: McapFile, writer: Writer) -> dict[int, int]:
+    """Write all but the messages of a file; return its channels' numbers in the new one."""
+    for name, record in file.metadata.items():
+        writer.add_metadata(name, record)
+    for name, content in file.attachments.items():
+        writer.add_attachment(0, 0, name, "application/yaml", content)
+    schemas = {
+        i: writer.register_schema(schema.name, schema.encoding, schema.data)
+        for i, schema in file.schemas.items()
+    }
+    return {
+        i: writer.register_channel(
+            channel.topic, channel.message_encoding, schemas[channel.schema_id], channel.metadata
+        )
+        for i, channel in file.channels.items()
+    }
+
+
 def _rewrite_metadata(directory: Path) -> None:
     bag = Bag(directory)
     topics: dict[str, Topic] = {}
@@ -129,7 +134,7 @@ def _rewrite_metadata(directory: Path) -> None:
                 channel.topic,
                 file.type_name(i),
                 channel.metadata.get("topic_type_hash", ""),
-                OfferedQos.parse(channel.metadata.get("offered_qos_profiles", "")),
+                channel.metadata.get("offered_qos_profiles") or OFFERED_QOS,
             )
     information = bag_information(
         list(topics.values()),

@@ -18,13 +18,12 @@ from experiment_manager.bag.metadata import (
     CONFIGURATION_ATTACHMENT,
     RUN_METADATA,
     FileSummary,
-    OfferedQos,
     Topic,
     bag_information,
     write_metadata,
 )
 from experiment_manager.bag.stamp_buffer import Held, StampBuffer
-from lockstep.durable_files import sync_directory
+from lockstep.durable_files import is_free, sync_directory
 from lockstep.errors import InputError
 
 # Kept whatever their stamps.
@@ -72,15 +71,7 @@ class BagWriter:
         self._directory = Path(directory)
         self._metadata = dict(metadata)
         self._configuration = configuration or yaml.safe_dump(self._metadata)
-        self._topics = {
-            name: Topic(
-                name if name.startswith("/") else f"/{name}",
-                type_name,
-                message_definition(type_name).type_hash,
-                OfferedQos(),
-            )
-            for name, type_name in topics.items()
-        }
+        self._topics = {name: _topic(name, type_name) for name, type_name in topics.items()}
         self._flush_period_s = flush_period_s
         self._last_stamp_ns = dict.fromkeys(topics, -1)
         self._buffer = StampBuffer(topics)
@@ -280,7 +271,7 @@ class _OpenFile:
                 topic.name,
                 "cdr",
                 schemas[topic.type_name],
-                {"offered_qos_profiles": topic.qos.text(), "topic_type_hash": topic.type_hash},
+                {"offered_qos_profiles": topic.qos, "topic_type_hash": topic.type_hash},
             )
         return channels
 
@@ -310,8 +301,13 @@ class _OpenFile:
             self._stream.close()
 
 
+def _topic(name: str, type_name: str) -> Topic:
+    full_name = name if name.startswith("/") else f"/{name}"
+    return Topic(full_name, type_name, message_definition(type_name).type_hash)
+
+
 def _make_new(directory: Path) -> None:
-    if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
+    if not is_free(directory):
         raise InputError(
             f"expected a new or empty directory for the bag, {directory} already holds something"
         )

@@ -21,6 +21,7 @@ from experiment_manager.measures.tables import summaries_table, text_table
 from experiment_manager.measures.trials import split_tests
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from lockstep.command_line import CommandLine
+from lockstep.durable_files import is_free
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
 
@@ -187,7 +188,7 @@ def _print_repairs(path: Path) -> None:
 
 
 def _extract(bag: Bag, directory: Path) -> None:
-    if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
+    if not is_free(directory):
         raise InputError(f"expected a new or empty directory for pictures, got {directory}")
     n_pictures = 0
     for topic in (topic for topic, kind in bag.types.items() if kind == _IMAGE):

@@ -22,31 +22,29 @@ from experiment_manager.preparation.continuation import (
 )
 from experiment_manager.preparation.cost_weight import first_iterations, with_weight
 from experiment_manager.preparation.graphics import check_graphics, drawable_configuration
-from experiment_manager.preparation.plan import plan
+from experiment_manager.preparation.plan import plan, preparation
 from experiment_manager.preparation.request import RunRequest
+from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import (
     CONFIG_FILE,
     Configuration,
     configuration_text,
     read_configuration,
 )
+from experiment_manager.run.in_process import run_in_process
 from experiment_manager.run.lasting_output import make_standard_streams_last
 from experiment_manager.supervision.fork_server import ForkServer
 from experiment_manager.supervision.heartbeats import LISTENER
-from experiment_manager.supervision.in_process import run_in_process
 from experiment_manager.supervision.live_view import PACKAGE as LIVE_VIEW
 from experiment_manager.supervision.node_neighbours import refuse_neighbours
 from experiment_manager.supervision.processes import PACKAGES
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from eye_plant.config import EyePlantConfig
-from eye_plant.stimuli.stimulus_set import count_missing, load_stimuli
+from eye_plant.stimuli.stimulus_set import load_stimuli
 from lockstep.configuration import build
-from lockstep.durable_files import replace_file, why_unwritable
+from lockstep.durable_files import is_free, replace_file, why_unwritable
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
-
-# Half of the 140 pictures of 1920 x 1920 px that take a minute on two cores.
-_PX_OF_HALF_A_MINUTE = 70 * 1920**2
 
 
 def source_commit() -> str:
@@ -62,12 +60,8 @@ def source_commit() -> str:
 def _prepare_stimuli(configuration: Configuration) -> None:
     """Make the generated stimuli now if they are not in the cache: a node has no time for that."""
     stimuli = build(EyePlantConfig, configuration["eye_plant"]).stimuli
-    if stimuli.directory:
-        print(f"reading the pictures of {stimuli.directory}")
-    elif n_missing := count_missing(stimuli):
-        is_long = n_missing * stimuli.size_px**2 > _PX_OF_HALF_A_MINUTE
-        duration = "about a minute" if is_long else "some seconds"
-        print(f"generating {n_missing} stimuli, which are kept for later runs ({duration})")
+    if line := preparation(stimuli):
+        print(line)
     load_stimuli(stimuli)
 
 
@@ -179,7 +173,7 @@ def check_old(directory: Path, request: RunRequest) -> None:
 
 
 def _refuse_used(directory: Path) -> None:
-    if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
+    if not is_free(directory):
         raise InputError(
             f"{directory}: expected a new or empty directory, it already holds something; "
             f"--resume {directory} goes on with a run"
@@ -237,7 +231,9 @@ def in_one_process(directory: Path) -> tuple[Path, int]:
 
 def _announced(directory: Path) -> Path:
     print(f"run directory: {directory}")
-    print("\n".join(plan(read_configuration(directory / CONFIG_FILE))))
+    newest = checkpoint.newest(directory / "checkpoints")
+    place = newest[0].place if newest is not None else 0
+    print("\n".join(plan(read_configuration(directory / CONFIG_FILE), place)))
     return directory
 
 

@@ -22,7 +22,7 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig, load_stimuli
 from lockstep.command_line import CommandLine
 from lockstep.configuration import build
-from lockstep.durable_files import replace_file
+from lockstep.durable_files import is_free, replace_file
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
 
@@ -72,15 +72,11 @@ def _opened(options: argparse.Namespace) -> tuple[Path, Sweep]:
             f"{directory}: expected the directory of this sweep, it holds another; "
             f"sweep.sh {directory} goes on with that one"
         )
-    if not held.exists() and not _is_free(directory):
+    if not held.exists() and not is_free(directory):
         raise InputError(
             f"{directory}: expected a new or empty directory, it already holds something"
         )
     return directory, sweep
-
-
-def _is_free(directory: Path) -> bool:
-    return not directory.exists() or (directory.is_dir() and not any(directory.iterdir()))
 
 
 def _check(options: argparse.Namespace) -> None:

@@ -16,7 +16,7 @@ from experiment_manager.commands.run_experiment import (
 from experiment_manager.preparation.request import RunRequest
 from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.run.lasting_output import make_standard_streams_last
-from lockstep.node.own_process import die_with
+from lockstep.machine.own_process import die_with
 
 
 def make_run(directory: Path, document: str) -> int:

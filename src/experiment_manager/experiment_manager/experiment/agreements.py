@@ -3,7 +3,7 @@
 A key is NODE.PARAMETER.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -68,6 +68,24 @@ AGREEMENTS = (
         for name in flatten(MechanicsConfig())
     ),
 )
+
+
+def by_key(configuration: Configuration) -> dict[str, Any]:
+    """Return {NODE.PARAMETER: value} of parameters by node."""
+    return {
+        f"{node}.{name}": value
+        for node, values in configuration.items()
+        for name, value in values.items()
+    }
+
+
+def by_node(values: Mapping[str, Any], nodes: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Return the parameters of these nodes by node, from values by key."""
+    configuration: dict[str, dict[str, Any]] = {node: {} for node in nodes}
+    for key, value in values.items():
+        node, _, name = key.partition(".")
+        configuration[node][name] = value
+    return configuration
 
 
 def with_partners(given: Mapping[str, Any]) -> dict[str, Any]:

@@ -56,31 +56,37 @@ class ViewServer:
         from foxglove.channels import RawImageChannel  # noqa: PLC0415
 
         # Kept: a context that nothing refers to takes its channels with it.
-        self._context = context = foxglove.Context()
-        self._channels: dict[str, Any] = {}
+        self._context = foxglove.Context()
+        self._channels: dict[str, Any] = {
+            topic: RawImageChannel(f"/{topic}", context=self._context) for topic in pictures
+        }
         for topic, kind in topics.items():
             text = message_definition(kind).text
             schema = foxglove.Schema(name=kind, encoding="ros2msg", data=text.encode())
             self._channels[topic] = foxglove.Channel(
-                f"/{topic}", message_encoding="cdr", schema=schema, context=context
+                f"/{topic}", message_encoding="cdr", schema=schema, context=self._context
             )
-        for topic in pictures:
-            self._channels[topic] = RawImageChannel(f"/{topic}", context=context)
         for topic, names in tables.items():
-            of_numbers = {
-                "type": "object",
-                "properties": {name: {"type": "number"} for name in names},
-            }
+            schema = {"type": "object", "properties": {n: {"type": "number"} for n in names}}
             self._channels[topic] = foxglove.Channel(
-                f"/{topic}", schema=of_numbers, context=context
+                f"/{topic}", schema=schema, context=self._context
             )
+        self._server = self._listen(name, host, port)
+        self.port: int = self._server.port
+
+    def _listen(self, name: str, host: str, port: int) -> Any:
+        import foxglove  # noqa: PLC0415 (optional)
+
         try:
-            self._server = foxglove.start_server(
-                name=name, host=host, port=port, context=context, message_backlog_size=_BACKLOG
+            return foxglove.start_server(
+                name=name,
+                host=host,
+                port=port,
+                context=self._context,
+                message_backlog_size=_BACKLOG,
             )
         except RuntimeError as error:
             raise InputError(f"live view: cannot listen on {host}:{port}: {error}") from error
-        self.port: int = self._server.port
 
     def is_watched(self, topic: str) -> bool:
         """Whether a client subscribes to the topic now."""

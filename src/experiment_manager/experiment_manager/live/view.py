@@ -116,8 +116,8 @@ class View:
         encoding = self._coder.encode(left, right)
         seen = seen_windows(left, right)
         believed = believed_windows(encoding, self._atoms, left, right)
-        for topic, its_seen, its_believed in zip(RECONSTRUCTIONS, seen, believed, strict=True):
-            self._server.send_picture(topic, compared(its_seen, its_believed))
+        for topic, *windows in zip(RECONSTRUCTIONS, seen, believed, strict=True):
+            self._server.send_picture(topic, compared(*windows))
 
 
 class RunningError:

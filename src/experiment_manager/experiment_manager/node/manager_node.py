@@ -18,8 +18,8 @@ from experiment_manager.node.requests import LEARNERS, PLANT, Requests
 from experiment_manager.run.run_directory import Run
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, FAULT_TEXT
+from lockstep.machine.own_process import give_back_blocks_of
 from lockstep.node.diagnostics import Diagnostics
-from lockstep.node.own_process import give_back_blocks_of
 from lockstep.node.process import run_node
 from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, Arguments
 from lockstep.node.ros_parameters import declare_config

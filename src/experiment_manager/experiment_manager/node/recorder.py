@@ -171,13 +171,13 @@ class Recorder:
     def _measure(self, topic: str, message: bytes, record: EpisodeRecord, stamp_ns: int) -> None:
         if topic == "muscle_activations" and record.episode.phase != TEST:
             return
-        vector = self._readers[topic](message)
+        vector, progress = self._readers[topic](message), self._run.progress
         if topic == "ground_truth":
             is_last = stamp_ns == record.last_ns
-            self._run.add_truth(values_of(vector, GROUND_TRUTH_NAMES, topic), is_last=is_last)
+            progress.add_truth(values_of(vector, GROUND_TRUTH_NAMES, topic), is_last=is_last)
         elif topic == "muscle_activations":
             values = values_of(vector, self._config.protocol.space.muscle_names, topic)
-            self._run.add_activations(record.episode, values)
+            progress.add_activations(record.episode.phase, values)
         else:
             self._measure_learner(topic, vector, record, stamp_ns)
 
@@ -188,5 +188,6 @@ class Recorder:
             (found,) = values_of(vector, ("learning_steps",), topic)
             check_learning_steps(topic, record, stamp_ns, float(found))
         if topic == "reward":
-            iteration = record.iteration(stamp_ns)
-            self._run.add_reward(record.episode, iteration, values_of(vector, REWARD_NAMES, topic))
+            episode, values = record.episode, values_of(vector, REWARD_NAMES, topic)
+            training_iteration = episode.training_iteration + record.iteration(stamp_ns)
+            self._run.progress.add_reward(episode.phase, training_iteration, values)

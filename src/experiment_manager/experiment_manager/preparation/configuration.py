@@ -3,7 +3,12 @@
 from collections.abc import Mapping
 from typing import Any
 
-from experiment_manager.experiment.agreements import check_agreements, with_partners
+from experiment_manager.experiment.agreements import (
+    by_key,
+    by_node,
+    check_agreements,
+    with_partners,
+)
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.reach import check_reach
 from experiment_manager.preparation.profiles import Profile, read_profile
@@ -37,12 +42,7 @@ def configuration_of(request: RunRequest, commit: str) -> Configuration:
     Raises InputError for whatever a node would refuse.
     """
     profile = profile_of(request)
-    settings = {
-        f"{node}.{name}": value
-        for node, values in profile.settings.items()
-        for name, value in values.items()
-    }
-    settings |= {
+    settings = by_key(profile.settings) | {
         "experiment_manager.profile": profile.name,
         "experiment_manager.commit": commit,
         SCHEDULE: profile.schedule.text(),
@@ -63,13 +63,9 @@ def configuration_with(settings: Mapping[str, Any], request: RunRequest) -> Conf
     if WEIGHT not in above and (MODEL in above or WEIGHT not in values):
         values |= with_partners({WEIGHT: _default_weight(values)})
     _check_tests(values, given)
-    by_node: dict[str, dict[str, Any]] = {node: {} for node in CONFIG_CLASSES}
-    for key, value in values.items():
-        node, _, name = key.partition(".")
-        by_node[node][name] = value
     configuration = {
-        node: flatten(_built(node, settings_of_node, given))
-        for node, settings_of_node in by_node.items()
+        node: flatten(_built(node, of_node, given))
+        for node, of_node in by_node(values, CONFIG_CLASSES).items()
     }
     check_agreements(configuration)
     _check_price(configuration, given)
@@ -97,15 +93,7 @@ def _check_price(configuration: Configuration, given: Mapping[str, Given]) -> No
 
 def _count_stimuli(values: dict[str, Any], given: Mapping[str, Given]) -> None:
     """Set how many stimuli there are, and that a test has no more than that."""
-    plant = _built(
-        "eye_plant",
-        {
-            key.removeprefix("eye_plant."): value
-            for key, value in values.items()
-            if key.startswith("eye_plant.")
-        },
-        given,
-    )
+    plant = _built("eye_plant", by_node(values, CONFIG_CLASSES)["eye_plant"], given)
     n_training, n_test = count_stimuli(plant.stimuli)
     found = {"n_training_stimuli": n_training, "n_test_stimuli": n_test}
     for name, n_stimuli in found.items():

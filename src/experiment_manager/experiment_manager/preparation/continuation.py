@@ -5,13 +5,11 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from experiment_manager.experiment.agreements import with_partners
+from experiment_manager.experiment.agreements import by_key, by_node, with_partners
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.measures.trials import TrialTable
-from experiment_manager.preparation.configuration import (
-    configuration_with,
-)
+from experiment_manager.preparation.configuration import configuration_with
 from experiment_manager.preparation.request import ITERATIONS, TESTS, RunRequest
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
@@ -33,7 +31,9 @@ from sparse_coder.coder import SparseCoder
 from vergence_rl.agent import Agent
 
 # What a run decides for itself, whoever it begins from.
-_OF_ONE_RUN = ("run_directory", "run_id", "resume", "supervised")
+_OF_ONE_RUN = tuple(
+    f"experiment_manager.{name}" for name in ("run_directory", "run_id", "resume", "supervised")
+)
 _LEARNERS = {"sparse_coder": SparseCoder, "vergence_rl": Agent}
 
 
@@ -88,10 +88,8 @@ def extend(directory: Path, n_more: int) -> None:
     before = read_configuration(path)
     end = before["experiment_manager"]["protocol.n_training_iterations"]
     tests = sorted({*before["experiment_manager"]["protocol.test_iterations"], end})
-    after = {node: dict(values) for node, values in before.items()}
-    for key, value in with_partners({ITERATIONS: end + n_more, TESTS: tests}).items():
-        node, _, name = key.partition(".")
-        after[node][name] = value
+    longer = with_partners({ITERATIONS: end + n_more, TESTS: tests})
+    after = by_node(by_key(before) | longer, CONFIG_CLASSES)
     manager = build(ExperimentManagerConfig, after["experiment_manager"])
     protocol = make_protocol(manager)
     manifests = []
@@ -166,12 +164,7 @@ def branch(text: str, request: RunRequest, commit: str) -> Branch:
     before = read_configuration(source / CONFIG_FILE)
     protocol = make_protocol(build(ExperimentManagerConfig, before["experiment_manager"]))
     trained, states = _chosen(source, protocol, iteration)
-    settings: dict[str, Any] = {
-        f"{node}.{parameter}": value
-        for node, values in before.items()
-        for parameter, value in values.items()
-        if node != "experiment_manager" or parameter not in _OF_ONE_RUN
-    }
+    settings = {key: value for key, value in by_key(before).items() if key not in _OF_ONE_RUN}
     settings["experiment_manager.commit"] = commit
     configuration = configuration_with(settings, request)
     manager = build(ExperimentManagerConfig, configuration["experiment_manager"])

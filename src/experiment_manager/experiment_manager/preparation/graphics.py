@@ -7,7 +7,7 @@ from experiment_manager.preparation.configuration import configuration_of, profi
 from experiment_manager.preparation.request import RunRequest
 from experiment_manager.run.config_file import Configuration
 from eye_plant.camera.config import MUJOCO, PLANE
-from eye_plant.camera.offscreen import GraphicsError, OffscreenContext
+from eye_plant.camera.opengl.offscreen import GraphicsError, OffscreenContext
 from eye_plant.config import EyePlantConfig
 from lockstep.configuration import build
 

@@ -8,7 +8,12 @@ from typing import Any
 
 import yaml
 
-from experiment_manager.experiment.agreements import check_agreements, with_partners
+from experiment_manager.experiment.agreements import (
+    by_key,
+    by_node,
+    check_agreements,
+    with_partners,
+)
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.run.checkpoint import Manifest
 from eye_plant.config import EyePlantConfig
@@ -94,8 +99,8 @@ def read_configuration(path: Path) -> Configuration:
         given = {node: document[f"/**/{node}"]["ros__parameters"] for node in CONFIG_CLASSES}
         configuration = completed(given)
         check_agreements(configuration)
-        said = document.get(RUN_SECTION, {}).get("ros__parameters", {})
-        _check_header(said, about(configuration))
+        header = document.get(RUN_SECTION, {}).get("ros__parameters", {})
+        _check_header(header, about(configuration))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     except (OSError, yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
@@ -108,22 +113,11 @@ def completed(given: Mapping[str, Mapping[str, Any]]) -> Configuration:
 
     Raises InputError for what no node has.
     """
-    complete = _with_partners({node: given[node] for node in CONFIG_CLASSES})
+    complete = by_node(with_partners(by_key(given)), CONFIG_CLASSES)
     return {
         node: flatten(build(config_class, complete[node]))
         for node, config_class in CONFIG_CLASSES.items()
     }
-
-
-def _with_partners(given: Mapping[str, Mapping[str, Any]]) -> Configuration:
-    flat = {
-        f"{node}.{name}": value for node, values in given.items() for name, value in values.items()
-    }
-    complete: Configuration = {node: {} for node in given}
-    for place, value in with_partners(flat).items():
-        node, _, name = place.partition(".")
-        complete[node][name] = value
-    return complete
 
 
 def parameters_in(text: str) -> Configuration:
@@ -182,10 +176,10 @@ def _differing(
     ]
 
 
-def _check_header(said: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
+def _check_header(header: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
     for name, value in expected.items():
-        if name in said and said[name] != value:
+        if name in header and header[name] != value:
             raise InputError(
                 f"{RUN_SECTION}.{name}: expected {value!r}, as experiment_manager has it, "
-                f"got {said[name]!r}"
+                f"got {header[name]!r}"
             )

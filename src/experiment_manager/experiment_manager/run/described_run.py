@@ -8,6 +8,7 @@ from typing import Any
 import yaml
 
 from experiment_manager.measures.criteria import EvaluationSettings
+from experiment_manager.run.config_file import parameters_in
 from lockstep.errors import InputError
 
 
@@ -64,11 +65,10 @@ class DescribedRun:
 
     def parameters(self, node: str) -> dict[str, Any]:
         """Return all parameters of a node from the run's configuration, by dotted name."""
-        document = yaml.safe_load(self.configuration)
-        for section in (f"/**/{node}", node):
-            if section in document:
-                return dict(document[section]["ros__parameters"])
-        raise InputError(f"{self.directory}: the configuration has no node {node}")
+        by_node = parameters_in(self.configuration)
+        if node not in by_node:
+            raise InputError(f"{self.directory}: the configuration has no node {node}")
+        return by_node[node]
 
     @cached_property
     def evaluation_settings(self) -> EvaluationSettings:

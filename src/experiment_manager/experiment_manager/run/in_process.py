@@ -1,6 +1,7 @@
 """A whole run in one process, without nodes: the same files, bit for bit, as a graph writes."""
 
 import dataclasses
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -8,17 +9,47 @@ import numpy as np
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.loop import Step, make_loop
-from experiment_manager.run.config_file import Configuration
+from experiment_manager.run.attempt import goes_on
+from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
 from experiment_manager.run.episode_record import takes_pictures
 from experiment_manager.run.run_directory import Run
 from experiment_manager.run.step_messages import StepMessages
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from lockstep.configuration import build
-from lockstep.errors import InputError
-from lockstep.node.interrupts import Interrupts
+from lockstep.errors import DivergenceError, InputError
+from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
+from lockstep.machine.interrupts import Interrupts
 from lockstep.wire.stamps import period_ns, stamp_of
-from lockstep.wire.topics import TEST
+
+
+def run_in_process(directory: Path) -> int:
+    """Bring a run to its end; return the exit code: 0 done, 3 a fault, 130 interrupted.
+
+    directory: holds config.yaml, and whatever the run has done so far. What is wrong here would be
+    so again, so nothing is tried twice. Raises InputError for what cannot be begun.
+    """
+    interrupts = Interrupts()
+    run: InProcessRun | None = None
+    try:
+        configuration = read_configuration(directory / CONFIG_FILE)
+        run = InProcessRun(configuration, directory, interrupts, resume=goes_on(directory))
+        is_over = run.go_on()
+        run.close()
+    except OSError as error:
+        return _fault(f"{directory} cannot be written: {error}; what was saved before is whole")
+    except DivergenceError as error:
+        return _fault(f"{error}; what was saved before is whole")
+    except InputError as error:
+        if run is None:
+            raise
+        return _fault(str(error))
+    return 0 if is_over else EXIT_INTERRUPTED
+
+
+def _fault(reason: str) -> int:
+    print(f"error: {reason}", file=sys.stderr)
+    return EXIT_FAULT
 
 
 class InProcessRun:
@@ -98,14 +129,13 @@ class InProcessRun:
         run.end_episode()
 
     def _measure(self, episode: Episode, step: Step) -> None:
-        observation, answer = step.observation, step.answer
+        observation, answer, progress = step.observation, step.answer, self._run.progress
         truth = _finite("ground_truth", observation.ground_truth_values())
-        self._run.add_truth(truth, is_last=answer is None)
-        if episode.phase == TEST:
-            self._run.add_activations(episode, observation.state.activations[self._space.indices])
+        progress.add_truth(truth, is_last=answer is None)
+        progress.add_activations(episode.phase, observation.state.activations[self._space.indices])
         if answer is not None:
             values = _finite("reward", answer.percept.reward_values())
-            self._run.add_reward(episode, observation.iteration, values)
+            progress.add_reward(episode.phase, observation.training_iteration, values)
 
     def _checkpoint(self) -> None:
         paths = self._run.state_paths([*self._loop.learners])

@@ -8,8 +8,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.experiment.agreements import check_agreements
 from experiment_manager.experiment.config import ExperimentManagerConfig
@@ -127,18 +125,6 @@ class Run:
             max(self.place - 1, 0), min(self.place + _EPISODES_AHEAD, len(self.protocol))
         )
         return any(is_sampled(self._config, *self.protocol.kind(place)) for place in places)
-
-    def add_truth(self, values: np.ndarray, is_last: bool) -> None:
-        """Count one observation's ground truth, (n_names,) of lockstep.wire.topics."""
-        self.progress.add_truth(values, is_last)
-
-    def add_activations(self, episode: Episode, activations: np.ndarray) -> None:
-        """Count one observation's activations, (n_muscles,) of the muscles that are commanded."""
-        self.progress.add_activations(episode.phase, activations)
-
-    def add_reward(self, episode: Episode, iteration: int, values: np.ndarray) -> None:
-        """Count one observation's reward, (n_names,) of lockstep.wire.topics."""
-        self.progress.add_reward(episode.phase, episode.training_iteration + iteration, values)
 
     def end_episode(self) -> None:
         """Go on to the next episode; the last trial of a test closes the test."""

@@ -33,16 +33,18 @@ class StepMessages:
             return
         yield "reward", self._reward.of(stamp_ns, answer.percept.reward_values())
         yield "muscle_command", self._command.of(stamp_ns, answer.decision.command)
-        thought = actor_critic_values(answer.decision, answer.agent_learning_steps)
-        yield "actor_critic", self._actor_critic.of(stamp_ns, thought)
+        values = actor_critic_values(answer.decision, answer.agent_learning_steps)
+        yield "actor_critic", self._actor_critic.of(stamp_ns, values)
 
     def large(self, stamp_ns: int, step: Step) -> Iterator[tuple[str, bytes]]:
         """Yield what is recorded of a sample of the episodes."""
         pictures, answer = step.observation.pictures, step.answer
         if pictures is None or answer is None:
             return
-        its = self._observation
-        for topic, message in (*its.pictures(stamp_ns, pictures), *its.camera_infos(stamp_ns)):
+        messages = self._observation
+        for topic, message in messages.pictures(stamp_ns, pictures):
+            yield topic, _as_received(message)
+        for topic, message in messages.camera_infos(stamp_ns):
             yield topic, _as_received(message)
         yield "features", self._features.of(stamp_ns, answer.percept.encoding.features)
 

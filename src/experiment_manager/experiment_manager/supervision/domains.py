@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from lockstep.errors import InputError
-from lockstep.node.domain import given_domain
+from lockstep.machine.domain import given_domain
 
 # Domains 0 to 101 stay below Linux' ephemeral ports; 0 and the documented one of nodes that are
 # started one by one are everybody's.

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from typing import IO
 
 from experiment_manager.run.progress_bar import TERMINAL_VARIABLE
-from lockstep.node.own_process import appear_as, die_with
+from lockstep.machine.own_process import appear_as, die_with
 
 _MAX_MESSAGE_BYTES = 1 << 16
 _POLL_S = 0.02

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from experiment_manager.supervision.fork_server import ForkServer, stop
 from experiment_manager.supervision.processes import PACKAGES
-from lockstep.node.unfinished_ports import unfinished_ports
+from lockstep.machine.unfinished_ports import unfinished_ports
 
 # To make a node may hang for ever, deaf to signals: a process that supervises has none itself.
 LISTENER = "experiment_manager.supervision.listener"

@@ -12,7 +12,7 @@ import psutil
 from experiment_manager.supervision.domains import is_silent
 from experiment_manager.supervision.heartbeats import START_LIMIT_S, unfinished_text
 from lockstep.errors import InputError
-from lockstep.node.unfinished_ports import remove_unfinished_ports
+from lockstep.machine.unfinished_ports import remove_unfinished_ports
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 
 PUBLISHES = {
@@ -32,8 +32,8 @@ def addresses() -> frozenset[str]:
     works = {name for name, state in psutil.net_if_stats().items() if state.isup}
     return frozenset(
         address.address
-        for name, its in psutil.net_if_addrs().items()
-        for address in its
+        for name, of_interface in psutil.net_if_addrs().items()
+        for address in of_interface
         if name in works and address.family == socket.AF_INET
     )
 
@@ -46,17 +46,18 @@ def refuse_neighbours(domain: int, expected: Collection[str] = ()) -> None:
     """
     if is_silent(domain) and not _reaches_other_machines():
         return
-    topics = [t for node, its in PUBLISHES.items() if node not in expected for t in its]
-    found = _found(domain, topics)
-    if found:
-        names = sorted({name for names in found.values() for name in names})
+    publishers = _publishers(
+        domain, [t for node, topics in PUBLISHES.items() if node not in expected for t in topics]
+    )
+    if publishers:
+        names = sorted({name for names in publishers.values() for name in names})
         raise InputError(
             f"ROS domain {domain}: expected no other graph in it, found {', '.join(names)} "
-            f"publishing {', '.join(found)}; choose another ROS_DOMAIN_ID, or unset it"
+            f"publishing {', '.join(publishers)}; choose another ROS_DOMAIN_ID, or unset it"
         )
 
 
-def _found(domain: int, topics: Sequence[str]) -> dict[str, list[str]]:
+def _publishers(domain: int, topics: Sequence[str]) -> dict[str, list[str]]:
     """Return the names of the nodes that publish each topic, by topic, as soon as there are any.
 
     A process looks that a limit of time and Ctrl-C can end: to make a node may hang for ever.
@@ -80,8 +81,8 @@ def _found(domain: int, topics: Sequence[str]) -> dict[str, list[str]]:
     *_, last = ["", *(done.stderr if done.returncode else done.stdout).splitlines()]
     if done.returncode:
         raise InputError(f"ROS domain {domain}: expected a node to start in it, got {last}")
-    found: dict[str, list[str]] = json.loads(last)
-    return found
+    publishers: dict[str, list[str]] = json.loads(last)
+    return publishers
 
 
 def _reaches_other_machines() -> bool:

@@ -10,7 +10,7 @@ import re
 import time
 from pathlib import Path
 
-from lockstep.node.unfinished_ports import DIRECTORY, is_locked
+from lockstep.machine.unfinished_ports import DIRECTORY, is_locked
 
 _SEGMENT = re.compile(r"^(fastrtps_[0-9a-f]{16})(_el)?$")
 # RTPS 2.2, 9.6.1.1: a domain's ports begin at 7400 + 250 times its number.

@@ -8,8 +8,8 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
 from experiment_manager.live.address import Address
+from experiment_manager.run.attempt import goes_on, place_of
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
-from experiment_manager.supervision.attempt import goes_on, place_of
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
 from experiment_manager.supervision.fork_server import ForkServer
 from experiment_manager.supervision.heartbeats import Heartbeats
@@ -28,9 +28,9 @@ from lockstep.exit_codes import (
     EXIT_UNWRITABLE,
     FAULT_TEXT,
 )
-from lockstep.node.domain import given_domain
-from lockstep.node.interrupts import Interrupts
-from lockstep.node.unfinished_ports import remove_unfinished_ports
+from lockstep.machine.domain import given_domain
+from lockstep.machine.interrupts import Interrupts
+from lockstep.machine.unfinished_ports import remove_unfinished_ports
 
 # For nodes elsewhere, in s: a cut shorter than this is not told from a hang. Longer than Fast DDS
 # goes on to count somebody whom it does not hear, 20 s.

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 
 from experiment_manager.sweep.cell_run import CellRun, is_failure
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
-from lockstep.node.interrupts import Interrupts
+from lockstep.machine.interrupts import Interrupts
 
 
 class Pool:

@@ -17,7 +17,7 @@ from pathlib import Path
 from experiment_manager.sweep.cell_run import CellRun
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_INTERRUPTED
-from lockstep.node.interrupts import Interrupts
+from lockstep.machine.interrupts import Interrupts
 
 _JOB_FILE = "slurm_job"
 # Slurm looks at time limits once in a minute; an episode and a checkpoint take seconds.

@@ -1,14 +1,15 @@
 """Where the runs of a sweep stand, read from their directories alone."""
 
 import json
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.protocol import Eyes, Protocol
-from experiment_manager.experiment.starts import PairStarts
+from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.measures.results import Summary, read_results
+from experiment_manager.measures.tables import text_table
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
 from experiment_manager.sweep.cell_run import CellRun
@@ -61,9 +62,7 @@ def status_of(run: CellRun) -> Status:
         return Status(run.cell.name, state)
     configuration = read_configuration(run.directory / CONFIG_FILE)
     manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
-    baseline_m = manager.mechanics.baseline_m
-    eyes = Eyes(0, baseline_m, PairStarts(manager.protocol, baseline_m, _undrawn))
-    protocol = Protocol(manager.protocol, manager.seed, [eyes])
+    protocol = make_protocol(manager)
     points = _checkpoints(run.directory)
     made = [_iterations_before(protocol, place) for place, _, _ in points]
     tests = read_results(run.directory / RESULTS_FILE).tests if run.is_done else ()
@@ -81,12 +80,10 @@ def status_of(run: CellRun) -> Status:
 
 def table(statuses: Sequence[Status]) -> str:
     """Return the statuses as text, with a line of sums."""
-    rows = [_COLUMNS, *(status.row() for status in statuses)]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
-    states = [status.state for status in statuses]
-    counts = {state: states.count(state) for state in dict.fromkeys(states)}
-    return "\n".join([*lines, ", ".join(f"{n} {state}" for state, n in counts.items())])
+    rows = [status.row() for status in statuses]
+    counts = Counter(status.state for status in statuses)
+    sums = ", ".join(f"{n} {state}" for state, n in counts.items())
+    return f"{text_table(_COLUMNS, rows, n_left=len(_COLUMNS))}\n{sums}"
 
 
 def _state(run: CellRun) -> str:
@@ -129,10 +126,6 @@ def _iterations_before(protocol: Protocol, place: int) -> int:
     per_episode = config.iterations_per_trial if last.i_test >= 0 else config.iterations_per_episode
     # Each episode has one observation more than it has iterations.
     return last.first_observation - last.first + n_episodes * per_episode
-
-
-def _undrawn(vergence_deg: float, fraction: float) -> tuple[float, ...]:
-    raise AssertionError("no episode is drawn to count them")
 
 
 def _duration(duration_s: float | None) -> str:

@@ -6,9 +6,9 @@ import numpy as np
 
 from eye_plant.camera.blur import Blur, blur_radius_px
 from eye_plant.camera.config import MUJOCO, CameraConfig
-from eye_plant.camera.mujoco_renderer import MujocoRenderer
-from eye_plant.camera.plane_renderer import PlaneRenderer
-from eye_plant.camera.renderer import N_EYES, Renderer, View
+from eye_plant.camera.opengl.mujoco_renderer import MujocoRenderer
+from eye_plant.camera.ray_casting.plane_renderer import PlaneRenderer
+from eye_plant.camera.renderer import Renderer, View
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.errors import InputError
 
@@ -92,14 +92,11 @@ class StereoCamera:
 
         eye_positions_m (2, 3): the eyes' centres; eye_rotations (2, 3, 3): columns are the eyes'
         x (line of sight), y (left) and z (up) axes in world coordinates, so yaw, pitch and torsion
-        all count; i_stimulus in [0, n_stimuli); distance_m from the eyes' frontal plane x = 0, in
-        [0.1, 9] with the default landscape. Raises InputError, with nothing drawn, otherwise.
+        all count; i_stimulus, distance_m: as `check` takes them. Raises InputError, with nothing
+        drawn, for those.
         """
         self.check(i_stimulus, distance_m)
-        _check_array("eye_positions_m", eye_positions_m, (N_EYES, 3))
-        _check_array("eye_rotations", eye_rotations, (N_EYES, 3, 3))
         rotations = _looking_inward(eye_rotations, self._config.rotations_deg)
-        _check_pose(eye_positions_m, eye_rotations, distance_m)
         view = View(eye_positions_m, rotations, self._i_textures[i_stimulus], distance_m)
         self._renderer.start(view)
 
@@ -111,7 +108,11 @@ class StereoCamera:
         return self._manipulated(self._renderer.finish())
 
     def check(self, i_stimulus: int, distance_m: float) -> None:
-        """Raise InputError unless stimulus i_stimulus can be shown at distance_m."""
+        """Raise InputError unless stimulus i_stimulus can be shown at distance_m.
+
+        i_stimulus in [0, n_stimuli); distance_m from the eyes' frontal plane x = 0, in [0.1, 9]
+        with the default landscape.
+        """
         if not 0 <= i_stimulus < self.n_stimuli:
             raise InputError(f"stimulus: expected 0 to {self.n_stimuli - 1}, got {i_stimulus}")
         farthest_m = self._config.landscape_distance_m - _GAP_TO_LANDSCAPE_M
@@ -171,22 +172,6 @@ def _check_picture(i_stimulus: int, picture: np.ndarray) -> None:
             f"stimulus {i_stimulus}: expected a grey picture (height, width) of uint8, "
             f"got shape {picture.shape} of {picture.dtype}"
         )
-
-
-def _check_array(name: str, values: np.ndarray, shape: tuple[int, ...]) -> None:
-    if np.shape(values) != shape or not np.isfinite(values).all():
-        raise InputError(f"{name}: expected finite numbers of shape {shape}, got {values!r}")
-
-
-def _check_pose(positions_m: np.ndarray, rotations: np.ndarray, distance_m: float) -> None:
-    if positions_m[:, 0].max() >= distance_m:
-        raise InputError(
-            f"eye_positions_m: expected eyes before the plane, x below {distance_m}, "
-            f"got x {positions_m[:, 0].tolist()}"
-        )
-    products = np.matmul(rotations, rotations.transpose(0, 2, 1))
-    if np.abs(products - np.eye(3)).max() > 1e-6 or np.linalg.det(rotations).min() < 0.0:
-        raise InputError(f"eye_rotations: expected rotation matrices, got {rotations.tolist()}")
 
 
 def _drawn_size_px(config: CameraConfig) -> tuple[int, int]:

@@ -9,13 +9,14 @@ from eye_plant.export.mjcf import mjcf
 from eye_plant.export.readme import readme
 from eye_plant.mechanics.parameter_sets import PARAMETER_SETS
 from lockstep.command_line import CommandLine
+from lockstep.durable_files import is_free
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
 
 
 def export(directory: Path) -> None:
     """Write the MJCF files and their README; raises InputError unless it is new or empty."""
-    if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
+    if not is_free(directory):
         raise InputError(f"expected a new or empty directory, got {directory}")
     texts = {name: mjcf(name) for name in PARAMETER_SETS}
     differences = {name: difference(name, text) for name, text in texts.items()}

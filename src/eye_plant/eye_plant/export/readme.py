@@ -14,7 +14,7 @@ _TEMPLATE = Path(__file__).with_name("README.template.md")
 
 def readme(differences: Mapping[str, Difference]) -> str:
     """Return the README's text; differences: measured, by parameter set."""
-    muscles = {name: its.muscles for name, its in PARAMETER_SETS.items()}
+    muscles = {name: parameters.muscles for name, parameters in PARAMETER_SETS.items()}
     names = list(next(iter(muscles.values())))
     return _TEMPLATE.read_text().format(
         version=mujoco.__version__,
@@ -29,7 +29,7 @@ def readme(differences: Mapping[str, Difference]) -> str:
         muscles=" | ".join(name.replace("_", " ") for name in names),
         rules="|".join("---" for _ in names),
         masses="\n".join(
-            f"| {name} | " + " | ".join(f"{1e3 * its[m].mass_kg:.2f}" for m in names) + " |"
-            for name, its in muscles.items()
+            f"| {name} | " + " | ".join(f"{1e3 * of_set[m].mass_kg:.2f}" for m in names) + " |"
+            for name, of_set in muscles.items()
         ),
     )

@@ -5,6 +5,7 @@ public OpenSim eye model upat_eye_model v3 (CC-BY 4.0). Masses of the recti are 
 (Clark & Demer 2016) times 1.06 g/ml; those of the obliques are estimates, see below.
 """
 
+from functools import partial
 from types import MappingProxyType
 
 from eye_plant.mechanics.parameters import (
@@ -12,43 +13,12 @@ from eye_plant.mechanics.parameters import (
     MuscleParameters,
     OrbitParameters,
     ParameterSet,
-    Point,
 )
 
-
-def _muscle(
-    *,
-    origin_m: Point,
-    pulley_m: Point,
-    insertion_m: Point,
-    peak_force_n: float,
-    optimal_length_m: float,
-    slack_length_m: float,
-    max_velocity_per_s: float,
-    mass_kg: float,
-    tonic_activation: float,
-) -> MuscleParameters:
-    """Return a muscle with the curve shapes that all six share.
-
-    ours: the active force spans 0.35 to 1.6 optimal lengths, the passive one is such that the
-    agonist pulls 30 to 50 gram-force at 45 deg into its field against its antagonist and the
-    orbit (Collins et al. 1981).
-    """
-    return MuscleParameters(
-        origin_m=origin_m,
-        pulley_m=pulley_m,
-        insertion_m=insertion_m,
-        peak_force_n=peak_force_n,
-        optimal_length_m=optimal_length_m,
-        slack_length_m=slack_length_m,
-        max_velocity_per_s=max_velocity_per_s,
-        mass_kg=mass_kg,
-        shortest=0.35,
-        longest=1.6,
-        passive_stiffness=2.0,
-        tonic_activation=tonic_activation,
-    )
-
+# The curve shapes that all six share. ours: the active force spans 0.35 to 1.6 optimal lengths, the
+# passive one is such that the agonist pulls 30 to 50 gram-force at 45 deg into its field against
+# its antagonist and the orbit (Collins et al. 1981).
+_muscle = partial(MuscleParameters, shortest=0.35, longest=1.6, passive_stiffness=2.0)
 
 # Tonic activations hold the eyes straight ahead, at the tensions nearest to 12 gram-force in the
 # horizontal, 10 in the vertical recti and 6 in the obliques (least squares under zero torque).

@@ -12,6 +12,7 @@ activation (11 x 11 points and its spline on medial [0, 0.2] x lateral [0, 0.1])
 single-muscle points of K17's optimal cost. Masses are OpenEyeSim's own.
 """
 
+from dataclasses import replace
 from types import MappingProxyType
 
 from eye_plant.mechanics.anatomical import ANATOMICAL
@@ -61,18 +62,15 @@ def _as_in_k17(muscle: MuscleParameters) -> MuscleParameters:
     OpenEyeSim's lateral rectus (1057 kg/m^3 over a specific tension of 0.25 MPa).
     """
     peak_force_n = muscle.peak_force_n / GRAM_FORCE_N
-    return MuscleParameters(
-        origin_m=muscle.origin_m,
-        pulley_m=muscle.pulley_m,
-        insertion_m=muscle.insertion_m,
+    return replace(
+        muscle,
         peak_force_n=peak_force_n,
-        optimal_length_m=muscle.optimal_length_m,
-        slack_length_m=muscle.slack_length_m,
         max_velocity_per_s=10.0,
         mass_kg=4.228e-3 * peak_force_n * muscle.optimal_length_m,
         shortest=0.3,
         longest=1.9,
         passive_stiffness=0.0,
+        tonic_activation=0.0,
     )
 
 

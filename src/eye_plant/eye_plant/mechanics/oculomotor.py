@@ -14,7 +14,7 @@ from eye_plant.mechanics.metabolics import MetabolicTerms
 from eye_plant.mechanics.model import AXES, MechanicsConfig, build_spec
 from eye_plant.mechanics.muscles import HORIZONTAL, LATERAL, MEDIAL, N_MUSCLES
 from eye_plant.mechanics.musculature import Musculature
-from lockstep.command_space import MUSCLE_NAMES, SIDES
+from lockstep.command_space import SIDES
 from lockstep.errors import InputError
 
 Array = NDArray[np.float64]
@@ -56,15 +56,9 @@ class Oculomotor:
     calls give the same bits.
     """
 
-    def __init__(self, config: MechanicsConfig, model: mujoco.MjModel | None = None) -> None:
-        """Build the eyes, or drive those in model, which may hold bodies that do not move."""
-        self.model = model if model is not None else build_spec(config).compile()
-        actuators = tuple(self.model.actuator(i).name for i in range(self.model.nu))
-        if actuators != MUSCLE_NAMES or self.model.nv != len(SIDES) * len(AXES):
-            raise InputError(
-                "expected a model whose only actuators are the twelve muscles and whose only "
-                f"joints are the eyes'; got actuators {actuators}"
-            )
+    def __init__(self, config: MechanicsConfig) -> None:
+        """Build the eyes, at rest at tonic activations."""
+        self.model = build_spec(config).compile()
         self.config = config
         self.musculature = Musculature(config)
         self.data = mujoco.MjData(self.model)
@@ -88,11 +82,6 @@ class Oculomotor:
         self.model.opt.timestep = period_s / self._n_substeps
         self._forget_trace()
         self.settle(self.tonic_activations)
-
-    @property
-    def muscle_names(self) -> tuple[str, ...]:
-        """The twelve muscles, in the order of every (12,) array."""
-        return MUSCLE_NAMES
 
     @property
     def tonic_activations(self) -> Array:

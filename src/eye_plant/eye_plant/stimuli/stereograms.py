@@ -24,20 +24,11 @@ class Stereogram:
 
     parallax: how much farther right on the plane the left eye's picture shows what both show, as a
     share of the plane's width; with it the eyes must meet before the plane, without behind it.
-    Raises InputError for pictures of different size.
     """
 
     left: np.ndarray
     right: np.ndarray
     parallax: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Refuse pictures that cannot lie on one plane."""
-        if self.left.shape != self.right.shape:
-            raise InputError(
-                f"stereogram: expected pictures of one size for both eyes, got "
-                f"{_size(self.left.shape)} for the left and {_size(self.right.shape)} for the right"
-            )
 
 
 def random_dot_stereograms(seed: int, n: int, size_px: int) -> tuple[Stereogram, ...]:

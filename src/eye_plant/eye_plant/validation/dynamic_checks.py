@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from eye_plant.camera.offscreen import GraphicsError
+from eye_plant.camera.opengl.offscreen import GraphicsError
 from eye_plant.camera.stereo_camera import CameraConfig, StereoCamera
 from eye_plant.geometry import desired_vergence_deg, disparity_px
 from eye_plant.inverse.pair import Inverse, pair_limits

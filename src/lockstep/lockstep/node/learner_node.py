@@ -11,7 +11,6 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 
 from lockstep.errors import InputError
-from lockstep.node.answer_once import AnswerOnce, Verdict
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.gather import Gather
 from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer, expect_none
@@ -58,7 +57,7 @@ class LearnerNode(Node, Generic[L]):
         self.learner = self.make_learner()
         self.diagnostics = Diagnostics(self, self._state_of_learning)
         self._gather = Gather(tuple(inputs))
-        self._answers = AnswerOnce()
+        self._answered_ns = -1
         self._inputs = [
             self.create_subscription(
                 kind,
@@ -111,13 +110,13 @@ class LearnerNode(Node, Generic[L]):
             self.diagnostics.refuse(str(error))
 
     def _observe(self, stamp_ns: int, observation: Mapping[str, Any]) -> None:
-        verdict = self._answers.judge(stamp_ns)
-        if verdict is Verdict.REPEATED:
+        if stamp_ns == self._answered_ns:
+            # The same observation gets the same answer, and is learned from once.
             self.repeat()
-        elif verdict is Verdict.NEW:
-            self.answer(stamp_ns, observation)
-            self._answers.answered(stamp_ns)
-            self.diagnostics.count()
+            return
+        self.answer(stamp_ns, observation)
+        self._answered_ns = stamp_ns
+        self.diagnostics.count()
 
     def _start_run(self, arguments: Arguments) -> None:
         expect_none(START_RUN, arguments)
@@ -130,7 +129,7 @@ class LearnerNode(Node, Generic[L]):
 
     def _forget_observations(self) -> None:
         self._gather.reset()
-        self._answers.reset()
+        self._answered_ns = -1
 
     def _save(self, arguments: Arguments) -> None:
         write_state(_path_of(arguments), self.get_name(), self.learner.state())

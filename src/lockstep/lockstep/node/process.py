@@ -15,10 +15,10 @@ from rclpy.utilities import remove_ros_args
 
 from lockstep.errors import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, FAULT_TEXT
-from lockstep.node.cores import share_two_cores
-from lockstep.node.domain import given_domain
+from lockstep.machine.cores import share_two_cores
+from lockstep.machine.domain import given_domain
+from lockstep.machine.unfinished_ports import remove_unfinished_ports
 from lockstep.node.executor import make_executor
-from lockstep.node.unfinished_ports import remove_unfinished_ports
 
 # Bad input, by phase: what reading the arguments raises, and names and parameters of the node.
 _OF_ARGUMENTS = (InputError, _rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError)
@@ -29,7 +29,7 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
     """Spin the node until it is told to stop; return the exit code of the process.
 
     Where there are two cores, the process keeps to that of the node's `core_of_two`, 0 or 1, and
-    does not interrupt others there if the node `gives_way`; see lockstep.node.cores.
+    does not interrupt others there if the node `gives_way`; see lockstep.machine.cores.
     SIGTERM ends the process; so does SIGINT, unless the node has an `interrupt` to call instead.
     The code is the node's `exit_code` if it has one, else 0; it is 2 when the arguments, or the
     node's names and parameters, cannot be read, and 6 when what it learns diverges: then the reason
@@ -49,9 +49,12 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
         if isinstance(error, _OF_NAMES_AND_PARAMETERS):
             return _refused(error)
         raise
-
     share_two_cores(getattr(node, "core_of_two", 0), gives_way=getattr(node, "gives_way", False))
+    _listen_to_signals(node)
+    return _spin(node)
 
+
+def _listen_to_signals(node: Node) -> None:
     def on_signal(number: int, frame: FrameType | None) -> None:
         # Python runs this between two bytecodes: the 1 Hz diagnostics wake an idle executor.
         interrupt = getattr(node, "interrupt", None)
@@ -62,6 +65,10 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
 
     signal.signal(signal.SIGINT, on_signal)
     signal.signal(signal.SIGTERM, on_signal)
+
+
+def _spin(node: Node) -> int:
+    """Serve the node until it ends, and destroy it; return its exit code."""
     executor = make_executor()
     executor.add_node(node)
     try:

@@ -138,13 +138,13 @@ def whole_values_of(message: JointState, names: Sequence[str], topic: str) -> li
 
 @lru_cache(maxsize=8)  # the same few names come each time
 def _indices(have: tuple[str, ...], want: tuple[str, ...], topic: str) -> list[int]:
-    place = {name: i for i, name in enumerate(have)}
-    if len(place) != len(have):
+    index_of = {name: i for i, name in enumerate(have)}
+    if len(index_of) != len(have):
         doubled = sorted({name for name in have if have.count(name) > 1})
         raise InputError(f"{topic}: expected each name once, got {', '.join(doubled)} twice")
-    missing = [name for name in want if name not in place]
+    missing = [name for name in want if name not in index_of]
     if missing:
         raise InputError(
             f"{topic}: expected names {', '.join(want)}; {', '.join(missing)} did not come"
         )
-    return [place[name] for name in want]
+    return [index_of[name] for name in want]

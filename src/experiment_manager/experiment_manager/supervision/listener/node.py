@@ -7,8 +7,8 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
+from lockstep.machine.unfinished_ports import remove_unfinished_ports
 from lockstep.node.diagnostics import TOPIC
-from lockstep.node.unfinished_ports import remove_unfinished_ports
 
 NAME = "supervisor"
 _PERIOD_S = 0.2

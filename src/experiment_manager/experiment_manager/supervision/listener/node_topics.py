@@ -24,7 +24,11 @@ def main(listen_s: float, topics: Sequence[str]) -> None:
     ):
         time.sleep(_LOOK_PERIOD_S)
         infos = {topic: node.get_publishers_info_by_topic(topic) for topic in topics}
-        found = {topic: [info.node_name for info in its] for topic, its in infos.items() if its}
+        found = {
+            topic: [publisher.node_name for publisher in publishers]
+            for topic, publishers in infos.items()
+            if publishers
+        }
     node.destroy_node()
     rclpy.try_shutdown()
     print(json.dumps(found))

@@ -2,13 +2,13 @@
 
 import pytest
 
-from eye_plant.camera.offscreen import GraphicsError, choose_backend
+from eye_plant.camera.opengl.offscreen import GraphicsError, choose_backend
 from lockstep.errors import InputError
 
 
 def test_a_machine_without_graphics_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("MUJOCO_GL", raising=False)
-    monkeypatch.setattr("eye_plant.camera.offscreen._load_library", lambda _: None)
+    monkeypatch.setattr("eye_plant.camera.opengl.offscreen._load_library", lambda _: None)
     with pytest.raises(GraphicsError, match=r"libegl1 and libgl1-mesa-dri .* or libosmesa6"):
         choose_backend()
 
@@ -16,7 +16,7 @@ def test_a_machine_without_graphics_says_what_to_install(monkeypatch: pytest.Mon
 def test_osmesa_is_taken_where_egl_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("MUJOCO_GL", raising=False)
     monkeypatch.setattr(
-        "eye_plant.camera.offscreen._load_library", lambda name: "OSMesa" in name or None
+        "eye_plant.camera.opengl.offscreen._load_library", lambda name: "OSMesa" in name or None
     )
     assert choose_backend() == "osmesa"
 

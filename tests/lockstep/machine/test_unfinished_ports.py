@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from lockstep.errors import InputError
-from lockstep.node.unfinished_ports import PATIENCE_S, remove_unfinished_ports, unfinished_ports
+from lockstep.machine.unfinished_ports import PATIENCE_S, remove_unfinished_ports, unfinished_ports
 
 PORT_BYTES = 52_400
 FINISHED, FAILED = 2, 3

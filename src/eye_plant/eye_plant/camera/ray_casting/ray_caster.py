@@ -248,6 +248,19 @@ def _limits_w(position_m, rectangle_m, lens):  # type: ignore[no-untyped-def]
     return ahead / lens[4], ahead / lens[3]
 
 
+@njit(cache=True, nogil=True)
+def _space_for_a_tile():  # type: ignore[no-untyped-def]
+    """Return greys (tile,), and the places, shares and texels that drawing them goes through."""
+    n_pixels = _TILE_HEIGHT_PX * _TILE_WIDTH_PX
+    scratch = (
+        np.empty(n_pixels, int32),
+        np.empty(n_pixels, float32),
+        np.empty(n_pixels, float32),
+        np.empty((4, n_pixels), uint8),
+    )
+    return np.empty(n_pixels, uint8), scratch
+
+
 @njit(
     void(
         uint8[:, ::1],
@@ -272,19 +285,12 @@ def cast_rays(
     focal length, column and row of the full picture's centre, px, the least and the greatest depth
     along the line of sight that are drawn, m; surfaces: of the plane, which is nearer, and of the
     landscape distance x, height z of the centre, width and height, m (2, 4), and two textures, each
-    eye_plant.camera.texels.Texture.arrays. What sees neither surface is black. A pixel's grey does
-    not depend on what else is drawn.
+    Texture.arrays of the module texels. What sees neither surface is black. A pixel's grey does not
+    depend on what else is drawn.
     """
     height, width = picture.shape
     left_px, top_px = origin_px
-    n_pixels = _TILE_HEIGHT_PX * _TILE_WIDTH_PX
-    greys = np.empty(n_pixels, uint8)
-    scratch = (
-        np.empty(n_pixels, int32),
-        np.empty(n_pixels, float32),
-        np.empty(n_pixels, float32),
-        np.empty((4, n_pixels), uint8),
-    )
+    greys, scratch = _space_for_a_tile()
     rectangles_m, textures = surfaces
     homographies, limits_w = np.empty((2, 3, 3)), np.empty((2, 2))
     for i in range(2):

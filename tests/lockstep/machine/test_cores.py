@@ -11,7 +11,7 @@ import pytest
 PROGRAM = """
 import json, os, sys, threading
 from pathlib import Path
-from lockstep.node.cores import share_two_cores
+from lockstep.machine.cores import share_two_cores
 
 cores = set(json.loads(sys.argv[1]))
 os.sched_setaffinity(0, cores)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from eye_plant.camera.mipmaps import mipmap_levels, reduced
-from eye_plant.camera.texels import Texture, texture_of, textures_of
+from eye_plant.camera.ray_casting.texels import Texture, texture_of, textures_of
 
 SHAPES = [(37, 50), (64, 64), (1, 9), (1, 1)]
 
@@ -71,7 +71,7 @@ def test_copies_that_cannot_be_kept_stay_in_memory(tmp_path, monkeypatch) -> Non
     def refuse(*_: object) -> None:
         raise OSError
 
-    monkeypatch.setattr("eye_plant.camera.texels.write_array", refuse)
+    monkeypatch.setattr("eye_plant.camera.ray_casting.texels.write_array", refuse)
     ((_, smaller),) = textures_of([picture])
     assert_same(smaller, mipmap_levels(reduced(np.asarray(picture))))
     assert [path.name for path in tmp_path.iterdir()] == ["a.npy"]

@@ -4,7 +4,7 @@ import numpy as np
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.landscape import landscape_picture
-from eye_plant.camera.scene import LANDSCAPE_GEOM, PLANE_GEOM, build_scene, build_scene_model
+from eye_plant.camera.opengl.scene import LANDSCAPE_GEOM, PLANE_GEOM, build_scene, build_scene_model
 
 EYE_HEIGHT_M = 1.7
 

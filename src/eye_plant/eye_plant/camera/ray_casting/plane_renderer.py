@@ -7,9 +7,9 @@ import numpy as np
 from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.landscape import landscape_picture
 from eye_plant.camera.mipmaps import wants_reduced
-from eye_plant.camera.ray_caster import cast_rays
+from eye_plant.camera.ray_casting.ray_caster import cast_rays
+from eye_plant.camera.ray_casting.texels import Texture, aliased_textures, texture_of, textures_of
 from eye_plant.camera.renderer import FAR_M, N_EYES, NEAR_M, View
-from eye_plant.camera.texels import Texture, aliased_textures, texture_of, textures_of
 
 
 class PlaneRenderer:

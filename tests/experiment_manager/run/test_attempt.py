@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from experiment_manager.bag.writer import BagWriter
-from experiment_manager.supervision.attempt import holds_observations
+from experiment_manager.run.attempt import holds_observations
 from lockstep.wire.topics import TOPIC_TYPES
 
 

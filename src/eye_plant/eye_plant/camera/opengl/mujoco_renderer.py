@@ -7,9 +7,8 @@ import numpy as np
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.landscape import landscape_picture
-from eye_plant.camera.offscreen import GraphicsError, OffscreenContext
-from eye_plant.camera.renderer import N_EYES, View
-from eye_plant.camera.scene import (
+from eye_plant.camera.opengl.offscreen import GraphicsError, OffscreenContext
+from eye_plant.camera.opengl.scene import (
     LANDSCAPE_GEOM,
     PLANE_GEOM,
     build_scene,
@@ -17,7 +16,8 @@ from eye_plant.camera.scene import (
     set_pose,
     set_projection,
 )
-from eye_plant.camera.textures import upload_both_sizes, upload_picture
+from eye_plant.camera.opengl.textures import upload_both_sizes, upload_picture
+from eye_plant.camera.renderer import N_EYES, View
 
 # A compiled scene, and MuJoCo's renderer of it with the buffers that it draws into.
 _Drawing = tuple[mujoco.MjModel, mujoco.MjrContext]

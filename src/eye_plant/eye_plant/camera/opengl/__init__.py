@@ -1,0 +1,1 @@
+"""Drawing by MuJoCo's own renderer, which needs OpenGL."""

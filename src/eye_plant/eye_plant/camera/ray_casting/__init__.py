@@ -1,0 +1,1 @@
+"""Drawing by casting rays in compiled loops, which needs no OpenGL."""
