@@ -4,14 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.benchmark.against import (
-    ROOT,
-    benchmark_module,
-    medians,
-    numbers_of,
-    ratios,
-    worktree,
-)
+from tests.benchmark.against import ROOT, benchmark_module, medians, numbers_of, ratios, worktree
 
 
 def test_numbers_are_named_by_their_place() -> None:

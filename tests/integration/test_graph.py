@@ -23,13 +23,7 @@ from experiment_manager.measures.kept_trials import read_trials
 from lockstep.command_space import ALL_MUSCLES, MUSCLE_NAMES
 from lockstep.wire.topics import TOPIC_TYPES
 from tests.graph_harness import small_run
-from tests.loop_contract import (
-    N_TRAINING,
-    N_TRIALS,
-    assert_as_the_loop,
-    run_line,
-    whole_graph,
-)
+from tests.loop_contract import N_TRAINING, N_TRIALS, assert_as_the_loop, run_line, whole_graph
 from tests.stress.supervised_run import SupervisedRun, are_gone
 
 N_ANSWERED = N_TRAINING + 20 * N_TRIALS

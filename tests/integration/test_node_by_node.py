@@ -14,10 +14,7 @@ from experiment_manager.run.config_file import read_configuration
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.topics import LEARNER_VECTORS
 from lockstep.wire.vectors import VectorPublisher, vector_message
-from tests.graph_harness import (
-    StartNode,
-    vectors,
-)
+from tests.graph_harness import StartNode, vectors
 from tests.loop_contract import assert_as_the_loop
 from tests.node_harness import Graph
 from tests.pair import ACTOR_CRITIC_NAMES

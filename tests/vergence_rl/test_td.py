@@ -1,14 +1,7 @@
 import numpy as np
 import pytest
 
-from vergence_rl.td import (
-    bounded_rate,
-    critic_step,
-    declining_rate,
-    td_error,
-    td_variance,
-    value,
-)
+from vergence_rl.td import bounded_rate, critic_step, declining_rate, td_error, td_variance, value
 
 
 def test_td_error() -> None:

@@ -15,7 +15,6 @@ from experiment_manager.commands.run_experiment import main as run_experiment
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import read_configuration
 from tests.graph_harness import OracleRun, stacked, vectors
-from tests.supervisor import finished, start_supervisor
 
 Refused = Callable[..., str]
 
@@ -171,7 +170,7 @@ def test_a_branch_goes_on_from_the_learners_of_another_run(run: Path, tmp_path: 
     out = tmp_path / "branch"
     line = ["--branch", f"{run}@60", "--iterations", "100", "--out", str(out)]
     line += ["--set", "vergence_rl.cacla.discount=0.5", "--seed", "4"]
-    finished(start_supervisor(line))
+    assert run_experiment(["--in-process", *line]) == 0
     _, states = checkpoint.everyone(run / "checkpoints")[-1]
     oracle = OracleRun(read_configuration(out / "config.yaml"))
     oracle.restore(states)

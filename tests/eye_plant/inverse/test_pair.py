@@ -162,9 +162,7 @@ def test_unlike_eyes_come_to_rest_wherever_their_muscles_pull():
 def test_muscles_whose_stiffness_has_no_inverse_stop_no_search():
     # Found by chance: on the way to its equilibrium the right eye's stiffness gets singular.
     config = MechanicsConfig(
-        parameter_set="anatomical",
-        strength=SINGULAR_STRENGTH,
-        recession_mm=SINGULAR_RECESSION_MM,
+        parameter_set="anatomical", strength=SINGULAR_STRENGTH, recession_mm=SINGULAR_RECESSION_MM
     )
     vergence_deg = Inverse(config).vergence_deg(0.0625, 0.0)
     assert np.isfinite(vergence_deg)

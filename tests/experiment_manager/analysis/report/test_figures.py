@@ -19,14 +19,8 @@ from experiment_manager.analysis.report.motor_space_figure import (
     motor_space,
     motor_space_figure,
 )
-from experiment_manager.analysis.report.performance_figures import (
-    box_figure,
-    performance_figure,
-)
-from experiment_manager.analysis.report.picture_figures import (
-    anaglyph_figure,
-    encoding_figure,
-)
+from experiment_manager.analysis.report.performance_figures import box_figure, performance_figure
+from experiment_manager.analysis.report.picture_figures import anaglyph_figure, encoding_figure
 from experiment_manager.analysis.report.price_figure import over_prices, price_figure
 from experiment_manager.analysis.report.reported_run import ReportedRun
 from experiment_manager.measures.metrics import summary_of

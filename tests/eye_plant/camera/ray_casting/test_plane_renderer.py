@@ -101,11 +101,7 @@ def seams(config: CameraConfig, view: RandomView, i_eye: int, shape: tuple[int, 
     """
     found = np.zeros((config.height_px, config.width_px), bool)
     plane_m = view.distance_m, config.plane_size_m, config.plane_size_m
-    landscape_m = (
-        config.landscape_distance_m,
-        config.landscape_width_m,
-        config.landscape_height_m,
-    )
+    landscape_m = (config.landscape_distance_m, config.landscape_width_m, config.landscape_height_m)
     for surface_m, texture_px in (
         (plane_m, drawn_size_px(config, view)),
         (landscape_m, (2600, 800)),
