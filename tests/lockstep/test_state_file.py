@@ -97,7 +97,8 @@ def test_another_nodes_state_is_refused(path: Path) -> None:
     ],
 )
 def test_other_arrays_are_refused(path: Path, arrays: dict[str, Any], message: str) -> None:
-    np.savez(path, **{name: np.array(values) for name, values in arrays.items()})
+    saved: dict[str, Any] = {name: np.array(values) for name, values in arrays.items()}
+    np.savez(path, **saved)
     with pytest.raises(InputError, match=message):
         read_state(path, "coder")
 
