@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Evaluate a run: vergence error and energy at each of its tests.
+# Evaluate a run: vergence error and energy in each of its tests, or in a new test of its learners.
 #
 # usage: launch_scripts/evaluate.sh RUN [options]
 set -euo pipefail

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Show the contents of a bag: topics, types, counts, stamps.
+# Show, export, film, play or repair a bag.
 #
 # usage: launch_scripts/inspect_bag.sh BAG [options]
 set -euo pipefail

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Disturb runs on purpose, as many times as requested: kill and stop nodes at random points, kill them or limit their
+# Disturb runs on purpose: kill and stop nodes at random points, kill them or limit their
 # memory while they start, send hostile input, cut the network between two hosts, set the clock far ahead and back, make
 # a long run. It works in slices; with --totals it adds up their totals in a file and continues there after an
 # interruption.

@@ -11,7 +11,7 @@ from typing import Any
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
-from tests.supervisor import PATIENCE_S
+from tests.patience import PATIENCE_S
 
 _HEADER = struct.Struct("<BIQ")  # opcode, subscription, log time
 _MESSAGE_DATA = 1

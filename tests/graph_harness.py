@@ -19,7 +19,8 @@ from lockstep.configuration import build
 from lockstep.state_file import read_state
 from lockstep.wire.stamps import period_ns
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
-from tests.supervisor import PATIENCE_S, environment
+from tests.patience import PATIENCE_S
+from tests.supervisor import environment
 
 SCRIPTS = Path(__file__).parents[1] / "launch_scripts"
 SMALL_VECTORS = (*PLANT_VECTORS, *CODER_VECTORS, *LEARNER_VECTORS)

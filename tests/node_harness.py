@@ -19,10 +19,9 @@ from rclpy.qos import HistoryPolicy, QoSProfile
 from experiment_manager.supervision.domains import own_domain
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.requests import service_name
+from tests.patience import PATIENCE_S
 from tests.stamps import to_ns
 
-# Long enough for a machine with ten times the work it can do.
-PATIENCE_S = 120.0
 _KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, depth=0)
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import psutil
 
 from lockstep.machine.own_process import die_with
-from tests.supervisor import PATIENCE_S
+from tests.patience import PATIENCE_S
 
 PACKAGES = ("munge", "slurmctld", "slurmd", "slurm-client")
 PARTITION = "main"

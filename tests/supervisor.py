@@ -8,9 +8,7 @@ from functools import partial
 from typing import IO
 
 from lockstep.machine.own_process import die_with
-
-# Generous: the machine may have ten times the work that it can do.
-PATIENCE_S = 600.0
+from tests.patience import PATIENCE_S
 
 
 def environment() -> dict[str, str]:

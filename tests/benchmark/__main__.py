@@ -261,13 +261,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="benchmark.sh", description="Measure the speed of the graph and of its stages."
     )
-    parser.add_argument("--quick", action="store_true", help="some minutes, less exact")
+    parser.add_argument(
+        "--quick", action="store_true", help="take a few minutes, with less exact numbers"
+    )
     parser.add_argument(
         "--against",
         metavar="REV",
-        help="then the quick benchmarks of this commit and of that one, in turns, and their ratios",
+        help="then run the quick benchmarks of this commit and of REV in turns, with their ratios",
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write all numbers there")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all numbers to FILE")
     options = parser.parse_args(argv)
     with tempfile.TemporaryDirectory(prefix="benchmark-") as directory:
         try:

@@ -79,7 +79,7 @@ def test_other_eyes_amid_an_episode_are_refused(shared: Bench) -> None:
     def ask(first: int) -> None:
         assert not shared.request("reconfigure", **settings)[0]
 
-    _refuses(shared, ask, "reconfigure: expected between episodes, got amid one, at observation")
+    _refuses(shared, ask, "reconfigure: expected between episodes, got during one, at observation")
 
 
 def _refuses(bench: Bench, send: Callable[[int], None], reason: str) -> None:

@@ -29,7 +29,7 @@ def test_divergence_ends_the_run_with_one_error(pictures, tmp_path, in_process) 
     assert output.count("error: ") == 1
     # On a line of its own, not behind the progress bar.
     assert re.search(r"^error: vergence_rl diverged in training iteration ", output, re.MULTILINE)
-    assert "expected 100 at most; what was saved before is whole" in output
+    assert "expected 100 at most; what was saved before is intact" in output
     assert "fault: " not in output
     assert is_intact(directory)
     published = Bag(directory / "bag").vectors("actor_critic")["actor_critic"].column("value")

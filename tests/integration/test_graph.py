@@ -220,7 +220,7 @@ def test_lines_that_no_run_can_follow_are_one_error(
 ) -> None:
     before = sorted(run.rglob("*"))
     assert run_experiment([*small_run(pictures), "--out", str(run)]) == 2
-    expected = f"error: {run}: expected a new or empty directory, it already holds something"
+    expected = f"error: {run}: expected a new or empty directory, it is not empty"
     assert capsys.readouterr().err.startswith(expected)
     assert sorted(run.rglob("*")) == before
     elsewhere = ["--in-process", "--elsewhere", "eye_plant"]

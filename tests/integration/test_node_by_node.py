@@ -72,7 +72,7 @@ def test_a_foreign_node_needs_only_its_topics(
     manager = start("experiment_manager", *_in_run(run))
     graph.spin_until(lambda: manager.process.poll() is not None, "the end of the run")
     output = manager.finished()
-    assert "vergence_rl answers no requests: the run goes on, without checkpoints" in output
+    assert "vergence_rl answers no requests: the run continues without checkpoints" in output
     assert not list((run / "checkpoints").glob("*/manifest.json"))
     results = json.loads((run / "results.json").read_text())
     assert [test["n_trials"] for test in results["tests"]] == [4, 4]

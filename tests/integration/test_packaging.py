@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.imported_names import imported_names
+from tests.patience import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
 NODES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")
@@ -140,7 +141,7 @@ def test_an_installed_node_names_an_unknown_parameter(workspace: Path) -> None:
         capture_output=True,
         text=True,
         check=False,
-        timeout=120,
+        timeout=PATIENCE_S,
     )
     assert started.returncode == 2, started.stderr
     assert "no_such_parameter" in started.stderr.splitlines()[-1]

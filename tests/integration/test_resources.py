@@ -9,14 +9,16 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import psutil
 import pytest
 
 from experiment_manager.bag.reader import Bag
 from experiment_manager.supervision.processes import PACKAGES
-from tests.graph_harness import PATIENCE_S, write_configuration
+from tests.graph_harness import write_configuration
 from tests.loop_contract import assert_as_the_loop, run_line
+from tests.patience import PATIENCE_S
 from tests.stress.clock_jumps import jumping_clock
-from tests.stress.supervised_run import SupervisedRun, is_intact, n_messages, stamp_faults
+from tests.stress.supervised_run import SupervisedRun, are_gone, is_intact, n_messages, stamp_faults
 from tests.supervisor import finished, start_supervisor
 
 
@@ -179,18 +181,34 @@ def test_ctrl_c_while_all_that_make_a_node_hang(line: list[str], tmp_path: Path)
         assert "fault: " not in run.output()
 
 
-def test_ctrl_c_while_the_look_for_other_graphs_hangs(line: list[str], tmp_path: Path) -> None:
-    profiles = tmp_path / "profiles.xml"
+def _with_profiles_that_nobody_writes(profiles: Path) -> tuple[str, ...]:
+    """Return the prefix of a run that looks for other graphs first, and hangs in that."""
     os.mkfifo(profiles)
     variables = ("ROS_DOMAIN_ID=17", "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET")
     # The tests themselves may run in the background of a shell, which has it ignored.
     default = "--default-signal=INT"
-    prefix = ("env", default, f"FASTRTPS_DEFAULT_PROFILES_FILE={profiles}", *variables)
+    return ("env", default, f"FASTRTPS_DEFAULT_PROFILES_FILE={profiles}", *variables)
+
+
+def test_ctrl_c_while_the_look_for_other_graphs_hangs(line: list[str], tmp_path: Path) -> None:
+    profiles = tmp_path / "profiles.xml"
+    prefix = _with_profiles_that_nobody_writes(profiles)
     with SupervisedRun(line, tmp_path / "run", prefix=prefix) as run:
         with profiles.open("w"):  # returns when somebody begins to read
             run.process.send_signal(signal.SIGINT)
             assert run.wait() == 130, run.output()
         assert run.output() == "stopped before the run began\n"
+
+
+def test_a_hanging_look_for_other_graphs_dies_with_the_run(line: list[str], tmp_path: Path) -> None:
+    profiles = tmp_path / "profiles.xml"
+    prefix = _with_profiles_that_nobody_writes(profiles)
+    with SupervisedRun(line, tmp_path / "run", prefix=prefix) as run, profiles.open("w"):
+        children = psutil.Process(run.process.pid).children()
+        (look,) = (c.pid for c in children if any("node_topics" in w for w in c.cmdline()))
+        run.process.kill()
+        run.process.wait()
+        assert are_gone([look])
 
 
 def test_no_graphics(line: list[str], tmp_path: Path) -> None:

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.patience import PATIENCE_S
+
 ROOT = Path(__file__).parents[2]
 SCRIPTS = tuple(
     sorted(p.stem for p in (ROOT / "launch_scripts").glob("*.sh") if p.stem != "environment")
@@ -96,7 +98,7 @@ class Checkout:
             capture_output=True,
             text=True,
             check=False,
-            timeout=60,
+            timeout=PATIENCE_S,
         )
 
     def calls(self) -> list[str]:

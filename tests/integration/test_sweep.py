@@ -15,8 +15,9 @@ import yaml
 
 from experiment_manager.commands.sweep import main as sweep
 from experiment_manager.sweep.sweep_file import read_sweep
+from tests.patience import PATIENCE_S
 from tests.stress.supervised_run import differences, stamp_faults
-from tests.supervisor import PATIENCE_S, finished
+from tests.supervisor import finished
 from tests.sweep_harness import (
     are_held_at_first_checkpoint,
     command_line,
@@ -72,7 +73,7 @@ def test_a_sweep_that_is_stopped_and_then_killed_goes_on(whole, sweep_file, tmp_
     for run in runs:
         _wait_for(started, partial(goes_on_interrupted, run))
     output = finished(started, code=130)
-    assert f"to go on: launch_scripts/sweep.sh {directory}\n" in output
+    assert f"to continue: launch_scripts/sweep.sh {directory}\n" in output
     assert "1 waiting" in output
     assert not [*directory.glob("*/results.json")]
     status = finished(start_sweep(directory, "--status"))

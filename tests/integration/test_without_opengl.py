@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.graph_harness import PATIENCE_S, small_run
+from tests.graph_harness import small_run
+from tests.patience import PATIENCE_S
 from tests.stress.supervised_run import SupervisedRun, stamp_faults
 from tests.supervisor import environment
 

@@ -278,22 +278,44 @@ def _outcome(name: str, part: Callable[[], Outcome]) -> Outcome:
 
 
 def _parser() -> argparse.ArgumentParser:
-    line = argparse.ArgumentParser(prog="torture.sh", description="The long tests of reliability.")
-    line.add_argument("--kills", type=int, default=40, metavar="N", help="0: none (default 40)")
-    line.add_argument("--inputs", type=int, default=30_000, metavar="N", help="default 30000")
-    line.add_argument("--soak", type=int, default=200_000, metavar="N", help="default 200000")
-    line.add_argument("--cuts", type=int, default=0, metavar="N", help="needs root (default 0)")
-    line.add_argument("--jumps", type=int, default=0, metavar="N", help="of the clock (default 0)")
-    line.add_argument("--start-kills", type=int, default=10, metavar="N", help="default 10")
-    line.add_argument("--memory-limits", type=int, default=10, metavar="N", help="default 10")
-    line.add_argument("--seed", type=int, default=1, metavar="S", help="of all that is random")
+    line = argparse.ArgumentParser(
+        prog="torture.sh", description="Run the long tests of reliability."
+    )
+    line.add_argument(
+        "--kills", type=int, default=40, metavar="N", help="nodes to kill (default 40)"
+    )
+    line.add_argument(
+        "--inputs", type=int, default=30_000, metavar="N", help="hostile inputs (default 30000)"
+    )
+    line.add_argument(
+        "--soak",
+        type=int,
+        default=200_000,
+        metavar="N",
+        help="iterations of a long run (default 200000)",
+    )
+    line.add_argument(
+        "--cuts", type=int, default=0, metavar="N", help="cuts; needs root (default 0)"
+    )
+    line.add_argument("--jumps", type=int, default=0, metavar="N", help="clock jumps (default 0)")
+    line.add_argument(
+        "--start-kills",
+        type=int,
+        default=10,
+        metavar="N",
+        help="kills of starting nodes (default 10)",
+    )
+    line.add_argument(
+        "--memory-limits", type=int, default=10, metavar="N", help="memory limits (default 10)"
+    )
+    line.add_argument("--seed", type=int, default=1, metavar="S", help="of all random draws")
     line.add_argument(
         "--totals",
         type=Path,
         metavar="FILE",
-        help="keep the figures there slice by slice, and go on from there: numbers are totals",
+        help="add up the totals of all slices in FILE, and continue from them",
     )
-    line.add_argument("--out", type=Path, metavar="DIR", help="keep the runs there")
+    line.add_argument("--out", type=Path, metavar="DIR", help="keep the runs in DIR")
     return line
 
 
@@ -332,7 +354,7 @@ def _slice(name: str, n: int, totals: Totals, options: argparse.Namespace) -> No
         directory.mkdir(parents=True)
         part = partial(_PARTS[name], directory, n, np.random.default_rng(seeds), seed)
         outcome = _outcome(name, part)
-    n_done = outcome.figures.get(_COUNTS[name], n)
+    n_done = outcome.figures.get(_COUNTS[name], 0)
     totals.add(name, n_done, outcome.figures, outcome.problems)
     print(f"{name}: {totals.of(name).n_done} done, {outcome.problems or 'all held'}", flush=True)
 

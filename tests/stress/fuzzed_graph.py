@@ -29,6 +29,7 @@ from lockstep.node.requests import RequestClient, service_name
 from lockstep.state_file import read_state
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import period_ns
+from tests.patience import PATIENCE_S
 from tests.stamps import to_ns
 from tests.stress.fuzzer import IMAGE_TOPICS, VECTOR_NAMES, Hostility
 from tests.stress.lone_nodes import LoneNodes
@@ -36,7 +37,6 @@ from vergence_rl.messages import actor_critic_values
 
 NODES = tuple(package for package in PACKAGES if package != MANAGER)
 _RUN = "fuzzed"
-_PATIENCE_S = 300.0
 _LONGEST_TOLD = 500
 _BYTES_PER_MB = 1 << 20
 
@@ -285,13 +285,13 @@ class _Attack:
         return answers
 
     def _spin_until(self, condition: Any, what: str) -> None:
-        end_s = time.monotonic() + _PATIENCE_S
+        end_s = time.monotonic() + PATIENCE_S
         while not condition():
             self._executor.spin_once(timeout_sec=0.1)
             if ended := self._processes.exit_codes():
                 raise InputError(f"nodes ended while waiting for {what}: {ended}")
             if time.monotonic() > end_s:
-                raise TimeoutError(f"waited {_PATIENCE_S} s in vain for {what}")
+                raise TimeoutError(f"waited {PATIENCE_S} s in vain for {what}")
 
     def _memory_mb(self) -> dict[str, float]:
         return {k: memory_mb(pid) for k, pid in self._processes.process_ids().items()}

@@ -16,10 +16,9 @@ from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.run import checkpoint
 from experiment_manager.run.episode_record import SMALL_TOPICS
 from experiment_manager.supervision.processes import PACKAGES
+from tests.patience import PATIENCE_S
 from tests.supervisor import start_supervisor
 
-# A machine with ten times the work it can do still gets there.
-PATIENCE_S = 600.0
 _POLL_S = 0.02
 
 

@@ -2,7 +2,24 @@
 
 from pathlib import Path
 
+import pytest
+
+from tests.stress import __main__ as torture
 from tests.stress.totals import Totals
+
+
+def test_a_slice_that_could_not_go_on_counts_nothing_and_ends_its_part(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def give_up(*arguments: object) -> torture.Outcome:
+        raise TimeoutError("waited in vain")
+
+    monkeypatch.setitem(torture._PARTS, "kills", give_up)
+    path = tmp_path / "totals.json"
+    line = "--kills 25 --inputs 0 --soak 0 --start-kills 0 --memory-limits 0 --totals"
+    assert torture.main([*line.split(), str(path)]) == 1
+    found = Totals(path, 1).of("kills")
+    assert (found.n_done, found.problems) == (0, ["TimeoutError: waited in vain"])
 
 
 def test_slices_add_up_over_several_starts(tmp_path: Path) -> None:

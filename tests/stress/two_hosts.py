@@ -13,8 +13,8 @@ from typing import Self
 
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN
 from lockstep.machine.own_process import die_with
+from tests.patience import PATIENCE_S
 
-_LIMIT_S = 30.0
 _PROFILE = Path(__file__).parents[2] / "src/lockstep/config/fastdds.xml"
 # As launch_scripts/environment.sh has it for graphs across machines.
 _VARIABLES = ("ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET", f"FASTRTPS_DEFAULT_PROFILES_FILE={_PROFILE}")
@@ -50,7 +50,11 @@ class Host:
     def run(self, *command: str) -> str:
         """Run a command to its end; return what it printed."""
         done = subprocess.run(
-            [*self._enter, *command], capture_output=True, text=True, check=False, timeout=_LIMIT_S
+            [*self._enter, *command],
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=PATIENCE_S,
         )
         if done.returncode:
             raise OSError(f"{' '.join(command)}: {done.stderr.strip()}")

@@ -46,12 +46,12 @@ class EyePlantConfig:
 
     command_space: str = setting(
         PAIR,
-        "which muscles a command moves, whose metabolic rate the ground truth states",
+        "muscles that a command moves and whose metabolic rate ground_truth has",
         choices=tuple(COMMAND_SPACES),
     )
     lowest_activations: tuple[float, ...] = setting(
         LOWEST_ACTIVATIONS,
-        "least activation of each command, or one for all, for the least cost",
+        "lowest activation of each command, or one for all, for the least cost",
         least=0,
         most=1,
     )

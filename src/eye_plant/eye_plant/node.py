@@ -90,7 +90,7 @@ class EyePlantNode(Node):
         """Take over other settings for the episodes to come; {} are those of the start."""
         if self._observation is not None and self._plant.is_waiting:
             raise InputError(
-                f"{RECONFIGURE}: expected between episodes, got amid one, at observation "
+                f"{RECONFIGURE}: expected between episodes, got during one, at observation "
                 f"{self._observation.number}"
             )
         self._plant.reconfigure(arguments)

@@ -9,4 +9,4 @@ EXIT_DIVERGED = 6  # of a node: learning ran away, and would do so again
 EXIT_INTERRUPTED = 130
 
 # Before the reason, in the last line of a node's log: the supervisor reads it there.
-FAULT_TEXT = "the run cannot go on: "
+FAULT_TEXT = "the run cannot continue: "

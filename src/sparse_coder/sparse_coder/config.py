@@ -29,22 +29,22 @@ class SparseCoderConfig:
     learning_rate: float = setting(0.2, "eta, learning rate of the dictionaries", least=0)
     final_learning_rate_share: float = setting(
         1.0,
-        "share of the learning rate left when the dictionaries rest; it falls linearly (D17)",
+        "final learning rate as a share of the first; it falls linearly (D17)",
         least=0,
     )
     resting_share: float = setting(
         1.0,
-        "share of the training after which the learning rate has fallen to its final share (D17)",
+        "share of training after which the learning rate keeps its final value (D17)",
         above=0,
         most=1,
     )
     command_space: str = setting(
         PAIR,
-        "which muscles a command moves, whose metabolic rate is charged",
+        "muscles that a command moves and whose metabolic rate is charged",
         choices=tuple(COMMAND_SPACES),
     )
     metabolic_cost_weight: float = setting(
-        0.0, "lambda of K17 eq. 5, the price of energy in the reward, 0 in model M", "1/W", least=0
+        0.0, "lambda of K17 eq. 5, price of energy in the reward; 0 in model M", "1/W", least=0
     )
 
     def __post_init__(self) -> None:

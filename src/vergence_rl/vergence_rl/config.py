@@ -29,41 +29,39 @@ class VergenceRlConfig:
     seed: int = setting(1, "seed of the initial weights and of the exploration")
     learning_rule: str = setting(
         "cacla",
-        "how the actor learns: cacla from the TD error of a critic, as in K17; hindsight from the"
-        " best activations of each episode, by regression (D12)",
+        "learning rule of the actor: cacla uses the TD error of a critic, as in K17; hindsight"
+        " regresses on the best activations of each episode (D12)",
         choices=("cacla", "hindsight"),
     )
     n_training_iterations: int = setting(1_000_000, "training iterations of the run", least=1)
     iterations_per_episode: int = setting(10, "iterations of a training episode", least=1)
-    n_features: int = setting(800, "features of both scales together", least=1)
+    n_features: int = setting(800, "number of features of both scales", least=1)
     feature_exponent: float = setting(
-        1.0, "power to which features are raised before they are normalised (D15)", above=0
+        1.0, "exponent that is applied to the features before they are normalised (D15)", above=0
     )
     command_space: str = setting(
-        "pair", "which muscles a command moves", choices=tuple(COMMAND_SPACES)
+        "pair", "muscles that a command moves", choices=tuple(COMMAND_SPACES)
     )
     lowest_activations: tuple[float, ...] = setting(
         LOWEST_ACTIVATIONS,
-        "least activation of each command, or one for all",
+        "lowest activation of each command, or one for all",
         least=0,
         most=1,
     )
     highest_activations: tuple[float, ...] = setting(
         HIGHEST_ACTIVATIONS,
-        "largest activation of each command, or one for all",
+        "highest activation of each command, or one for all",
         least=0,
         most=1,
     )
     state_standard_deviation: float = setting(
         0.02, "standard deviation to which each entry of the state is normalised", above=0
     )
-    bias_input: float = setting(0.02, "the state's last, constant entry", least=0)
+    bias_input: float = setting(0.02, "constant last entry of the state", least=0)
     initial_squared_deviation: float = setting(
-        0.0, "where the normaliser's sum of squared deviations from the mean starts (D9)", least=0
+        0.0, "initial sum of squared deviations in the normaliser (D9)", least=0
     )
-    initial_td_variance: float = setting(
-        1.0, "where the running variance of the TD error starts", above=0
-    )
+    initial_td_variance: float = setting(1.0, "initial running variance of the TD error", above=0)
     td_variance_rate: float = setting(
         0.001, "zeta of K17, rate of the running variance of the TD error", least=0, below=1
     )

@@ -164,5 +164,5 @@ def test_overwriting_is_refused(tmp_path: Path, messages: list[tuple[str, bytes,
         BagWriter(tmp_path / "bag", TOPICS, METADATA)
     assert {p.name: p.read_bytes() for p in (tmp_path / "bag").iterdir()} == before
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="already holds something"):
+    with pytest.raises(InputError, match="is not empty"):
         BagWriter(tmp_path / "file", TOPICS, METADATA)

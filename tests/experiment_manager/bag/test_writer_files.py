@@ -63,7 +63,7 @@ def test_resuming_needs_whole_files(tmp_path: Path, messages: list[tuple[str, by
     first = tmp_path / "bag" / "bag_0.mcap"
     first.write_bytes(first.read_bytes()[:-1])
     names = ["bag_0.mcap", "bag_1.mcap"]
-    with pytest.raises(InputError, match=r"bag_0\.mcap: expected a whole file, it is cut off"):
+    with pytest.raises(InputError, match=r"bag_0\.mcap: expected a complete file, it is cut off"):
         BagWriter(tmp_path / "bag", TOPICS, METADATA, resume_files=names)
     with pytest.raises(InputError, match=r"expected an \.mcap file, .*bag_9\.mcap is none"):
         BagWriter(tmp_path / "bag", TOPICS, METADATA, resume_files=["bag_9.mcap"])

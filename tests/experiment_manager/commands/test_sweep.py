@@ -38,8 +38,8 @@ def test_the_directory_of_a_sweep_takes_no_other_stimuli(tmp_path, pictures, cap
 @pytest.mark.parametrize(
     ("name", "text", "error"),
     [
-        ("sweep.yaml", "axes: {seed: [7]}", "it holds another"),
-        ("notes.txt", "mine", "it already holds something"),
+        ("sweep.yaml", "axes: {seed: [7]}", "it contains another"),
+        ("notes.txt", "mine", "it is not empty"),
     ],
 )
 def test_a_directory_that_holds_something_else_is_refused(

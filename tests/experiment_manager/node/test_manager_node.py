@@ -94,7 +94,7 @@ def test_a_refusal_ends_the_run_with_its_reason(graph, nodes, tmp_path, capfd, r
     name = nodes[who].get_name()
     code = EXIT_UNWRITABLE if kind == "save" else EXIT_FAULT
     assert _finished(graph, _start(graph, tmp_path / "run")) == code
-    assert f"the run cannot go on: {name} refused {kind}: expected another mood" in (
+    assert f"the run cannot continue: {name} refused {kind}: expected another mood" in (
         capfd.readouterr().err
     )
     assert not (tmp_path / "run" / "results.json").exists()
@@ -105,7 +105,7 @@ def test_under_supervision_a_gap_is_a_fault(graph, nodes, tmp_path, capfd) -> No
     manager = _start(graph, tmp_path / "run", supervised=True, gap_s=0.3)
     assert _finished(graph, manager) == EXIT_FAULT
     error = capfd.readouterr().err
-    assert "the run cannot go on: no message for 0.3 s; missing: 20 of episode" in error
+    assert "the run cannot continue: no message for 0.3 s; missing: 20 of episode" in error
     assert "20 of reward" in error
 
 
@@ -128,7 +128,7 @@ def test_under_supervision_who_is_not_there_is_waited_for(graph, nodes, tmp_path
     # It is there again, and does not answer.
     graph.add(ScriptedCoder).is_mute = True
     assert _finished(graph, manager) == EXIT_FAULT
-    assert "the run cannot go on: no message for 0.3 s; missing: " in capfd.readouterr().err
+    assert "the run cannot continue: no message for 0.3 s; missing: " in capfd.readouterr().err
 
 
 def test_under_supervision_learning_steps_must_fit(graph, nodes, tmp_path, capfd) -> None:
@@ -275,5 +275,5 @@ def test_a_disk_that_refuses_ends_the_run_with_one_error(
     monkeypatch.setattr(manager.run.writer, "write", refuse)
     assert _finished(graph, manager) == EXIT_UNWRITABLE
     error = capfd.readouterr().err
-    assert f"the run cannot go on: {tmp_path / 'run'} cannot be written: " in error
+    assert f"the run cannot continue: {tmp_path / 'run'} cannot be written: " in error
     assert "No space left on device" in error

@@ -99,7 +99,7 @@ def test_a_changed_or_missing_state_is_an_error(tmp_path: Path, damage: bytes | 
         state.write_bytes(damage)
     with pytest.raises(InputError, match=r"000000002: coder\.npz is missing or was changed") as e:
         checkpoint.newest(tmp_path)
-    assert "delete this directory to go on from the checkpoint before" in str(e.value)
+    assert "delete this directory to continue from the checkpoint before" in str(e.value)
 
 
 @pytest.mark.parametrize(

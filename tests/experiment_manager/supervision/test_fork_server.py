@@ -11,7 +11,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-PATIENCE_S = 60.0
+from tests.patience import PATIENCE_S
+
 # A package whose node says what it finds, and then does as it is told.
 NODE = """
 import os, signal, sys, time

@@ -108,15 +108,15 @@ def test_nodes_that_began_without_a_network_are_no_fault(tmp_path, capsys) -> No
 def test_a_disk_that_refuses_is_said_once_and_not_tried_again(tmp_path, capsys) -> None:
     (tmp_path / "logs").mkdir()
     log = tmp_path / "logs" / "experiment_manager.log"
-    log.write_text("[ERROR] [1.5] [n]: the run cannot go on: no space\n")
+    log.write_text("[ERROR] [1.5] [n]: the run cannot continue: no space\n")
     ended = _supervisor(tmp_path)._ended("experiment_manager", EXIT_UNWRITABLE)
     assert ended == (3, None)
     # The log may lie on the same disk.
     log.write_text("[INFO] [1.5] [n]: all is well\n")
     _supervisor(tmp_path)._ended("experiment_manager", EXIT_UNWRITABLE)
     first, second = filter(None, capsys.readouterr().err.splitlines())
-    assert first == "error: no space; what was saved before is whole"
-    assert second == f"error: {tmp_path} cannot be written; what was saved before is whole"
+    assert first == "error: no space; what was saved before is intact"
+    assert second == f"error: {tmp_path} cannot be written; what was saved before is intact"
 
 
 def test_bad_input_is_not_tried_again(tmp_path: Path) -> None:
@@ -128,7 +128,7 @@ def test_bad_input_is_not_tried_again(tmp_path: Path) -> None:
     ("log", "expected"),
     [
         ("a\nTraceback\nValueError: x\n", "coder ended: ValueError: x"),
-        ("[ERROR] [1.5] [n]: the run cannot go on: no disk\n\n", "coder ended: no disk"),
+        ("[ERROR] [1.5] [n]: the run cannot continue: no disk\n\n", "coder ended: no disk"),
         ("", "coder ended: without a word"),
     ],
 )

@@ -104,7 +104,7 @@ def test_a_run_whose_log_cannot_be_written_fails_alone(tmp_path, capsys) -> None
 @pytest.mark.parametrize(
     ("log", "failure"),
     [
-        ("error: what it was\r\nto go on: x\n\nended with exit code 3\n", "what it was"),
+        ("error: what it was\r\nto continue: x\n\nended with exit code 3\n", "what it was"),
         ("a line\nended with exit code -9\n", "ended with exit code -9"),
         ("error: old\nended with exit code 3\nonce more\n", ""),
         ("stopping\nended with exit code 130\n", ""),

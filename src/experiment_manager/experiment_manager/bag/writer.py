@@ -65,7 +65,7 @@ class BagWriter:
         without it the metadata as YAML. resume_files: the committed files to keep; other
         bag_N.mcap are deleted.
 
-        Raises InputError for a directory that already holds something, an unknown type, or a
+        Raises InputError for a directory that is not empty, an unknown type, or a
         resume file that is missing or not whole.
         """
         self._directory = Path(directory)
@@ -213,7 +213,9 @@ class BagWriter:
                 raise InputError(f"expected a bag file such as bag_0.mcap, got {name!r}")
             file = McapFile.open(self._directory / name)
             if not file.complete:
-                raise InputError(f"{self._directory / name}: expected a whole file, it is cut off")
+                raise InputError(
+                    f"{self._directory / name}: expected a complete file, it is cut off"
+                )
             self._committed.append(file.summary())
             for topic, stamp_ns in file.last_stamps_ns().items():
                 as_announced = announced.get(topic)
@@ -308,9 +310,7 @@ def _topic(name: str, type_name: str) -> Topic:
 
 def _make_new(directory: Path) -> None:
     if not is_free(directory):
-        raise InputError(
-            f"expected a new or empty directory for the bag, {directory} already holds something"
-        )
+        raise InputError(f"expected a new or empty directory for the bag, {directory} is not empty")
     directory.mkdir(parents=True, exist_ok=True)
 
 

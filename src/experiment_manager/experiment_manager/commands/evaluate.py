@@ -42,9 +42,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     is_frozen = any(getattr(options, name) for name in _FROZEN) or options.checkpoint is not None
     if not is_frozen and (options.stimuli_per_test is not None or options.out is not None):
-        parser.error(f"--stimuli-per-test and --out go with one of {_FROZEN_OPTIONS}")
+        parser.error(f"--stimuli-per-test and --out: expected with one of {_FROZEN_OPTIONS}")
     if is_frozen and options.write:
-        parser.error(f"--write is about the run itself: expected it without {_FROZEN_OPTIONS}")
+        parser.error(f"--write: expected without {_FROZEN_OPTIONS}")
     try:
         if is_frozen:
             return _test_frozen(options)
@@ -57,83 +57,86 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = CommandLine(
         prog="evaluate.sh",
-        description="Recompute the measures of a run from its bag and compare with results.json."
-        f" With any of {_FROZEN_OPTIONS}: test the frozen learners of a checkpoint instead, in"
-        " this process; that needs config.yaml and checkpoints/ of the run alone.",
+        description="Recompute the measures of a run from its bag; compare them with results.json."
+        f" With any of {_FROZEN_OPTIONS}: test the learners of a checkpoint instead, without"
+        " learning; this needs only config.yaml and checkpoints/ of the run.",
     )
     parser.add_argument("run", type=Path, metavar="RUN", help="run directory")
     _add_shown(parser)
     _add_learners(parser)
     parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="write the test's summary as JSON, too"
+        "--out", type=Path, metavar="FILE", help="also write the measures of the test as JSON"
     )
     parser.add_argument(
-        "--write", action="store_true", help="write results.json from the bag instead"
+        "--write",
+        action="store_true",
+        help="write results.json and trials.npz from the bag, without a comparison",
     )
     return parser
 
 
 def _add_shown(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("what frozen learners are shown")
+    group = parser.add_argument_group("what the learners are tested on")
     group.add_argument(
         "--stimuli",
         type=Path,
         metavar="DIR",
-        help="test with the pictures in DIR/test, or all in DIR (default: the run's own)",
+        help="images in DIR/test, or all in DIR (default: the test stimuli of the run)",
     )
     group.add_argument(
         "--stereograms",
         type=Path,
         metavar="DIR",
-        help="test with pairs of pictures, one for each eye: NAME_left and NAME_right",
+        help="pairs of images, one for each eye: NAME_left and NAME_right",
     )
-    group.add_argument(
-        "--random-dots", action="store_true", help="test with random-dot stereograms"
-    )
+    group.add_argument("--random-dots", action="store_true", help="random-dot stereograms")
     group.add_argument(
         "--generated",
         action="store_true",
-        help="test with the generated test stimuli, of a run that was trained on others",
+        help="the generated test stimuli, for a run that was trained on other images",
     )
     group.add_argument(
         "--stimuli-per-test",
         type=int,
         metavar="K",
-        help="pictures at most, 39 trials each, 42 with a command for each muscle (default: as in"
-        " the run's own tests)",
+        help="largest number of images, with 39 trials each (42 with a command for each muscle;"
+        " default: as in the tests of the run)",
     )
     group.add_argument(
         "--start-scale",
         type=float,
         metavar="FACTOR",
-        help="begin so many times as far off as the run's own tests do, with a command for each"
-        " muscle",
+        help="multiply the start errors and versions of the tests by FACTOR; only with a command"
+        " for each muscle",
     )
 
 
 def _add_learners(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("which frozen learners, with which eyes")
+    group = parser.add_argument_group("which learners, with which eyes")
     group.add_argument(
         "--dictionary",
         type=Path,
         metavar="CHECKPOINT",
-        help="with the dictionary of another age, or of another run: a directory in checkpoints/",
+        help="take the dictionaries from this directory in checkpoints/ of any run",
     )
     group.add_argument(
-        "--actor", type=Path, metavar="CHECKPOINT", help="with the actor and critic of another age"
+        "--actor",
+        type=Path,
+        metavar="CHECKPOINT",
+        help="take the learner of the commands from this directory in checkpoints/",
     )
     group.add_argument(
         "--set",
         action="append",
         default=[],
         metavar="eye_plant.PARAMETER=VALUE",
-        help="with other eyes or other input than at the learners' age; repeatable",
+        help="change a parameter of the plant for the test; may be repeated",
     )
     group.add_argument(
         "--checkpoint",
         type=int,
         metavar="PLACE",
-        help="learners to test: the number that names a directory in checkpoints/ (default: the"
+        help="number of the directory in checkpoints/ whose learners are tested (default: the"
         " newest)",
     )
 
@@ -204,7 +207,7 @@ def _write(run: RecordedRun, results: Results) -> int:
     if not _is_whole(run):
         raise InputError(
             f"{run.directory}: expected a run that has come to its end, to write {path} from its "
-            f"bag; launch_scripts/run_experiment.sh --resume {run.directory} goes on with it"
+            f"bag; launch_scripts/run_experiment.sh --resume {run.directory} continues it"
         )
     write_trials(run.directory, run.kept_trials())
     write_document(path, results.to_json())

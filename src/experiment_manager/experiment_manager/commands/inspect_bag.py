@@ -59,36 +59,40 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = CommandLine(
         prog="inspect_bag.sh",
-        description="The learning curve, topics with counts, rates and gaps, and the run.",
+        description="Print the run, its learning curve, and topics with counts, rates and gaps.",
     )
     parser.add_argument("bag", type=Path, help="bag directory, run directory or .mcap file")
     parser.add_argument(
-        "--configuration", action="store_true", help="print the run's config.yaml, too"
+        "--configuration", action="store_true", help="also print config.yaml of the run"
     )
     parser.add_argument(
-        "--repair", action="store_true", help="rewrite a cut-off or damaged bag as a whole"
+        "--repair", action="store_true", help="complete a bag that was cut off or damaged"
     )
     parser.add_argument(
-        "--extract", type=Path, metavar="DIR", help="write all pictures below DIR, as PNG"
+        "--extract", type=Path, metavar="DIR", help="write all pictures into DIR as PNG files"
     )
     parser.add_argument(
         "--film",
         type=Path,
         metavar="FILE",
-        help="write what the eyes saw before, during and after learning, as .mp4 or .gif",
+        help="write a film of episodes before, during and after learning, .mp4 or .gif",
     )
     parser.add_argument(
-        "--play", action="store_true", help="show its sampled episodes in Lichtblick or Foxglove"
+        "--play", action="store_true", help="show the sampled episodes in Lichtblick or Foxglove"
     )
     parser.add_argument(
-        "--rate", type=float, default=1.0, metavar="X", help="of --play, simulated time over time"
+        "--rate",
+        type=float,
+        default=1.0,
+        metavar="X",
+        help="simulated seconds per second of --play (default: 1)",
     )
     parser.add_argument(
         "--at",
         type=Address.of,
         default=Address(),
         metavar="HOST:PORT",
-        help=f"where --play listens (default: {Address()}, this machine only)",
+        help=f"address on which --play listens (default: {Address()}, this machine only)",
     )
     return parser
 

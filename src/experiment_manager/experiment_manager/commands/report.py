@@ -68,25 +68,23 @@ def _parser() -> argparse.ArgumentParser:
     parser = CommandLine(
         prog="report.sh",
         description="Draw the paper's figures and tables of runs into one report.html, from "
-        "results.json, trials.npz and checkpoints, and from bags where they are. Runs that differ "
-        "in their seed alone, or in it and the seed of their pictures, are pooled, as in K17.",
+        "results.json, trials.npz, checkpoints and, where they exist, bags. Runs that differ only "
+        "in their seed, or in it and the seed of their pictures, are pooled, as in K17.",
     )
     parser.add_argument(
-        "runs", type=Path, nargs="+", metavar="RUN", help="run directory, or that of a sweep"
+        "runs", type=Path, nargs="+", metavar="RUN", help="directory of a run or of a sweep"
     )
     parser.add_argument(
         "--rearing",
         action="store_true",
-        help="instead, rearing.html: the conditions of altered rearing beside one another, from"
-        " results.json and the newest checkpoint of each run (30 to 40 s a run, one run a core);"
-        " RUN may be a sweep",
+        help="write rearing.html instead: a comparison of rearing conditions, from results.json and"
+        " the newest checkpoint of each run (30 to 40 s per run, one run per core)",
     )
     parser.add_argument(
         "--out",
         type=Path,
         metavar="DIR",
-        help="where report.html and figures/ go (default: the directory given, or report/ for"
-        " several)",
+        help="where to write report.html and figures/ (default: RUN, or report/ for several)",
     )
     return parser
 

@@ -99,7 +99,7 @@ def _live(options: argparse.Namespace) -> Address | None:
     if options.live is None:
         return None
     if why := why_unavailable():
-        print(f"error: {why}; the run goes on without", file=sys.stderr)
+        print(f"error: {why}; the run continues without it", file=sys.stderr)
         return None
     address: Address = options.live
     page = Address(address.host, address.port + 1)
@@ -175,8 +175,8 @@ def check_old(directory: Path, request: RunRequest) -> None:
 def _refuse_used(directory: Path) -> None:
     if not is_free(directory):
         raise InputError(
-            f"{directory}: expected a new or empty directory, it already holds something; "
-            f"--resume {directory} goes on with a run"
+            f"{directory}: expected a new or empty directory, it is not empty; "
+            f"--resume {directory} continues a run"
         )
 
 
@@ -255,7 +255,7 @@ def concluded(run: Callable[[], tuple[Path, int]], more: str) -> int:
         print(results_table(read_results(directory / RESULTS_FILE), directory, _figure(directory)))
     elif code != EXIT_BAD_INPUT:
         line = f"launch_scripts/run_experiment.sh --resume {directory}{more}"
-        print(f"to go on: {line}", file=sys.stderr)
+        print(f"to continue: {line}", file=sys.stderr)
     return code
 
 

@@ -34,23 +34,31 @@ def parser() -> argparse.ArgumentParser:
         "sweep",
         type=Path,
         metavar="SWEEP",
-        help="a YAML file with options for all runs and axes, or the directory of a sweep",
+        help="a YAML file with options and axes, or the directory of a sweep to continue",
     )
     line.add_argument(
-        "--out", type=Path, metavar="DIR", help="of the sweep (default: runs/NAME OF THE FILE)"
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="directory of the sweep (default: runs/ and the name of the file)",
     )
     line.add_argument(
-        "--stimuli", type=Path, metavar="DIR", help="images for all runs, as run_experiment.sh has"
+        "--stimuli", type=Path, metavar="DIR", help="images for all runs, as in run_experiment.sh"
     )
-    line.add_argument("--jobs", type=int, metavar="N", help="runs at a time (default: one a core)")
-    line.add_argument("--status", action="store_true", help="say where each run stands")
+    line.add_argument(
+        "--jobs", type=int, metavar="N", help="runs at a time (default: one per core)"
+    )
+    line.add_argument("--status", action="store_true", help="print the progress of each run")
     line.add_argument("--slurm", action="store_true", help="submit a job array to Slurm")
-    line.add_argument("--partition", default="", metavar="P", help="of Slurm")
+    line.add_argument("--partition", default="", metavar="P", help="partition of the job array")
     line.add_argument(
-        "--time", default="", metavar="T", help="limit of a task; it goes on after it"
+        "--time",
+        default="",
+        metavar="T",
+        help="time limit of a task; a task that reaches it is requeued and continues",
     )
-    line.add_argument("--memory", default="", metavar="M", help="of a task, such as 2G")
-    line.add_argument("--tasks", type=int, metavar="N", help="of Slurm at a time")
+    line.add_argument("--memory", default="", metavar="M", help="memory of a task, for example 2G")
+    line.add_argument("--tasks", type=int, metavar="N", help="largest number of tasks at a time")
     line.add_argument("--task", type=int, help=argparse.SUPPRESS)
     return line
 
@@ -69,13 +77,11 @@ def _opened(options: argparse.Namespace) -> tuple[Path, Sweep]:
     held = directory / SWEEP_FILE
     if held.exists() and read_sweep(held) != sweep:
         raise InputError(
-            f"{directory}: expected the directory of this sweep, it holds another; "
-            f"sweep.sh {directory} goes on with that one"
+            f"{directory}: expected the directory of this sweep, it contains another; "
+            f"sweep.sh {directory} continues that one"
         )
     if not held.exists() and not is_free(directory):
-        raise InputError(
-            f"{directory}: expected a new or empty directory, it already holds something"
-        )
+        raise InputError(f"{directory}: expected a new or empty directory, it is not empty")
     return directory, sweep
 
 
@@ -148,7 +154,7 @@ def _run(options: argparse.Namespace) -> int:
     code = Pool(options.jobs or len(os.sched_getaffinity(0))).run([runs[i] for i in undone])
     print(table([status_of(run) for run in runs]))
     if code:
-        print(f"to go on: launch_scripts/sweep.sh {directory}", file=sys.stderr)
+        print(f"to continue: launch_scripts/sweep.sh {directory}", file=sys.stderr)
     return code
 
 

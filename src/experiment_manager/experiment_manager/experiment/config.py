@@ -42,14 +42,14 @@ class ProtocolConfig:
     iterations_per_trial: int = setting(20, "iterations of a test trial", least=1)
     test_iterations: tuple[int, ...] = setting(
         PAPER_TEST_ITERATIONS,
-        "training iterations before each test; those beyond the end are left out, and one at the"
+        "training iterations before each test; tests beyond the end are left out, and one at the"
         " end is always made",
         least=0,
     )
     n_training_stimuli: int = setting(100, "training stimuli that the plant has", least=1)
     n_test_stimuli: int = setting(40, "test stimuli that the plant has", least=1)
     n_stimuli_per_test: int = setting(
-        40, "how many of the test stimuli a test shows, the first ones", least=1
+        40, "number of test stimuli that a test shows, from the first", least=1
     )
     object_distance_m: tuple[float, ...] = setting(
         (0.5, 6.0),
@@ -60,15 +60,15 @@ class ProtocolConfig:
     )
     fixation_distance_m: tuple[float, ...] = setting(
         (0.5, 6.0),
-        "distance at which the eyes look as a training episode begins, drawn uniformly",
+        "initial fixation distance of a training episode, drawn uniformly",
         "m",
         least=_LEAST_DISTANCE_M,
         is_interval=True,
     )
     draws_vergence_evenly: bool = setting(
         False,
-        "whether training draws the vergence of plane and eyes uniformly, between those of the"
-        " distances' limits, not the distances (D18)",
+        "whether training draws the vergence angles of plane and eyes uniformly instead of their"
+        " distances (D18)",
     )
     test_distances_m: tuple[float, ...] = setting(
         (0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0),
@@ -77,12 +77,12 @@ class ProtocolConfig:
         least=_LEAST_DISTANCE_M,
     )
     least_start_error_deg: int = setting(
-        -3, "least vergence error with which a test trial starts", "deg", most=0
+        -3, "lowest vergence error at the start of a test trial", "deg", most=0
     )
     start_error_deg: tuple[float, ...] = setting(
         (3.0, 1.5, 4.0),
-        "largest horizontal, vertical and cyclovergence error with which an episode begins, of"
-        " muscles with a command each; those that the commands turn are drawn uniformly",
+        "with a command for each muscle: largest horizontal, vertical and cyclovergence error at"
+        " the start of an episode; those that commands can change are drawn uniformly",
         "deg",
         least=0,
         most=20,
@@ -90,7 +90,7 @@ class ProtocolConfig:
     )
     start_version_deg: tuple[float, ...] = setting(
         (5.0, 5.0),
-        "how far sideways and up or down these eyes look at most as an episode begins",
+        "with a command for each muscle: largest version and elevation at the start of an episode",
         "deg",
         least=0,
         most=20,
@@ -98,26 +98,26 @@ class ProtocolConfig:
     )
     start_spread: float = setting(
         0.03,
-        "how far from the tonic level these muscles begin, a standard deviation of those changes of"
-        " activation that leave gaze as it is",
+        "with a command for each muscle: standard deviation of initial activations about the tonic"
+        " level, in the directions that do not change gaze",
         least=0,
         most=1,
     )
     n_starts_per_distance: int = setting(
-        6, "first gazes of these eyes at each distance of a test", least=1
+        6, "with a command for each muscle: initial gazes at each distance of a test", least=1
     )
     command_space: str = setting(
-        PAIR, "which muscles a command moves", choices=tuple(COMMAND_SPACES)
+        PAIR, "muscles that a command moves", choices=tuple(COMMAND_SPACES)
     )
     lowest_activations: tuple[float, ...] = setting(
         LOWEST_ACTIVATIONS,
-        "least activation of each command as an episode begins, or one for all",
+        "lowest initial activation of each command, or one for all",
         least=0,
         most=1,
     )
     highest_activations: tuple[float, ...] = setting(
         HIGHEST_ACTIVATIONS,
-        "largest activation of each command as an episode begins, or one for all",
+        "highest initial activation of each command, or one for all",
         least=0,
         most=1,
     )
@@ -170,33 +170,29 @@ class ExperimentManagerConfig:
 
     seed: int = setting(1, "seed of episodes and trials")
     model: str = setting("M", "model, for the results", choices=MODELS)
-    profile: str = setting(
-        "", "name of the profile that the run began with, for the results; empty: none"
-    )
+    profile: str = setting("", "name of the run's profile, for the results; empty: none")
     metabolic_cost_weight: float = setting(
-        0.0, "lambda, the price of energy in the reward, as the sparse coder has it", "1/W", least=0
+        0.0, "lambda, price of energy in the reward, the same as the sparse coder's", "1/W", least=0
     )
-    run_directory: str = setting(
-        "", "directory into which the run is written; empty: a new one under runs/"
-    )
-    run_id: str = setting("", "name that requests carry; empty: the run directory's name")
+    run_directory: str = setting("", "directory of the run; empty: a new one under runs/")
+    run_id: str = setting("", "name of the run in requests; empty: the name of its directory")
     commit: str = setting("", "commit of the source, for the results")
     checkpoint_period_s: float = setting(120.0, "wall time between checkpoints", "s", above=0)
     keeps_tested_checkpoints: bool = setting(
         False,
-        "whether the checkpoint before each test stays, for tests with a dictionary or an actor of"
-        " another age; otherwise the last two stay",
+        "whether the checkpoint before each test is kept, for tests at another age; otherwise only"
+        " the last two checkpoints are",
     )
     gap_s: float = setting(
-        5.0, "wall time without a new message after which the run has a fault", "s", above=0
+        5.0, "wall time without a new message that counts as a fault", "s", above=0
     )
     pictures_every_n_episodes: int = setting(
-        1000, "pictures and features are recorded of every so many-th episode; 0: of none", least=0
+        1000, "record pictures and features of every n-th training episode; 0: of none", least=0
     )
     pictures_every_n_trials: int = setting(
         230,
-        "pictures and features are recorded of every so many-th test trial; 0: of none (a test has"
-        " 39 conditions per stimulus: a multiple of 39 would show one condition alone)",
+        "record pictures and features of every n-th test trial; 0: of none (a test has 39"
+        " conditions per stimulus, so a multiple of 39 would record only one of them)",
         least=0,
     )
     resume: bool = setting(
@@ -204,12 +200,12 @@ class ExperimentManagerConfig:
     )
     supervised: bool = setting(
         False,
-        "whether all nodes are started again after a fault, so that what could be waited out is"
-        " a fault too",
+        "whether a supervisor restarts all nodes after a fault; conditions that might pass by"
+        " waiting then count as faults",
     )
     schedule: str = setting(
         "",
-        "changes of the plant in the course of the run, as YAML or JSON:"
+        "changes of the plant during the run, as YAML or JSON:"
         " [{at: ITERATION, set: {NODE.PARAMETER: value}}]; empty: none",
     )
     protocol: ProtocolConfig = field(default_factory=ProtocolConfig)

@@ -72,7 +72,7 @@ class Requests:
             )
         for name in absent:
             self._node.get_logger().warning(
-                f"{name} answers no requests: the run goes on, without checkpoints"
+                f"{name} answers no requests: the run continues without checkpoints"
             )
             del self._peers[name]
         return []

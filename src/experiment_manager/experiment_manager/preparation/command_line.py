@@ -92,29 +92,32 @@ def _add_settings(line: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--profile",
         metavar="NAME",
-        help=f"settings to begin with: {', '.join(profile_names())} (default:"
-        " paper if --model or --iterations is given, else demonstration)",
+        help=f"named settings: {', '.join(profile_names())} (default: paper if"
+        " --model or --iterations is given, otherwise demonstration)",
     )
-    group.add_argument("--model", choices=MODELS, help="M: vergence; M_C: with a price on energy")
+    group.add_argument(
+        "--model", choices=MODELS, help="M: no price on energy; M_C: a price on energy"
+    )
     group.add_argument(
         "--iterations",
         type=_argument(whole_number),
         metavar="N",
-        help="training iterations, as 1e6; with --branch, those before the checkpoint included",
+        help="training iterations, for example 1e6; with --branch, including those of that run",
     )
     group.add_argument("--seed", type=_argument(whole_number), metavar="S", help="default: 1")
     group.add_argument(
         "--stimuli",
         type=Path,
         metavar="DIR",
-        help="images instead of generated ones: train/ and test/ inside, or one directory",
+        help="use these images: DIR/train and DIR/test, or all in DIR, split by seed (default:"
+        " generated stimuli)",
     )
     group.add_argument(
         "--set",
         action="append",
         default=[],
         metavar="NODE.PARAMETER=VALUE",
-        help="any parameter of any node; repeatable",
+        help="set any parameter of any node; may be repeated",
     )
 
 
@@ -124,13 +127,14 @@ def _add_tests(line: argparse.ArgumentParser) -> None:
         "--tests",
         type=_argument(whole_numbers),
         metavar="N,N,...",
-        help="training iterations before each test; one at the end is always made",
+        help="training iterations before each test; a test at the end is always made",
     )
     group.add_argument(
         "--test-stimuli",
         type=_argument(whole_number),
         metavar="K",
-        help="stimuli of each test; a test has 39 trials of 20 iterations for each",
+        help="stimuli of each test; a test has 39 trials of 20 iterations per stimulus (42 with a"
+        " command for each muscle)",
     )
 
 
@@ -151,31 +155,31 @@ def _add_price(line: argparse.ArgumentParser) -> None:
         type=float,
         metavar="S",
         help="choose lambda so that energy is this share of the reward over the first 5,000"
-        " iterations; they are made once without a price, to measure it (about a minute)",
+        " iterations; a run of that length without a price measures it first (about a minute)",
     )
 
 
 def _add_directories(line: argparse.ArgumentParser) -> None:
-    group = line.add_argument_group("where, and what to go on from")
+    group = line.add_argument_group("where to write, what to continue")
     group.add_argument("--out", type=Path, metavar="DIR", help="run directory (default: runs/...)")
     group.add_argument(
         "--resume",
         type=Path,
         metavar="DIR",
-        help="go on with an interrupted run, with the settings that it has",
+        help="continue an interrupted run with its own settings",
     )
     group.add_argument(
         "--extend",
         type=_argument(whole_number),
         metavar="N",
-        help="with --resume: N training iterations more; what falls towards the end of training,"
-        " as the learning rate of the actor, then falls towards the new end",
+        help="with --resume: N more training iterations; learning rates that fall until the end of"
+        " training then fall until the new end",
     )
     group.add_argument(
         "--branch",
         metavar="RUN[@ITERATION]",
-        help="begin a new run from a checkpoint of another, the newest or that after so many"
-        " training iterations, with its settings but for those given here",
+        help="start a new run from the newest checkpoint of RUN, or from the one at ITERATION, with"
+        " the settings of RUN except those given here",
     )
 
 
@@ -184,14 +188,14 @@ def _add_ways_to_run(line: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--in-process",
         action="store_true",
-        help="the same run in one process on one core, without nodes: the same files, bit for bit",
+        help="make the run in one process on one core, without nodes; its numbers are the same",
     )
     group.add_argument(
         "--elsewhere",
         default=(),
         type=_nodes,
         metavar="NODE,...",
-        help="nodes that you start yourself, on another machine: of "
+        help="nodes that you start yourself on another machine, any of "
         f"{', '.join(MOVABLE_NODES)}; see docs/reliability.md",
     )
     group.add_argument(
@@ -200,8 +204,8 @@ def _add_ways_to_run(line: argparse.ArgumentParser) -> None:
         const=Address(),
         type=Address.of,
         metavar="HOST:PORT",
-        help="watch the run in Lichtblick or Foxglove; listens on this machine only unless HOST"
-        f" says otherwise (default: {Address()})",
+        help="show the run in Lichtblick or Foxglove; without HOST only viewers on this machine can"
+        f" connect (default: {Address()})",
     )
 
 

@@ -110,7 +110,7 @@ def _checked(path: Path) -> tuple[Manifest, Path]:
         if not state.is_file() or hash_of(state) != expected:
             raise InputError(
                 f"checkpoint {path.parent}: {name} is missing or was changed; "
-                "delete this directory to go on from the checkpoint before"
+                "delete this directory to continue from the checkpoint before"
             )
     return manifest, path.parent
 

@@ -37,9 +37,9 @@ def run_in_process(directory: Path) -> int:
         is_over = run.go_on()
         run.close()
     except OSError as error:
-        return _fault(f"{directory} cannot be written: {error}; what was saved before is whole")
+        return _fault(f"{directory} cannot be written: {error}; what was saved before is intact")
     except DivergenceError as error:
-        return _fault(f"{error}; what was saved before is whole")
+        return _fault(f"{error}; what was saved before is intact")
     except InputError as error:
         if run is None:
             raise

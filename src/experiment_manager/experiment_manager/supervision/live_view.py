@@ -42,7 +42,7 @@ class LiveView(AbstractContextManager["LiveView"]):
         self._process = None
         lines = self._log.read_text(errors="replace").splitlines()
         reason = next((line for line in reversed(lines) if line.strip()), "without a word")
-        print(f"the live view has ended: {reason}; the run goes on", file=sys.stderr)
+        print(f"the live view has ended: {reason}; the run continues", file=sys.stderr)
 
     def __exit__(self, *exception: object) -> None:
         """Stop the process."""

@@ -60,13 +60,14 @@ def refuse_neighbours(domain: int, expected: Collection[str] = ()) -> None:
 def _publishers(domain: int, topics: Sequence[str]) -> dict[str, list[str]]:
     """Return the names of the nodes that publish each topic, by topic, as soon as there are any.
 
-    A process looks that a limit of time and Ctrl-C can end: to make a node may hang for ever.
+    A process looks that a limit of time, Ctrl-C and our own end can end: to make a node may hang
+    for ever.
     """
     remove_unfinished_ports()
     module = "experiment_manager.supervision.listener.node_topics"
     try:
         done = subprocess.run(
-            [sys.executable, "-m", module, str(_LISTEN_S), *topics],
+            [sys.executable, "-m", module, str(os.getpid()), str(_LISTEN_S), *topics],
             env=os.environ | {"ROS_DOMAIN_ID": str(domain)},
             capture_output=True,
             text=True,

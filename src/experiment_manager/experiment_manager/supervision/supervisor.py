@@ -175,10 +175,10 @@ class Supervisor:
             if FAULT_TEXT not in last_line:  # the log could not be written either
                 why = why_unwritable(self._directory)
                 reason = f"{self._directory} cannot be written{': ' if why else ''}{why}"
-            print(f"\nerror: {reason}; what was saved before is whole", file=sys.stderr)
+            print(f"\nerror: {reason}; what was saved before is intact", file=sys.stderr)
             return EXIT_FAULT, None
         if code == EXIT_DIVERGED:
-            print(f"\nerror: {reason}; what was saved before is whole", file=sys.stderr)
+            print(f"\nerror: {reason}; what was saved before is intact", file=sys.stderr)
             return EXIT_FAULT, None
         return EXIT_FAULT, f"{name} ended: {reason}"
 

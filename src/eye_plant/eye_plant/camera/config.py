@@ -27,8 +27,8 @@ class CameraConfig:
 
     renderer: str = setting(
         MUJOCO,
-        "what draws the pictures: MuJoCo's own renderer, which needs OpenGL, or a ray caster of"
-        " plane and landscape, which needs none",
+        "renderer: MuJoCo's, which needs OpenGL, or a ray caster of plane and landscape, which"
+        " does not",
         choices=RENDERERS,
     )
     width_px: int = setting(320, "width of each picture", "px", least=2, multiple_of=2)
@@ -36,8 +36,8 @@ class CameraConfig:
     focal_length_px: float = setting(257.34, "focal length of both cameras", "px", above=0)
     roi_width_px: int = setting(
         320,
-        "width of the region of interest about the picture's centre: nothing else is drawn and"
-        " returned, and its pixels are the full picture's, bit by bit",
+        "width of the region of interest about the picture's centre; only this region is drawn,"
+        " with the same bits as in the full picture",
         "px",
         least=2,
         multiple_of=2,
@@ -48,7 +48,7 @@ class CameraConfig:
     plane_size_m: float = setting(3.0, "width and height of the textured plane", "m", above=0)
     texture_mipmaps: bool = setting(
         True,
-        "whether a plane far away is drawn from a smaller copy of its texture, or else aliased",
+        "whether a distant plane is drawn from a smaller copy of its texture; otherwise it aliases",
     )
     landscape_distance_m: float = setting(
         9.1, "distance of the landscape behind the plane", "m", least=0.2, most=19
@@ -63,27 +63,33 @@ class CameraConfig:
         0.0, "standard deviation of the Gaussian blur of the right picture", "px", least=0
     )
     left_horizontal_blur_px: float = setting(
-        0.0, "the same along the rows alone, on top of it: upright stripes go", "px", least=0
+        0.0,
+        "additional blur of the left picture along its rows; it removes vertical stripes",
+        "px",
+        least=0,
     )
     right_horizontal_blur_px: float = setting(
-        0.0, "the same along the rows of the right picture", "px", least=0
+        0.0, "additional blur of the right picture along its rows", "px", least=0
     )
     left_vertical_blur_px: float = setting(
-        0.0, "the same along the columns alone, on top of it: level stripes go", "px", least=0
+        0.0,
+        "additional blur of the left picture along its columns; it removes horizontal stripes",
+        "px",
+        least=0,
     )
     right_vertical_blur_px: float = setting(
-        0.0, "the same along the columns of the right picture", "px", least=0
+        0.0, "additional blur of the right picture along its columns", "px", least=0
     )
     left_rotation_deg: float = setting(
         0.0,
-        "angle by which the left eye's camera looks farther toward the nose than the eye",
+        "rotation of the left camera in its eye, positive toward the nose",
         "deg",
         least=-45,
         most=45,
     )
     right_rotation_deg: float = setting(
         0.0,
-        "angle by which the right eye's camera looks farther toward the nose than the eye",
+        "rotation of the right camera in its eye, positive toward the nose",
         "deg",
         least=-45,
         most=45,

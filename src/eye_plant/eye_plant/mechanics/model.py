@@ -31,7 +31,7 @@ class MechanicsConfig:
     """
 
     parameter_set: str = setting(
-        "k17", "which eyes: the paper's or anatomical ones", choices=tuple(PARAMETER_SETS)
+        "k17", "set of eyes: the paper's or anatomical ones", choices=tuple(PARAMETER_SETS)
     )
     baseline_m: float = setting(0.056, "distance of the eyes' centres", "m", least=0.025, most=1)
     eye_height_m: float = setting(
@@ -62,7 +62,7 @@ class MechanicsConfig:
     )
     recession_mm: tuple[float, ...] = setting(
         (0.0,) * N_MUSCLES,
-        "how far each muscle's insertion is moved back along its path; negative: resected",
+        "shift of each muscle's insertion backwards along its path; negative: resected",
         "mm",
         least=-10,
         most=10,
@@ -70,7 +70,7 @@ class MechanicsConfig:
     )
     rest_adduction_deg: tuple[float, ...] = setting(
         (0.0, 0.0),
-        "added to the adduction at which the orbital tissue holds each eye",
+        "change of the adduction at which the orbital tissue holds each eye",
         "deg",
         least=-30,
         most=30,
@@ -78,7 +78,7 @@ class MechanicsConfig:
     )
     rest_elevation_deg: tuple[float, ...] = setting(
         (0.0, 0.0),
-        "added to the elevation at which the orbital tissue holds each eye",
+        "change of the elevation at which the orbital tissue holds each eye",
         "deg",
         least=-30,
         most=30,

@@ -12,60 +12,59 @@ class HindsightConfig:
 
     exploration_variance: float = setting(
         2.5e-4,
-        "variance of the noise on each action until residuals are known, or throughout (D16)",
+        "initial variance of the noise on each action (D16)",
         least=0,
     )
     starts_share: float = setting(
         0.0,
-        "share of the standard deviation of first activations that the first noise has, in their"
-        " shape, in place of that variance; 0: it keeps the variance, alike for all muscles (D20)",
+        "initial noise as a share of the standard deviation of first activations, with their"
+        " covariance; 0: exploration_variance, the same for all muscles (D20)",
         least=0,
         most=1,
     )
     exploration_follows_residuals: bool = setting(
         True,
-        "whether the noise takes the covariance of what the regression leaves, and commands come as"
-        " near their limits as it measures; otherwise the noise stays as it began (D16)",
+        "whether the covariance of the residuals sets the noise and the commands at the limits;"
+        " otherwise the noise keeps its initial variance (D16)",
     )
     scatter_until: tuple[float, ...] = setting(
         (0.0, 0.0),
-        "shares of training from and to which the scatter of the places that count in a target"
-        " vanishes from the noise, whose covariance it is added to (D20)",
+        "shares of training between which the covariance of an episode's weighted places, which"
+        " is added to that of the noise, falls to 0 (D20)",
         least=0,
         most=1,
         is_interval=True,
     )
     temperature: float = setting(
         0.0,
-        "how far below the largest reward of an episode, in standard deviations of its rewards, a"
-        " place counts 1 / e in the mean that is the target; 0: the best place alone is it (D20)",
+        "temperature of the weighted mean that is the target, in standard deviations of the"
+        " episode's rewards; 0: the target is the best place (D20)",
         least=0,
     )
     target_scale: float = setting(
         0.005,
-        "change of activation at which a target counts half in the regression",
+        "change of activation at which a target has half its weight in the regression",
         above=0,
     )
     ridge_share: float = setting(
         0.01,
-        "penalty of the regression's weights, as a share of the mean square of a state's entry",
+        "ridge penalty as a share of the mean square of an entry of the state",
         above=0,
     )
     ridge_visits: float = setting(
         0.0,
-        "number of visits, as a share of those remembered, that is added to that share (D20)",
+        "ridge penalty of this many visits, added as a share of those remembered (D20)",
         least=0,
     )
     memory_share: float = setting(
         0.5,
-        "iterations after which the regression has forgotten all but 1 / e, as a share of those"
-        " so far",
+        "iterations after which a visit has 1 / e of its weight, as a share of all so far",
         above=0,
     )
-    least_memory: float = setting(1000.0, "the least of these iterations", above=0)
+    least_memory: float = setting(1000.0, "least number of these iterations", above=0)
     regression_period: int = setting(
         100,
-        "iterations from one solution of the regression to the next, whole episodes",
+        "iterations between two solutions of the regression; a multiple of an episode",
         least=1,
     )
 

@@ -1,11 +1,10 @@
-"""Hindsight regression (D12): from wherever an episode was to the best place that it visited.
+"""Hindsight regression (D12): from each place of an episode to the best one that it visited.
 
 Once an episode is over, the place with the largest reward is known, and with it the change of
 activations that would have led there at once from each of the others. The actor A(s) = W s is the
 regression of these targets on the states (ours: regression of actions weighted by reward, Peters &
 Schaal 2007; learning from one's own best, Oh et al. 2018; relabelling what was reached as what was
-wanted, Andrychowicz et al. 2017). Places are compared within an episode, so that neither a value
-nor a size of step is needed.
+wanted, Andrychowicz et al. 2017). Places are compared within an episode, so no critic is needed.
 
 Dimensions: n_visits (iterations of an episode), n_state, n_muscles.
 """

@@ -9,12 +9,17 @@ import rclpy
 from rclpy.node import Node
 
 from experiment_manager.node.presence import UNKNOWN_NODE
+from lockstep.machine.own_process import die_with
 
 _LOOK_PERIOD_S = 0.1
 
 
-def main(listen_s: float, topics: Sequence[str]) -> None:
-    """Look until somebody is found whose name is known, for listen_s at most."""
+def main(parent: int, listen_s: float, topics: Sequence[str]) -> None:
+    """Look until somebody is found whose name is known, for listen_s at most.
+
+    parent: the process id of who asks, with whom this process dies.
+    """
+    die_with(parent)
     rclpy.init(args=[])
     node = Node("supervisor", start_parameter_services=False)
     end_s = time.monotonic() + listen_s
@@ -35,4 +40,4 @@ def main(listen_s: float, topics: Sequence[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(float(sys.argv[1]), sys.argv[2:])
+    main(int(sys.argv[1]), float(sys.argv[2]), sys.argv[3:])
