@@ -36,7 +36,7 @@ def sweep_file(pool: Path) -> Path:
     return pool.with_name("small.yaml")
 
 
-def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, sweep_file, tmp_path):
+def test_tasks_that_are_requeued_end_as_those_of_the_pool(slurm, sweep_file, pool, tmp_path):
     directory = tmp_path / "array"
     words = ["--slurm", "--partition", PARTITION, "--time", "60", "--tasks", "2"]
     output = finished(start_sweep(sweep_file, "--out", directory, *words, **slurm.variables))
