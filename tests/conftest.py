@@ -17,12 +17,6 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 STIMULUS_PX = 64
 
 
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers() -> int:
-    """Share the tests among one process more than there are cores: those of graphs often wait."""
-    return len(os.sched_getaffinity(0)) + 1
-
-
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with the longest tests: those of whole runs, so that no core ends with one of them."""
     items.sort(key=lambda item: "integration" not in item.path.parts)

@@ -2,7 +2,7 @@
 
 import subprocess
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -97,9 +97,6 @@ class NodeProcess:
         self._watchdog.cancel()
         self.process.kill()
         self.process.communicate()
-
-
-StartNode = Callable[..., NodeProcess]
 
 
 def vectors(directory: Path) -> dict[str, VectorTable]:

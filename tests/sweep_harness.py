@@ -7,13 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import psutil
-import pytest
 import yaml
 
 from tests.graph_harness import SCRIPTS, environment
-from tests.made_once import made_once
 from tests.stress.supervised_run import SupervisedRun
-from tests.supervisor import finished
 
 OPTIONS = {
     "profile": "paper",
@@ -69,20 +66,6 @@ def single_run(directory: Path, line: Sequence[str]) -> Path:
     with SupervisedRun(line, directory, in_process=True) as run:
         assert run.wait() == 0, run.output()
     return directory
-
-
-def finished_sweep(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
-    """Return a directory with a sweep's file, small.yaml, and its finished runs; not to change."""
-
-    def make(directory: Path) -> None:
-        path = write_sweep(
-            directory / "small.yaml", pictures, {"model": ["M_C"], "seed": [1, 2, 3]}
-        )
-        output = finished(start_sweep(path, "--out", directory / "sweep", "--jobs", 2))
-        assert "3/3 model_M_C-seed_" in output
-        assert "3 done" in output
-
-    return made_once(tmp_path_factory, "sweep", make)
 
 
 def process_of(run: Path) -> psutil.Process:

@@ -10,21 +10,21 @@ from pathlib import Path
 import pytest
 
 from experiment_manager.commands.evaluate import main as evaluate
-from tests.graph_harness import StartNode
+from tests.graph_harness import NodeProcess, small_run, write_configuration
 from tests.node_harness import Graph
 from tests.supervisor import environment, finished
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
-StartExample = Callable[[str], "subprocess.Popen[str]"]
 OURS = {"plant": "eye_plant", "coder": "sparse_coder", "controller": "vergence_rl"}
+Start = Callable[[str], "subprocess.Popen[str]"]
 
 
 @pytest.fixture
-def start_example(graph: Graph) -> Iterator[StartExample]:
+def start(graph: Graph) -> Iterator[Start]:
     """Return a function that starts an example in the test's domain."""
     with ExitStack() as stack:
 
-        def start_example(name: str) -> "subprocess.Popen[str]":
+        def start(name: str) -> "subprocess.Popen[str]":
             process = subprocess.Popen(
                 [sys.executable, EXAMPLES / f"{name}.py"],
                 env=environment() | {"ROS_DOMAIN_ID": str(graph.domain)},
@@ -36,25 +36,39 @@ def start_example(graph: Graph) -> Iterator[StartExample]:
             stack.callback(process.kill)
             return process
 
-        yield start_example
+        yield start
 
 
-# Each has one of ours as a neighbour.
-@pytest.mark.parametrize("examples", [("plant",), ("coder", "controller")])
-def test_replacements_make_a_run_with_our_other_nodes(
-    start_example, start, tmp_path, examples
-) -> None:
+@pytest.fixture
+def ours(graph: Graph, tmp_path: Path, pictures: Path) -> Iterator[Callable[..., NodeProcess]]:
+    """Return a function that starts one of our nodes in the test's domain."""
+    config_file = tmp_path / "config.yaml"
+    write_configuration(config_file, small_run(pictures, 20))
+    with ExitStack() as stack:
+
+        def start(package: str, *more: str) -> NodeProcess:
+            node = NodeProcess(package, graph.domain, config_file, *more)
+            stack.callback(node.close)
+            return node
+
+        yield start
+
+
+@pytest.mark.parametrize("example", OURS)
+def test_a_replacement_makes_a_run_with_our_other_nodes(start, ours, tmp_path, example) -> None:
     run = tmp_path / "run"
+    start(example)
     for name, package in OURS.items():
-        start_example(name) if name in examples else start(package)
-    start("experiment_manager", "-p", f"run_directory:={run}").finished()
+        if name != example:
+            ours(package)
+    ours("experiment_manager", "-p", f"run_directory:={run}").finished()
     results = json.loads((run / "results.json").read_text())
     assert [test["n_trials"] for test in results["tests"]] == [4, 4]
     assert evaluate([str(run)]) == 0
 
 
-def test_a_manager_drives_our_nodes(start_example: StartExample, start: StartNode) -> None:
+def test_a_manager_drives_our_nodes(start: Start, ours: Callable[..., NodeProcess]) -> None:
     for package in OURS.values():
-        start(package)
-    said = finished(start_example("manager")).splitlines()
+        ours(package)
+    said = finished(start("manager")).splitlines()
     assert [line.partition(":")[0] for line in said] == [f"episode {i}" for i in range(10)]

@@ -6,6 +6,7 @@ test_resources.py and test_live_view.py hold disturbed graphs to it.
 
 import json
 import resource
+import shutil
 import signal
 from functools import partial
 from pathlib import Path
@@ -15,16 +16,23 @@ import numpy as np
 import pytest
 import yaml
 from mcap.reader import make_reader
+from mcap_ros2.reader import read_ros2_messages
 from rosbags.highlevel import AnyReader
 
 from experiment_manager.bag.reader import Bag
-from experiment_manager.commands.run_experiment import main as run_experiment
 from experiment_manager.measures.kept_trials import read_trials
-from lockstep.command_space import ALL_MUSCLES, MUSCLE_NAMES
+from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI
 from lockstep.wire.topics import TOPIC_TYPES
 from tests.graph_harness import small_run
-from tests.loop_contract import N_TRAINING, N_TRIALS, assert_as_the_loop, run_line, whole_graph
+from tests.loop_contract import (
+    N_TRAINING,
+    N_TRIALS,
+    assert_as_the_loop,
+    run_line,
+    whole_graph,
+)
 from tests.stress.supervised_run import SupervisedRun, are_gone
+from tests.supervisor import finished, start_supervisor
 
 N_ANSWERED = N_TRAINING + 20 * N_TRIALS
 # Of each node's health, by the clock on the wall.
@@ -35,6 +43,11 @@ NOT_COMPARED = "/diagnostics"
 def run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
     """Return the directory of a run of model M_C that a graph has made."""
     return whole_graph(tmp_path_factory, pictures)
+
+
+def _whole_run(line: list[str], directory: Path) -> None:
+    with SupervisedRun(line, directory, in_process=True) as run:
+        assert run.wait() == 0, run.output()
 
 
 def _interrupted_and_resumed(line: list[str], directory: Path, *, begins_in_process: bool) -> None:
@@ -89,11 +102,13 @@ def _is_beyond(run: SupervisedRun, n_episodes: int) -> bool:
 @pytest.mark.parametrize(
     ("rule", "make"),
     [
+        ("cacla", _whole_run),
         ("cacla", partial(_interrupted_and_resumed, begins_in_process=False)),
+        ("hindsight", partial(_interrupted_and_resumed, begins_in_process=True)),
         ("hindsight", _killed_in_process_and_as_a_graph),
         ("cacla", _out_of_disk_and_stopped_at_once),
     ],
-    ids=["from graph to process", "killed", "no disk"],
+    ids=["whole", "from graph to process", "from process to graph", "killed", "no disk"],
 )
 def test_a_run_records_what_the_loop_computes(pictures, run, tmp_path, rule, make) -> None:
     directory = tmp_path / "run"
@@ -107,11 +122,12 @@ def test_a_graph_records_what_the_loop_computes(run: Path) -> None:
     assert_as_the_loop(run)
 
 
+@pytest.mark.parametrize("space", [HORIZONTAL_RECTI, ALL_MUSCLES])
 def test_muscles_with_commands_of_their_own_are_recorded_as_the_loop_has_them(
-    pictures: Path, tmp_path: Path
+    pictures, tmp_path, space
 ) -> None:
     settings = (
-        f"vergence_rl.command_space={ALL_MUSCLES}",
+        f"vergence_rl.command_space={space}",
         "vergence_rl.lowest_activations=[0.01]",
         "vergence_rl.highest_activations=[0.2]",
         "vergence_rl.hindsight.temperature=0.3",
@@ -124,11 +140,12 @@ def test_muscles_with_commands_of_their_own_are_recorded_as_the_loop_has_them(
     line = run_line(pictures, *settings, rule="hindsight")
     _interrupted_and_resumed(line, directory, begins_in_process=True)
     assert_as_the_loop(directory)
+    names = COMMAND_SPACES[space].names
     command = Bag(directory / "bag").vectors("muscle_command")["muscle_command"]
-    for name in MUSCLE_NAMES:
+    for name in names:
         assert (command.column(name) >= 0.01).all()
     kept = read_trials(directory)[-1]
-    assert kept.activations.shape[-1] == len(MUSCLE_NAMES)
+    assert kept.activations.shape[-1] == len(names)
     assert np.isfinite(kept.column("cyclovergence_error_deg")[:, -1]).all()
 
 
@@ -190,23 +207,36 @@ def test_a_schedule_is_recorded(run: Path) -> None:
     assert truth.column("iteration")[rows].tolist() == [0, 0]
 
 
-def test_every_message_is_decoded_and_carries_the_run(run: Path) -> None:
-    # bag/test_writer.py has other readers, and the fields of messages.
-    n_messages, last_ns = dict.fromkeys(TOPIC_TYPES, 0), dict.fromkeys(TOPIC_TYPES, -1)
+def test_every_reader_decodes_every_message(run: Path) -> None:
+    n_rosbags = dict.fromkeys(TOPIC_TYPES, 0)
+    last_ns = dict.fromkeys(TOPIC_TYPES, -1)
     with AnyReader([run / "bag"]) as reader:
+        assert {c.topic.removeprefix("/"): c.msgtype for c in reader.connections} == {
+            topic.removeprefix("/"): kind for topic, kind in TOPIC_TYPES.items()
+        }
         for connection, stamp_ns, data in reader.messages():
             message: Any = reader.deserialize(data, connection.msgtype)
             topic = connection.topic
             name = topic if topic in TOPIC_TYPES else topic.removeprefix("/")
-            assert connection.msgtype == TOPIC_TYPES[name]
-            n_messages[name] += 1
-            if name not in ("/clock", NOT_COMPARED):
+            n_rosbags[name] += 1
+            if name not in ("/clock", "/diagnostics"):
                 header = message.header.stamp
-                assert header.sec * 10**9 + header.nanosec == stamp_ns > last_ns[name]
+                assert header.sec * 10**9 + header.nanosec == stamp_ns
+                assert stamp_ns > last_ns[name]
             last_ns[name] = stamp_ns
-    assert n_messages["reward"] == N_ANSWERED
-    assert n_messages["/clock"] > N_ANSWERED // 2
-    assert all(n_messages.values())
+    n_mcap = dict.fromkeys(TOPIC_TYPES, 0)
+    for path in sorted((run / "bag").glob("*.mcap")):
+        for item in read_ros2_messages(path):
+            topic = item.channel.topic
+            n_mcap[topic if topic in TOPIC_TYPES else topic.removeprefix("/")] += 1
+            assert item.log_time_ns == item.publish_time_ns
+    assert n_mcap == n_rosbags
+    assert n_rosbags["reward"] == N_ANSWERED
+    assert n_rosbags["/clock"] > N_ANSWERED // 2
+    assert n_rosbags["/diagnostics"] > 0
+
+
+def test_the_run_says_what_it_is(run: Path) -> None:
     results = json.loads((run / "results.json").read_text())
     assert (results["model"], results["seed"], results["iterations"]) == ("M_C", 1, N_TRAINING)
     assert [(t["iteration"], t["n_trials"]) for t in results["tests"]] == [(0, 4), (N_TRAINING, 4)]
@@ -215,16 +245,26 @@ def test_every_message_is_decoded_and_carries_the_run(run: Path) -> None:
     assert bag.metadata["run"]["model"] == "M_C"
 
 
-def test_lines_that_no_run_can_follow_are_one_error(
-    run: Path, pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_directory_that_holds_a_run_is_refused(run: Path, pictures: Path) -> None:
     before = sorted(run.rglob("*"))
-    assert run_experiment([*small_run(pictures), "--out", str(run)]) == 2
-    expected = f"error: {run}: expected a new or empty directory, it is not empty"
-    assert capsys.readouterr().err.startswith(expected)
+    output = finished(start_supervisor([*small_run(pictures), "--out", str(run)]), code=2)
+    assert output.count("error: ") == 1
+    assert f"{run}: expected a new or empty directory, it is not empty" in output
     assert sorted(run.rglob("*")) == before
-    elsewhere = ["--in-process", "--elsewhere", "eye_plant"]
-    assert run_experiment([*run_line(pictures), *elsewhere, "--out", str(tmp_path / "run")]) == 2
-    error = capsys.readouterr().err
-    assert error == "error: --in-process: expected it without --elsewhere, got both\n"
+
+
+def test_resuming_a_finished_run_changes_nothing_but_says_its_results(run, tmp_path) -> None:
+    again = tmp_path / "run"
+    shutil.copytree(run, again)
+    output = finished(start_supervisor(["--resume", str(again)]))
+    assert f"results: {again / 'results.json'}" in output
+    assert (again / "results.json").read_text() == (run / "results.json").read_text()
+    assert_as_the_loop(again)
+
+
+def test_nodes_elsewhere_are_none_of_one_process(pictures: Path, tmp_path: Path) -> None:
+    line = run_line(pictures)
+    with SupervisedRun(line, tmp_path / "run", in_process=True, elsewhere=["eye_plant"]) as run:
+        assert run.wait() == 2
+        assert "error: --in-process: expected it without --elsewhere, got both\n" in run.output()
     assert not (tmp_path / "run").exists()

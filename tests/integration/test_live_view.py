@@ -1,19 +1,23 @@
 """The live view beside a real run: viewers see it, and the run's numbers are none the wiser."""
 
 import json
+import signal
 import socket
 import subprocess
 import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import psutil
+import pytest
 
 from experiment_manager.live.view import ANAGLYPH, LEARNING, RECONSTRUCTIONS, SHOWN_TOPICS
 from lockstep.wire.cdr import image_array
+from lockstep.wire.topics import PICTURES
 from tests.foxglove_client import FoxgloveClient
 from tests.graph_harness import small_run
 from tests.loop_contract import assert_as_the_loop, whole_graph
-from tests.stress.supervised_run import SupervisedRun
 from tests.supervisor import environment, finished, start_supervisor
 
 ALL_TOPICS = tuple(f"/{topic}" for topic in (*SHOWN_TOPICS, ANAGLYPH, *RECONSTRUCTIONS, LEARNING))
@@ -32,6 +36,21 @@ def _free_port() -> int:
             return port
 
 
+def _line(pictures: Path, out: Path) -> list[str]:
+    # Bags keep pictures of some episodes only; viewers see all. Long enough for them to connect.
+    return [*small_run(pictures, 1500), "--out", str(out)]
+
+
+@contextmanager
+def _watched(line: Sequence[str], port: int) -> Iterator["subprocess.Popen[str]"]:
+    process = start_supervisor([*line, "--live", f":{port}"])
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+
+
 def _live_view_of(supervisor_id: int) -> psutil.Process:
     (found,) = (
         child
@@ -41,29 +60,17 @@ def _live_view_of(supervisor_id: int) -> psutil.Process:
     return found
 
 
-def test_viewers_see_the_run_and_nothing_that_becomes_of_them_changes_it(
-    pictures: Path, tmp_path: Path
-) -> None:
+def test_viewers_see_the_run_and_a_stalled_one_costs_it_nothing(pictures, tmp_path) -> None:
     port, out = _free_port(), tmp_path / "run"
-    # Bags keep pictures of some episodes only; viewers see all. Long enough for them to connect.
-    line = small_run(pictures, 1500, "experiment_manager.checkpoint_period_s=0.2")
     with (
-        SupervisedRun([*line, "--live", f":{port}"], out) as run,
+        _watched(_line(pictures, out), port) as run,
         FoxgloveClient(port) as stalled,
         FoxgloveClient(port) as viewer,
     ):
         stalled.subscribe(ALL_TOPICS)  # and never reads
         viewer.subscribe(ALL_TOPICS)
         viewer.receive_of_each(ALL_TOPICS, n_messages=3)
-        view = _live_view_of(run.process.pid)
-        view.suspend()
-        place = run.place()
-        assert run.wait_until(lambda: run.place() > place, "more episodes")
-        view.kill()
-        assert run.wait() == 0, run.output()
-        assert f"live view: ws://127.0.0.1:{port}" in run.output()
-        assert "the live view has ended" in run.output()
-        assert "fault" not in run.output()
+        assert f"live view: ws://127.0.0.1:{port}" in finished(run)
     assert_as_the_loop(out)
     first, second = (image_array(m) for m in viewer.received["/left/image_raw"][:2])
     assert first.shape == second.shape == (240, 320)
@@ -71,13 +78,27 @@ def test_viewers_see_the_run_and_nothing_that_becomes_of_them_changes_it(
     assert all(0.0 <= error_deg < 20.0 for error_deg in errors)
 
 
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_a_run_whose_live_view_dies_or_stops_goes_on(pictures, tmp_path, number) -> None:
+    port, out = _free_port(), tmp_path / "run"
+    with _watched(_line(pictures, out), port) as run, FoxgloveClient(port) as viewer:
+        topics = [f"/{topic}" for topic in PICTURES]
+        viewer.subscribe(topics)
+        viewer.receive_of_each(topics)
+        _live_view_of(run.pid).send_signal(number)
+        output = finished(run)
+    assert ("the live view has ended" in output) == (number == signal.SIGKILL)
+    assert "fault" not in output
+    assert_as_the_loop(out)
+
+
 def test_a_port_in_use_is_one_error_and_the_run_goes_on(pictures: Path, tmp_path: Path) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = int(taken.getsockname()[1])
-        line = [*small_run(pictures, 20), "--live", f":{port}", "--out", str(tmp_path / "run")]
-        output = finished(start_supervisor(line))
+        with _watched([*small_run(pictures, 20), "--out", str(tmp_path / "run")], port) as run:
+            output = finished(run)
     assert output.count("the live view has ended: error: live view: cannot listen on") == 1
 
 
@@ -103,3 +124,8 @@ def test_a_recorded_bag_is_played_to_the_same_view(tmp_path_factory, pictures) -
     output = finished(process)
     assert f"ws://127.0.0.1:{port}" in output
     assert set(viewer.received) == set(ALL_TOPICS)
+
+
+def test_rates_that_are_none_are_refused(tmp_path: Path) -> None:
+    process = _inspect(tmp_path, "--play", "--rate", "0")
+    assert finished(process, code=2) == "error: --rate: expected more than 0, got 0\n"

@@ -1,9 +1,12 @@
 """Nodes started one by one, in any order, and one of them somebody else's."""
 
 import json
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import Image, JointState
 
@@ -14,13 +17,40 @@ from experiment_manager.run.config_file import read_configuration
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.topics import LEARNER_VECTORS
 from lockstep.wire.vectors import VectorPublisher, vector_message
-from tests.graph_harness import StartNode, vectors
+from tests.graph_harness import (
+    NodeProcess,
+    small_run,
+    vectors,
+    write_configuration,
+)
 from tests.loop_contract import assert_as_the_loop
 from tests.node_harness import Graph
 from tests.pair import ACTOR_CRITIC_NAMES
 from tests.supervisor import finished, start_supervisor
 
 N_TRAINING = 20
+Start = Callable[..., NodeProcess]
+
+
+@pytest.fixture
+def config_file(tmp_path: Path, pictures: Path) -> Path:
+    """Return the configuration of a very short run."""
+    path = tmp_path / "config.yaml"
+    write_configuration(path, small_run(pictures, N_TRAINING))
+    return path
+
+
+@pytest.fixture
+def start(graph: Graph, config_file: Path) -> Iterator[Start]:
+    """Return a function that starts the script of a node in the test's domain."""
+    with ExitStack() as stack:
+
+        def start(package: str, *more: str) -> NodeProcess:
+            node = NodeProcess(package, graph.domain, config_file, *more)
+            stack.callback(node.close)
+            return node
+
+        yield start
 
 
 def _in_run(directory: Path) -> tuple[str, str]:
@@ -62,9 +92,7 @@ class Scripted(Node):
         self._command.publish(vector_message(stamp_ns, names, (0.06, 0.04, 0.01)))
 
 
-def test_a_foreign_node_needs_only_its_topics(
-    graph: Graph, start: StartNode, tmp_path: Path
-) -> None:
+def test_a_foreign_node_needs_only_its_topics(graph: Graph, start: Start, tmp_path: Path) -> None:
     run = tmp_path / "run"
     graph.add(Scripted)
     for package in ("eye_plant", "sparse_coder"):
@@ -96,25 +124,42 @@ def test_a_foreign_node_needs_only_its_topics(
     )
 
 
-def test_a_manager_that_the_nodes_contradict_does_not_start(
-    start: StartNode, tmp_path: Path, config_file: Path
+@pytest.mark.parametrize(
+    ("package", "parameter", "message"),
+    [
+        (
+            "vergence_rl",
+            "highest_activations:=[0.15, 0.1]",
+            "expected vergence_rl.highest_activations, which is [0.15, 0.1], got [0.2, 0.1]",
+        ),
+        (
+            "eye_plant",
+            "mechanics.baseline_m:=0.06",
+            "expected eye_plant.mechanics.baseline_m, which is 0.06, got 0.056",
+        ),
+    ],
+)
+def test_nodes_that_contradict_each_other_do_not_start(
+    start, tmp_path, package, parameter, message
 ) -> None:
-    for name in ("eye_plant", "sparse_coder"):
-        start(name)
-    start("vergence_rl", "-p", "cacla.discount:=0.4")
-    new, begun = tmp_path / "new", tmp_path / "begun"
-    manager = start("experiment_manager", *_in_run(new), "-p", "mechanics.baseline_m:=0.06")
-    contradiction = "expected eye_plant.mechanics.baseline_m, which is 0.056, got 0.06"
-    assert contradiction in manager.finished(code=2).splitlines()[-1]
-    assert not new.exists()
-    # Nor do nodes that are not as the run began.
-    begun.mkdir()
-    (begun / "config.yaml").write_bytes(config_file.read_bytes())
-    output = start("experiment_manager", *_in_run(begun)).finished(code=2)
+    for name in ("eye_plant", "sparse_coder", "vergence_rl"):
+        start(name, *(("-p", parameter) if name == package else ()))
+    output = start("experiment_manager", *_in_run(tmp_path / "run")).finished(code=2)
+    assert message in output.splitlines()[-1]
+    assert not (tmp_path / "run").exists()
+
+
+def test_nodes_that_are_not_as_the_run_began_do_not_go_on(start, tmp_path, config_file) -> None:
+    run = tmp_path / "run"
+    run.mkdir()
+    (run / "config.yaml").write_bytes(config_file.read_bytes())
+    for name in ("eye_plant", "sparse_coder", "vergence_rl"):
+        start(name, *(("-p", "cacla.discount:=0.4") if name == "vergence_rl" else ()))
+    output = start("experiment_manager", *_in_run(run)).finished(code=2)
     assert "vergence_rl.cacla.discount was 0.3, is 0.4" in output.splitlines()[-1]
 
 
-def test_bad_input_of_any_kind_stops_each_node_with_one_line(start: StartNode) -> None:
+def test_bad_input_of_any_kind_stops_each_node_with_one_line(start: Start) -> None:
     """What each node refuses is tested with it; here, that its script ends as it should."""
     cases = [
         ("eye_plant", ("-p", "camera.width_px:=wide"), "camera.width_px: expected an integer, "),

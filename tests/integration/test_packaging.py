@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import yaml
 
 from tests.imported_names import imported_names
 from tests.patience import PATIENCE_S
@@ -48,34 +49,50 @@ def _installed_environment(workspace: Path) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_a_package_is_registered_and_every_file_of_it_installed(
-    workspace: Path, package: str
-) -> None:
+def test_package_is_registered(workspace: Path, package: str) -> None:
     share = workspace / "install" / package / "share"
     assert (share / "ament_index/resource_index/packages" / package).is_file()
     assert f"<name>{package}</name>" in (share / package / "package.xml").read_text()
-    assert (share / package / "LICENSE").read_bytes() == (ROOT / "LICENSE").read_bytes()
-    assert (share / package / "README.md").read_text().startswith(f"# {package}\n")
-    source = workspace / "src" / package
-    # Parameters, launch files, and what they name.
-    for file in (*source.glob("config/*"), *source.glob("launch/*.launch.py")):
-        installed = share / package / file.relative_to(source)
-        assert installed.read_bytes() == file.read_bytes()
-    for file in (source / package).rglob("*"):
-        if file.is_file() and file.suffix != ".TXT":  # MuJoCo's log, left by a crash
-            installed = _site_packages(workspace, package) / file.relative_to(source)
-            assert installed.read_bytes() == file.read_bytes()
 
 
-def test_colcon_test_finds_the_tests_of_a_package(tmp_path: Path) -> None:
+@pytest.mark.parametrize("package", NODES)
+def test_node_has_an_executable_where_ros2_run_looks(workspace: Path, package: str) -> None:
+    assert os.access(workspace / "install" / package / "lib" / package / "node", os.X_OK)
+
+
+@pytest.mark.parametrize("package", NODES)
+def test_parameters_are_installed(workspace: Path, package: str) -> None:
+    installed = workspace / "install" / package / "share" / package / "config" / f"{package}.yaml"
+    parameters = yaml.safe_load(installed.read_text())
+    assert all("ros__parameters" in section for section in parameters.values())
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_licence_and_readme_are_installed(workspace: Path, package: str) -> None:
+    share = workspace / "install" / package / "share" / package
+    assert (share / "LICENSE").read_bytes() == (ROOT / "LICENSE").read_bytes()
+    assert (share / "README.md").read_text().startswith(f"# {package}\n")
+
+
+def test_launch_files_and_what_they_name_are_installed(workspace: Path) -> None:
+    for package, file in (
+        ("experiment_manager", "launch/graph.launch.py"),
+        ("eye_plant", "launch/eye_plant.launch.py"),
+        ("lockstep", "config/fastdds.xml"),
+    ):
+        installed = workspace / "install" / package / "share" / package / file
+        assert installed.read_bytes() == (ROOT / "src" / package / file).read_bytes()
+
+
+def test_colcon_test_finds_the_tests_of_each_package(tmp_path: Path) -> None:
     # As a clone in a workspace: the tests are beside src. Only collected here, not run.
     for beside in ("tests", "docs", "launch_scripts"):
         (tmp_path / beside).symlink_to(ROOT / beside)
-    package = "sparse_coder"
-    shutil.copytree(ROOT / "src" / package, tmp_path / "src" / package)
-    built = tmp_path / "install" / package / "share" / package
-    built.mkdir(parents=True)
-    (built / "package.sh").touch()
+    for package in PACKAGES:
+        shutil.copytree(ROOT / "src" / package, tmp_path / "src" / package)
+        built = tmp_path / "install" / package / "share" / package
+        built.mkdir(parents=True)
+        (built / "package.sh").touch()
     colcon = Path(sys.executable).with_name("colcon")
     collect = ["--event-handlers", "console_direct+", "--pytest-args", "-q", "--collect-only"]
     tested = subprocess.run(
@@ -87,14 +104,18 @@ def test_colcon_test_finds_the_tests_of_a_package(tmp_path: Path) -> None:
         check=False,
     )
     found = set(re.findall(r"(test_\w+\.py)::", tested.stdout))
-    expected = {file.name for file in (ROOT / "tests" / package).rglob("test_*.py")}
+    folders = [ROOT / "tests" / package for package in PACKAGES]
+    expected = {file.name for folder in folders for file in folder.rglob("test_*.py")}
     assert found == expected, tested.stdout + tested.stderr
-    # All others are set up in the same way.
-    (wanted,) = {
-        (ROOT / "src" / name / "setup.cfg").read_text().replace(name, package) for name in PACKAGES
-    }
-    assert f"testpaths = ../../tests/{package}\n" in wanted
-    assert all((ROOT / "tests" / name).is_dir() for name in PACKAGES)
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_file_of_the_package_is_installed(workspace: Path, package: str) -> None:
+    source = workspace / "src" / package / package
+    installed = _site_packages(workspace, package) / package
+    for file in source.rglob("*"):
+        if file.is_file() and file.suffix != ".TXT":  # MuJoCo's log, left by a crash
+            assert (installed / file.relative_to(source)).read_bytes() == file.read_bytes()
 
 
 _LOAD_ENTRY_POINTS = """
@@ -132,11 +153,11 @@ def test_entry_points_lead_into_what_was_installed(workspace: Path, package: str
     assert set(loaded.stdout.split()) == with_main
 
 
-def test_an_installed_node_names_an_unknown_parameter(workspace: Path) -> None:
-    nodes = [workspace / "install" / package / "lib" / package / "node" for package in NODES]
-    assert all(os.access(node, os.X_OK) for node in nodes), "where ros2 run looks"
+@pytest.mark.parametrize("package", NODES)
+def test_installed_node_names_an_unknown_parameter(workspace: Path, package: str) -> None:
+    executable = workspace / "install" / package / "lib" / package / "node"
     started = subprocess.run(
-        [nodes[0], "--ros-args", "-p", "no_such_parameter:=1"],
+        [executable, "--ros-args", "-p", "no_such_parameter:=1"],
         env=_installed_environment(workspace),
         capture_output=True,
         text=True,

@@ -11,9 +11,9 @@ from tests.stress.supervised_run import differences
 from tests.supervisor import finished
 from tests.sweep_harness import (
     are_held_at_first_checkpoint,
-    finished_sweep,
     goes_on_interrupted,
     start_sweep,
+    write_sweep,
 )
 
 
@@ -26,17 +26,12 @@ def slurm() -> Iterator[Cluster]:
 
 
 @pytest.fixture(scope="module")
-def pool(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
-    """Return the directory of the sweep as the local pool has made it."""
-    return finished_sweep(tmp_path_factory, pictures) / "sweep"
+def sweep_file(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
+    path = tmp_path_factory.mktemp("sweep") / "small.yaml"
+    return write_sweep(path, pictures, {"seed": [1, 2, 3]}, iterations=400)
 
 
-@pytest.fixture(scope="module")
-def sweep_file(pool: Path) -> Path:
-    return pool.with_name("small.yaml")
-
-
-def test_tasks_that_are_requeued_end_as_those_of_the_pool(slurm, sweep_file, pool, tmp_path):
+def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, sweep_file, tmp_path):
     directory = tmp_path / "array"
     words = ["--slurm", "--partition", PARTITION, "--time", "60", "--tasks", "2"]
     output = finished(start_sweep(sweep_file, "--out", directory, *words, **slurm.variables))
@@ -59,6 +54,8 @@ def test_tasks_that_are_requeued_end_as_those_of_the_pool(slurm, sweep_file, poo
     assert "3 done" in status, f"{status}\n{slurm.logs()}"
     log = (directory / "logs" / f"{warned.name}.log").read_text()
     assert "stopping after this episode, with a checkpoint" in log
+    pool = tmp_path / "pool"
+    finished(start_sweep(sweep_file, "--out", pool, "--jobs", 2))
     for cell in read_sweep(sweep_file).cells():
         assert differences(directory / cell.name, pool / cell.name) == []
     assert "3 done" in finished(start_sweep(directory, "--slurm", **slurm.variables))

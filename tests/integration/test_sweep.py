@@ -1,7 +1,6 @@
 """A sweep on this machine: its runs are those that run_experiment.sh makes, whatever happens."""
 
 import os
-import shutil
 import signal
 import subprocess
 import time
@@ -13,7 +12,6 @@ from pathlib import Path
 import pytest
 import yaml
 
-from experiment_manager.commands.sweep import main as sweep
 from experiment_manager.sweep.sweep_file import read_sweep
 from tests.patience import PATIENCE_S
 from tests.stress.supervised_run import differences, stamp_faults
@@ -21,25 +19,30 @@ from tests.supervisor import finished
 from tests.sweep_harness import (
     are_held_at_first_checkpoint,
     command_line,
-    finished_sweep,
     goes_on_interrupted,
     is_root,
     single_run,
     start_sweep,
+    write_sweep,
 )
 
 _POLL_S = 0.02
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
-    """Return the directory of a finished sweep."""
-    return finished_sweep(tmp_path_factory, pictures) / "sweep"
+def sweep_file(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
+    path = tmp_path_factory.mktemp("sweep") / "small.yaml"
+    return write_sweep(path, pictures, {"model": ["M_C"], "seed": [1, 2, 3]})
 
 
 @pytest.fixture(scope="module")
-def sweep_file(whole: Path) -> Path:
-    return whole.with_name("small.yaml")
+def whole(tmp_path_factory: pytest.TempPathFactory, sweep_file: Path) -> Path:
+    """Return the directory of a finished sweep."""
+    directory = tmp_path_factory.mktemp("whole") / "sweep"
+    output = finished(start_sweep(sweep_file, "--out", directory, "--jobs", 2))
+    assert "3/3 model_M_C-seed_" in output
+    assert "3 done" in output
+    return directory
 
 
 def _wait_for(process: "subprocess.Popen[str]", condition: Callable[[], bool]) -> None:
@@ -64,25 +67,49 @@ def test_each_run_is_the_run_of_its_command_line(whole, sweep_file, pictures, tm
     assert differences(whole / cells[0].name, second) != []
 
 
+def test_a_finished_sweep_is_left_alone(whole: Path, sweep_file: Path) -> None:
+    before = {path: path.stat().st_mtime_ns for path in whole.rglob("*.mcap")}
+    for line in ((sweep_file, "--out", whole), (whole,)):
+        assert "3 done" in finished(start_sweep(*line))
+    assert {path: path.stat().st_mtime_ns for path in whole.rglob("*.mcap")} == before
+
+
+def test_the_status_is_a_table(whole: Path) -> None:
+    lines = finished(start_sweep(whole, "--status")).splitlines()
+    assert lines[0].split() == [
+        "run",
+        "state",
+        "iterations",
+        "it/s",
+        "time",
+        "left",
+        "last",
+        "test",
+    ]
+    assert lines[1].split()[:5] == ["model_M_C-seed_1", "done", "360", "of", "360"]
+    assert lines[1].endswith(" deg at 200")
+    assert lines[-1] == "3 done"
+
+
 def test_a_sweep_that_is_stopped_and_then_killed_goes_on(whole, sweep_file, tmp_path) -> None:
     directory = tmp_path / "sweep"
-    started = start_sweep(sweep_file, "--out", directory, "--jobs", 2)
+    sweep = start_sweep(sweep_file, "--out", directory, "--jobs", 2)
     *runs, third = [directory / cell.name for cell in read_sweep(sweep_file).cells()]
-    _wait_for(started, lambda: are_held_at_first_checkpoint(runs))
-    started.send_signal(signal.SIGINT)
+    _wait_for(sweep, lambda: are_held_at_first_checkpoint(runs))
+    sweep.send_signal(signal.SIGINT)
     for run in runs:
-        _wait_for(started, partial(goes_on_interrupted, run))
-    output = finished(started, code=130)
+        _wait_for(sweep, partial(goes_on_interrupted, run))
+    output = finished(sweep, code=130)
     assert f"to continue: launch_scripts/sweep.sh {directory}\n" in output
     assert "1 waiting" in output
     assert not [*directory.glob("*/results.json")]
     status = finished(start_sweep(directory, "--status"))
     assert "2 stopped, 1 waiting" in status
     # Goes on, is killed, and takes its runs with it: else the next one would find them at work.
-    started = start_sweep(directory, "--jobs", 3)
-    _wait_for(started, lambda: any(third.glob("checkpoints/*/manifest.json")))
-    started.kill()
-    started.communicate()
+    sweep = start_sweep(directory, "--jobs", 3)
+    _wait_for(sweep, lambda: any(third.glob("checkpoints/*/manifest.json")))
+    sweep.kill()
+    sweep.communicate()
     assert "3 done" in finished(start_sweep(directory, "--jobs", 3))
     for cell in read_sweep(sweep_file).cells():
         assert differences(directory / cell.name, whole / cell.name) == []
@@ -96,10 +123,10 @@ def test_ctrl_c_while_stimuli_are_made_is_one_line(tmp_path: Path) -> None:
     }
     sweep_file = tmp_path / "small.yaml"
     sweep_file.write_text(yaml.safe_dump({"options": generated, "axes": {"seed": [1]}}))
-    started = start_sweep(sweep_file, "--out", tmp_path / "sweep")
-    _wait_for(started, lambda: any(cache.glob("*/*.npy")))
-    os.killpg(started.pid, signal.SIGINT)
-    output = finished(started, code=130)
+    sweep = start_sweep(sweep_file, "--out", tmp_path / "sweep")
+    _wait_for(sweep, lambda: any(cache.glob("*/*.npy")))
+    os.killpg(sweep.pid, signal.SIGINT)
+    output = finished(sweep, code=130)
     first, last = output.splitlines()
     assert first.endswith("; preparing their stimuli")
     assert last == "stopped before the first run"
@@ -118,23 +145,12 @@ def _small_disk(directory: Path, n_bytes: int) -> Iterator[None]:
         subprocess.run(["umount", "--lazy", directory], check=True)
 
 
-def test_a_finished_sweep_is_left_alone_and_shown_as_a_table(
-    whole: Path, sweep_file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    before = {path: path.stat().st_mtime_ns for path in whole.rglob("*.mcap")}
-    for line in ([sweep_file, "--out", whole], [whole], [whole, "--status"]):
-        assert sweep([*map(str, line)]) == 0
-        assert capsys.readouterr().out.endswith("3 done\n")
-    assert {path: path.stat().st_mtime_ns for path in whole.rglob("*.mcap")} == before
-
-
 @pytest.mark.skipif(not is_root(), reason="only root can mount a small disk")
 def test_a_full_disk_in_one_run_leaves_the_others_alone(whole, sweep_file, tmp_path) -> None:
     directory = tmp_path / "sweep"
     full, *others = [cell.name for cell in read_sweep(sweep_file).cells()]
     directory.mkdir()
     (directory / "sweep.yaml").write_bytes((whole / "sweep.yaml").read_bytes())
-    shutil.copytree(whole / others[-1], directory / others[-1])
     with _small_disk(directory / full, 600_000):
         output = finished(start_sweep(sweep_file, "--out", directory), code=3)
         failed = [line for line in output.splitlines() if line.startswith("failed: ")]
@@ -145,3 +161,27 @@ def test_a_full_disk_in_one_run_leaves_the_others_alone(whole, sweep_file, tmp_p
     finished(start_sweep(directory))
     for name in (full, *others):
         assert differences(directory / name, whole / name) == []
+
+
+@pytest.mark.parametrize(
+    ("make", "error"),
+    [
+        (lambda d: (d / "sweep.yaml").write_text("axes: {seed: [7]}"), "it contains another"),
+        (lambda d: (d / "notes.txt").write_text("mine"), "it is not empty"),
+    ],
+)
+def test_a_directory_that_holds_something_else_is_refused(sweep_file, tmp_path, make, error):
+    make(tmp_path)
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    output = finished(start_sweep(sweep_file, "--out", tmp_path), code=2)
+    assert output.count("error: ") == 1
+    assert error in output
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_cell_that_cannot_be_keeps_all_from_starting(pictures: Path, tmp_path: Path) -> None:
+    path = write_sweep(tmp_path / "bad.yaml", pictures, {"vergence_rl.cacla.discount": [0.3, 2.0]})
+    output = finished(start_sweep(path, "--out", tmp_path / "sweep"), code=2)
+    assert output.count("error: ") == 1
+    assert "error: discount_2.0: " in output
+    assert not (tmp_path / "sweep").exists()

@@ -80,7 +80,7 @@ def test_a_page_says_of_each_command_space_what_holds_for_it(tmp_path: Path) -> 
     run = write_run(tmp_path / "twelve", ALL_MUSCLES)
     assert main([str(run)]) == 0
     text = _page(run)
-    assert "Not drawn, for want of a plane of two activations, those of both eyes alike" in text
+    assert "Not drawn without a plane of two activations, those of both eyes alike" in text
     assert "Where each muscle has a command of its own" in text
     assert "median |cyclovergence error| / deg" in text
     assert "superior oblique and inferior oblique" in text
@@ -141,7 +141,7 @@ def test_a_sweep_without_bags_pools_its_seeds(kept, run_directories, capsys) -> 
         "motor_space",
         "conditions",
     }
-    assert "Not drawn, for want of a bag: M_1, M_2, M_C_1, M_C_2." in text
+    assert "Not drawn without a bag: M_1, M_2, M_C_1, M_C_2." in text
     whole = RecordedRun(run_directories["M"]).summaries()[-1]
     median_deg = whole.median_abs_vergence_error_deg
     assert median_deg is not None
@@ -163,7 +163,7 @@ def test_results_alone_are_shown_as_far_as_they_go(kept, tmp_path, capsys) -> No
     text = _page(out)
     assert [path.stem for path in (out / "figures").iterdir()] == ["performance"]
     assert "Without quartiles, which need trials.npz or a bag: old." in text
-    assert "Not drawn, for want of trials.npz or a bag: old." in text
+    assert "Not drawn without trials.npz or a bag: old." in text
     told = json.loads((old / "results.json").read_text())["tests"][-1]
     expected = percent(told["share_within_1_px"])
     assert _cells(text, "our test set: within 1 px")[1] == expected

@@ -36,32 +36,6 @@ def test_the_directory_of_a_sweep_takes_no_other_stimuli(tmp_path, pictures, cap
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "error"),
-    [
-        ("sweep.yaml", "axes: {seed: [7]}", "it contains another"),
-        ("notes.txt", "mine", "it is not empty"),
-    ],
-)
-def test_a_directory_that_holds_something_else_is_refused(
-    pictures, tmp_path, capsys, *, name, text, error
-) -> None:
-    path = write_sweep(tmp_path / "small.yaml", pictures, {"seed": [1, 2]})
-    out = tmp_path / "out"
-    out.mkdir()
-    (out / name).write_text(text)
-    assert main([str(path), "--out", str(out)]) == 2
-    assert error in capsys.readouterr().err
-    assert [(file.name, file.read_text()) for file in out.iterdir()] == [(name, text)]
-
-
-def test_a_cell_that_cannot_be_keeps_all_from_starting(pictures, tmp_path, capsys) -> None:
-    path = write_sweep(tmp_path / "bad.yaml", pictures, {"vergence_rl.cacla.discount": [0.3, 2.0]})
-    assert main([str(path), "--out", str(tmp_path / "out")]) == 2
-    assert capsys.readouterr().err.startswith("error: discount_2.0: ")
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize(
     ("edit", "error"),
     [
         ({"iterations": 400}, "iterations: the run to be resumed, DIR, has"),

@@ -43,13 +43,12 @@ def settings(pictures: Path) -> dict[str, Any]:
     return {
         "eye_plant.stimuli.directory": str(pictures),
         "eye_plant.stimuli.size_px": 64,
-        "eye_plant.camera.renderer": "plane",
         "sparse_coder.metabolic_cost_weight": PRICE,
         "experiment_manager.protocol.n_training_iterations": 10 * N_EPISODES,
     }
 
 
-@pytest.fixture(params=IDS, scope="module")
+@pytest.fixture(params=IDS)
 def environment(request, settings) -> Iterator[gymnasium.Env]:
     """Return one environment after the other, as gymnasium.make makes it."""
     made = gymnasium.make(request.param, model="M_C", settings=settings)
@@ -57,9 +56,9 @@ def environment(request, settings) -> Iterator[gymnasium.Env]:
     made.close()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def bare(settings: dict[str, Any]) -> Iterator[VergenceEnvironment]:
-    """Return the environment of features without Gymnasium's wrappers; reset(seed) begins anew."""
+    """Return the environment of features without Gymnasium's wrappers."""
     made = gymnasium.make(IDS[1], model="M_C", settings=settings).unwrapped
     assert isinstance(made, VergenceEnvironment)
     yield made
@@ -67,7 +66,8 @@ def bare(settings: dict[str, Any]) -> Iterator[VergenceEnvironment]:
 
 
 def test_an_environment_needs_neither_ros_nor_reports(settings: dict[str, Any]) -> None:
-    make = f"gymnasium.make({IDS[1]!r}, model='M_C', settings={settings!r}).reset(seed=1)"
+    drawn = settings | {"eye_plant.camera.renderer": "plane"}
+    make = f"gymnasium.make({IDS[1]!r}, model='M_C', settings={drawn!r}).reset(seed=1)"
     program = f"import sys, gymnasium, experiment_manager.environments; {make}; print(*sys.modules)"
     done = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
@@ -105,6 +105,11 @@ def test_a_closed_environment_says_that_it_is(settings: dict[str, Any]) -> None:
     made.close()
 
 
+def test_a_seed_that_no_run_takes_is_refused(bare: VergenceEnvironment) -> None:
+    with pytest.raises(InputError, match=r"^seed: expected a whole number from -92"):
+        bare.reset(seed=2**63)
+
+
 def configuration(settings: dict[str, Any]) -> Configuration:
     line = ["--profile", "paper", "--model", "M_C", "--tests", "0"]
     line += [word for k, v in settings.items() for word in ("--set", f"{k}={v}")]
@@ -140,6 +145,21 @@ def test_our_agent_learns_the_same_numbers_as_in_the_loop(bare, settings, rule) 
         assert values.tobytes() == state[name].tobytes(), name
 
 
+def test_ten_steps_then_truncated_and_never_terminated(environment: gymnasium.Env) -> None:
+    for _ in range(2):
+        environment.reset(seed=1)
+        ends = [environment.step(np.zeros(2))[2:4] for _ in range(10)]
+        assert ends == [(False, False)] * 9 + [(False, True)]
+
+
+def test_a_step_after_the_end_is_refused(bare: VergenceEnvironment) -> None:
+    bare.reset(seed=1)
+    for _ in range(10):
+        bare.step(np.zeros(2))
+    with pytest.raises(InputError, match="expected a reset before"):
+        bare.step(np.zeros(2))
+
+
 def test_an_action_is_a_change_in_units_of_the_scale_within_the_limits(bare) -> None:
     assert bare.action_scale.tolist() == [0.25, 0.125]
     start = bare.reset(seed=1)[0]["activations"]
@@ -150,32 +170,20 @@ def test_an_action_is_a_change_in_units_of_the_scale_within_the_limits(bare) -> 
     assert bare.step(np.array([-1.0, -1.0]))[0]["activations"].tolist() == [0.0, 0.0]
 
 
-def test_an_episode_is_ten_steps_with_the_truth_beside_the_observation(
-    environment: gymnasium.Env,
-) -> None:
-    for _ in range(2):
-        observed, info = environment.reset(seed=1)
-        assert set(info["ground_truth"]) == set(GROUND_TRUTH_NAMES)
-        assert set(observed) < {"pictures", "features", "activations"}
-        # The reward is that of where the action led.
-        _, reward, *_, info = environment.step(np.array([0.1, 0.0]))
-        assert info["ground_truth"]["iteration"] == 1
-        error = info["reconstruction_error_coarse"] + info["reconstruction_error_fine"]
-        cost_w = info["ground_truth"]["metabolic_rate_w"]
-        assert reward == pytest.approx(-error - PRICE * cost_w, rel=1e-12)
-        ends = [environment.step(np.zeros(2))[2:4] for _ in range(9)]
-        assert ends == [(False, False)] * 8 + [(False, True)]
-    with pytest.raises(InputError, match="expected a reset before"):
-        environment.step(np.zeros(2))
-
-
-@pytest.mark.parametrize("action", [[0.1], [np.nan, 0.0], [0.0, 0.0, 0.0]])
-def test_what_no_run_takes_is_refused(bare: VergenceEnvironment, action: list[float]) -> None:
-    with pytest.raises(InputError, match=r"^seed: expected a whole number from -92"):
-        bare.reset(seed=2**63)
+def test_the_reward_is_that_of_where_the_action_led(bare: VergenceEnvironment) -> None:
     bare.reset(seed=1)
-    with pytest.raises(InputError, match="expected 2 finite numbers"):
-        bare.step(np.array(action))
+    _, reward, _, _, info = bare.step(np.array([0.1, 0.0]))
+    error = info["reconstruction_error_coarse"] + info["reconstruction_error_fine"]
+    assert reward == pytest.approx(
+        -error - PRICE * info["ground_truth"]["metabolic_rate_w"], rel=1e-12
+    )
+    assert info["ground_truth"]["iteration"] == 1
+
+
+def test_ground_truth_is_in_info_only(environment: gymnasium.Env) -> None:
+    observed, info = environment.reset(seed=1)
+    assert set(info["ground_truth"]) == set(GROUND_TRUTH_NAMES)
+    assert set(observed) < {"pictures", "features", "activations"}
 
 
 def test_one_seed_is_one_experiment_from_nothing(bare: VergenceEnvironment) -> None:
@@ -262,6 +270,13 @@ def test_bad_arguments_are_one_error(arguments, message, settings) -> None:
     given = {"model": "M_C", "settings": settings} | arguments
     with pytest.raises(InputError, match=message):
         VergenceEnvironment(**given)
+
+
+@pytest.mark.parametrize("action", [[0.1], [np.nan, 0.0], [0.0, 0.0, 0.0]])
+def test_an_action_that_is_none_is_refused(bare: VergenceEnvironment, action: list[float]) -> None:
+    bare.reset(seed=1)
+    with pytest.raises(InputError, match="expected 2 finite numbers"):
+        bare.step(np.array(action))
 
 
 def test_each_muscle_has_an_action_of_its_own(settings: dict[str, Any]) -> None:

@@ -38,7 +38,7 @@ from lockstep.wire.topics import (
 )
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
-from sparse_coder.reconstruction import believed_windows, seen_windows
+from sparse_coder.reconstruction import reconstructed_windows, seen_windows
 from tests.foxglove_client import FoxgloveClient
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
 
@@ -93,9 +93,9 @@ def test_what_is_watched_is_sent_as_it_is_and_made_into_pictures(server, vector_
         assert got[topic] == message
     assert np.stack([left, right, right], axis=-1).tobytes() in got[ANAGLYPH]
     encoding = coder.encode(left, right)
-    believed = believed_windows(encoding, coder.atoms(), left, right)
+    reconstructed = reconstructed_windows(encoding, coder.atoms(), left, right)
     for topic, its_seen, its_believed in zip(
-        RECONSTRUCTIONS, seen_windows(left, right), believed, strict=True
+        RECONSTRUCTIONS, seen_windows(left, right), reconstructed, strict=True
     ):
         assert compared(its_seen, its_believed).tobytes() in got[topic]
     assert json.loads(got[LEARNING]) == dict(zip(LEARNING_NAMES, (10.0, 0.5), strict=True))

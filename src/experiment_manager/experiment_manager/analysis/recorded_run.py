@@ -38,13 +38,15 @@ class RecordedTest:
 
 @dataclass(frozen=True)
 class TrainingCurve:
-    """|Vergence error| at the ends of training episodes, in bins of equal numbers of episodes.
+    """The ends of training episodes, in bins of equal numbers of episodes.
 
-    iteration: (n_bins,) of training; quartiles_deg: (3, n_bins) lower, median, upper.
+    iteration: (n_bins,) of training; quartiles_deg: of |vergence error|, (3, n_bins) lower, median,
+    upper; quartiles_w: of the metabolic rate above the least one, Delta C, the same.
     """
 
     iteration: np.ndarray
     quartiles_deg: np.ndarray
+    quartiles_w: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -211,9 +213,15 @@ def _training_curve(truth: VectorTable) -> TrainingCurve:
     n_bins = min(_MOST_CURVE_BINS, -(-len(ends) // _EPISODES_PER_BIN))
     bins = np.array_split(ends, n_bins) if n_bins else []
     error_deg = np.abs(truth.column("vergence_error_deg"))
+    delta_w = truth.column("metabolic_rate_w") - truth.column("optimal_metabolic_rate_w")
     at = truth.column("training_iteration")
-    quartiles = [np.quantile(error_deg[part], (0.25, 0.5, 0.75)) for part in bins]
+
+    def quartiles(values: np.ndarray) -> np.ndarray:
+        of_bins = [np.quantile(values[part], (0.25, 0.5, 0.75)) for part in bins]
+        return np.array(of_bins).reshape(len(bins), 3).T
+
     return TrainingCurve(
-        iteration=np.array([float(at[part].mean()) for part in bins]),
-        quartiles_deg=np.array(quartiles).reshape(len(bins), 3).T,
+        np.array([float(at[part].mean()) for part in bins]),
+        quartiles(error_deg),
+        quartiles(delta_w),
     )

@@ -12,7 +12,7 @@ from experiment_manager.analysis.rearing.page import write_rearing_page
 from experiment_manager.analysis.report import page as report_page
 from experiment_manager.analysis.report.drawings import drawings
 from experiment_manager.analysis.report.groups import Group, groups_of, held_back
-from experiment_manager.analysis.report.performance_figures import FIGURES, STYLE, save
+from experiment_manager.analysis.report.performance_figures import FIGURES
 from experiment_manager.analysis.report.reported_run import ReportedRun, runs_below
 from experiment_manager.analysis.report.tables import (
     antagonists_table,
@@ -24,11 +24,12 @@ from experiment_manager.analysis.report.tables import (
     runs_table,
     seeds_table,
 )
-from experiment_manager.run.lasting_output import make_standard_streams_last
+from experiment_manager.run.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
+from lockstep.figures import STYLE, save
 
 REPORT_FILE = "report.html"
 _ABOUT_PAIR = (
@@ -238,5 +239,5 @@ def _configurations(runs: Sequence[ReportedRun]) -> list[str]:
 
 if __name__ == "__main__":
     # Who reads the text may have seen enough of it, as head has.
-    make_standard_streams_last()
+    ignore_broken_pipes()
     sys.exit(main())

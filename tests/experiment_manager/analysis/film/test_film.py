@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from experiment_manager.analysis.film.frames import Curves, frames
+from experiment_manager.analysis.film.frames import (
+    HEADER_PX,
+    PANEL_WIDTH_PX,
+    Page,
+    shown_part,
+)
 from experiment_manager.analysis.film.scenes import scenes
 from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.bag.writer import BagWriter
@@ -16,13 +21,13 @@ from experiment_manager.commands.inspect_bag import main
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TEST, TRAINING
 from tests.pair import HORIZONTAL_RECTI
+from tests.readable import assert_readable
 
 PERIOD_NS = 100_000_000
 VECTOR, IMAGE = "sensor_msgs/msg/JointState", "sensor_msgs/msg/Image"
 N_ITERATIONS = 12
+# Enlarged twice to the width of a panel.
 HEIGHT, WIDTH = 64, 120
-# Of the frame: a caption, then left, right and anaglyph side by side.
-CAPTION_PX = 28
 
 
 def _grey(episode: int, iteration: int, side: int) -> int:
@@ -71,6 +76,7 @@ def _write(
                     "vergence_error_deg": 2.0 - 0.1 * iteration,
                     "vertical_error_deg": -1.0,
                     "cyclovergence_error_deg": 3.0,
+                    "metabolic_rate_w": 1.5,
                 }
                 truth = vector_bytes(tuple(values), tuple(values.values()), stamp_ns)
                 writer.write("ground_truth", truth, stamp_ns)
@@ -117,11 +123,11 @@ def test_an_mp4_shows_pictures_and_growing_curves_of_each_iteration(bag: Path) -
     assert len(frames) == N_FRAMES
     for number, (episode, iteration) in {0: (0, 0), 9: (0, 9), 12: (0, 9), 13: (1, 0)}.items():
         left, right = _grey(episode, iteration, 0), _grey(episode, iteration, 1)
-        middle = CAPTION_PX + HEIGHT // 2
-        found = [frames[number][middle, WIDTH // 2 + i * WIDTH].tolist() for i in range(3)]
+        columns = [PANEL_WIDTH_PX // 2 + i * PANEL_WIDTH_PX for i in range(3)]
+        found = [frames[number][HEADER_PX + HEIGHT, column].tolist() for column in columns]
         expected = [[left] * 3, [right] * 3, [left, right, right]]
         np.testing.assert_allclose(found, expected, atol=6)  # the film is compressed
-    curves = slice(CAPTION_PX + HEIGHT, None)
+    curves = slice(HEADER_PX + 2 * HEIGHT, None)
     n_dark = [int((frames[number][curves].max(axis=-1) < 240).sum()) for number in (0, 9)]
     assert n_dark[1] > n_dark[0] + 200
 
@@ -129,10 +135,9 @@ def test_an_mp4_shows_pictures_and_growing_curves_of_each_iteration(bag: Path) -
 def test_each_muscle_and_each_error_has_its_curve(bag_of_twelve: Path) -> None:
     shown = scenes(Bag(bag_of_twelve))
     assert shown[0].errors_deg[4].tolist() == pytest.approx([1.6, -1.0, 3.0])
-    curves = Curves(960, shown)
-    picture = curves.draw(shown[0], 4)
-    assert picture.shape[1] == 960
-    left, right, errors = curves.figure.axes
+    page = Page(shown)
+    page.draw(shown[0], 4)
+    left, right, errors = page.figure.axes
     for eye, names in ((left, MUSCLE_NAMES[:6]), (right, MUSCLE_NAMES[6:])):
         for line, name in zip(eye.get_lines(), names, strict=True):
             expected = [0.01 * (1 + MUSCLE_NAMES.index(name))] * 5
@@ -142,19 +147,35 @@ def test_each_muscle_and_each_error_has_its_curve(bag_of_twelve: Path) -> None:
     assert ends_deg == pytest.approx({"vergence": 1.6, "vertical": -1.0, "cyclovergence": 3.0})
 
 
-def test_small_pictures_grow_to_make_room_for_the_curves(bag_of_twelve: Path) -> None:
-    first, *rest = frames(scenes(Bag(bag_of_twelve)))
-    # 3 x 120 px make 360; three times as many are 960 or more.
-    assert first[0].shape[1] == 9 * WIDTH
-    assert first[0][CAPTION_PX + 3 * HEIGHT // 2, 3 * WIDTH // 2].tolist() == [_grey(0, 0, 0)] * 3
-    assert {frame.shape for frame, _ in rest} == {first[0].shape}
+def test_the_pair_has_its_metabolic_rate_and_text_that_can_be_read(bag: Path) -> None:
+    shown = scenes(Bag(bag))
+    page = Page(shown)
+    page.draw(shown[0], 4)
+    _, _, rate = page.figure.axes
+    assert np.asarray(rate.lines[0].get_ydata()).tolist() == pytest.approx([1.5] * 5)
+    assert_readable(page.figure)
 
 
-def test_a_gif_is_half_as_wide_and_holds_the_last_of_each_scene(bag: Path) -> None:
+def test_text_about_twelve_muscles_can_be_read(bag_of_twelve: Path) -> None:
+    shown = scenes(Bag(bag_of_twelve))
+    page = Page(shown)
+    page.draw(shown[0], 4)
+    assert_readable(page.figure)
+
+
+def test_the_middle_of_a_picture_fills_a_panel() -> None:
+    picture = np.arange(240 * 320).reshape(240, 320)
+    assert np.array_equal(shown_part(picture), picture[30:210, 40:280])
+    assert np.array_equal(
+        shown_part(picture[:64, :120]), picture[:64, :120].repeat(2, 0).repeat(2, 1)
+    )
+
+
+def test_a_gif_has_the_last_of_each_scene_for_a_while(bag: Path) -> None:
     file = bag.parent / "film.gif"
     assert main([str(bag), "--film", str(file)]) == 0
     with Image.open(file) as gif:
-        assert gif.width == 3 * WIDTH // 2
+        assert gif.width == 3 * PANEL_WIDTH_PX
         durations_ms = []
         for i_frame in range(gif.n_frames):  # type: ignore[attr-defined]
             gif.seek(i_frame)

@@ -8,7 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.patches import StepPatch
 
+import experiment_manager
 from experiment_manager.analysis.basis_functions import tuning
 from experiment_manager.analysis.rearing.figures import (
     curves_figure,
@@ -16,7 +18,12 @@ from experiment_manager.analysis.rearing.figures import (
     landscapes_figure,
     samples_figure,
 )
-from experiment_manager.analysis.rearing.measures_file import run_measures, write_measures
+from experiment_manager.analysis.rearing.measures_file import (
+    read_measures,
+    run_measures,
+    write_measures,
+)
+from experiment_manager.analysis.rearing.measuring import scale_tuning
 from experiment_manager.analysis.rearing.page import condition_table, finished_runs, left_out
 from experiment_manager.analysis.rearing.reared_run import RearedRun
 from experiment_manager.analysis.rearing.reward_landscape import RewardLandscape
@@ -26,6 +33,7 @@ from lockstep.errors import InputError
 from sparse_coder.patches import PX_PER_PIXEL
 from tests.experiment_manager.analysis.gabor_patch import gabor_patch
 from tests.experiment_manager.summaries import summary
+from tests.readable import assert_readable
 
 ERRORS_DEG = np.array([-1.0, 0.0, 1.0])
 
@@ -55,7 +63,9 @@ def reared(
     right_eyes_share=1.0,
     seed=1,
     changed_at=(),
+    right_after_deg=None,
     within_1_px=0.25,
+    samples=None,
 ):
     both = np.stack([atoms(right_eyes_share)] * 2).astype(np.float32)
     test = summary(
@@ -82,11 +92,15 @@ def reared(
             cost_share_last=None,
             tests=(test, last),
         ),
-        atoms=both,
-        tunings=tuple(tuning(both[i].astype(float), px) for i, px in enumerate(PX_PER_PIXEL)),
+        scales=tuple(
+            scale_tuning(tuning(both[i].astype(float), px), np.full(4, 0.25), 257.34)
+            for i, px in enumerate(PX_PER_PIXEL)
+        ),
+        samples=both if samples is None else samples,
         landscape=RewardLandscape(ERRORS_DEG, valley, 0.5, np.full((2, 4), 0.25)),
         focal_length_px=257.34,
         changed_at=changed_at,
+        right_after_deg=right_after_deg,
     )
 
 
@@ -111,33 +125,63 @@ def test_a_condition_that_nobody_has_published_has_no_number_beside_it():
     assert cells[-1] == ""
 
 
-@pytest.mark.parametrize("n_conditions", [1, 3])
-def test_each_condition_has_a_line_or_a_row(n_conditions):
-    conditions = [(f"condition {i}", [reared(), reared(seed=2)]) for i in range(n_conditions)]
+def test_each_condition_has_a_panel_or_a_row_of_its_name():
+    conditions = [(name, [reared(name), reared(name, seed=2)]) for name in ("vertical", "own_one")]
     for draw in (curves_figure, landscapes_figure):
-        (axes,) = draw(conditions).axes
-        named = [line for line in axes.lines if not str(line.get_label()).startswith("_")]
-        assert [line.get_label() for line in named] == [label for label, _ in conditions]
-    assert len(samples_figure(conditions).axes) == 2 * n_conditions
-    assert len(histograms_figure(conditions).axes) == 3 * n_conditions
+        titles = [axes.get_title("left") for axes in draw(conditions).axes]
+        assert [title.partition("  ")[2] for title in titles] == ["vertical stripes", "own one"]
+    samples = samples_figure(conditions)
+    assert samples is not None
+    for figure, n_columns in ((samples, 2), (histograms_figure(conditions), 3)):
+        rows = figure.axes[::n_columns]
+        assert [axes.get_ylabel() for axes in rows[:2]] == ["vertical\nstripes", "own one"]
 
 
-def test_lines_show_means_over_seeds():
-    conditions = [("normal", [reared(error_deg=0.1), reared(error_deg=0.3, seed=2)])]
-    curve = curves_figure(conditions).axes[0].lines[0]
-    assert list(np.asarray(curve.get_xdata())) == [0.0, 2.0]
-    assert curve.get_ydata() == pytest.approx([2.0, 0.2])
-    landscape = landscapes_figure(conditions).axes[0].lines[0]
-    assert landscape.get_ydata() == pytest.approx([0.6, 0.2, 0.6])
+def test_the_figures_of_all_conditions_can_be_read():
+    profiles = Path(experiment_manager.__file__).parent / "profiles" / "rearing"
+    names = ["normal", *(path.stem for path in sorted(profiles.glob("*.yaml")))][:16]
+    conditions = [(name, [reared(name)]) for name in dict.fromkeys(names)]
+    for draw in (curves_figure, landscapes_figure, samples_figure, histograms_figure):
+        figure = draw(conditions)
+        assert figure is not None
+        assert_readable(figure)
 
 
-def test_a_bar_across_the_curve_marks_a_change_of_the_plant():
-    run = reared(error_deg=0.02, changed_at=(1000,))
-    _, bars, *_ = curves_figure([("surgery", [run])]).axes[0].lines
-    assert bars.get_marker() == "|"
-    assert list(np.asarray(bars.get_xdata())) == [1.0]
-    # Half-way from 2 to 0.02 deg on a logarithmic axis.
-    assert bars.get_ydata() == pytest.approx([0.2])
+def test_each_seed_has_a_curve_before_those_of_normal_eyes():
+    normal = [reared(error_deg=0.1)]
+    changed = [reared("other", error_deg=0.3), reared("other", error_deg=0.5, seed=2)]
+    first, second = curves_figure([("normal", normal), ("other", changed)]).axes
+    assert [np.asarray(line.get_ydata())[-1] for line in first.lines[:1]] == [0.1]
+    assert [np.asarray(line.get_ydata())[-1] for line in second.lines[:3]] == [0.1, 0.3, 0.5]
+    assert list(np.asarray(second.lines[0].get_xdata())) == [0, 2000]
+
+
+def test_landscapes_are_shares_of_their_mean_so_that_a_low_one_is_not_flat():
+    low, high = reared("low"), reared("high")
+    low.landscape.reconstruction_error[:] /= 10.0
+    for axes in landscapes_figure([("low", [low]), ("high", [high])]).axes:
+        # 0.6, 0.2 and 0.6 of a mean of 7/15.
+        assert axes.lines[0].get_ydata() == pytest.approx([9 / 7, 3 / 7, 9 / 7])
+        assert axes.texts[0].get_text() == "0.57"
+
+
+def test_a_change_of_the_plant_is_marked_with_the_error_right_after_it():
+    run = reared(changed_at=(1000,), right_after_deg=0.4)
+    axes = curves_figure([("surgery", [run])]).axes[0]
+    (ring,) = (line for line in axes.lines if line.get_markerfacecolor() == "none")
+    assert np.array([ring.get_xdata(), ring.get_ydata()]).tolist() == [[1000.0], [0.4]]
+    assert any(np.array_equal(line.get_xdata(), [1000, 1000]) for line in axes.lines)
+
+
+def test_histograms_are_shares_of_those_that_count():
+    orientation, binocularity, disparity = histograms_figure([("normal", [reared()] * 2)]).axes
+    for outline in orientation.findobj(StepPatch):
+        # Four orientations, 45 deg apart.
+        assert outline.get_data()[0] == pytest.approx([25.0, 0.0] * 4)
+    for outline in binocularity.findobj(StepPatch):
+        assert outline.get_data()[0].sum() == pytest.approx(100.0)
+    assert orientation.get_title(loc="right") == "n = 8 and 8"
+    assert disparity.get_xlim() == (-4.0, 4.0)
 
 
 def test_the_command_makes_the_page_of_a_run(small_run, tmp_path, capsys):
@@ -196,8 +240,31 @@ def test_a_sweep_stands_for_its_finished_runs_in_its_order(tmp_path):
     assert finished_runs(last) == [last]
 
 
-def test_a_run_without_a_checkpoint_is_refused(small_run, tmp_path, capsys):
-    run = tmp_path / "run"
+def test_a_run_without_a_checkpoint_needs_its_line_in_the_file(small_run, tmp_path, capsys):
+    run = tmp_path / small_run.name
     shutil.copytree(small_run, run, ignore=shutil.ignore_patterns("bag", "checkpoints"))
     assert main([str(run), "--rearing"]) == 2
-    assert "expected a checkpoint, found none" in capsys.readouterr().err
+    assert "expected a checkpoint, or the run in ../rearing.json" in capsys.readouterr().err
+    assert main([str(small_run), "--rearing", "--out", str(tmp_path)]) == 0
+    measured = (tmp_path / "rearing.json").read_bytes()
+    shutil.rmtree(tmp_path / "figures")
+    assert main([str(run), "--rearing", "--out", str(tmp_path)]) == 0
+    assert (tmp_path / "rearing.json").read_bytes() == measured
+    names = {path.stem for path in (tmp_path / "figures").iterdir()}
+    assert names == {f"rearing_{name}" for name in ("curves", "landscapes", "histograms")}
+    (tmp_path / "rearing.json").write_text('{"runs": [{}]}')
+    assert main([str(run), "--rearing"]) == 2
+    assert "expected the measures of runs" in capsys.readouterr().err
+
+
+def test_undefined_measures_are_read_back(tmp_path):
+    run = reared()
+    run.landscape.reconstruction_error[0] = np.nan
+    write_measures(tmp_path / "rearing.json", [run])
+    found = read_measures(tmp_path / "rearing.json", "run")
+    assert found is not None
+    landscape, scales = found
+    assert np.isnan(landscape.reconstruction_error[0]).all()
+    assert landscape.depth == pytest.approx(run.landscape.depth)
+    assert scales[0].gabor_share == 1.0
+    assert read_measures(tmp_path / "rearing.json", "other") is None

@@ -4,23 +4,34 @@ import copy
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.analysis.report.condition_figures import conditions_figure
 from experiment_manager.analysis.report.dictionary_figures import dictionary_figure
+from experiment_manager.analysis.report.drawings import drawings
 from experiment_manager.analysis.report.groups import groups_of
 from experiment_manager.analysis.report.motor_space_figure import (
     MotorSpace,
     motor_space,
     motor_space_figure,
 )
-from experiment_manager.analysis.report.performance_figures import box_figure, performance_figure
-from experiment_manager.analysis.report.picture_figures import anaglyph_figure, encoding_figure
+from experiment_manager.analysis.report.performance_figures import (
+    box_figure,
+    learning_curve,
+    learning_curve_figure,
+    performance_figure,
+)
+from experiment_manager.analysis.report.picture_figures import (
+    anaglyph_figure,
+    encoding_figure,
+)
 from experiment_manager.analysis.report.price_figure import over_prices, price_figure
 from experiment_manager.analysis.report.reported_run import ReportedRun
 from experiment_manager.measures.metrics import summary_of
@@ -29,6 +40,7 @@ from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
 from sparse_coder.patches import PX_PER_PIXEL
+from tests.readable import assert_readable, drawn_texts
 
 
 def _is_inside(text: Text, figure: Figure) -> bool:
@@ -51,8 +63,8 @@ def test_long_names_of_groups_are_not_cut_off(runs: list[ReportedRun]) -> None:
         figure.draw_without_rendering()
         assert all(_is_inside(text, figure) for text in figure.legends[0].get_texts())
     figure = conditions_figure(groups)
-    figure.draw_without_rendering()
-    left, right = (axes.title.get_window_extent() for axes in figure.axes[:2])
+    titles = [text for text in drawn_texts(figure) if "long setting" in text.get_text()]
+    left, right = (title.get_window_extent() for title in titles)
     assert left.x1 < right.x0
 
 
@@ -71,30 +83,41 @@ def test_a_long_legend_leaves_a_figure_its_height(drawn, runs) -> None:
 
 
 def test_fig_2_shows_the_medians_of_the_tests(runs: list[ReportedRun]) -> None:
-    groups = groups_of(runs)
-    figure = performance_figure(groups)
-    upper, lower, right = figure.axes
-    for axes in (upper, lower):
-        for line, run in zip(axes.lines, runs, strict=False):
-            expected = [
-                np.median(np.abs(test.vergence_error_deg[:, 20])) for test in run.trials.values()
-            ]
-            assert np.array_equal(line.get_xdata(), [0, 130, 270, 400])
-            assert np.allclose(line.get_ydata(), expected)
-    for line, run in zip(right.lines, runs, strict=False):
-        expected = [
-            np.median(t.metabolic_rate_w[:, 20] - t.optimal_metabolic_rate_w)
-            for t in run.trials.values()
-        ]
-        assert np.allclose(line.get_ydata(), expected)
-    assert lower.get_yscale() == "log"
-    assert "deg" in upper.get_ylabel()
-    assert "W" in right.get_ylabel()
+    errors, deltas = performance_figure(groups_of(runs)).axes
+    shown = zip(_points(errors), _points(deltas), runs, strict=True)
+    for (at, medians_deg), (_, medians_w), run in shown:
+        # Points of two models stand beside each other.
+        assert np.allclose(at, [0, 130, 270, 400], atol=4)
+        assert np.allclose(
+            medians_deg,
+            [np.median(np.abs(t.vergence_error_deg[:, 20])) for t in run.trials.values()],
+        )
+        tests = run.trials.values()
+        assert np.allclose(medians_w, [np.median(test.delta_cost_w(20)) for test in tests])
+    assert errors.get_yscale() == "log"
+    assert "deg" in errors.get_ylabel()
+    assert "W" in deltas.get_ylabel()
+
+
+def _points(axes: Axes) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The points of all tests, (n,) iterations and values, that no line joins."""
+    lines = [line for line in axes.lines if line.get_linestyle() == "None"]
+    return [(np.asarray(line.get_xdata()), np.asarray(line.get_ydata())) for line in lines]
+
+
+def test_training_is_drawn_behind_the_tests_of_a_run(runs: list[ReportedRun]) -> None:
+    errors, deltas = learning_curve_figure(runs[0]).axes
+    assert runs[0].recorded is not None
+    curve = runs[0].recorded.measured.training_curve
+    for axes, quartiles in ((errors, curve.quartiles_deg), (deltas, curve.quartiles_w)):
+        assert np.array_equal(axes.lines[0].get_xdata(), curve.iteration)
+        assert np.array_equal(axes.lines[0].get_ydata(), quartiles[1])
 
 
 def test_fig_3_has_a_box_per_model_and_iteration(runs: list[ReportedRun]) -> None:
     figure = box_figure(groups_of(runs))
     upper, lower = figure.axes
+    assert upper.get_yscale() == "log"
     medians = sorted(
         float(np.asarray(line.get_ydata())[0])
         for line in upper.lines
@@ -108,6 +131,12 @@ def test_fig_3_has_a_box_per_model_and_iteration(runs: list[ReportedRun]) -> Non
     assert np.allclose(medians, expected)
     assert [text.get_text() for text in lower.get_xticklabels()] == ["1", "2", "3", "20"]
     assert "%" in lower.get_ylabel()
+
+
+def test_the_learning_curve_is_a_picture_in_the_run(run_directories: dict[str, Path]) -> None:
+    path = learning_curve(run_directories["M"])
+    assert path == run_directories["M"] / "figures" / "learning_curve.png"
+    assert path.read_bytes().startswith(b"\x89PNG")
 
 
 def test_the_motor_space_is_that_of_the_plant() -> None:
@@ -142,7 +171,8 @@ def test_fig_4_draws_each_trial_to_its_end(runs: list[ReportedRun]) -> None:
             )
             found = np.stack([path.get_ydata(), path.get_xdata()], axis=1)
             assert np.array_equal(found, runs[0].trials[400].activations[i_trial])
-    assert near.get_title() == "object at 0.5 m"
+    assert near.get_title("left").endswith("object at 0.5 m, 4 trials of each model")
+    assert far.get_title("left").endswith("object at 6 m, 2 trials of each model")
 
 
 def test_conditions_show_the_median_of_their_trials(runs: list[ReportedRun]) -> None:
@@ -166,7 +196,7 @@ def test_encoding_is_binned_by_vergence_error(runs: list[ReportedRun]) -> None:
     figure = encoding_figure(groups_of(runs[:1]))
     assert figure is not None
     (axes,) = figure.axes
-    before, after = (np.asarray(line.get_ydata()) for line in axes.lines)
+    before, after = (np.asarray(line.get_ydata()) for line in axes.lines[:2])
     at_deg = np.asarray(axes.lines[1].get_xdata())
     assert runs[0].recorded is not None
     test = runs[0].recorded.tests[-1]
@@ -175,6 +205,11 @@ def test_encoding_is_binned_by_vergence_error(runs: list[ReportedRun]) -> None:
     assert after[at_deg == 0.0] == pytest.approx(expected)
     # The fixture encodes better the less the error, once it has learned.
     assert after[at_deg == 0.0] < np.nanmin(before) - 0.1
+
+
+def test_there_is_no_encoding_of_too_few_observations(runs, monkeypatch) -> None:
+    monkeypatch.setattr("experiment_manager.analysis.report.picture_figures._LEAST_PER_BIN", 10**6)
+    assert encoding_figure(groups_of(runs)) is None
 
 
 def test_an_anaglyph_is_red_for_the_left_eye_and_cyan_for_the_right() -> None:
@@ -201,20 +236,22 @@ def test_anaglyphs_show_a_trial_before_and_after_learning(runs: list[ReportedRun
         assert np.array_equal(shown, anaglyph(left, right))
         error_deg = test.trials.vergence_error_deg[trial, iteration]
         px_deg = math.degrees(math.atan(1 / 257.34))
-        assert f"error {error_deg:+.2f} deg ({error_deg / px_deg:+.1f} px)" in axes.get_title()
+        assert f"error {error_deg:+.2f} deg ({error_deg / px_deg:+.1f} px)" in axes.get_title(
+            "left"
+        )
 
 
 def test_both_scales_show_the_atoms_that_prefer_a_disparity_first() -> None:
     atoms = _gabor_atoms([2.0, None, -1.0, 0.5])
     figure = dictionary_figure(np.stack([atoms, atoms]))
     for axes in figure.axes[:2]:
-        assert "3 of 4 prefer a disparity" in axes.get_title()
         mosaic = np.asarray(axes.images[0].get_array())
         for i, shown in enumerate((2, 3, 0, 1)):
             left = mosaic[1:9, 19 * i + 2 : 19 * i + 10]
             expected = atoms[shown, :64].reshape(8, 8) / np.abs(atoms[shown]).max()
             np.testing.assert_allclose(left, expected)
     for histogram, px_per_pixel in zip(figure.axes[2:], PX_PER_PIXEL, strict=True):
+        assert "3 of them prefer a disparity" in histogram.get_title("left")
         boxes = [bar.get_window_extent() for bar in histogram.patches]
         middles_px = [box.x0 + box.width / 2.0 for box in boxes if box.height]
         pixels = [(x, 0.0) for x in middles_px]
@@ -250,6 +287,13 @@ def test_each_atom_becomes_one_tile() -> None:
         dictionary_figure(np.zeros((3, 4)))
 
 
+def test_pictures_that_were_not_recorded_are_no_figure(runs, monkeypatch) -> None:
+    run = runs[1].recorded
+    assert run is not None
+    monkeypatch.setattr(run.bag, "has", lambda topic: False)
+    assert anaglyph_figure(run) is None
+
+
 # --- several seeds, and prices
 
 
@@ -268,14 +312,17 @@ def _priced(run: ReportedRun, weight: float, error_factor: float) -> ReportedRun
     return other
 
 
-def test_fig_2_has_each_seed_thin_behind_the_pooled_median(runs: list[ReportedRun]) -> None:
+def test_many_tests_are_joined_with_each_seed_thin_behind_the_pooled_median(
+    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = "experiment_manager.analysis.report.performance_figures"
+    monkeypatch.setattr(f"{module}.LEAST_JOINED", 4)
     worse = _priced(runs[0], 0.0, 3.0)
     criteria = worse.evaluation_settings.criteria
     worse.summaries = tuple(summary_of(t, criteria(at)) for at, t in worse.trials.items())
     groups = groups_of([runs[0], worse])
     assert len(groups) == 1
-    lower = performance_figure(groups).axes[1]
-    pooled, *seeds = lower.lines[:3]
+    pooled, *seeds = performance_figure(groups).axes[0].lines[:3]
     finals_deg = [run.trials[400].vergence_error_deg[:, 20] for run in (runs[0], worse)]
     both = np.abs(np.concatenate(finals_deg))
     assert np.asarray(pooled.get_ydata())[-1] == pytest.approx(np.median(both))
@@ -292,7 +339,7 @@ def test_fig_2_always_has_two_labelled_ticks_below(runs: list[ReportedRun], fact
     flat.trials = {
         at: _with_errors(test, np.full((39, 21), 0.3 * factor)) for at, test in flat.trials.items()
     }
-    lower = performance_figure(groups_of([flat])).axes[1]
+    lower = performance_figure(groups_of([flat])).axes[0]
     low, high = lower.get_ylim()
     labels = [t.get_text() for t in lower.get_yticklabels() if low <= t.get_position()[1] <= high]
     assert len([label for label in labels if label]) >= 2
@@ -319,13 +366,32 @@ def test_prices_are_compared_where_nothing_else_differs(runs: list[ReportedRun])
     assert [group.common.weight for group in groups] == [0.01, 0.08, 0.2]
     assert over_prices(groups_of([*runs, *family]))[0].model == "M", "without a price: lambda 0"
     figure = price_figure(groups)
-    error, _, _, rate, trade = figure.axes[:5]
+    error, reduction, trade = figure.axes
     medians_deg = [
         np.median(np.abs(group.last_trials.vergence_error_deg[:, 20])) for group in groups
     ]
     assert np.allclose(error.lines[0].get_ydata(), medians_deg)
     assert np.allclose(error.lines[0].get_xdata(), [0.01, 0.08, 0.2])
+    medians = [np.nanmedian(group.last_trials.cost_reduction(20)) for group in groups]
+    assert np.allclose(reduction.lines[0].get_ydata(), 100 * np.array(medians))
     rates_w = [np.median(group.last_trials.metabolic_rate_w[:, 20]) for group in groups]
-    assert np.allclose(rate.lines[0].get_ydata(), rates_w)
     assert np.allclose(trade.lines[0].get_xdata(), rates_w)
     assert np.allclose(trade.lines[0].get_ydata(), medians_deg)
+
+
+def test_a_price_of_0_has_a_place_before_a_break(runs: list[ReportedRun]) -> None:
+    family = [_priced(runs[1], weight, 1) for weight in (0.0, 0.03, 0.3)]
+    error, *_ = price_figure(over_prices(groups_of(family))).axes
+    assert np.asarray(error.lines[0].get_xdata()) == pytest.approx([0.01, 0.03, 0.3])
+    assert [label.get_text() for label in error.get_xticklabels()] == ["0", "0.03", "0.1", "0.3"]
+    assert "//" in {text.get_text() for text in error.texts}
+
+
+def test_every_figure_of_a_report_can_be_read(runs: list[ReportedRun]) -> None:
+    priced = [_priced(runs[1], weight, 1 + weight) for weight in (0.05, 0.1, 0.2)]
+    found = {drawing.name: drawing.draw() for drawing in drawings(groups_of([*runs, *priced]))}
+    figures = {name: figure for name, figure in found.items() if figure is not None}
+    assert figures.keys() > {"performance", "boxes", "motor_space", "conditions", "encoding"}
+    assert figures.keys() > {"price_of_energy"}
+    for figure in figures.values():
+        assert_readable(figure)

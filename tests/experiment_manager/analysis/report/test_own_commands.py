@@ -16,6 +16,7 @@ from experiment_manager.analysis.report.reported_run import ReportedRun
 from experiment_manager.analysis.report.tables import antagonists_table, comparison_table
 from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI, PAIR
 from tests.experiment_manager.own_commands import N_ITERATIONS, write_run
+from tests.readable import assert_readable
 
 
 @pytest.fixture(scope="module", params=[HORIZONTAL_RECTI, ALL_MUSCLES])
@@ -55,6 +56,11 @@ def test_each_commanded_muscle_is_drawn_from_start_to_end(group: Group) -> None:
             assert np.allclose(next(starts_and_ends).get_ydata(), expected)
     labels = [axes.get_ylabel() for axes in figure.axes if axes.get_ylabel()]
     assert labels == ["activation, left eye", "activation, right eye"]
+
+
+def test_figures_of_own_commands_can_be_read(group: Group) -> None:
+    assert_readable(errors_figure([group]))
+    assert_readable(activations_figure(group))
 
 
 def _rows(table: str) -> list[list[str]]:

@@ -13,7 +13,6 @@ from experiment_manager.bag.reader import Bag
 from lockstep.errors import InputError
 
 FRAMES_PER_S = 5
-# A GIF is for a page: half as wide, and few colours.
 _GIF_COLOURS = 96
 
 Frames = Iterable[Frame]
@@ -58,9 +57,9 @@ def _write_mp4(file: Path, shown: Frames) -> int:
 
 
 def _write_gif(file: Path, shown: Frames) -> int:
-    halves, periods = zip(*((Image.fromarray(_half(p)), n) for p, n in shown), strict=True)
-    palette = _common_palette(halves)
-    first, *rest = (half.quantize(palette=palette, dither=Image.Dither.NONE) for half in halves)
+    pictures, periods = zip(*((Image.fromarray(p), n) for p, n in shown), strict=True)
+    palette = _common_palette(pictures)
+    first, *rest = (p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures)
     durations_ms = [n_periods * 1000 // FRAMES_PER_S for n_periods in periods]
     first.save(file, "GIF", save_all=True, append_images=rest, duration=durations_ms, loop=0)
     return sum(periods)
@@ -71,11 +70,6 @@ def _common_palette(pictures: Sequence[Image.Image]) -> Image.Image:
     some = pictures[:: max(1, len(pictures) // 8)]
     strip = Image.fromarray(np.vstack([np.asarray(picture) for picture in some]))
     return strip.quantize(_GIF_COLOURS)
-
-
-def _half(frame: np.ndarray) -> np.ndarray:
-    height_px, width_px = frame.shape[:2]
-    return cv2.resize(frame, (width_px // 2, height_px // 2), interpolation=cv2.INTER_AREA)
 
 
 _WRITERS: Mapping[str, Callable[[Path, Frames], int]] = {".mp4": _write_mp4, ".gif": _write_gif}

@@ -23,13 +23,14 @@ class Scene:
     """The first iterations of an episode, n of them.
 
     pictures: (n, 2, height, width) uint8; errors_deg: (n, 3) vergence, vertical and cyclovergence
-    error, of the pair (n, 1) the first; activations: (n, n_commands) what commands set, with their
-    names; px_deg: visual angle of a pixel.
+    error, of the pair (n, 1) the first; metabolic_rate_w: (n,) of both eyes; activations: (n,
+    n_commands) what commands set, with their names; px_deg: visual angle of a pixel.
     """
 
     caption: str
     pictures: np.ndarray
     errors_deg: np.ndarray
+    metabolic_rate_w: np.ndarray
     activations: np.ndarray
     names: tuple[str, ...]
     px_deg: float
@@ -135,6 +136,7 @@ def _scene(
         caption,
         np.stack([[pair[s] for pair in pairs] for s in stamps_ns]),
         np.stack([truth.column(f"{name}_error_deg")[rows] for name in errors], axis=1),
+        truth.column("metabolic_rate_w")[rows],
         commanded(muscles, settings.plant.space)[muscles.at(np.array(stamps_ns))],
         settings.plant.space.names,
         settings.criteria(episode.training_iteration).px_deg,

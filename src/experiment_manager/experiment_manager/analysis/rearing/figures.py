@@ -1,161 +1,217 @@
-"""Figures of conditions of rearing: one row or one line for each."""
+"""Figures of conditions of rearing: a panel or a row for each."""
 
+import textwrap
 from collections.abc import Callable, Sequence
+from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from experiment_manager.analysis.basis_functions import (
     BINOCULARITY_EDGES,
     ORIENTATION_STEP_DEG,
 )
-from experiment_manager.analysis.rearing.reared_run import RearedRun
+from experiment_manager.analysis.rearing.conditions import name_of
+from experiment_manager.analysis.rearing.reared_run import RearedRun, ScaleTuning
 from experiment_manager.analysis.report.dictionary_figures import SCALES
-from experiment_manager.analysis.report.performance_figures import new_figure
+from experiment_manager.analysis.report.performance_figures import ERROR_LABEL, scale_errors
 from eye_plant.geometry import degrees_per_px
+from lockstep.figures import (
+    BLUE,
+    GREY,
+    LIGHT_GREY,
+    SMALLEST_PT,
+    WIDTH_IN,
+    legend_below,
+    new_figure,
+    panel_grid,
+    title_panels,
+)
 
 Condition = tuple[str, Sequence[RearedRun]]
 
-_N_SAMPLED = 12
+_N_COLUMNS = 4
 _SIDE_PX = 8
 _LARGEST_DISPARITY_DEG = 4.0
 _N_DISPARITY_BINS = 33  # odd: one is centred on 0
-_FLOOR_DEG = 0.01
+_LONGEST_ROW_NAME = 14  # characters of a line
+_YARDSTICK = "normal"
 
 
 def curves_figure(conditions: Sequence[Condition]) -> Figure:
-    """Return the median |vergence error| of each test over training, mean over seeds.
+    """Return the median |vergence error| of each test over training, a line for each seed.
 
-    A bar across a curve stands where the condition's schedule changes the plant.
+    A vertical line stands where the condition's schedule changes the plant, a ring at the error of
+    the same learners right after it.
     """
-    figure = new_figure(8.4, 4.4)
-    axes = figure.subplots()
-    for (label, runs), colour in _coloured(conditions):
-        iterations = sorted(
-            set.intersection(*({test.iteration for test in run.results.tests} for run in runs))
-        )
-        errors_deg = [
-            [
-                test.median_abs_vergence_error_deg
-                for test in run.results.tests
-                if test.iteration in iterations
-            ]
-            for run in runs
+    figure, panels = panel_grid(len(conditions), _N_COLUMNS, 1.7, share=True)
+    for axes, (label, runs) in zip(panels, conditions, strict=True):
+        for of_yardstick in _yardstick(conditions, label):
+            _draw_curve(axes, of_yardstick, GREY, lw=0.8)
+        for run in runs:
+            _draw_curve(axes, run, BLUE, marker="o", ms=2.5)
+            if run.right_after_deg is not None:
+                first = run.changed_at[:1]
+                axes.plot(first, run.right_after_deg, "o", ms=6, mfc="none", mec="black", zorder=5)
+        for at in runs[0].changed_at:
+            axes.axvline(at, color="black", lw=0.8, ls="--")
+        axes.xaxis.set_major_formatter(lambda value, _: f"{value / 1000:g}k")
+    for axes in panels:
+        scale_errors(axes, degrees_per_px(conditions[0][1][0].focal_length_px))
+    handles = [
+        Line2D([], [], color=BLUE, marker="o", ms=2.5, label="the condition, each seed"),
+        Line2D([], [], color=GREY, lw=0.8, label="normal, each seed"),
+    ]
+    if any(run.changed_at for _, runs in conditions for run in runs):
+        handles += [
+            Line2D([], [], color="black", lw=0.8, ls="--", label="change of the eyes or input"),
+            Line2D([], [], ls="", marker="o", ms=6, mfc="none", mec="black", label="right after"),
         ]
-        shown = np.maximum(np.array(errors_deg, dtype=np.float64).mean(axis=0), _FLOOR_DEG)
-        axes.plot(np.array(iterations) / 1000.0, shown, "o-", ms=3, color=colour, label=label)
-        changed_at = np.array(runs[0].changed_at) / 1000.0
-        height = np.exp(np.interp(changed_at, np.array(iterations) / 1000.0, np.log(shown)))
-        axes.plot(changed_at, height, "|", ms=14, mew=1.5, color=colour)
-    px_deg = degrees_per_px(conditions[0][1][0].focal_length_px)
-    axes.axhline(px_deg, color="0.5", lw=0.7, ls=":")
-    axes.set(xlabel="training iterations / 1000", ylabel=r"median $|\Delta\gamma|$ / deg")
-    axes.set_yscale("log")
-    axes.set_yticks([0.05, 0.1, 0.2, 0.5, 1.0, 2.0], ["0.05", "0.1", "0.2", "0.5", "1", "2"])
-    axes.minorticks_off()
-    figure.legend(loc="outside right upper", fontsize=7)
+    _label(panels, conditions, "training iterations", ERROR_LABEL)
+    legend_below(figure, handles)
     return figure
 
 
 def landscapes_figure(conditions: Sequence[Condition]) -> Figure:
-    """Return the reconstruction error over the vergence error, mean over seeds."""
-    figure = new_figure(8.4, 4.4)
-    axes = figure.subplots()
-    for (label, runs), colour in _coloured(conditions):
-        total = np.mean([run.landscape.total_error for run in runs], axis=0)
-        axes.plot(runs[0].landscape.vergence_error_deg, total, color=colour, label=label)
-    axes.axvline(0.0, color="0.5", lw=0.7, ls=":")
-    axes.set(xlabel="vergence error / deg", ylabel="reconstruction error, both scales")
-    figure.legend(loc="outside right upper", fontsize=7)
+    """Return the reconstruction error over the vergence error, as a share of its mean.
+
+    Mean over seeds. The depth stands in the corner.
+    """
+    figure, panels = panel_grid(len(conditions), _N_COLUMNS, 1.7, share=True)
+    for axes, (label, runs) in zip(panels, conditions, strict=True):
+        if yardstick := _yardstick(conditions, label):
+            _draw_landscape(axes, yardstick, GREY, 0.8)
+        _draw_landscape(axes, runs, BLUE, 1.6)
+        axes.axvline(0.0, color=GREY, lw=0.8, ls=":", zorder=1)
+        depth = np.mean([run.landscape.depth for run in runs])
+        axes.text(0.03, 0.05, f"{depth:.2f}", transform=axes.transAxes, fontsize=SMALLEST_PT)
+    panels[0].set_ylim(0.0, None)
+    handles = [
+        Line2D([], [], color=BLUE, label="the condition"),
+        Line2D([], [], color=GREY, lw=0.8, label="normal"),
+    ]
+    _label(panels, conditions, "vergence error / deg", "$E$ / mean $E$")
+    legend_below(figure, handles)
     return figure
 
 
-def samples_figure(conditions: Sequence[Condition]) -> Figure:
-    """Return basis functions of each condition's first run, from the most to the least Gabor-like.
+def samples_figure(conditions: Sequence[Condition]) -> Figure | None:
+    """Return basis functions of each condition's first run, from the best to the worst Gabor fit.
 
-    Left eye above right eye.
+    Left eye above right eye. None where no run has its dictionary.
     """
-    figure = new_figure(8.4, 0.75 * len(conditions) + 0.5)
-    panels = figure.subplots(len(conditions), len(SCALES), squeeze=False)
-    for row, (label, runs) in zip(panels, conditions, strict=True):
-        for i_scale, axes in enumerate(row):
-            best = runs[0].tunings[i_scale].residual.argsort()
-            chosen = best[np.linspace(0, len(best) - 1, _N_SAMPLED).astype(int)]
-            axes.imshow(_strip(runs[0].atoms[i_scale][chosen]), cmap="gray", vmin=-1, vmax=1)
-            axes.set_axis_off()
-        row[0].set_title(label, fontsize=7, loc="left", pad=2)
-    for axes, scale in zip(panels[0], SCALES, strict=True):
-        axes.text(1.0, 1.06, scale, transform=axes.transAxes, ha="right", fontsize=7)
+    known = [(label, runs[0].samples) for label, runs in conditions]
+    shown = [(label, samples) for label, samples in known if samples is not None]
+    if not shown:
+        return None
+    figure = new_figure(WIDTH_IN, 0.7 * len(shown) + 0.5)
+    panels = figure.subplots(len(shown), len(SCALES), squeeze=False)
+    for row, (label, samples) in zip(panels, shown, strict=True):
+        for axes, of_scale in zip(row, samples, strict=True):
+            axes.imshow(_strip(of_scale), cmap="gray", vmin=-1, vmax=1)
+            axes.set(xticks=[], yticks=[(_SIDE_PX - 1) / 2, (3 * _SIDE_PX - 1) / 2])
+            axes.set_yticklabels(["L", "R"], fontsize=SMALLEST_PT)
+            axes.tick_params(length=0)
+            axes.spines[:].set_visible(False)
+        _name_row(row[0], label)
+    for axes, scale in zip(panels[-1], SCALES, strict=True):
+        axes.set_xlabel(f"{scale} scale: best to worst Gabor fit")
     return figure
 
 
 def histograms_figure(conditions: Sequence[Condition]) -> Figure:
     """Return orientation, binocularity and preferred disparity, coarse and fine, all seeds pooled.
 
-    Shares of all basis functions of a scale; coarse is grey, fine an outline.
+    Shares of the basis functions that have the property; their numbers stand above each panel.
     """
-    columns: tuple[tuple[str, Callable[[Axes, Sequence[RearedRun]], None]], ...] = (
-        ("orientation / deg (90 is upright)", _orientations),
-        ("binocularity, left to right", _binocularities),
-        ("preferred disparity / deg", _disparities),
+    columns: tuple[tuple[str, np.ndarray, Callable[[ScaleTuning], np.ndarray]], ...] = (
+        (
+            "orientation / deg\n0: horizontal, 90: vertical",
+            ORIENTATION_STEP_DEG * (np.arange(9) - 0.5),
+            lambda tuning: tuning.orientation_counts,
+        ),
+        (
+            "binocularity $(R-L)/(R+L)$\n-1: left eye alone, 1: right eye alone",
+            BINOCULARITY_EDGES,
+            lambda tuning: tuning.binocularity_counts,
+        ),
+        ("preferred disparity / deg", _DISPARITY_EDGES_DEG, _disparity_counts),
     )
-    figure = new_figure(8.4, 1.15 * len(conditions) + 0.5)
-    panels = figure.subplots(len(conditions), len(columns), sharex="col", squeeze=False)
+    figure = new_figure(WIDTH_IN, 0.85 * len(conditions) + 0.9)
+    panels = figure.subplots(
+        len(conditions), len(columns), sharex="col", sharey="col", squeeze=False
+    )
     for row, (label, runs) in zip(panels, conditions, strict=True):
-        for axes, (_, draw) in zip(row, columns, strict=True):
-            draw(axes, runs)
-            axes.tick_params(labelsize=6)
-        row[0].set_title(label, fontsize=7, loc="left", pad=2)
-    for axes, (name, _) in zip(panels[-1], columns, strict=True):
-        axes.set_xlabel(name, fontsize=7)
+        for axes, (_, edges, counts) in zip(row, columns, strict=True):
+            by_scale = zip(*(run.scales for run in runs), strict=True)
+            pooled = [np.sum([counts(t) for t in of_scale], axis=0) for of_scale in by_scale]
+            _draw_shares(axes, edges, pooled)
+        _name_row(row[0], label)
+    for axes, (name, edges, _) in zip(panels[-1], columns, strict=True):
+        axes.set(xlabel=name, xlim=(edges[0], edges[-1]))
+    panels[0, 0].set_xticks([0, 45, 90, 135])
+    handles = [
+        Patch(color=LIGHT_GREY, label="coarse scale, share / %"),
+        Line2D([], [], color=BLUE, lw=1.0, label="fine scale, share / %"),
+    ]
+    legend_below(figure, handles)
     return figure
 
 
-def _orientations(axes: Axes, runs: Sequence[RearedRun]) -> None:
-    edges = ORIENTATION_STEP_DEG * (np.arange(9) - 0.5)
-    counts = [[run.tunings[i].orientation_counts() for run in runs] for i in range(len(SCALES))]
-    _draw_shares(axes, edges, counts, runs)
+_DISPARITY_EDGES_DEG = np.linspace(
+    -_LARGEST_DISPARITY_DEG, _LARGEST_DISPARITY_DEG, _N_DISPARITY_BINS + 1
+)
 
 
-def _binocularities(axes: Axes, runs: Sequence[RearedRun]) -> None:
-    counts = [[run.tunings[i].binocularity_counts() for run in runs] for i in range(len(SCALES))]
-    _draw_shares(axes, np.arange(len(BINOCULARITY_EDGES)) - 3.5, counts, runs)
+def _disparity_counts(tuning: ScaleTuning) -> np.ndarray:
+    counts: np.ndarray = np.histogram(tuning.preferred_disparities_deg, _DISPARITY_EDGES_DEG)[0]
+    return counts
 
 
-def _disparities(axes: Axes, runs: Sequence[RearedRun]) -> None:
-    reach = _LARGEST_DISPARITY_DEG
-    edges = np.linspace(-reach, reach, _N_DISPARITY_BINS + 1)
-    counts = [
-        [
-            np.histogram(run.tunings[i].disparities_deg(run.focal_length_px), edges)[0]
-            for run in runs
-        ]
-        for i in range(len(SCALES))
-    ]
-    _draw_shares(axes, edges, counts, runs)
-    axes.axvline(0.0, color="#d62728", lw=0.6)
+def _draw_shares(axes: Axes, edges: np.ndarray, counts: Sequence[np.ndarray]) -> None:
+    """Draw shares in percent; counts: (n_bins,) of the coarse and of the fine scale."""
+    coarse, fine = (100.0 * of_scale / max(of_scale.sum(), 1) for of_scale in counts)
+    axes.stairs(coarse, edges, fill=True, color=LIGHT_GREY)
+    axes.stairs(fine, edges, color=BLUE, lw=1.0)
+    numbers = " and ".join(str(of_scale.sum()) for of_scale in counts)
+    axes.set_title(f"n = {numbers}", loc="right", fontsize=SMALLEST_PT)
 
 
-def _draw_shares(
-    axes: Axes,
-    edges: np.ndarray,
-    counts: Sequence[Sequence[np.ndarray]],
-    runs: Sequence[RearedRun],
+def _yardstick(conditions: Sequence[Condition], label: str) -> Sequence[RearedRun]:
+    """Return the runs of normal eyes, for all other panels than their own."""
+    return () if label == _YARDSTICK else dict(conditions).get(_YARDSTICK, ())
+
+
+def _draw_curve(axes: Axes, run: RearedRun, colour: str, **style: Any) -> None:
+    tests = run.results.tests
+    errors_deg = np.array([test.median_abs_vergence_error_deg for test in tests], np.float64)
+    axes.plot([test.iteration for test in tests], errors_deg, color=colour, **style)
+
+
+def _draw_landscape(axes: Axes, runs: Sequence[RearedRun], colour: str, lw: float) -> None:
+    total = np.mean([run.landscape.total_error for run in runs], axis=0)
+    at_deg = runs[0].landscape.vergence_error_deg
+    axes.plot(at_deg, total / np.nanmean(total), color=colour, lw=lw)
+
+
+def _label(
+    panels: Sequence[Axes], conditions: Sequence[Condition], xlabel: str, ylabel: str
 ) -> None:
-    """counts: per scale, then per run, (n_bins,)."""
-    n_bases = sum(run.atoms.shape[1] for run in runs)
-    coarse, fine = (np.sum(of_scale, axis=0) / n_bases for of_scale in counts)
-    axes.stairs(coarse, edges, fill=True, color="0.75")
-    axes.stairs(fine, edges, color="#1f5fa8", lw=0.9)
+    """Name the panels after their conditions, and the axes at the lower and the left edge."""
+    title_panels(panels, [name_of(label) for label, _ in conditions])
+    for axes in panels[-_N_COLUMNS:]:
+        axes.tick_params(labelbottom=True)
+        axes.set_xlabel(xlabel)
+    for axes in panels[::_N_COLUMNS]:
+        axes.set_ylabel(ylabel)
 
 
-def _coloured(conditions: Sequence[Condition]) -> list[tuple[Condition, tuple[float, ...]]]:
-    colours = mpl.colormaps["turbo"](np.linspace(0.05, 0.95, len(conditions)))
-    return [
-        (condition, tuple(colour)) for condition, colour in zip(conditions, colours, strict=True)
-    ]
+def _name_row(first: Axes, label: str) -> None:
+    name = textwrap.fill(name_of(label), _LONGEST_ROW_NAME)
+    first.set_ylabel(name, rotation=0, ha="right", va="center")
 
 
 def _strip(atoms: np.ndarray) -> np.ndarray:

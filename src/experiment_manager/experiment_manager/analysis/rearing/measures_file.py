@@ -1,18 +1,19 @@
-"""rearing.json: what the page of conditions has measured in each run, for programs to read."""
+"""rearing.json: what was measured in the last checkpoint of each run, to write and to read."""
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from experiment_manager.analysis.basis_functions import Tuning
-from experiment_manager.analysis.rearing.reared_run import RearedRun
+from experiment_manager.analysis.rearing.reared_run import RearedRun, ScaleTuning
+from experiment_manager.analysis.rearing.reward_landscape import RewardLandscape
 from experiment_manager.analysis.report.dictionary_figures import SCALES
 from lockstep.durable_files import replace_file
+from lockstep.errors import InputError
 
 MEASURES_FILE = "rearing.json"
 
@@ -36,36 +37,63 @@ def run_measures(run: RearedRun) -> dict[str, Any]:
         "seed": run.results.seed,
         "iterations": run.results.iterations,
         "landscape": {
-            "vergence_error_deg": _rounded(landscape.vergence_error_deg),
-            "reconstruction_error_coarse": _rounded(landscape.reconstruction_error[:, 0]),
-            "reconstruction_error_fine": _rounded(landscape.reconstruction_error[:, 1]),
-            "depth": _number(landscape.depth),
+            "vergence_error_deg": _plain(landscape.vergence_error_deg),
+            "reconstruction_error_coarse": _plain(landscape.reconstruction_error[:, 0]),
+            "reconstruction_error_fine": _plain(landscape.reconstruction_error[:, 1]),
+            "depth": _plain(landscape.depth),
         },
-        "left_share": _number(landscape.left_share),
+        "left_share": _plain(landscape.left_share),
         **{
-            scale: _scale_measures(tuning, use, run.focal_length_px)
-            for scale, tuning, use in zip(SCALES, run.tunings, landscape.use, strict=True)
+            scale: {name: _plain(value) for name, value in asdict(tuning).items()}
+            for scale, tuning in zip(SCALES, run.scales, strict=True)
         },
     }
 
 
-def _scale_measures(
-    tuning: Tuning, use: NDArray[np.float64], focal_length_px: float
-) -> dict[str, Any]:
-    return {
-        "gabor_share": tuning.gabor_share,
-        "gabor_share_by_use": _number(float(use[tuning.is_gabor].sum())),
-        "common_gabor_share": tuning.common_gabor_share,
-        "binocular_share": _number(tuning.binocular_share),
-        "orientation_counts": tuning.orientation_counts().tolist(),
-        "binocularity_counts": tuning.binocularity_counts().tolist(),
-        "preferred_disparities_deg": _rounded(np.sort(tuning.disparities_deg(focal_length_px))),
+def read_measures(path: Path, run: str) -> tuple[RewardLandscape, tuple[ScaleTuning, ...]] | None:
+    """Return what a file says of a run; None without the file or the run in it.
+
+    Raises InputError for a file that is damaged.
+    """
+    if not path.is_file():
+        return None
+    try:
+        runs = {of_run["run"]: of_run for of_run in json.loads(path.read_text())["runs"]}
+        return _parsed(runs[run]) if run in runs else None
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path}: expected the measures of runs: {error!r}") from error
+
+
+def _parsed(of_run: Mapping[str, Any]) -> tuple[RewardLandscape, tuple[ScaleTuning, ...]]:
+    landscape = of_run["landscape"]
+    errors = [landscape[f"reconstruction_error_{scale}"] for scale in SCALES]
+    return (
+        RewardLandscape(
+            np.array(landscape["vergence_error_deg"]),
+            np.array(errors, dtype=np.float64).T,
+            _number(of_run["left_share"]),
+            np.full((len(SCALES), 0), np.nan),
+        ),
+        tuple(_parsed_scale(of_run[scale]) for scale in SCALES),
+    )
+
+
+def _parsed_scale(of_scale: Mapping[str, Any]) -> ScaleTuning:
+    values: dict[str, Any] = {
+        name: np.array(value) if isinstance(value, list) else _number(value)
+        for name, value in of_scale.items()
     }
+    return ScaleTuning(**values)
 
 
-def _rounded(values: NDArray[np.float64]) -> list[float | None]:
-    return [_number(value) for value in values.tolist()]
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else value
 
 
-def _number(value: float) -> float | None:
-    return round(value, 6) if math.isfinite(value) else None
+def _plain(value: Any) -> Any:
+    """Return numbers as JSON has them, with six decimals; None stands for nan."""
+    if isinstance(value, np.ndarray):
+        return [_plain(number) for number in value.tolist()]
+    if isinstance(value, int):
+        return value
+    return round(float(value), 6) if math.isfinite(value) else None

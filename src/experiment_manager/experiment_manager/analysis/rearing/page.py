@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
+from experiment_manager.analysis.rearing.conditions import PUBLISHED
 from experiment_manager.analysis.rearing.figures import (
     Condition,
     curves_figure,
@@ -19,51 +20,52 @@ from experiment_manager.analysis.rearing.figures import (
     samples_figure,
 )
 from experiment_manager.analysis.rearing.measures_file import MEASURES_FILE, write_measures
-from experiment_manager.analysis.rearing.published import PUBLISHED
-from experiment_manager.analysis.rearing.reared_run import RearedRun, read_reared_run
+from experiment_manager.analysis.rearing.measuring import read_reared_run
+from experiment_manager.analysis.rearing.reared_run import RearedRun, ScaleTuning
 from experiment_manager.analysis.report import page as report_page
-from experiment_manager.analysis.report.performance_figures import FIGURES, STYLE, save
+from experiment_manager.analysis.report.performance_figures import FIGURES
 from experiment_manager.measures.results import RESULTS_FILE, Summary
 from experiment_manager.measures.tables import number
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
+from lockstep.figures import STYLE, save
 
 REARING_FILE = "rearing.html"
 
-_Figure = tuple[str, str, str, Callable[[Sequence[Condition]], Figure]]
+_Figure = tuple[str, str, str, Callable[[Sequence[Condition]], Figure | None]]
 _FIGURES: tuple[_Figure, ...] = (
     (
         "curves",
         "Learning",
-        "Median |vergence error| after 20 iterations of a test trial, mean over seeds; the dotted"
-        " line is one pixel, a bar across a curve a change of eyes or input by the schedule, from"
-        " which on the later tests have it, too. The tests are made with the condition's own eyes"
-        " and input.",
+        "Median absolute vergence error after 20 iterations of test trials, over training, with the"
+        " condition's own eyes and input; a line for each seed, grey for normal eyes. Dotted: 1 px."
+        " Dashed: the schedule changes eyes or input. Ring: the same learners right after it.",
         curves_figure,
     ),
     (
         "landscapes",
         "Landscape of the reward",
-        "Reconstruction error of both scales over the vergence error, at the end of the run: ten"
-        " test stimuli at 0.5, 2 and 6 m, mean over seeds. Where it is flat there is nothing to"
-        " learn vergence from.",
+        "Reconstruction error E of both scales over the vergence error, divided by its mean, at the"
+        " end of the run: ten test pictures at 0.5, 2 and 6 m, mean over seeds. Grey: normal eyes."
+        " The number is the depth, the share of the mean error that the best vergence saves.",
         landscapes_figure,
     ),
     (
         "samples",
         "Basis functions",
         "Twelve of each scale's dictionary, from the best to the worst fit of a Gabor function to"
-        " the dominant half; left eye above right eye.",
+        " the dominant half: left eye's half (L) above the right eye's (R). Runs without a"
+        " checkpoint are left out.",
         samples_figure,
     ),
     (
         "histograms",
         "Tuning of the basis functions",
-        "Shares of each scale's basis functions, seeds pooled: grey the coarse scale, blue the fine"
-        " one. Orientation and binocularity are of those whose dominant half is a Gabor function;"
-        " disparity of those that have a common one, see with both eyes and are not near"
-        " horizontal.",
+        "Shares of the n basis functions of the coarse and the fine scale that count, seeds pooled."
+        " Orientation and binocularity: of those whose dominant half is a Gabor function."
+        " Disparity: of those with one Gabor function common to both eyes that respond to both and"
+        " are not near horizontal.",
         histograms_figure,
     ),
 )
@@ -97,6 +99,8 @@ def write_rearing_page(directories: Sequence[Path], out: Path) -> Path:
     with mpl.rc_context(STYLE):
         for name, title, caption, draw in _FIGURES:
             figure = draw(conditions)
+            if figure is None:
+                continue
             save(figure, out / FIGURES / f"rearing_{name}.png")
             parts += [report_page.heading(title), report_page.picture(figure, caption)]
             if name == "landscapes" and (missing := left_out(conditions)):
@@ -130,11 +134,10 @@ def _measured(directories: Sequence[Path]) -> list[RearedRun]:
 
 
 def _conditions(runs: Sequence[RearedRun]) -> list[Condition]:
+    has_both = len({run.results.model for run in runs}) > 1
     by_label: dict[str, list[RearedRun]] = {}
     for run in runs:
-        label = (
-            run.condition if run.results.model == "M" else f"{run.condition}, {run.results.model}"
-        )
+        label = f"{run.condition}, {run.results.model}" if has_both else run.condition
         by_label.setdefault(label, []).append(run)
     return list(by_label.items())
 
@@ -185,8 +188,8 @@ def _row(label: str, runs: Sequence[RearedRun]) -> tuple[str, ...]:
         values = [v for run in runs if (v := measure(run.results.tests[-1])) is not None]
         return number(float(np.mean(values)), 2) if len(values) == len(runs) else "-"
 
-    def of_scales(value: Callable[[RearedRun, int], float]) -> str:
-        means = (np.mean([value(run, i) for run in runs]) for i in range(2))
+    def of_scales(value: Callable[[ScaleTuning], float]) -> str:
+        means = (np.mean([value(run.scales[i]) for run in runs]) for i in range(2))
         return ", ".join(f"{100.0 * mean:.0f} %" for mean in means)
 
     return (
@@ -197,10 +200,10 @@ def _row(label: str, runs: Sequence[RearedRun]) -> tuple[str, ...]:
         of_test(lambda test: test.iqr_abs_vergence_error_deg),
         of_test(lambda test: test.share_within_1_px),
         number(float(np.mean([run.landscape.depth for run in runs])), 2),
-        of_scales(lambda run, i: run.tunings[i].gabor_share),
-        of_scales(lambda run, i: float(run.landscape.use[i][run.tunings[i].is_gabor].sum())),
-        of_scales(lambda run, i: run.tunings[i].common_gabor_share),
-        of_scales(lambda run, i: run.tunings[i].binocular_share),
+        of_scales(lambda tuning: tuning.gabor_share),
+        of_scales(lambda tuning: tuning.gabor_share_by_use),
+        of_scales(lambda tuning: tuning.common_gabor_share),
+        of_scales(lambda tuning: tuning.binocular_share),
         number(float(np.mean([run.landscape.left_share for run in runs])), 2),
         of_test(lambda test: test.median_cost_reduction),
         of_test(lambda test: test.median_delta_cost_w),

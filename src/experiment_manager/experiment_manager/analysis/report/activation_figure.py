@@ -9,12 +9,13 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FormatStrFormatter
 
 from experiment_manager.analysis.report.groups import Group
-from experiment_manager.analysis.report.performance_figures import new_figure
+from experiment_manager.analysis.report.performance_figures import QUARTILES, draw_bars
 from experiment_manager.measures.metrics import antagonist_names
 from lockstep.command_space import SIDES
+from lockstep.figures import BLUE, VERMILION, WIDTH_IN, legend_below, new_figure
 
 # Of the first and the second of two antagonists: hue, and where from a distance's place.
-_COLOURS = ("#0072b2", "#d55e00")
+_COLOURS = (BLUE, VERMILION)
 _DIRECTIONS = (-1, 1)
 # From a distance's place to the start and to the end of trials there.
 _START, _END = 0.30, 0.14
@@ -29,16 +30,19 @@ def activations_figure(group: Group) -> Figure:
     trials = group.last_trials
     pairs = antagonist_names(trials.space)
     n_columns = len(pairs) // len(SIDES)
-    figure = new_figure(max(3.0 * n_columns, 4.4), 5.2)
+    figure = new_figure(WIDTH_IN if n_columns > 1 else WIDTH_IN / 2, 5.2)
     rows = figure.subplots(len(SIDES), n_columns, sharex=True, sharey=True, squeeze=False)
     distances_m = np.unique(trials.object_distance_m)
     for axes, names in zip(rows.ravel(), pairs, strict=True):
         for name, colour, direction in zip(names, _COLOURS, _DIRECTIONS, strict=True):
             for iteration, offset, face in ((0, _START, "white"), (-1, _END, colour)):
                 values = trials.column(name)[:, iteration]
-                of_distances = [values[trials.object_distance_m == d] for d in distances_m]
+                quartiles = [
+                    np.nanquantile(values[trials.object_distance_m == d], QUARTILES)
+                    for d in distances_m
+                ]
                 places = np.arange(len(distances_m)) + direction * offset
-                _draw(axes, places, of_distances, colour, face)
+                draw_bars(axes, places, np.array(quartiles).T, colour, ms=4, mfc=face)
         _describe(axes, names)
     for side, row in zip(SIDES, rows, strict=True):
         row[0].set_ylabel(f"activation, {side} eye")
@@ -49,17 +53,8 @@ def activations_figure(group: Group) -> Figure:
     rows[0, 0].yaxis.set_major_formatter(FormatStrFormatter("%g"))
     ends = {"start of the trial": "white", "its end": "0.3"}
     handles = [_handle("0.3", face, label) for label, face in ends.items()]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2)
+    legend_below(figure, handles)
     return figure
-
-
-def _draw(
-    axes: Axes, places: np.ndarray, values: Sequence[np.ndarray], colour: str, face: str
-) -> None:
-    """Draw the median of each of the values with their quartiles, at its place (n,)."""
-    lower, median, upper = np.array([np.nanquantile(v, (0.25, 0.5, 0.75)) for v in values]).T
-    axes.vlines(places, lower, upper, color=colour, lw=1.0)
-    axes.plot(places, median, "o", ms=4, color=colour, mfc=face, mew=1.0)
 
 
 def _describe(axes: Axes, names: Sequence[str]) -> None:

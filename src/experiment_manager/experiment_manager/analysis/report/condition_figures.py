@@ -10,30 +10,29 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from experiment_manager.analysis.report.groups import Group
-from experiment_manager.analysis.report.performance_figures import new_figure, px_deg_of
+from experiment_manager.analysis.report.performance_figures import px_deg_of
+from lockstep.figures import LIGHT_GREY, SMALLEST_PT, panel_grid, title_panels
 
 # Colours reach from 1/16 px to 16 px; beyond a third of that on either side text is white.
 _REACH = 16.0
 _DARK = 6.0
 _N_COLUMNS = 2
-_LONGEST_TITLE_LINE = 50  # characters
+_LONGEST_TITLE_LINE = 44  # characters
 
 
 def conditions_figure(groups: Sequence[Group]) -> Figure:
     """Return the median |vergence error| after a trial by object distance and start error.
 
-    groups: with trials. One panel each, of the last test; empty where the test has no trials.
+    groups: with trials. One panel each, of the last test; hatched where it has no trials.
     """
-    n_columns = min(_N_COLUMNS, len(groups))
-    n_rows = -(-len(groups) // n_columns)
-    figure = new_figure(4.4 * n_columns + 0.7, 2.9 * n_rows + 0.2)
-    panels = figure.subplots(n_rows, n_columns, squeeze=False).ravel()
+    figure, panels = panel_grid(len(groups), _N_COLUMNS, 2.7)
     px_deg = px_deg_of(groups)
-    for axes, group in zip(panels, groups, strict=False):
+    for axes, group in zip(panels, groups, strict=True):
         image = _draw(axes, group, px_deg)
-    for axes in panels[len(groups) :]:
-        axes.set_axis_off()
-    colours = figure.colorbar(image, ax=panels, label="median |vergence error| / deg", shrink=0.8)
+    title_panels(panels, [textwrap.fill(group.label, _LONGEST_TITLE_LINE) for group in groups])
+    colours = figure.colorbar(
+        image, ax=panels, label="median |vergence error| / deg", shrink=0.8, extend="both"
+    )
     colours.set_ticks([0.02, 0.1, px_deg, 1.0, 3.0], labels=["0.02", "0.1", "1 px", "1", "3"])
     colours.minorticks_off()
     return figure
@@ -61,7 +60,7 @@ def _draw(axes: Axes, group: Group, px_deg: float) -> AxesImage:
     axes.set_xticks(range(len(starts_deg)), [f"{value:.0f}" for value in starts_deg])
     axes.set_yticks(range(len(distances_m)), [f"{value:g}" for value in distances_m])
     axes.set(xlabel="vergence error at the start / deg", ylabel="object distance / m")
-    axes.set_title(textwrap.fill(group.label, _LONGEST_TITLE_LINE), fontsize=9)
+    axes.patch.set(hatch="///", edgecolor=LIGHT_GREY)
     return image
 
 
@@ -70,4 +69,6 @@ def _write_values(axes: Axes, medians_deg: np.ndarray, px_deg: float) -> None:
         if not np.isnan(value):
             is_dark = max(value / px_deg, px_deg / max(value, px_deg / _REACH)) > _DARK
             colour = "white" if is_dark else "black"
-            axes.text(j, i, f"{value:.2f}", ha="center", va="center", color=colour, fontsize=7)
+            axes.text(
+                j, i, f"{value:.2f}", ha="center", va="center", color=colour, fontsize=SMALLEST_PT
+            )

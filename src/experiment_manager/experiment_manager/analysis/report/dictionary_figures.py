@@ -2,14 +2,15 @@
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter
 
 from experiment_manager.analysis.basis_functions import (
     LARGEST_SHIFT_PX,
     dominance,
     preferred_disparity_px,
 )
-from experiment_manager.analysis.report.performance_figures import new_figure
 from lockstep.errors import InputError
+from lockstep.figures import GREY, WIDTH_IN, new_figure, title_panels
 from sparse_coder.patches import N_PIXELS, PATCH_SIZE_PX, PX_PER_PIXEL
 
 SCALES = ("coarse", "fine")
@@ -25,22 +26,24 @@ def dictionary_figure(atoms: np.ndarray) -> Figure:
     """
     if atoms.ndim != 3 or len(atoms) != len(SCALES):
         raise InputError(f"expected atoms (2, n_bases, {N_PIXELS}), got shape {atoms.shape}")
-    figure = new_figure(9.6, 5.6)
-    tiles, histograms = figure.subplots(2, 2, height_ratios=(3.6, 1))
+    figure = new_figure(WIDTH_IN, 5.2)
+    tiles, histograms = figure.subplots(2, 2, height_ratios=(3.2, 1))
+    titles = []
     for i, scale in enumerate(SCALES):
         disparity_px = preferred_disparity_px(atoms[i], PX_PER_PIXEL[i])
         order = np.lexsort((np.abs(dominance(atoms[i])), disparity_px))
         tiles[i].imshow(_mosaic(atoms[i][order]), cmap="gray", vmin=-1, vmax=1)
         tiles[i].set_axis_off()
-        told_px = disparity_px[~np.isnan(disparity_px)]
-        tiles[i].set_title(
-            f"{scale} scale: {len(told_px)} of {len(atoms[i])} prefer a disparity and come first",
-            fontsize=9,
-        )
+        known_px = disparity_px[~np.isnan(disparity_px)]
+        titles.append(f"{scale} scale, {len(atoms[i])} basis functions")
         reach = (LARGEST_SHIFT_PX + 0.5) * PX_PER_PIXEL[i]
-        histograms[i].hist(told_px, bins=np.linspace(-reach, reach, _N_BINS + 1), color="0.35")
-        histograms[i].axvline(0.0, color="#d62728", lw=0.8)
-        histograms[i].set(xlabel="preferred disparity / px of the picture", xlim=(-reach, reach))
+        histograms[i].hist(known_px, bins=np.linspace(-reach, reach, _N_BINS + 1), color=GREY)
+        # Nearly all prefer no disparity; the few others must show, too.
+        histograms[i].set_yscale("log")
+        histograms[i].yaxis.set_major_formatter(FormatStrFormatter("%g"))
+        histograms[i].set(xlabel="preferred disparity / px", xlim=(-reach, reach), ylim=(0.7, None))
+        titles.append(f"{len(known_px)} of them prefer a disparity")
+    title_panels((*tiles, *histograms), (*titles[::2], *titles[1::2]))
     histograms[0].set_ylabel("basis functions")
     return figure
 

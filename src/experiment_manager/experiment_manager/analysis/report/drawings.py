@@ -50,22 +50,23 @@ def drawings(groups: Sequence[Group]) -> Iterator[Drawing]:
     """Yield all figures of a report in their order."""
     yield Drawing(
         "performance",
-        "Test performance over the course of training (K17 Fig. 2)",
-        "Above: median and quartiles of the absolute vergence error (left), and median of the "
-        "metabolic rate above the least possible one (right, dashed), over all trials of all "
-        "seeds; thin lines are the medians of single seeds. Below: the same errors on a "
-        "logarithmic axis.",
+        "Test performance over training (K17 Fig. 2)",
+        "(a) Absolute vergence error and (b) metabolic rate above the least one that fixates the "
+        "object, after the last iteration of test trials. Thick lines or points: median over all "
+        "trials of all seeds. Bands or bars: quartiles over the trials, not the uncertainty of the "
+        "median. Thin lines: medians of single seeds. Fewer than five tests are not joined.",
         lambda: performance_figure(groups),
         left_out=_left_out("Without quartiles, which need", _NEEDS_TRIALS, groups, _has_trials),
     )
     with_trials = [group for group in groups if group.has_trials]
-    left_out = _left_out("Not drawn, for want of", _NEEDS_TRIALS, groups, _has_trials)
+    left_out = _left_out("Not drawn without", _NEEDS_TRIALS, groups, _has_trials)
     yield Drawing(
         "boxes",
         "Test performance at the end of training (K17 Fig. 3)",
-        "After iterations 1, 2, 3 and 20 of the trials. Boxes are quartiles, whiskers reach the "
-        "last value within 1.5 interquartile ranges, values beyond are not drawn. c is not defined "
-        "for trials that start within 10 mW of the least cost.",
+        "(a) Absolute vergence error and (b) c, the share of the possible saving that a trial "
+        "makes (K17 eq. 8), after iterations 1, 2, 3 and 20 of the trials. Lines are medians, "
+        "boxes quartiles, whiskers the 5th and 95th percentiles over all trials of all seeds. c is "
+        "not defined for trials that start within 10 mW of the least cost.",
         lambda: box_figure(with_trials) if with_trials else None,
         left_out,
         left_out,
@@ -74,9 +75,10 @@ def drawings(groups: Sequence[Group]) -> Iterator[Drawing]:
     yield from _of_own_commands(with_trials)
     yield Drawing(
         "conditions",
-        "Where it succeeds, and where not",
-        "Median absolute vergence error after the last test's trials in deg, by where the object "
-        "stands and by the error that the trial starts with. White is 1 px, blue less, red more."
+        "Errors by distance and starting error",
+        "Median absolute vergence error in deg after the last iteration of the last test's trials, "
+        "by object distance and by the vergence error at the start of the trial. White is 1 px, "
+        "blue less, red more. Hatched: no trials."
         + ("" if all(_is_of_pair(g) for g in groups) else " Starts are rounded to whole degrees."),
         lambda: conditions_figure(with_trials) if with_trials else None,
         left_out,
@@ -88,7 +90,7 @@ def drawings(groups: Sequence[Group]) -> Iterator[Drawing]:
 
 def _motor_spaces(all_groups: Sequence[Group]) -> Iterator[Drawing]:
     title = "Muscles and their cost (K17 Fig. 4)"
-    what = "Not drawn, for want of"
+    what = "Not drawn without"
     reasons = [
         _left_out(what, _NEEDS_TRIALS, all_groups, _has_trials),
         _left_out(what, _NEEDS_PAIR, all_groups, _is_of_pair),
@@ -101,12 +103,13 @@ def _motor_spaces(all_groups: Sequence[Group]) -> Iterator[Drawing]:
         yield Drawing(
             f"motor_space_{number}" if number else "motor_space",
             title,
-            "Metabolic rate (grey, white contours) over the activations of both eyes' horizontal "
-            "recti. Black: gaze on the object, dashed: 1 px off. Paths of the last test's trials of"
-            " the first stimulus that start at -3, -1, 1 and 3 deg of error, of all seeds; rings "
-            "(M) and diamonds (M_C) are their ends, in the corner the median rate there, by the "
-            "colour of the frame. Below the dotted activation of 0.005 the cost of a muscle does "
-            "not fall any more, so the contours turn there. Of more than four settings, four.",
+            "Activations of both eyes' horizontal recti during trials with (a) the nearest and (b) "
+            "the farthest object. Lines with dots: iterations of the last test's trials, of all "
+            "seeds, with the first test picture, that start with errors of -3, -1, 1 and 3 deg "
+            "where the distance allows. Circles (M) and diamonds (M_C): their ends. Grey contours: "
+            "metabolic rate of both eyes. Black: activations that fixate the object; dashed: 1 px "
+            "off. The cost of a muscle is constant below the dotted activation of 0.005. At most "
+            "four settings are shown.",
             partial(_motor_space, mechanics, members),
             left_out=left_out,
         )
@@ -119,10 +122,11 @@ def _of_own_commands(groups: Sequence[Group]) -> Iterator[Drawing]:
         yield Drawing(
             "errors",
             "Errors about all axes",
-            "Above: over the iterations of the last test's trials, as many as were kept. Below: "
-            "after a trial's last iteration, over training. Median and quartiles of the absolute "
-            "error, over all trials of all seeds. Horizontal and vertical: disparity of what the "
-            "left fovea looks at. Torsional: how far its surroundings are turned, eye against eye.",
+            "(a to c) Over the iterations of the last test's trials that were kept. (d to f) After "
+            "the last iteration of test trials, over training. Medians of the absolute error; bars "
+            "or bands are quartiles over all trials of all seeds. Fewer than five tests are not "
+            "joined. Horizontal and vertical: disparity of the point that the left fovea looks at. "
+            "Torsional: rotation of one eye's picture around that point against the other's.",
             partial(errors_figure, chosen),
         )
     for number, group in enumerate(chosen):
@@ -130,8 +134,8 @@ def _of_own_commands(groups: Sequence[Group]) -> Iterator[Drawing]:
             f"activations_{number}_{group.model}",
             f"Muscles of {group.name}",
             "Activations at the start (rings) and at the end (dots) of the last test's trials, by "
-            "object distance: median and quartiles over all trials of all seeds. Each panel has "
-            "two antagonists.",
+            "object distance. Points are medians, bars quartiles over all trials of all seeds. A "
+            "panel shows two antagonists.",
             partial(activations_figure, group),
         )
 
@@ -141,23 +145,24 @@ def _prices(groups: Sequence[Group]) -> Iterator[Drawing]:
     if family:
         yield Drawing(
             "price_of_energy",
-            "What a price on energy does",
-            "After 20 iterations of the last test's trials, over lambda: median and quartiles over "
-            "all trials of all seeds, dots are the medians of single seeds. In the last panel the "
-            "median error against the median metabolic rate, a point per lambda. Model M, which "
-            "has no price, stands at 0 where there is no M_C with lambda 0.",
+            "The price of energy",
+            "After the last iteration of the last test's trials: (a) absolute vergence error and "
+            "(b) c, the share of the possible saving, over lambda, and (c) median error against "
+            "median metabolic rate, a point per lambda, some with their lambda. Points are medians "
+            "over all trials of all seeds; bars are quartiles over the trials, not the uncertainty "
+            "of the median. Model M is lambda 0 where there is no M_C with lambda 0.",
             lambda: price_figure(family),
         )
 
 
 def _drawings_from_bags(groups: Sequence[Group]) -> Iterator[Drawing]:
     recorded = [group for group in groups if _has_bag(group)]
-    left_out = _left_out("Not drawn, for want of", _NEEDS_BAG, groups, _has_bag)
+    left_out = _left_out("Not drawn without", _NEEDS_BAG, groups, _has_bag)
     yield Drawing(
         "encoding",
-        "What drives the learning",
-        "Reconstruction error against vergence error in the first and the last test: median and "
-        "quartiles over all iterations, in bins of 0.25 deg.",
+        "Reconstruction error, from which the reward follows",
+        "Reconstruction error against vergence error in the first and the last test: medians, and "
+        "quartiles as bands, over all iterations of all trials, in bins of 0.25 deg. Dotted: 1 px.",
         lambda: encoding_figure(recorded) if recorded else None,
         left_out or "Too few observations in any bin.",
         left_out,
@@ -189,10 +194,12 @@ def _drawings_of_run(run: ReportedRun, mark: str) -> Iterator[Drawing]:
     yield Drawing(
         f"dictionaries_{mark}",
         f"Basis functions of {run.name}",
-        "Left eye's part beside the right eye's, each pair scaled by its largest entry. First "
-        "those with a preferred disparity, from the phases of a Gabor function fitted to both "
-        "parts, positive when the pattern lies farther right in the left eye; then the others, the "
-        "most alike in strength first. Below, how many prefer which disparity.",
+        "(a, b) Each tile is a basis function, left eye's half on the left, right eye's on the "
+        "right, scaled by its largest entry. The order is by preferred disparity, row by row; the "
+        "others follow, from the most binocular to the most monocular. (c, d) Number of basis "
+        "functions by preferred disparity, on a logarithmic axis. The disparity follows from the "
+        "phases of one Gabor function fitted to both halves, where it leaves at most 20 % of their "
+        "energy; it is positive when the pattern lies farther right in the left eye.",
         lambda: _dictionaries(run),
         f"{run.name} has no checkpoint to take basis functions from.",
     )
@@ -200,11 +207,12 @@ def _drawings_of_run(run: ReportedRun, mark: str) -> Iterator[Drawing]:
     yield Drawing(
         f"anaglyphs_{mark}",
         f"What the eyes of {run.name} see",
-        "One trial in the first and in the last test, at its start and at its end: left eye in red,"
-        " right eye in cyan. Colour fringes are disparity; the frame is the coarse scale's window. "
-        "Of the trials with pictures, the one that ends with the median error.",
+        "One trial in the first test (a, b) and in the last test (c, d), at its start and at its "
+        "end: left eye in red, right eye in cyan. Coloured fringes are disparity. The frame is the "
+        "window of the coarse scale. Of the trials with pictures, this one ends with the median "
+        "error.",
         lambda: anaglyph_figure(recorded) if recorded is not None else None,
-        f"Not drawn, for want of {_NEEDS_BAG} with pictures of a trial common to its first and last"
+        f"Not drawn without {_NEEDS_BAG} with pictures of a trial common to its first and last"
         " test.",
     )
 

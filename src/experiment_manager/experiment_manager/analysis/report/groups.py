@@ -22,10 +22,13 @@ from experiment_manager.run.config_file import (
     parameters_in,
 )
 from lockstep.errors import InputError
+from lockstep.figures import BLUE, VERMILION
 
-# K17's colours: M blue, M_C green. Lightness tells further groups of a model apart.
-_COLOUR_MAPS = {"M": "Blues", "M_C": "Greens"}
-_DARKEST, _LIGHTEST = 0.85, 0.4
+# Lightness tells further groups of a model apart.
+_COLOURS = {"M": (BLUE, "Blues"), "M_C": (VERMILION, "Oranges")}
+_OTHER_COLOURS = ("black", "Greys")
+_DARKEST, _LIGHTEST = 0.9, 0.4
+_MARKERS = {"M": "o", "M_C": "D"}
 _STIMULI, _PROFILE = "eye_plant.stimuli.directory", "experiment_manager.profile"
 _PICTURES_SEED, _OF_EACH = "eye_plant.stimuli.seed", "of each run"
 # Parameters that change no number that a figure shows: who made the run, where, how often it was
@@ -80,6 +83,11 @@ class Group:
     def model(self) -> str:
         """M or M_C."""
         return self.common.model
+
+    @property
+    def marker(self) -> str:
+        """Of the points of its model."""
+        return _MARKERS.get(self.model, "s")
 
     @property
     def is_of_pair(self) -> bool:
@@ -206,8 +214,10 @@ def _with_own_pictures(seeds: Mapping[Common, set[int]]) -> dict[Common, Common]
 
 
 def _colour(model: str, i: int, n: int) -> str:
-    shade = _DARKEST if n == 1 else _DARKEST + (_LIGHTEST - _DARKEST) * i / (n - 1)
-    return to_hex(colormaps[_COLOUR_MAPS.get(model, "Greys")](shade))
+    colour, shades = _COLOURS.get(model, _OTHER_COLOURS)
+    if n == 1:
+        return colour
+    return to_hex(colormaps[shades](_DARKEST + (_LIGHTEST - _DARKEST) * i / (n - 1)))
 
 
 def _key(run: ReportedRun) -> Common:
@@ -231,8 +241,8 @@ def _key(run: ReportedRun) -> Common:
 
 
 def _label(key: Common, own: Sequence[str], n_runs: int) -> str:
-    names = {"M": r"$\mathcal{M}$", "M_C": r"$\mathcal{M}_C$"}
-    price = [rf"$\lambda$ = {key.weight:.3g}/W"] if key.weight else []
+    names = {"M": "model M", "M_C": r"model M$_C$"}
+    price = [rf"$\lambda$ = {key.weight:.3g} / W"] if key.weight else []
     count = f"{n_runs} run{'s' if n_runs > 1 else ''}"
     return ", ".join([names.get(key.model, key.model), *price, *own, count])
 

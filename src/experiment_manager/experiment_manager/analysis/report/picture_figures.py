@@ -1,20 +1,22 @@
 """What drives the learning: pictures that match encode better."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
-from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullFormatter
 
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.analysis.recorded_run import RecordedRun, RecordedTest
 from experiment_manager.analysis.report.groups import Group
-from experiment_manager.analysis.report.performance_figures import new_figure
+from experiment_manager.analysis.report.performance_figures import draw_band
+from lockstep.figures import GREY, label_decades, legend_below, new_figure, panel_grid, title_panels
 from lockstep.wire.topics import PICTURES
 from sparse_coder.patches import COARSE_WINDOW_PX
 
+_N_COLUMNS = 2
 _BIN_DEG = 0.25
 _RANGE_DEG = 3.25
 _LEAST_PER_BIN = 20
@@ -27,30 +29,34 @@ def encoding_figure(groups: Sequence[Group]) -> Figure | None:
     groups: of runs whose bags are there. Median and quartiles of E = E_c + E_f in bins of 0.25 deg,
     over all iterations of all trials; bins of less than 20 are left out. None where all are.
     """
-    figure = new_figure(3.3 * len(groups) + 0.6, 3.4)
-    panels = figure.subplots(1, len(groups), sharex=True, sharey=True, squeeze=False)[0]
+    figure, panels = panel_grid(len(groups), _N_COLUMNS, 2.8, share=True)
     is_drawn = False
     for axes, group in zip(panels, groups, strict=True):
         first, last = group.iterations[0], group.iterations[-1]
-        for iteration, colour in {first: "0.5", last: group.colour}.items():
-            tests = group.recorded_at(iteration)
-            is_drawn |= _draw_binned(axes, tests, colour, f"after {iteration:,} iterations")
-        px_deg = group.last_criteria.px_deg
-        axes.axvspan(-px_deg, px_deg, color="0.9", lw=0, zorder=0)
-        axes.set_title(group.label, fontsize=9)
+        for iteration, colour in {first: GREY, last: group.colour}.items():
+            is_drawn |= _draw_binned(axes, group.recorded_at(iteration), colour)
+        for px_deg in (-group.last_criteria.px_deg, group.last_criteria.px_deg):
+            axes.axvline(px_deg, color=GREY, lw=0.8, ls=":")
         axes.set_xlabel("vergence error / deg")
-        axes.legend(loc="center", bbox_to_anchor=(0.5, 0.7), fontsize=8)
     if not is_drawn:
         return None
+    title_panels(panels, [group.label for group in groups])
     # Before and after learning E differs by an order of magnitude; its dip must show in both.
-    panels[0].set(ylabel="reconstruction error $E$", xlim=(-_RANGE_DEG, _RANGE_DEG), yscale="log")
-    panels[0].yaxis.set_major_locator(FixedLocator((0.05, 0.1, 0.2, 0.5, 1.0)))
-    panels[0].yaxis.set_major_formatter(FormatStrFormatter("%g"))
-    panels[0].yaxis.set_minor_formatter(NullFormatter())
+    panels[0].set(ylabel="reconstruction error $E$", xlim=(-_RANGE_DEG, _RANGE_DEG))
+    label_decades(panels[0])
+    handles = [
+        Line2D([], [], color=GREY, marker=".", label="first test"),
+        *(
+            Line2D([], [], color=g.colour, marker=".", label=f"last test, {g.label}")
+            for g in groups
+        ),
+        Line2D([], [], color=GREY, ls=":", lw=0.8, label="1 px"),
+    ]
+    legend_below(figure, handles)
     return figure
 
 
-def _draw_binned(axes: Axes, tests: Sequence[RecordedTest], colour: str, label: str) -> bool:
+def _draw_binned(axes: Axes, tests: Sequence[RecordedTest], colour: str) -> bool:
     """Draw the bins that have enough; return whether there is one."""
     error_deg = np.concatenate([t.trials.vergence_error_deg.ravel() for t in tests])
     encoding = np.concatenate([t.reconstruction_error.ravel() for t in tests])
@@ -66,8 +72,7 @@ def _draw_binned(axes: Axes, tests: Sequence[RecordedTest], colour: str, label: 
     # Before learning trials stay at their whole degrees: the bins between are empty.
     filled = ~np.isnan(quartiles[:, 1])
     at_deg, quartiles = bins[filled] * _BIN_DEG, quartiles[filled]
-    axes.plot(at_deg, quartiles[:, 1], color=colour, marker=".", label=label)
-    axes.fill_between(at_deg, quartiles[:, 0], quartiles[:, 2], color=colour, alpha=0.2, lw=0)
+    draw_band(axes, at_deg, quartiles.T, colour, marker=".")
     return bool(filled.any())
 
 
@@ -98,16 +103,21 @@ def anaglyph_figure(run: RecordedRun) -> Figure | None:
     if not common:
         return None
     number = common[(len(common) - 1) // 2]
-    figure = new_figure(7.0, 5.6)
+    figure = new_figure(7.0, 6.2)
     rows = figure.subplots(2, 2)
-    for axes_row, test, i_trial in zip(rows, tests, (first[number], last[number]), strict=True):
-        _draw_trial(axes_row, run, test, i_trial)
+    titles = [
+        title
+        for of_test, test, i_trial in zip(rows, tests, (first[number], last[number]), strict=True)
+        for title in _draw_trial(of_test, run, test, i_trial)
+    ]
+    title_panels(rows.ravel(), titles)
     return figure
 
 
 def _draw_trial(
     axes_row: Sequence[Axes], run: RecordedRun, test: RecordedTest, i_trial: int
-) -> None:
+) -> Iterator[str]:
+    """Draw a trial's start and end; yield the titles of both panels."""
     trials = test.trials
     n_answered = trials.n_iterations - 1
     px_deg = run.evaluation_settings.criteria(trials.training_iteration).px_deg
@@ -119,12 +129,11 @@ def _draw_trial(
         corner = ((width - COARSE_WINDOW_PX) / 2 - 0.5, (height - COARSE_WINDOW_PX) / 2 - 0.5)
         axes.add_patch(_frame(corner))
         error_deg = trials.vergence_error_deg[i_trial, iteration]
-        axes.set_title(
-            f"trained for {trials.training_iteration:,} iterations, after {iteration} commands:\n"
-            f"vergence error {error_deg:+.2f} deg ({error_deg / px_deg:+.1f} px)",
-            fontsize=8,
-        )
         axes.set_axis_off()
+        yield (
+            f"{trials.training_iteration:,} training iterations, iteration {iteration} of the trial"
+            f"\nvergence error {error_deg:+.2f} deg ({error_deg / px_deg:+.1f} px)"
+        )
 
 
 def _frame(corner: tuple[float, float]) -> Rectangle:

@@ -1,4 +1,4 @@
-"""What a price on energy does: vergence, saved energy and watts over lambda, and their trade."""
+"""What a price of energy does: accuracy and saved energy over lambda, and their trade."""
 
 from collections.abc import Callable, Sequence
 
@@ -10,31 +10,36 @@ from matplotlib.figure import Figure
 from experiment_manager.analysis.report.groups import Group
 from experiment_manager.analysis.report.performance_figures import (
     ERROR_LABEL,
-    new_figure,
+    QUARTILES,
+    draw_bars,
+    final_errors_deg,
     px_deg_of,
+    scale_errors,
 )
 from experiment_manager.measures.trials import Trials
+from lockstep.figures import (
+    GREY,
+    SMALLEST_PT,
+    VERMILION,
+    WIDTH_IN,
+    mark_level,
+    new_figure,
+    title_panels,
+)
 
 _LEAST_PRICES = 3
-# Prices below this are drawn to a linear scale, so that 0 has a place.
-_LINEAR_UP_TO = 0.01
+# Lambda 0 has a place on a logarithmic axis so many times below the least price.
+_ZERO_BELOW = 3.0
+# Of the range of metabolic rates, so far apart are points with labels.
+_LEAST_APART = 0.09
 
 Values = Callable[[Trials], np.ndarray]
-
-
-def _errors_deg(trials: Trials) -> np.ndarray:
-    errors_deg: np.ndarray = np.abs(trials.vergence_error_deg[:, -1])
-    return errors_deg
 
 
 def _reductions_percent(trials: Trials) -> np.ndarray:
     reductions = trials.cost_reduction(trials.n_iterations)
     defined: np.ndarray = 100 * reductions[~np.isnan(reductions)]
     return defined
-
-
-def _deltas_w(trials: Trials) -> np.ndarray:
-    return trials.delta_cost_w(trials.n_iterations)
 
 
 def _rates_w(trials: Trials) -> np.ndarray:
@@ -59,80 +64,75 @@ def over_prices(groups: Sequence[Group]) -> list[Group]:
 
 
 def price_figure(groups: Sequence[Group]) -> Figure:
-    """Return measures of the last test over lambda, and the error against the metabolic rate.
+    """Return error and saving of the last test over lambda, and error against metabolic rate.
 
-    groups: of `over_prices`. Median and quartiles over all trials of all seeds, each seed a dot.
+    groups: of `over_prices`. Median and quartiles over all trials of all seeds.
     """
-    figure = new_figure(9.6, 5.4)
-    (error, reduction, delta), (rate, trade, rest) = figure.subplots(2, 3)
-    _draw(error, groups, _errors_deg, ERROR_LABEL)
+    figure = new_figure(WIDTH_IN, 3.2)
+    error, reduction, trade = figure.subplots(1, 3)
     px_deg = px_deg_of(groups)
-    if error.get_ylim()[1] > px_deg:
-        error.axhline(px_deg, color="0.5", lw=0.7, ls=":", label="1 px")
-    _draw(reduction, groups, _reductions_percent, "$c$ / %")
-    _draw(delta, groups, _deltas_w, r"$\Delta C$ / W")
-    _draw(rate, groups, _rates_w, "metabolic rate $C$ / W")
+    _draw(error, groups, final_errors_deg)
+    scale_errors(error, px_deg)
+    error.set_ylabel(ERROR_LABEL)
+    _draw(reduction, groups, _reductions_percent)
+    mark_level(reduction, 100.0, "all")
+    reduction.set_ylabel("$c$ / %")
     _draw_trade(trade, groups)
-    rest.set_axis_off()
-    handles, labels = error.get_legend_handles_labels()
-    rest.legend(handles, labels, loc="center left")
+    scale_errors(trade, px_deg)
+    trade.set(xlabel="metabolic rate $C$ / W", ylabel=ERROR_LABEL)
+    title_panels(
+        (error, reduction, trade), ("accuracy", "energy saved", r"their trade, by $\lambda$ in 1/W")
+    )
     return figure
 
 
-def _draw(axes: Axes, groups: Sequence[Group], values: Values, label: str) -> None:
-    weights = [group.common.weight for group in groups]
-    quartiles = np.array(
-        [np.quantile(values(group.last_trials), (0.25, 0.5, 0.75)) for group in groups]
-    )
-    axes.plot(
-        weights, quartiles[:, 1], color="#2b8a3e", marker="o", ms=4, label="median, all trials"
-    )
-    axes.fill_between(
-        weights,
-        quartiles[:, 0],
-        quartiles[:, 2],
-        color="#2b8a3e",
-        alpha=0.2,
-        lw=0,
-        label="quartiles",
-    )
-    for i, group in enumerate(groups):
-        medians = [float(np.median(values(trials))) for trials in _last_of_seeds(group)]
-        if len(medians) > 1:
-            name = "each seed" if i == 0 else None
-            axes.plot([weights[i]] * len(medians), medians, ".", color="0.3", ms=4, label=name)
-    axes.set_xscale("symlog", linthresh=_LINEAR_UP_TO, linscale=0.6)
-    axes.set_xticks(weights, [f"{weight:g}" for weight in weights], fontsize=7, rotation=45)
+def _draw(axes: Axes, groups: Sequence[Group], values: Values) -> None:
+    weights = np.array([group.common.weight for group in groups])
+    zero = weights[weights > 0].min() / _ZERO_BELOW
+    quartiles = np.array([np.quantile(values(g.last_trials), QUARTILES) for g in groups]).T
+    places = np.maximum(weights, zero)
+    draw_bars(axes, places, quartiles, VERMILION)
+    paid = weights > 0
+    axes.plot(places[paid], quartiles[1, paid], color=VERMILION, lw=0.8)
+    axes.set_xscale("log")
+    axes.set_xlabel(r"price $\lambda$ / (1/W)")
+    steps = [step * 10.0**decade for decade in range(-6, 4) for step in (1, 3)]
+    ticks = [step for step in steps if weights[paid].min() <= step <= 1.001 * weights.max()]
+    is_there = [zero] if not paid.all() else []
+    axes.set_xticks(is_there + ticks, ["0"] * len(is_there) + [f"{tick:g}" for tick in ticks])
     axes.xaxis.set_minor_locator(mpl.ticker.NullLocator())
-    axes.set(xlabel=r"$\lambda$ / per W", ylabel=label)
-    low, high = axes.get_ylim()
-    axes.set_ylim(min(low, 0.0), high)
+    if is_there:
+        _break_axis(axes, zero * _ZERO_BELOW**0.5)
+
+
+def _break_axis(axes: Axes, at: float) -> None:
+    """Mark where the logarithmic axis is broken for a place of 0."""
+    axes.annotate(
+        "//",
+        (at, 0.0),
+        xycoords=("data", "axes fraction"),
+        ha="center",
+        va="center",
+        color=GREY,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
+    )
 
 
 def _draw_trade(axes: Axes, groups: Sequence[Group]) -> None:
     """Draw the median error against the median metabolic rate, a point per lambda."""
     rate_w = [float(np.median(_rates_w(group.last_trials))) for group in groups]
-    error_deg = [float(np.median(_errors_deg(group.last_trials))) for group in groups]
-    axes.plot(rate_w, error_deg, color="#2b8a3e", marker="o", ms=4)
-    for i, group in enumerate(groups):
-        # By turns above and below: where energy is nearly all saved, points are close.
+    error_deg = [float(np.median(final_errors_deg(group.last_trials))) for group in groups]
+    axes.plot(rate_w, error_deg, color=VERMILION, marker="o", ms=4, lw=0.8)
+    labelled_w = np.inf
+    for i, (group, w, deg) in enumerate(zip(groups, rate_w, error_deg, strict=True)):
+        # Where energy is nearly all saved, points are close: not all have a label.
+        if abs(labelled_w - w) < _LEAST_APART * np.ptp(rate_w) and group is not groups[-1]:
+            continue
         axes.annotate(
             f"{group.common.weight:g}",
-            (rate_w[i], error_deg[i]),
-            (5, (-9, 4)[i % 2]),
+            (w, deg),
+            (4, (5, -12)[i % 2]),
             textcoords="offset points",
-            fontsize=7,
+            fontsize=SMALLEST_PT,
         )
-        for trials in _last_of_seeds(group) if len(group.runs) > 1 else ():
-            medians = (np.median(_rates_w(trials)), np.median(_errors_deg(trials)))
-            axes.plot(*medians, ".", color="0.3", ms=4)
-    axes.set(xlabel="metabolic rate $C$ / W", ylabel=ERROR_LABEL, yscale="log")
-    axes.yaxis.set_major_locator(mpl.ticker.LogLocator(subs=(1, 2, 5)))
-    axes.yaxis.set_minor_locator(mpl.ticker.NullLocator())
-    axes.yaxis.set_major_formatter(mpl.ticker.FormatStrFormatter("%g"))
-    axes.margins(y=0.15)
-    axes.set_title(r"accuracy against watts, by $\lambda$", fontsize=9)
-
-
-def _last_of_seeds(group: Group) -> list[Trials]:
-    return [run.trials[group.iterations[-1]] for run in group.runs]
+        labelled_w = w

@@ -12,8 +12,10 @@ from sensor_msgs.msg import JointState
 
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from eye_plant.node import EyePlantNode
-from lockstep.wire.topics import GROUND_TRUTH_NAMES
+from eye_plant.node.plant_node import EyePlantNode
+from lockstep.wire.topics import (
+    GROUND_TRUTH_NAMES,
+)
 from tests.eye_plant.plant_bench import (
     COMMANDS,
     EPISODE,
@@ -79,7 +81,11 @@ def test_other_eyes_amid_an_episode_are_refused(shared: Bench) -> None:
     def ask(first: int) -> None:
         assert not shared.request("reconfigure", **settings)[0]
 
-    _refuses(shared, ask, "reconfigure: expected between episodes, got during one, at observation")
+    _refuses(
+        shared,
+        ask,
+        "reconfigure: expected between episodes, got during one, at observation",
+    )
 
 
 def _refuses(bench: Bench, send: Callable[[int], None], reason: str) -> None:
