@@ -15,9 +15,7 @@ from vergence_rl.config import VergenceRlConfig
 from vergence_rl.learning_rule import Decision
 
 CONFIG = VergenceRlConfig(
-    n_features=6,
-    n_training_iterations=300,
-    cacla=CaclaConfig(n_hidden=4, hidden_initial_width=0.5),
+    n_features=6, n_training_iterations=300, cacla=CaclaConfig(n_hidden=4, hidden_initial_width=0.5)
 )
 MID = np.array([0.1, 0.05])
 
