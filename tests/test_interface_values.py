@@ -17,12 +17,10 @@ from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.configuration import build
-from lockstep.settings import declarations
 from lockstep.wire.topics import TEST, TRAINING
 from lockstep.wire.vectors import read_vector
 from tests.interfaces_page import PAGE, VECTORS, quoted, table
-from tests.pair import ACTOR_CRITIC_NAMES, HORIZONTAL_RECTI, pair_activations
-from vergence_rl.config import VergenceRlConfig
+from tests.pair import HORIZONTAL_RECTI, pair_activations
 
 N_BASES = 32
 N_ITERATIONS = 4
@@ -151,22 +149,6 @@ def test_units_are_those_that_names_end_in() -> None:
     for topic, field, names, unit, _ in ROWS:
         if field == "position" and topic not in ("muscle_states", "eye_states"):
             assert {UNITS.get(name.rpartition("_")[2], "") for name in names} <= {unit}, names
-
-
-def test_units_are_those_of_the_settings_of_the_same_name() -> None:
-    units = {d.name.rpartition(".")[2]: d.setting.unit for d in declarations(EyePlantConfig)}
-    told = {name: unit for _, _, names, unit, _ in ROWS for name in names}
-    shared = units.keys() & told.keys()
-    assert "object_distance_m" in shared
-    assert {name: units[name] for name in shared} == {name: told[name] for name in shared}
-
-
-def test_a_rate_of_the_actor_is_what_its_settings_allow() -> None:
-    least = {d.name: d.setting.least for d in declarations(VergenceRlConfig)}
-    told = {name: expected for _, _, names, _, expected in ROWS for name in names}
-    for name in ACTOR_CRITIC_NAMES:
-        if name in least:
-            assert told[name] == f"{least[name]} or more"
 
 
 def test_angles_are_in_radians_and_rates_in_watts(sent: Sent) -> None:

@@ -25,7 +25,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "node = eye_plant.node:main",
+            "node = eye_plant.node.plant_node:main",
             "export_model = eye_plant.export.__main__:main",
             "validate_plant = eye_plant.validation.__main__:main",
         ]

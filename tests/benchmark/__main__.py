@@ -24,13 +24,7 @@ from tests.benchmark.graph import supervised_run
 from tests.benchmark.loop import STAGES, LoopWindow, TimedLoop
 from tests.benchmark.messages import hop_times_ms, recording_ms
 from tests.benchmark.report import critical_path_ms, report
-from tests.benchmark.samples import (
-    Sample,
-    cores_elsewhere,
-    cpu_ms_per_iteration,
-    flatness,
-    rate_hz,
-)
+from tests.benchmark.samples import Sample, cores_elsewhere, cpu_ms_per_iteration, flatness, rate_hz
 
 # Longer than any benchmark, so that all of it is training; a test comes only at the end.
 _ENDLESS = 1_000_000
@@ -111,10 +105,7 @@ class Loops(NamedTuple):
 
 
 def _arguments(more: Sequence[str]) -> list[str]:
-    return [
-        *("--profile", "paper", "--iterations", str(_ENDLESS), "--tests", str(_ENDLESS)),
-        *more,
-    ]
+    return [*("--profile", "paper", "--iterations", str(_ENDLESS), "--tests", str(_ENDLESS)), *more]
 
 
 def measure(plan: Plan, directory: Path) -> dict[str, Any]:

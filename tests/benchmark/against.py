@@ -14,12 +14,6 @@ import numpy as np
 
 ROOT = Path(__file__).parents[2]
 _SCRIPT = Path("launch_scripts/benchmark.sh")
-# What stands for the rates of a commit that has no ray caster.
-_WITHOUT_PLANE = {
-    "graph_plane_iterations_per_s": "graph_iterations_per_s",
-    "graph_roi_plane_iterations_per_s": "graph_roi_iterations_per_s",
-    "in_process_roi_plane_iterations_per_s": "in_process_iterations_per_s",
-}
 
 
 @contextlib.contextmanager
@@ -64,8 +58,7 @@ def results_in_turns(revision: str, n_turns: int, directory: Path) -> dict[str, 
     """Return "against", the other commit's results, and "against_ratios", ours over theirs.
 
     Both are medians over the turns, of every number that both measure; of numbers inside others
-    the name is outer.inner. Of a commit without the ray caster MuJoCo's renderer stands in for it,
-    in one process with full pictures.
+    the name is outer.inner.
     """
     ours: list[dict[str, float]] = []
     theirs: list[dict[str, float]] = []
@@ -74,7 +67,6 @@ def results_in_turns(revision: str, n_turns: int, directory: Path) -> dict[str, 
             for root, results in ((ROOT, ours), (other, theirs)):
                 print(f"measuring against {revision}: turn {i_turn}, {root}", file=sys.stderr)
                 results.append(numbers_of(quick_results(root, directory / "turn.json")))
-    theirs = [with_stand_ins(turn) for turn in theirs]
     return {
         "against": {"revision": revision} | medians(theirs),
         "against_ratios": ratios(ours, theirs),
@@ -90,12 +82,6 @@ def numbers_of(results: Mapping[str, Any]) -> dict[str, float]:
         elif isinstance(value, int | float):
             numbers[name] = float(value)
     return numbers
-
-
-def with_stand_ins(numbers: Mapping[str, float]) -> dict[str, float]:
-    """Return the numbers, and for a rate with the ray caster that is not there what it replaced."""
-    stand_ins = {name: numbers[other] for name, other in _WITHOUT_PLANE.items() if other in numbers}
-    return stand_ins | dict(numbers)
 
 
 def medians(turns: Sequence[Mapping[str, float]]) -> dict[str, float]:

@@ -4,15 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.benchmark.against import (
-    ROOT,
-    benchmark_module,
-    medians,
-    numbers_of,
-    ratios,
-    with_stand_ins,
-    worktree,
-)
+from tests.benchmark.against import ROOT, benchmark_module, medians, numbers_of, ratios, worktree
 
 
 def test_numbers_are_named_by_their_place() -> None:
@@ -25,13 +17,6 @@ def test_ratios_are_medians_of_the_turns_ratios() -> None:
     theirs = [{"rate": 1.0, "idle": 0.0}, {"rate": 3.0}, {"rate": 4.0}]
     assert ratios(ours, theirs) == {"rate": 2.0}
     assert medians(theirs) == {"rate": 3.0}
-
-
-def test_mujocos_rates_stand_for_a_ray_caster_that_is_not_there() -> None:
-    without = {"graph_iterations_per_s": 2.0}
-    assert with_stand_ins(without) == without | {"graph_plane_iterations_per_s": 2.0}
-    both = without | {"graph_plane_iterations_per_s": 3.0}
-    assert with_stand_ins(both) == both
 
 
 def test_an_unknown_revision_is_named(tmp_path: Path) -> None:

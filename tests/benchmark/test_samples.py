@@ -3,13 +3,7 @@
 import pytest
 
 from lockstep.errors import InputError
-from tests.benchmark.samples import (
-    Sample,
-    cores_elsewhere,
-    cpu_ms_per_iteration,
-    flatness,
-    rate_hz,
-)
+from tests.benchmark.samples import Sample, cores_elsewhere, cpu_ms_per_iteration, flatness, rate_hz
 
 
 def _samples(*rows: tuple[float, int, float, float]) -> list[Sample]:
@@ -39,10 +33,7 @@ def test_an_even_run_is_flat() -> None:
 def test_a_run_that_ends_at_half_the_rate_with_three_times_the_work() -> None:
     # 100 iterations; the tenths are the first 10 and the last 10 of them.
     samples = _samples(
-        (0.0, 0, 0.0, 0.0),
-        (1.0, 10, 0.5, 0.5),
-        (5.0, 90, 4.0, 4.0),
-        (7.0, 100, 5.0, 6.0),
+        (0.0, 0, 0.0, 0.0), (1.0, 10, 0.5, 0.5), (5.0, 90, 4.0, 4.0), (7.0, 100, 5.0, 6.0)
     )
     assert flatness(samples) == pytest.approx((0.5, 1.0 / 3.0))
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from sensor_msgs.msg import JointState
 
-from eye_plant.node import EyePlantNode
+from eye_plant.node.plant_node import EyePlantNode
 from tests.eye_plant.plant_bench import HEARD
 from tests.node_harness import Bench, Graph
 

@@ -7,12 +7,7 @@ from sensor_msgs.msg import Image, JointState
 from eye_plant.episode import Episode
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.wire.stamps import period_ns
-from lockstep.wire.topics import (
-    MEAN_METABOLIC_RATES,
-    PICTURES,
-    PLANT_VECTORS,
-    TRAINING,
-)
+from lockstep.wire.topics import MEAN_METABOLIC_RATES, PICTURES, PLANT_VECTORS, TRAINING
 from lockstep.wire.vectors import vector_message
 from tests.node_harness import Bench
 from tests.pair import pair_activations

@@ -2,11 +2,10 @@
 
 import signal
 from collections.abc import Callable
-from pathlib import Path
 
 from experiment_manager.supervision.processes import PACKAGES
 from tests.loop_contract import assert_as_the_loop, run_line
-from tests.stress.supervised_run import SupervisedRun, is_alive, is_intact
+from tests.stress.supervised_run import SupervisedRun, is_alive
 
 
 def _beyond(run: SupervisedRun, n_episodes: int) -> Callable[[], bool]:
@@ -56,24 +55,3 @@ def test_each_node_killed_once_and_one_stopped_beside_another_run(pictures, tmp_
     assert sum(output.count(text) for text in hang) == 1, output
     assert_as_the_loop(directory)
     assert_as_the_loop(other)
-
-
-def test_the_same_fault_three_times_ends_with_one_error(pictures: Path, tmp_path: Path) -> None:
-    directory = tmp_path / "run"
-    never = "experiment_manager.checkpoint_period_s=1e9"
-    with SupervisedRun(run_line(pictures, never), directory) as run:
-        killed: set[int] = set()
-        for _ in range(3):
-            assert run.wait_until(
-                lambda: run.place() == 0 and not killed & {run.nodes().get("vergence_rl", -1)},
-                "another life of the node",
-            )
-            assert run.wait_until(lambda: "vergence_rl" in run.nodes(), "the node")
-            killed.add(run.nodes()["vergence_rl"])
-            assert run.signal_node("vergence_rl", signal.SIGKILL)
-        assert run.wait() == 3, run.output()
-        output = run.output()
-    error = "error: the same fault 3 times after episode 0: vergence_rl was killed by SIGKILL"
-    assert output.count("error: ") == 1
-    assert error in output
-    assert is_intact(directory)

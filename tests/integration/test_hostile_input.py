@@ -2,16 +2,10 @@
 
 from pathlib import Path
 
-from rclpy.node import Node
-
 from lockstep.wire.qos import QUEUE_DEPTH
-from lockstep.wire.topics import REWARD_NAMES
-from lockstep.wire.vectors import VectorPublisher
 from tests.graph_harness import small_run, write_configuration
-from tests.node_harness import ros_graph
 from tests.stress.fuzzed_graph import NODES, FuzzedGraph
 from tests.stress.fuzzer import LARGEST_BYTES, Hostility
-from tests.supervisor import finished, start_supervisor
 
 SMALL_LEARNERS = ("sparse_coder.n_bases=32", "vergence_rl.n_features=64")
 
@@ -46,22 +40,3 @@ def test_what_is_thrown_is_a_function_of_the_seed() -> None:
 
     assert thrown(1) == thrown(1) != thrown(2)
     assert len({topic for topic, _, _ in thrown(1)}) == 7
-
-
-def test_a_second_publisher_ends_the_run_with_one_error(tmp_path: Path, pictures: Path) -> None:
-    with ros_graph() as graph:
-        # Long enough to still go on when the other one has been discovered, however late.
-        run = start_supervisor(
-            [*small_run(pictures, 1_000_000, *SMALL_LEARNERS), "--out", str(tmp_path / "run")],
-            variables={"ROS_DOMAIN_ID": str(graph.domain)},
-        )
-        # Who is there before is refused; this one comes when the run has begun.
-        assert run.stdout is not None
-        assert any("to listen from another terminal" in line for line in run.stdout)
-        somebody = graph.add(lambda **kwargs: Node("somebody", **kwargs))
-        VectorPublisher(somebody, "reward", REWARD_NAMES)
-        output = finished(run, code=3)
-    fault = "experiment_manager ended: expected one publisher per topic, found more on reward"
-    assert output.count(f"fault: {fault}") == 3
-    assert output.count("error: ") == 1
-    assert f"the same fault 3 times after episode 0: {fault}" in output

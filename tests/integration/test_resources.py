@@ -82,7 +82,9 @@ def test_a_full_disk(line: list[str], tmp_path: Path) -> None:
         n_whole = len(Bag(disk.root / "bag").stamps_ns("episode"))
         assert n_whole > 4 * 11
         ballast.unlink()
-        with SupervisedRun(line, disk.root, resume=True, prefix=disk.prefix) as run:
+        with SupervisedRun(
+            line, disk.root, resume=True, in_process=True, prefix=disk.prefix
+        ) as run:
             assert run.wait() == 0, run.output()
         assert_as_the_loop(disk.root)
     finally:
@@ -266,7 +268,7 @@ def test_a_terminal_that_is_closed_and_a_reader_that_leaves(line, tmp_path) -> N
     assert n_messages(directory) > 0
     assert not (directory / "results.json").exists()
     # And one that speaks to a pipe, whose reader leaves at once.
-    resumed = start_supervisor(["--resume", str(directory)])
+    resumed = start_supervisor(["--resume", str(directory), "--in-process"])
     assert resumed.stdout is not None
     resumed.stdout.close()
     try:

@@ -110,8 +110,10 @@ def checkout(tmp_path: Path) -> Checkout:
     return Checkout(tmp_path)
 
 
-@pytest.fixture
-def ready(checkout: Checkout) -> Checkout:
+@pytest.fixture(scope="module")
+def ready(tmp_path_factory: pytest.TempPathFactory) -> Checkout:
+    """Return a checkout that is set up; not to change."""
+    checkout = Checkout(tmp_path_factory.mktemp("ready"))
     assert checkout.start("setup").returncode == 0
     return checkout
 
@@ -122,6 +124,7 @@ def _variables(output: str) -> dict[str, str]:
 
 @pytest.mark.parametrize("script", SCRIPTS)
 def test_help_needs_no_set_up(checkout: Checkout, script: str) -> None:
+    assert os.access(ROOT / f"launch_scripts/{script}.sh", os.X_OK)
     shown = checkout.start(script, "--help")
     assert shown.returncode == 0, shown.stderr
     assert f"usage: launch_scripts/{script}.sh" in shown.stdout
@@ -130,15 +133,13 @@ def test_help_needs_no_set_up(checkout: Checkout, script: str) -> None:
 
 
 @pytest.mark.parametrize(("script", "module"), MODULES.items())
-def test_script_starts_its_entry_point(ready: Checkout, script: str, module: str) -> None:
+def test_a_script_starts_its_entry_point_and_shows_its_help(
+    ready: Checkout, script: str, module: str
+) -> None:
     started = ready.start(script, "--seed", "3 4")
     assert started.stdout.splitlines()[:4] == ["-m", module, "--seed", "3 4"]
-
-
-@pytest.mark.parametrize("script", MODULES)
-def test_help_of_a_ready_script_ends_with_that_of_its_entry_point(ready, script) -> None:
     shown = ready.start(script, "--help").stdout
-    assert shown.index(f"usage: launch_scripts/{script}.sh") < shown.index(f"{MODULES[script]}\n")
+    assert shown.index(f"usage: launch_scripts/{script}.sh") < shown.index(f"{module}\n")
 
 
 @pytest.mark.parametrize("node", NODES)
@@ -161,9 +162,6 @@ def test_nodes_started_one_by_one_meet_in_one_domain(ready: Checkout) -> None:
     assert {_variables(ready.start(n).stdout)["ROS_DOMAIN_ID"] for n in NODES} == {"42"}
     started = ready.start("eye_plant", ROS_DOMAIN_ID="7")
     assert _variables(started.stdout)["ROS_DOMAIN_ID"] == "7"
-
-
-def test_run_experiment_chooses_its_domain_itself(ready: Checkout) -> None:
     assert "ROS_DOMAIN_ID" not in _variables(ready.start("run_experiment").stdout)
 
 
@@ -187,21 +185,16 @@ def test_defaults_of_the_environment_yield_to_the_user(ready: Checkout) -> None:
     assert variables["OPENBLAS_NUM_THREADS"] == "1"
     assert variables["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
     assert variables["MUJOCO_GL"] == "egl"
+    profiles = Path("src/lockstep/config/fastdds.xml")
+    assert variables["FASTRTPS_DEFAULT_PROFILES_FILE"] == str(ready.root / profiles)
+    assert (ROOT / profiles).is_file()
     theirs = {
+        "FASTRTPS_DEFAULT_PROFILES_FILE": "/my/own.xml",
         "OPENBLAS_NUM_THREADS": "2",
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",
         "MUJOCO_GL": "osmesa",
     }
     assert theirs.items() <= _variables(ready.start("eye_plant", **theirs).stdout).items()
-
-
-def test_there_is_room_for_pictures_unless_the_user_has_a_profile(ready: Checkout) -> None:
-    profiles = "FASTRTPS_DEFAULT_PROFILES_FILE"
-    ours = Path("src/lockstep/config/fastdds.xml")
-    assert _variables(ready.start("eye_plant").stdout)[profiles] == str(ready.root / ours)
-    assert (ROOT / ours).is_file()
-    started = ready.start("eye_plant", **{profiles: "/my/own.xml"})
-    assert _variables(started.stdout)[profiles] == "/my/own.xml"
 
 
 def test_second_start_has_nothing_to_set_up(ready: Checkout) -> None:
@@ -216,11 +209,12 @@ def test_set_up_happens_by_itself_at_the_first_start(checkout: Checkout) -> None
     assert "eye_plant.node" in started.stdout.splitlines()
 
 
-def test_changed_lock_file_is_installed(ready: Checkout) -> None:
-    with (ready.root / "requirements.lock").open("a") as lock:
+def test_changed_lock_file_is_installed(checkout: Checkout) -> None:
+    assert checkout.start("setup").returncode == 0
+    with (checkout.root / "requirements.lock").open("a") as lock:
         lock.write("another==1.0\n")
-    ready.start("setup")
-    assert "python -m pip install" in ready.calls()
+    checkout.start("setup")
+    assert "python -m pip install" in checkout.calls()
 
 
 def test_interrupted_set_up_is_made_again(checkout: Checkout) -> None:
@@ -297,18 +291,15 @@ def test_a_machine_without_opengl_is_set_up_and_told(checkout, environment) -> N
     assert "setup: " not in checkout.start("run_experiment").stderr
 
 
-def test_opengl_is_not_looked_for_where_the_user_wants_none(checkout: Checkout) -> None:
-    started = checkout.start("setup", MUJOCO_GL="disable", USER_ID="0", GL_LOADS="1")
-    assert started.returncode == 0
-    assert not any(call.startswith("apt-get") for call in checkout.calls())
-
-
-def test_root_gets_the_missing_libraries_installed(checkout: Checkout) -> None:
-    assert checkout.start("setup", USER_ID="0", GL_LOADS="1").returncode == 0
-    assert [c for c in checkout.calls() if c.startswith("apt")] == [
-        "apt-get update",
-        "apt-get install",
-    ]
+@pytest.mark.parametrize(
+    ("environment", "calls"),
+    [({}, ["apt-get update", "apt-get install"]), ({"MUJOCO_GL": "disable"}, [])],
+)
+def test_root_gets_missing_libraries_installed_unless_no_opengl_is_wanted(
+    checkout: Checkout, environment: dict[str, str], calls: list[str]
+) -> None:
+    assert checkout.start("setup", USER_ID="0", GL_LOADS="1", **environment).returncode == 0
+    assert [call for call in checkout.calls() if call.startswith("apt")] == calls
 
 
 def test_osmesa_serves_where_egl_does_not(checkout: Checkout) -> None:
@@ -327,6 +318,7 @@ def test_osmesa_serves_where_egl_does_not(checkout: Checkout) -> None:
     ],
 )
 def test_every_check_counts_and_pytest_has_the_last_word(ready, environment, status) -> None:
+    assert os.access(ROOT / ".ci/run", os.X_OK)
     tested = ready.start("test", "-n", "0", "-x", **environment)
     assert tested.returncode == status
     *_, call, last = tested.stdout.splitlines()
@@ -334,11 +326,6 @@ def test_every_check_counts_and_pytest_has_the_last_word(ready, environment, sta
     # Of two options of a name the last one holds.
     assert call.startswith("-m pytest -n logical ")
     assert call.endswith(" -n 0 -x")
-
-
-@pytest.mark.parametrize("path", [".ci/run", *(f"launch_scripts/{s}.sh" for s in SCRIPTS)])
-def test_script_can_be_started(path: str) -> None:
-    assert os.access(ROOT / path, os.X_OK)
 
 
 @pytest.mark.parametrize("folder", ["plain", "with a blank"])

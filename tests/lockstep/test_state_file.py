@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -86,21 +87,19 @@ def test_another_nodes_state_is_refused(path: Path) -> None:
         read_state(path, "agent")
 
 
-def test_another_version_is_refused(path: Path) -> None:
-    np.savez(path, __kind__=np.array("coder"), __version__=np.array(2))
-    with pytest.raises(InputError, match=r"state of coder, version 1; got coder, .* 2"):
-        read_state(path, "coder")
-
-
-def test_arrays_of_somebody_else_are_refused(path: Path) -> None:
-    np.savez(path, weights=np.zeros(3))
-    with pytest.raises(InputError, match="got None, version None"):
-        read_state(path, "coder")
-
-
-def test_pickled_objects_are_never_loaded(path: Path) -> None:
-    np.savez(path, __kind__=np.array("coder"), __version__=np.array(1), x=np.array([{}], object))
-    with pytest.raises(InputError, match="expected a state of coder"):
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        ({"__kind__": "coder", "__version__": 2}, "state of coder, version 1; got coder, .* 2"),
+        ({"weights": np.zeros(3)}, "got None, version None"),
+        # Pickled objects are never loaded.
+        ({"__kind__": "coder", "__version__": 1, "x": np.array([{}], object)}, "expected a state"),
+    ],
+)
+def test_other_arrays_are_refused(path: Path, arrays: dict[str, Any], message: str) -> None:
+    saved: dict[str, Any] = {name: np.array(values) for name, values in arrays.items()}
+    np.savez(path, **saved)
+    with pytest.raises(InputError, match=message):
         read_state(path, "coder")
 
 

@@ -6,7 +6,7 @@ from sparse_coder.coder import Encoding, SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.matching_pursuit import Selections
 from sparse_coder.patches import binocular_patches
-from sparse_coder.reconstruction import believed_windows, coded_patches, seen_windows
+from sparse_coder.reconstruction import coded_patches, reconstructed_windows, seen_windows
 
 
 def perfect(left: NDArray[np.uint8], right: NDArray[np.uint8]) -> tuple[Encoding, np.ndarray]:
@@ -33,10 +33,10 @@ def perfect(left: NDArray[np.uint8], right: NDArray[np.uint8]) -> tuple[Encoding
 def test_a_code_without_error_gives_the_windows_back(picture: NDArray[np.uint8]) -> None:
     left, right = picture, np.roll(picture, 3, axis=1)
     encoding, atoms = perfect(left, right)
-    for seen, believed in zip(
-        seen_windows(left, right), believed_windows(encoding, atoms, left, right), strict=True
+    for seen, reconstructed in zip(
+        seen_windows(left, right), reconstructed_windows(encoding, atoms, left, right), strict=True
     ):
-        np.testing.assert_allclose(believed, seen, atol=0.01)
+        np.testing.assert_allclose(reconstructed, seen, atol=0.01)
 
 
 def test_a_patch_is_the_sum_of_its_atoms() -> None:

@@ -32,9 +32,10 @@ from tests.stress.smallest_failing_input import smallest
 from tests.stress.supervised_run import (
     SupervisedRun,
     are_gone,
-    differences,
     n_messages,
+    problems_of,
     stamp_faults,
+    undisturbed,
 )
 from tests.stress.totals import Totals
 
@@ -102,21 +103,15 @@ def _disturbed_line() -> list[str]:
 def disturb(directory: Path, n_kills: int, draw: np.random.Generator) -> Outcome:
     """Kill or stop nodes, and sometimes the supervisor, until n_kills; compare the numbers."""
     line = _disturbed_line()
-    reference = directory / "undisturbed"
-    with SupervisedRun(line, reference, in_process=True) as run:
-        if run.wait() != 0:
-            return Outcome("kills", {}, [f"the undisturbed run failed: {run.output()}"])
+    reference = undisturbed(line, directory / "undisturbed")
     done: Counter[str] = Counter()
     problems: list[str] = []
     n_runs = 0
     while done.total() < n_kills and not problems:
         disturbed = directory / f"disturbed_{n_runs}"
-        code, output = _disturbed_run(line, disturbed, n_kills, draw, done)
+        ended = _disturbed_run(line, disturbed, n_kills, draw, done)
         n_runs += 1
-        if code != 0:
-            problems.append(f"{disturbed.name} ended with exit code {code}:\n{output}")
-        else:
-            problems += differences(disturbed, reference) + stamp_faults(disturbed)
+        problems += problems_of(disturbed, reference, *ended)
         print(f"run {n_runs}: {done.total()} of {n_kills} disturbances, {problems or 'all held'}")
     figures = {
         "disturbances": done.total(),

@@ -6,7 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from tests.stress.supervised_run import SupervisedRun, differences, n_messages, stamp_faults
+from tests.stress.supervised_run import (
+    SupervisedRun,
+    differences,
+    n_messages,
+    stamp_faults,
+    undisturbed,
+)
 
 # The clock of every Python of the run jumps by the seconds in a file, as soon as there are any.
 # Whoever has looked at it then leaves a note.
@@ -42,10 +48,7 @@ def jump(
     line: Sequence[str], directory: Path, n_jumps: int, draw: np.random.Generator
 ) -> tuple[dict[str, Any], list[str]]:
     """Let the clock jump n_jumps times amid runs; return the figures and what went wrong."""
-    reference = directory / "steady"
-    with SupervisedRun(line, reference, in_process=True) as run:
-        if run.wait() != 0:
-            return {}, [f"the undisturbed run failed: {run.output()}"]
+    reference = undisturbed(line, directory / "steady")
     jumps_s = draw.uniform(-_FARTHEST_S, _FARTHEST_S, n_jumps).tolist()
     farthest_days = round(max(map(abs, jumps_s)) / _S_PER_DAY)
     problems: list[str] = []

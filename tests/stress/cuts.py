@@ -8,7 +8,7 @@ import numpy as np
 
 from experiment_manager.run.config_file import CONFIG_FILE
 from lockstep.errors import InputError
-from tests.stress.supervised_run import SupervisedRun, differences, n_messages, stamp_faults
+from tests.stress.supervised_run import SupervisedRun, n_messages, problems_of, undisturbed
 from tests.stress.two_hosts import NodeOnHost, TwoHosts
 
 _LONGEST_PAUSE_S = 12.0
@@ -24,10 +24,7 @@ def cut(
     Returns the figures and what went wrong. Raises InputError when this machine cannot make two
     hosts.
     """
-    reference = directory / "one_host"
-    with SupervisedRun(line, reference, in_process=True) as run:
-        if run.wait() != 0:
-            return {}, [f"the undisturbed run failed: {run.output()}"]
+    reference = undisturbed(line, directory / "one_host")
     pauses_s = draw.uniform(0.0, _LONGEST_PAUSE_S, n_cuts)
     # Most are short, and some longer than Fast DDS remembers a silent host.
     lengths_s = np.geomspace(*_CUT_S, n_cuts)
@@ -40,16 +37,13 @@ def cut(
         n_runs += 1
         try:
             with TwoHosts() as hosts:
-                code, output = _cut_run(hosts, line, across, cuts_s)
+                ended = _cut_run(hosts, line, across, cuts_s)
                 n_bytes += hosts.n_bytes()
         except OSError as error:
             raise InputError(
                 f"two hosts need root, and ip, unshare and nsenter: {error}"
             ) from error
-        if code != 0:
-            problems.append(f"{across.name} ended with exit code {code}:\n{output}")
-        else:
-            problems += differences(across, reference) + stamp_faults(across)
+        problems += problems_of(across, reference, *ended)
         print(f"run {n_runs}: {n_cuts - len(cuts_s)} of {n_cuts} cuts, {problems or 'all held'}")
     figures = {
         "cuts": n_cuts - len(cuts_s),

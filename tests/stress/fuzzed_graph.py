@@ -164,10 +164,7 @@ class FuzzedGraph:
 
         kept: numbers of the inputs to send, of those that are drawn, None sends all.
         """
-        with (
-            own_domain() as domain,
-            LoneNodes(NODES, self._config_file, domain, logs) as processes,
-        ):
+        with own_domain() as domain, LoneNodes(NODES, self._config_file, domain, logs) as processes:
             context = Context()
             context.init(domain_id=domain)
             executor = SingleThreadedExecutor(context=context)

@@ -17,9 +17,9 @@ from experiment_manager.supervision.processes import PACKAGES
 from tests.stress.supervised_run import (
     SupervisedRun,
     are_gone,
-    differences,
     n_messages,
-    stamp_faults,
+    problems_of,
+    undisturbed,
 )
 
 _SUPERVISOR = "supervisor"
@@ -95,10 +95,7 @@ def _next_node(run: SupervisedRun, who: str, known: set[int]) -> int | None:
 
 
 def _disturb_starts(line: Sequence[str], directory: Path, n: int, disturb: Disturb) -> Figures:
-    reference = directory / "undisturbed"
-    with SupervisedRun(line, reference, in_process=True) as run:
-        if run.wait() != 0:
-            return {}, [f"the undisturbed run failed: {run.output()}"]
+    reference = undisturbed(line, directory / "undisturbed")
     done: Counter[str] = Counter()
     problems: list[str] = []
     n_runs = n_faults = 0
@@ -108,10 +105,7 @@ def _disturb_starts(line: Sequence[str], directory: Path, n: int, disturb: Distu
         code, output = _disturbed_run(line, folder, n_here, disturb, done)
         n_runs += 1
         n_faults += output.count("fault: ")
-        if code != 0:
-            problems.append(f"{folder.name} ended with exit code {code}:\n{output}")
-        else:
-            problems += differences(folder, reference) + stamp_faults(folder)
+        problems += problems_of(folder, reference, code, output)
         print(f"run {n_runs}: {done.total()} of {n} disturbed starts, {problems or 'all held'}")
     figures = {
         "disturbances": done.total(),

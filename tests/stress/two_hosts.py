@@ -17,10 +17,7 @@ from tests.patience import PATIENCE_S
 
 _PROFILE = Path(__file__).parents[2] / "src/lockstep/config/fastdds.xml"
 # As launch_scripts/environment.sh has it for graphs across machines.
-_VARIABLES = (
-    "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET",
-    f"FASTRTPS_DEFAULT_PROFILES_FILE={_PROFILE}",
-)
+_VARIABLES = ("ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET", f"FASTRTPS_DEFAULT_PROFILES_FILE={_PROFILE}")
 # Says so when it is set up, and ends when nobody holds the other end of its input any more.
 _ANCHOR = "mount -t tmpfs tmpfs /dev/shm && ip link set lo up && echo ready && exec cat"
 

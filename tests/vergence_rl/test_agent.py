@@ -15,9 +15,7 @@ from vergence_rl.config import VergenceRlConfig
 from vergence_rl.learning_rule import Decision
 
 CONFIG = VergenceRlConfig(
-    n_features=6,
-    n_training_iterations=300,
-    cacla=CaclaConfig(n_hidden=4, hidden_initial_width=0.5),
+    n_features=6, n_training_iterations=300, cacla=CaclaConfig(n_hidden=4, hidden_initial_width=0.5)
 )
 MID = np.array([0.1, 0.05])
 
@@ -117,6 +115,29 @@ def test_agrees_with_a_slow_agent_over_many_episodes(config: VergenceRlConfig) -
     np.testing.assert_allclose(state["critic"], slow.v, rtol=1e-9)
     assert float(state["td_variance"]) == pytest.approx(slow.variance)
     assert agent.learning_steps == 270
+
+
+@pytest.mark.parametrize(
+    ("entries", "known"),
+    [("all", slice(0, 8)), ("features", slice(0, 6)), ("activations", slice(6, 8))],
+)
+def test_what_is_hidden_from_the_learner_changes_nothing(entries: str, known: slice) -> None:
+    def answer(features: NDArray[np.float32], activations: NDArray[np.float64]) -> Any:
+        agent = Agent(dataclasses.replace(CONFIG, state_entries=entries))
+        train(agent, 0, 30)
+        return agent.observe(
+            features, activations, 0.0, 0, 30, learning=False, exploration=False
+        ).action
+
+    features, activations, _ = experience(30)
+    before = answer(features, activations)
+    changed = []
+    for i in range(8):
+        both = np.concatenate([features.ravel(), activations])
+        both[i] += 0.05
+        action = answer(both[:6].reshape(2, 3).astype(np.float32), both[6:])
+        changed.append(not np.array_equal(action, before))
+    assert changed == [i in range(8)[known] for i in range(8)]
 
 
 def test_default_weights_are_the_published_ones() -> None:

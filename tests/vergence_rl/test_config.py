@@ -32,12 +32,12 @@ from vergence_rl.config import VergenceRlConfig
             r"hindsight.regression_period: expected a multiple of 10 .*, got 15",
         ),
         (
-            {"learning_rule": "hindsight", "iterations_per_episode": 1},
-            "iterations_per_episode: expected 2 or more, whose rewards",
+            {"learning_rule": "hindsight", "hindsight.n_best": 10},
+            r"hindsight.n_best: expected less than 10 \(iterations per episode\), got 10",
         ),
         (
-            {"hindsight.scatter_until": (0.5, 0.8)},
-            r"scatter_until: expected a temperature above 0, whose places scatter, got 0",
+            {"learning_rule": "hindsight", "iterations_per_episode": 1},
+            "iterations_per_episode: expected 2 or more, whose rewards",
         ),
     ],
 )

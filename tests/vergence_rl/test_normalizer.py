@@ -25,14 +25,12 @@ def test_mean_and_variance_are_those_of_all_observations() -> None:
     np.testing.assert_allclose(statistics.squared_deviation / 199, observations.var(axis=0, ddof=1))
 
 
-def test_normalized_is_hand_computed() -> None:
-    statistics = after(np.array([[1.0], [3.0]]))  # mean 2, M2 2, variance 2
-    np.testing.assert_allclose(normalized(statistics, np.array([5.0]), 0.02), [0.06 / 2**0.5])
-
-
-def test_a_start_above_0_damps_the_entries() -> None:
-    statistics = after(np.array([[1.0], [3.0]]), squared_deviation=1.0)  # M2 3
-    np.testing.assert_allclose(normalized(statistics, np.array([5.0]), 0.02), [0.06 / 3**0.5])
+# A start above 0 damps the entries.
+@pytest.mark.parametrize("start", [0.0, 1.0])
+def test_normalized_is_hand_computed(start: float) -> None:
+    statistics = after(np.array([[1.0], [3.0]]), squared_deviation=start)  # mean 2, M2 2 + start
+    expected = [0.06 / (2.0 + start) ** 0.5]
+    np.testing.assert_allclose(normalized(statistics, np.array([5.0]), 0.02), expected)
 
 
 @pytest.mark.parametrize("n_observations", [0, 1])

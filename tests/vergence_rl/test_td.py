@@ -1,31 +1,15 @@
 import numpy as np
 import pytest
 
-from vergence_rl.td import (
-    bounded_rate,
-    critic_step,
-    declining_rate,
-    td_error,
-    td_variance,
-    value,
-)
+from vergence_rl.td import bounded_rate, critic_step, declining_rate, td_error, td_variance, value
 
 
-def test_td_error() -> None:
+def test_the_rules_by_hand() -> None:
     assert td_error(r_t=-0.5, discount=0.3, v_t=2.0, v_tm1=1.0) == pytest.approx(-0.9)
-
-
-def test_td_variance() -> None:
     assert td_variance(1.0, 3.0, 0.001) == pytest.approx(0.999 + 0.009)
-
-
-def test_value() -> None:
     assert value(np.array([1.0, -2.0, 0.5]), np.array([3.0, 1.0, 2.0])) == pytest.approx(2.0)
-
-
-def test_critic_step() -> None:
-    got = critic_step(np.array([1.0, -2.0]), np.array([0.5, 0.0]), 2.0, 0.75)
-    np.testing.assert_allclose(got, [1.75, -2.0])
+    stepped = critic_step(np.array([1.0, -2.0]), np.array([0.5, 0.0]), 2.0, 0.75)
+    np.testing.assert_allclose(stepped, [1.75, -2.0])
 
 
 @pytest.mark.parametrize(("now", "rate"), [(0, 0.5), (250, 0.375), (1000, 0.0), (1001, 0.0)])

@@ -18,7 +18,7 @@ def seen_windows(left: Image, right: Image) -> tuple[NDArray[np.float32], ...]:
     return tuple(np.stack([window(left), window(right)]) for window in _WINDOWS)
 
 
-def believed_windows(
+def reconstructed_windows(
     encoding: Encoding, atoms: NDArray[np.float32], left: Image, right: Image
 ) -> tuple[NDArray[np.float32], ...]:
     """Return the windows as their code has them, (n_eyes, side_px, side_px) per scale.
@@ -28,7 +28,7 @@ def believed_windows(
     shown. atoms: (n_scales, n_bases, n_pixels), those of the encoding.
     """
     return tuple(
-        _believed(coded_patches(selections, atoms_of_scale), seen)
+        _reconstructed(coded_patches(selections, atoms_of_scale), seen)
         for selections, atoms_of_scale, seen in zip(
             encoding.selections, atoms, seen_windows(left, right), strict=True
         )
@@ -42,7 +42,7 @@ def coded_patches(selections: Selections, atoms: NDArray[np.float32]) -> NDArray
     return coded
 
 
-def _believed(patches: NDArray[np.float32], seen: NDArray[np.float32]) -> NDArray[np.float32]:
+def _reconstructed(patches: NDArray[np.float32], seen: NDArray[np.float32]) -> NDArray[np.float32]:
     """Lay patches (n_patches, n_pixels) with the seen ones' means and norms over one another."""
     total, count = np.zeros_like(seen), np.zeros_like(seen)
     n_columns = (seen.shape[2] - PATCH_SIZE_PX) // STRIDE_PX + 1

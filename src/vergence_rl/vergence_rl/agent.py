@@ -33,6 +33,11 @@ class Agent:
         self.config = config
         rule = _RULES[config.learning_rule]
         self._rule: LearningRule = rule(config.rule_config, config.task)
+        self._hidden = {
+            "all": slice(0),
+            "features": slice(config.n_features, None),
+            "activations": slice(config.n_features),
+        }[config.state_entries]
         self._statistics = empty_statistics(
             config.n_features + config.n_muscles, config.initial_squared_deviation
         )
@@ -131,6 +136,7 @@ class Agent:
 
     def _state_vector(self, entries: NDArray[np.float64]) -> NDArray[np.float64]:
         standard = normalized(self._statistics, entries, self.config.state_standard_deviation)
+        standard[self._hidden] = 0.0
         return np.append(standard, self.config.bias_input)
 
 

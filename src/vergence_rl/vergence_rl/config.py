@@ -39,6 +39,12 @@ class VergenceRlConfig:
     feature_exponent: float = setting(
         1.0, "exponent that is applied to the features before they are normalised (D15)", above=0
     )
+    state_entries: str = setting(
+        "all",
+        "what the learner knows: all; features, what is seen; or activations, what is felt. The"
+        " other entries of the state are 0",
+        choices=("all", "features", "activations"),
+    )
     command_space: str = setting(
         "pair", "muscles that a command moves", choices=tuple(COMMAND_SPACES)
     )

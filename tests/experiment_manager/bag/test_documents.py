@@ -1,30 +1,17 @@
-"""docs/bags.md does what it says, and the Foxglove layout shows what it names."""
+"""docs/bags.md does what it says."""
 
 import json
 import re
 import shlex
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from experiment_manager.bag.reader import Bag
 from experiment_manager.commands import inspect_bag
-from lockstep.command_space import MUSCLE_NAMES
-from lockstep.wire.topics import GROUND_TRUTH_NAMES, IMAGE, REWARD_NAMES, TOPIC_TYPES, VECTOR
-from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
 
 DOCS = Path(__file__).parents[3] / "docs"
-NAMES = {
-    "ground_truth": GROUND_TRUTH_NAMES,
-    "reward": REWARD_NAMES,
-    "actor_critic": ACTOR_CRITIC_NAMES,
-    "muscle_command": COMMAND_NAMES,
-    "muscle_activations": MUSCLE_NAMES,
-}
 
 
 def _blocks(language: str) -> list[str]:
@@ -66,60 +53,3 @@ def test_command_lines_of_the_document(here: Path) -> None:
         assert script == "launch_scripts/inspect_bag.sh"
         assert inspect_bag.main(arguments) == 0
     assert list((here / "pictures" / "left" / "image_raw").glob("*.png"))
-
-
-# --- the layout
-
-
-@pytest.fixture(scope="module")
-def layout() -> dict[str, Any]:
-    document: dict[str, Any] = json.loads((DOCS / "foxglove_layout.json").read_text())
-    return document
-
-
-def _panels(tree: Any) -> Iterator[str]:
-    if isinstance(tree, str):
-        yield tree
-    else:
-        assert tree["direction"] in ("row", "column")
-        yield from _panels(tree["first"])
-        yield from _panels(tree["second"])
-
-
-def _series(layout: dict[str, Any]) -> list[dict[str, Any]]:
-    return [s for panel in layout["configById"].values() for s in panel.get("paths", ())]
-
-
-def test_each_panel_is_shown_once(layout: dict[str, Any]) -> None:
-    assert sorted(_panels(layout["layout"])) == sorted(layout["configById"])
-
-
-def test_pictures_are_of_topics_with_pictures(layout: dict[str, Any]) -> None:
-    panels = layout["configById"].values()
-    topics = {panel["imageMode"]["imageTopic"] for panel in panels if "imageMode" in panel}
-    assert topics == {"/left/image_raw", "/right/image_raw", "/features"}
-    assert all(TOPIC_TYPES[topic.removeprefix("/")] == IMAGE for topic in topics)
-
-
-def test_each_path_is_the_entry_that_its_label_names(layout: dict[str, Any]) -> None:
-    shown = set()
-    for series in _series(layout):
-        match = re.fullmatch(r"/(\w+)\.(position|effort)\[(\d+)\]", series["value"])
-        assert match is not None, series
-        topic, index = match[1], int(match[3])
-        assert TOPIC_TYPES[topic] == VECTOR
-        assert NAMES[topic][index] == series["label"]
-        assert series["enabled"] is True
-        shown.add((topic, series["label"]))
-    assert {
-        ("ground_truth", "vergence_error_deg"),
-        ("reward", "reward"),
-        ("muscle_activations", "left_medial_rectus"),
-        ("muscle_activations", "right_lateral_rectus"),
-    } <= shown
-
-
-def test_the_names_are_those_of_a_bag(small_run: Path) -> None:
-    bag = Bag(small_run / "bag")
-    for topic, names in NAMES.items():
-        assert bag.vectors(topic)[topic].names == names

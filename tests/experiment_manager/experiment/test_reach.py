@@ -94,8 +94,7 @@ def test_pairs_between_the_tested_vergences_must_have_one_rest_too() -> None:
     # At all distances of the protocol these do, but not at all vergences between those.
     with pytest.raises(InputError, match=r"^mechanics: expected muscles whose eyes have one rest"):
         _check(
-            "eye_plant.mechanics.parameter_set=anatomical",
-            "vergence_rl.highest_activations=[0.35]",
+            "eye_plant.mechanics.parameter_set=anatomical", "vergence_rl.highest_activations=[0.35]"
         )
 
 
@@ -119,10 +118,7 @@ def test_the_eyes_of_each_stage_must_meet_the_protocol() -> None:
         InputError, match="schedule, at 100: mechanics: expected muscles that reach"
     ):
         _check(f"experiment_manager.schedule={change}")
-    _check(
-        f"experiment_manager.schedule={change}",
-        f"{_PROTOCOL}.least_start_error_deg=-2",
-    )
+    _check(f"experiment_manager.schedule={change}", f"{_PROTOCOL}.least_start_error_deg=-2")
 
 
 def _eyes_of(baseline_m: float, at: int) -> str:

@@ -14,11 +14,6 @@ def test_errors_about_other_axes_are_shown_where_commands_turn_them() -> None:
     )
     assert "vertical" not in summary_line(pair)
     header, row = summaries_table([twelve]).splitlines()
-    assert header.split()[2:6] == [
-        "|vergence",
-        "error|/deg",
-        "IQR/deg",
-        "|vertical|/deg",
-    ]
+    assert header.split()[2:6] == ["|vergence", "error|/deg", "IQR/deg", "|vertical|/deg"]
     assert row.split()[:6] == ["7", "0", "0.125", "-", "0.250", "1.500"]
     assert "vertical" not in summaries_table([pair])

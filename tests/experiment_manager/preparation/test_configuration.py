@@ -21,7 +21,6 @@ from lockstep.errors import InputError
 from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
 
 _PROTOCOL = "experiment_manager.protocol"
-SOURCES = Path(__file__).parents[3] / "src"
 
 
 def _configuration(*line: str) -> dict[str, dict[str, Any]]:

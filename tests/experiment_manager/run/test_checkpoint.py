@@ -29,6 +29,12 @@ def _commit(checkpoints: Path, place: int, **changes: Any) -> Path:
     return directory
 
 
+def _newest(checkpoints: Path) -> tuple[Manifest, Path]:
+    found = checkpoint.newest(checkpoints)
+    assert found is not None
+    return found
+
+
 def test_none_yet(tmp_path: Path) -> None:
     assert checkpoint.newest(tmp_path) is None
     assert checkpoint.newest(tmp_path / "missing") is None
@@ -36,9 +42,7 @@ def test_none_yet(tmp_path: Path) -> None:
 
 def test_a_manifest_comes_back_as_it_was(tmp_path: Path) -> None:
     directory = _commit(tmp_path, 12, progress={"tests": [{"median": 0.1 + 0.2}], "n": 3})
-    found = checkpoint.newest(tmp_path)
-    assert found is not None
-    manifest, where = found
+    manifest, where = _newest(tmp_path)
     assert where == directory
     assert manifest == Manifest(
         12,
@@ -52,9 +56,7 @@ def test_a_manifest_comes_back_as_it_was(tmp_path: Path) -> None:
 def test_the_newest_is_the_one_furthest_on(tmp_path: Path) -> None:
     for place in (9, 10, 100, 99):
         _commit(tmp_path, place)
-    found = checkpoint.newest(tmp_path)
-    assert found is not None
-    assert found[0].place == 100
+    assert _newest(tmp_path)[0].place == 100
 
 
 def test_two_are_kept(tmp_path: Path) -> None:
@@ -70,9 +72,7 @@ def test_states_without_a_manifest_are_no_checkpoint(tmp_path: Path) -> None:
     torn.mkdir()
     (torn / "coder.npz").write_bytes(b"half")
     (torn / "manifest.json.part").write_text("{")
-    found = checkpoint.newest(tmp_path)
-    assert found is not None
-    assert found[0].place == 1
+    assert _newest(tmp_path)[0].place == 1
 
 
 def test_unfinished_ones_are_cleared_away_with_the_next_commit(tmp_path: Path) -> None:
@@ -86,9 +86,7 @@ def test_unfinished_ones_are_cleared_away_with_the_next_commit(tmp_path: Path) -
 def test_committing_the_same_place_again(tmp_path: Path) -> None:
     _commit(tmp_path, 1)
     _commit(tmp_path, 1, bag_files=("bag_0.mcap", "bag_1.mcap"))
-    found = checkpoint.newest(tmp_path)
-    assert found is not None
-    assert found[0].bag_files == ("bag_0.mcap", "bag_1.mcap")
+    assert _newest(tmp_path)[0].bag_files == ("bag_0.mcap", "bag_1.mcap")
 
 
 @pytest.mark.parametrize("damage", [b"", b"state after", None])

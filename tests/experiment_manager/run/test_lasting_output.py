@@ -27,8 +27,8 @@ def test_a_reader_that_leaves_is_not_missed() -> None:
 def test_streams_that_were_closed_from_the_start_go_nowhere() -> None:
     code = (
         "import sys;"
-        "from experiment_manager.run.lasting_output import make_standard_streams_last;"
-        "make_standard_streams_last(); print('lost'); print('lost', file=sys.stderr, flush=True);"
+        "from experiment_manager.run.lasting_output import ignore_broken_pipes;"
+        "ignore_broken_pipes(); print('lost'); print('lost', file=sys.stderr, flush=True);"
         "sys.exit(sys.stderr.fileno() + 40)"
     )
     done = subprocess.run(

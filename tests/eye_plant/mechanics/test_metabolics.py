@@ -27,67 +27,45 @@ def one_kilogram(energetics: Energetics = Energetics(), **changes: float) -> Met
     )
 
 
-def test_full_isometric_activation_costs_127_4_w_per_kg():
-    assert one_kilogram(excitation=1.0, activation=1.0).total_w == pytest.approx(127.4)
+FULL = {"excitation": 1.0, "activation": 1.0}
+LONG = {"length": 1.1, "isometric_force": 0.5}
 
 
-def test_aerobic_scaling_makes_it_191_1_w_per_kg():
-    aerobic = Energetics(scaling=1.5)
-    assert one_kilogram(aerobic, excitation=1.0, activation=1.0).total_w == pytest.approx(191.1)
-
-
-def test_a_silent_muscle_costs_1_w_per_kg_of_floor():
-    terms = one_kilogram()
-    assert terms.total_w == pytest.approx(1.0)
-    assert terms.floor_w == pytest.approx(1.0)
-
-
-def test_above_optimal_length_maintenance_falls_with_the_isometric_force():
-    terms = one_kilogram(excitation=1.0, activation=1.0, length=1.2, isometric_force=0.5)
-    assert terms.activation_maintenance_w == pytest.approx(0.7 * 127.4)
-
-
-def test_below_optimal_length_it_does_not():
-    terms = one_kilogram(excitation=1.0, activation=1.0, length=0.8, isometric_force=0.5)
-    assert terms.activation_maintenance_w == pytest.approx(127.4)
-
-
-def test_a_falling_activation_is_charged_half_way():
-    # A = (0.2 + 0.4) / 2 = 0.3
-    terms = one_kilogram(excitation=0.2, activation=0.4)
-    assert terms.activation_maintenance_w == pytest.approx(127.4 * 0.3**0.6)
-
-
-def test_a_rising_activation_is_charged_by_its_excitation():
-    terms = one_kilogram(excitation=0.4, activation=0.2)
-    assert terms.activation_maintenance_w == pytest.approx(127.4 * 0.4**0.6)
-
-
-def test_shortening_heat_by_hand():
-    # a_slow = 100 / (10 / 2.5) = 25, a_fast = 153 / 10 = 15.3; v = -2:
-    # slow 50 * 0.2 + fast 30.6 * 0.8 = 34.48, times A^2 = 0.25
-    terms = one_kilogram(excitation=0.5, activation=0.5, velocity_per_s=-2.0)
-    assert terms.shortening_lengthening_w == pytest.approx(0.25 * 34.48)
-
-
-def test_slow_shortening_heat_saturates_at_100_w_per_kg():
-    # slow 25 * 8 = 200 -> 100, * 0.2; fast 15.3 * 8 * 0.8
-    terms = one_kilogram(excitation=1.0, activation=1.0, velocity_per_s=-8.0)
-    assert terms.shortening_lengthening_w == pytest.approx(20.0 + 97.92)
-
-
-def test_lengthening_heat_by_hand():
-    # 4 * 25 * 0.5 * A = 0.2, above l_opt times F_iso = 0.5
-    terms = one_kilogram(
-        excitation=0.2, activation=0.2, velocity_per_s=0.5, length=1.1, isometric_force=0.5
-    )
-    assert terms.shortening_lengthening_w == pytest.approx(0.2 * 50.0 * 0.5)
-
-
-def test_work_is_positive_in_shortening_and_negative_in_lengthening():
-    # 3 N at 2 l_opt / s = 0.2 m / s
-    assert one_kilogram(contractile_force_n=3.0, velocity_per_s=-2.0).work_w == pytest.approx(0.6)
-    assert one_kilogram(contractile_force_n=3.0, velocity_per_s=2.0).work_w == pytest.approx(-0.6)
+@pytest.mark.parametrize(
+    ("changes", "term", "expected_w"),
+    [
+        (FULL, "total_w", 127.4),
+        (FULL | {"energetics": Energetics(scaling=1.5)}, "total_w", 191.1),
+        ({}, "floor_w", 1.0),
+        ({}, "total_w", 1.0),
+        # Above the optimal length maintenance falls with the isometric force, below it does not.
+        (FULL | {"length": 1.2, "isometric_force": 0.5}, "activation_maintenance_w", 0.7 * 127.4),
+        (FULL | {"length": 0.8, "isometric_force": 0.5}, "activation_maintenance_w", 127.4),
+        # A falling activation is charged half-way, A = 0.3; a rising one by its excitation.
+        ({"excitation": 0.2, "activation": 0.4}, "activation_maintenance_w", 127.4 * 0.3**0.6),
+        ({"excitation": 0.4, "activation": 0.2}, "activation_maintenance_w", 127.4 * 0.4**0.6),
+        # a_slow = 100 / (10 / 2.5) = 25, a_fast = 153 / 10 = 15.3; v = -2:
+        # slow 50 * 0.2 + fast 30.6 * 0.8 = 34.48, times A^2 = 0.25.
+        (
+            {"excitation": 0.5, "activation": 0.5, "velocity_per_s": -2.0},
+            "shortening_lengthening_w",
+            0.25 * 34.48,
+        ),
+        # Slow shortening saturates: 25 * 8 = 200 -> 100, * 0.2; fast 15.3 * 8 * 0.8.
+        (FULL | {"velocity_per_s": -8.0}, "shortening_lengthening_w", 20.0 + 97.92),
+        # Lengthening: 4 * 25 * 0.5 * A = 0.2, above l_opt times F_iso = 0.5.
+        (
+            {"excitation": 0.2, "activation": 0.2, "velocity_per_s": 0.5} | LONG,
+            "shortening_lengthening_w",
+            0.2 * 50.0 * 0.5,
+        ),
+        # Work: 3 N at 2 l_opt / s = 0.2 m / s.
+        ({"contractile_force_n": 3.0, "velocity_per_s": -2.0}, "work_w", 0.6),
+        ({"contractile_force_n": 3.0, "velocity_per_s": 2.0}, "work_w", -0.6),
+    ],
+)
+def test_terms_by_hand(changes, term, expected_w):
+    assert getattr(one_kilogram(**changes), term) == pytest.approx(expected_w)
 
 
 def test_k17_cost_is_the_power_law_with_a_floor_of_the_charged_activation():

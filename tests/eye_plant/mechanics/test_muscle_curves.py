@@ -22,26 +22,20 @@ def test_twelve_muscles_left_before_right_medial_before_lateral():
 
 
 @pytest.mark.parametrize(
-    ("length", "expected"),
-    [(0.4, 0.0), (0.55, 0.125), (0.7, 0.5), (1.0, 1.0), (1.35, 0.5), (1.7, 0.0), (2.0, 0.0)],
+    ("curve", "parameters", "points"),
+    [
+        (
+            force_length,
+            (SHORTEST, LONGEST),
+            {0.4: 0, 0.55: 0.125, 0.7: 0.5, 1: 1, 1.35: 0.5, 1.7: 0},
+        ),
+        (passive_force_length, (LONGEST, STIFFNESS), {0.9: 0, 1.175: 0.075, 1.35: 0.3, 1.7: 0.9}),
+        (force_velocity, (GAIN,), {-2: 0, -1: 0, -0.5: 0.25, 0: 1, 0.15: 1.225, 0.3: 1.3, 2: 1.3}),
+    ],
 )
-def test_force_length_at_points_worked_out_by_hand(length, expected):
-    assert force_length(length, SHORTEST, LONGEST) == pytest.approx(expected, abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("length", "expected"), [(0.9, 0.0), (1.175, 0.075), (1.35, 0.3), (1.7, 0.9)]
-)
-def test_passive_force_at_points_worked_out_by_hand(length, expected):
-    assert passive_force_length(length, LONGEST, STIFFNESS) == pytest.approx(expected, abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("velocity", "expected"),
-    [(-2.0, 0.0), (-1.0, 0.0), (-0.5, 0.25), (0.0, 1.0), (0.15, 1.225), (0.3, 1.3), (2.0, 1.3)],
-)
-def test_force_velocity_at_points_worked_out_by_hand(velocity, expected):
-    assert force_velocity(velocity, GAIN) == pytest.approx(expected, abs=1e-12)
+def test_curves_at_points_worked_out_by_hand(curve, parameters, points):
+    for at, expected in points.items():
+        assert curve(float(at), *parameters) == pytest.approx(expected, abs=1e-12)
 
 
 def test_curves_are_those_that_mujoco_simulates():

@@ -259,15 +259,6 @@ def test_receding_a_medial_rectus_makes_its_eye_diverge(side):
     assert 1.0 < converged_deg < 12.0
 
 
-def test_receding_both_medial_recti_mirrors():
-    receded = eyes_with(
-        parameter_set="anatomical",
-        recession_mm=all_but(0.0, left_medial_rectus=3.0, right_medial_rectus=3.0),
-    )
-    left, right = angles_deg(receded)
-    np.testing.assert_allclose(left, right, atol=1e-9)
-
-
 @pytest.mark.parametrize("side", [LEFT, RIGHT])
 def test_a_shifted_rest_position_turns_the_silent_eye_by_that_much(side):
     shift_deg = tuple(5.0 if i == side else 0.0 for i in (LEFT, RIGHT))

@@ -50,20 +50,16 @@ def test_pairs_of_files_are_stereograms(tmp_path):
     assert len(read_stereograms(str(tmp_path), 0, 1, 64, 64)) == 1
 
 
-def test_pictures_of_different_size_are_refused(tmp_path):
-    write(tmp_path / "a_left.png", (90, 90))
-    write(tmp_path / "a_right.png", (90, 120))
-    with pytest.raises(InputError, match=r"a_right.png: expected .* 90 x 90 px.* got 120 x 90 px"):
-        read_stereograms(str(tmp_path), 0, 10, 64, 64)
-
-
-def test_a_picture_without_its_partner_is_refused(tmp_path):
-    write(tmp_path / "a_left.png", (90, 90))
-    with pytest.raises(InputError, match="expected a_right beside the other eye's"):
-        read_stereograms(str(tmp_path), 0, 10, 64, 64)
-
-
-def test_a_name_that_tells_no_eye_is_refused(tmp_path):
-    write(tmp_path / "left.png", (90, 90))
-    with pytest.raises(InputError, match="a name that ends in _left or _right"):
+@pytest.mark.parametrize(
+    ("widths_px", "message"),
+    [
+        ({"a_left": 90, "a_right": 120}, r"a_right.png: expected .* 90 x 90 px.* got 120 x 90 px"),
+        ({"a_left": 90}, "expected a_right beside the other eye's"),
+        ({"left": 90}, "a name that ends in _left or _right"),
+    ],
+)
+def test_files_that_make_no_stereograms_are_refused(tmp_path, widths_px, message):
+    for name, width_px in widths_px.items():
+        write(tmp_path / f"{name}.png", (90, width_px))
+    with pytest.raises(InputError, match=message):
         read_stereograms(str(tmp_path), 0, 10, 64, 64)

@@ -3,6 +3,7 @@
 import errno
 import os
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import IO, Any
 
@@ -112,17 +113,21 @@ def test_a_picture_is_a_function_of_seed_role_and_number() -> None:
 # --- the cache
 
 
-def test_training_and_test_pictures_are_all_different(tmp_path: Path) -> None:
+def test_pictures_are_all_different_and_counted_training_first(tmp_path: Path) -> None:
     stimuli = load_stimuli(small(tmp_path))
     assert len({stimulus.tobytes() for stimulus in stimuli.all}) == 6
     assert all(stimulus.shape == (SIZE_PX, SIZE_PX) for stimulus in stimuli.all)
-
-
-def test_stimuli_are_counted_training_first(tmp_path: Path) -> None:
-    stimuli = load_stimuli(small(tmp_path))
-    assert (len(stimuli.training), len(stimuli.test)) == (4, 2)
+    assert (len(stimuli.training), len(stimuli.test)) == count_stimuli(small(tmp_path)) == (4, 2)
     np.testing.assert_array_equal(stimuli.all[4], stimuli.test[0])
-    assert count_stimuli(small(tmp_path)) == (4, 2)
+    assert len([path for path in tmp_path.rglob("*") if path.is_file()]) == 6
+
+
+@pytest.mark.parametrize("n_bytes", [0, 6, -1000])
+def test_a_damaged_cache_file_is_made_again(tmp_path: Path, n_bytes: int) -> None:
+    first = [stimulus.copy() for stimulus in load_stimuli(small(tmp_path)).all]
+    path = next(tmp_path.rglob("training_0002.npy"))
+    path.write_bytes(path.read_bytes()[:n_bytes])
+    np.testing.assert_array_equal(load_stimuli(small(tmp_path)).all, first)
 
 
 def test_the_second_load_generates_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -141,26 +146,6 @@ def test_more_pictures_extend_the_set(tmp_path: Path) -> None:
     few = load_stimuli(small(tmp_path))
     more = load_stimuli(small(tmp_path, n_training=6))
     assert_same(StimulusSet(more.training[:4], more.test), few)
-
-
-@pytest.mark.parametrize("content", [b"", b"no array", b"\x93NUMPY"])
-def test_a_damaged_cache_file_is_made_again(tmp_path: Path, content: bytes) -> None:
-    first = [stimulus.copy() for stimulus in load_stimuli(small(tmp_path)).all]
-    damaged = next(tmp_path.rglob("training_0002.npy"))
-    damaged.write_bytes(content)
-    np.testing.assert_array_equal(load_stimuli(small(tmp_path)).all, first)
-
-
-def test_a_cut_off_cache_file_is_made_again(tmp_path: Path) -> None:
-    first = [stimulus.copy() for stimulus in load_stimuli(small(tmp_path)).all]
-    path = next(tmp_path.rglob("test_0001.npy"))
-    path.write_bytes(path.read_bytes()[:-1000])
-    np.testing.assert_array_equal(load_stimuli(small(tmp_path)).all, first)
-
-
-def test_nothing_but_pictures_is_left_in_the_cache(tmp_path: Path) -> None:
-    load_stimuli(small(tmp_path))
-    assert len([path for path in tmp_path.rglob("*") if path.is_file()]) == 6
 
 
 def test_pictures_of_another_library_are_others(tmp_path, monkeypatch) -> None:
@@ -252,11 +237,6 @@ def test_unseen_stimuli_that_are_none(tmp_path: Path, part: str) -> None:
         load_unseen_stimuli(str(tmp_path), small(Path()), 40)
 
 
-def test_two_pictures_are_one_each(tmp_path: Path) -> None:
-    write_pictures(tmp_path, 2)
-    assert count_stimuli(of_directory(tmp_path, n_training=100, n_test=1)) == (1, 1)
-
-
 def test_a_picture_is_cropped_square_about_its_centre_and_resized(tmp_path: Path) -> None:
     wide = np.zeros((100, 300, 3), np.uint8)
     wide[:, 100:150] = (255, 255, 255)  # the central square's left half
@@ -294,11 +274,7 @@ def garbage(path: Path) -> None:
     path.write_bytes(b"these are no pixels")
 
 
-def empty(path: Path) -> None:
-    path.write_bytes(b"")
-
-
-@pytest.mark.parametrize("breaks", [cut_off, garbage, empty])
+@pytest.mark.parametrize("breaks", [cut_off, garbage, lambda path: path.write_bytes(b"")])
 @pytest.mark.parametrize("suffix", [".jpg", ".png"])
 def test_a_broken_file_is_named(tmp_path: Path, suffix: str, breaks: object) -> None:
     write_pictures(tmp_path, 2, suffix)
@@ -308,43 +284,41 @@ def test_a_broken_file_is_named(tmp_path: Path, suffix: str, breaks: object) -> 
         load_stimuli(of_directory(tmp_path))
 
 
-def test_a_tiny_file_is_named(tmp_path: Path) -> None:
-    write_pictures(tmp_path, 2)
-    cv2.imwrite(str(tmp_path / "000.png"), np.zeros((63, 500), np.uint8))
-    with pytest.raises(InputError, match=r"000\.png: expected .* 64 x 64 px or more, got 500 x 63"):
-        load_stimuli(of_directory(tmp_path))
+def _small_picture(directory: Path) -> None:
+    write_pictures(directory, 2)
+    cv2.imwrite(str(directory / "000.png"), np.zeros((63, 500), np.uint8))
 
 
-def test_a_file_that_is_no_picture_is_named(tmp_path: Path) -> None:
-    write_pictures(tmp_path, 2)
-    (tmp_path / "photo.heic").write_bytes(b"x")
-    with pytest.raises(InputError, match=r"photo\.heic: expected a picture"):
-        count_stimuli(of_directory(tmp_path))
+def _no_picture(directory: Path) -> None:
+    write_pictures(directory, 2)
+    (directory / "photo.heic").write_bytes(b"x")
 
 
-def test_a_missing_directory_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"expected a directory of pictures, got .*nowhere"):
-        count_stimuli(of_directory(tmp_path / "nowhere"))
+def _empty_test(directory: Path) -> None:
+    write_pictures(directory / "train", 3)
+    (directory / "test").mkdir()
 
 
-@pytest.mark.parametrize("n", [0, 1])
-def test_too_few_pictures_are_counted(tmp_path: Path, n: int) -> None:
-    write_pictures(tmp_path, n)
-    with pytest.raises(InputError, match=rf"expected 2 or more pictures .* got {n}"):
-        load_stimuli(of_directory(tmp_path))
-
-
-def test_an_empty_test_directory_is_named(tmp_path: Path) -> None:
-    write_pictures(tmp_path / "train", 3)
-    (tmp_path / "test").mkdir()
-    with pytest.raises(InputError, match=r"test: expected 1 or more pictures .* got 0"):
-        load_stimuli(of_directory(tmp_path))
-
-
-def test_a_train_directory_without_test_is_refused(tmp_path: Path) -> None:
-    write_pictures(tmp_path / "train", 3)
-    with pytest.raises(InputError, match="expected both train and test"):
-        load_stimuli(of_directory(tmp_path))
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (_small_picture, r"000\.png: expected .* 64 x 64 px or more, got 500 x 63"),
+        (_no_picture, r"photo\.heic: expected a picture"),
+        (lambda d: d.rmdir(), r"expected a directory of pictures, got .*stimuli"),
+        (lambda d: None, "expected 2 or more pictures .* got 0"),
+        (lambda d: write_pictures(d, 1), "expected 2 or more pictures .* got 1"),
+        (_empty_test, "test: expected 1 or more pictures .* got 0"),
+        (lambda d: write_pictures(d / "train", 3), "expected both train and test"),
+    ],
+)
+def test_a_directory_that_makes_no_set_is_named(
+    tmp_path: Path, make: Callable[[Path], object], message: str
+) -> None:
+    directory = tmp_path / "stimuli"
+    directory.mkdir()
+    make(directory)
+    with pytest.raises(InputError, match=message):
+        load_stimuli(of_directory(directory))
 
 
 @pytest.mark.parametrize("name", ["n_training", "n_test", "size_px"])
@@ -352,11 +326,3 @@ def test_numbers_that_make_no_set_are_refused(name: str) -> None:
     none: dict[str, Any] = {name: 0}
     with pytest.raises(InputError, match=rf"{name}: expected .* got 0"):
         StimuliConfig(**none)
-
-
-@pytest.mark.skipif("ABV_MCGILL" not in os.environ, reason="ABV_MCGILL names no real pictures")
-def test_real_photographs_load() -> None:
-    config = StimuliConfig(directory=os.environ["ABV_MCGILL"], n_training=5, n_test=5)
-    stimuli = load_stimuli(config)
-    assert len(stimuli.all) == 10
-    assert all(stimulus.std() > 10.0 for stimulus in stimuli.all)

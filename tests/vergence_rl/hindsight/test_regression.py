@@ -10,7 +10,7 @@ from vergence_rl.hindsight.regression import (
     regressed_actor,
     residual_covariance,
     root_of,
-    weights_of,
+    weights_of_ranks,
 )
 
 N_STATE, N_MUSCLES, N_VISITS = 5, 2, 10
@@ -117,9 +117,9 @@ def test_rounding_below_zero_has_no_root() -> None:
     np.testing.assert_array_equal(root_of(np.diag([1.0, -1e-20])), np.diag([1.0, 0.0]))
 
 
-def test_weights_of_places_by_hand() -> None:
-    rewards = np.array([-1.0, -3.0, -2.0, -2.0])
-    # e^0, e^-2, e^-1, e^-1 where the temperature times the SD, 0.7071, is 1.
-    raw = np.exp([0.0, -2.0, -1.0, -1.0])
-    assert weights_of(rewards, 1.0 / rewards.std()) == pytest.approx(raw / raw.sum())
-    assert weights_of(np.full(4, -0.2), 0.3).tolist() == [0.25] * 4
+def test_weights_of_ranks_by_hand() -> None:
+    assert weights_of_ranks(1).tolist() == [1.0]
+    # ln 2.5 = 0.9163 and ln 2.5 - ln 2 = 0.2231, of 1.1394.
+    assert weights_of_ranks(2) == pytest.approx([0.8042, 0.1958], abs=1e-4)
+    # ln 3.5, ln 1.75, ln 1.1667: 1.2528, 0.5596, 0.1542, of 1.9666.
+    assert weights_of_ranks(3) == pytest.approx([0.6370, 0.2846, 0.0784], abs=1e-4)

@@ -19,6 +19,14 @@ CONFIG = VergenceRlConfig(
     iterations_per_episode=5,
     hindsight=HindsightConfig(regression_period=20, least_memory=60.0),
 )
+# The mean of the three best places, whose noise is tried again, and a larger penalty at first.
+MEAN = dataclasses.replace(
+    CONFIG,
+    n_training_iterations=400,
+    hindsight=dataclasses.replace(
+        CONFIG.hindsight, n_best=3, noise_narrows=(0.25, 0.75), ridge_visits=30.0
+    ),
+)
 HIGHEST = np.array([0.2, 0.1])
 Floats = NDArray[np.float64]
 
@@ -32,13 +40,17 @@ class SlowRule:
         self.actor = np.zeros((2, n_state))
         self.covariance = config.hindsight.exploration_variance * np.eye(2)
         self.prior = config.hindsight.least_memory
+        self.selected = self.covariance.copy()
+        self.asked = self.noise = np.zeros(2)
         self.kept: list[tuple[Floats, Floats, float]] = []  # state, target, weight
-        self.episode: list[tuple[Floats, Floats, float]] = []  # state, place, reward
+        # state, place, reward, what was asked for, its noise
+        self.episode: list[tuple[Floats, Floats, float, Floats, Floats]] = []
 
     def learn(self, state: Floats, place: Floats, reward: float, i: int, now: int) -> None:
         if i == 0:
             self.episode = []
-        self.episode.append((state, place, reward))
+            self.asked = place
+        self.episode.append((state, place, reward, self.asked, self.noise))
         if i == 4:
             self.end_episode(now + 1)
 
@@ -48,12 +60,31 @@ class SlowRule:
         self.prior *= share
         self.kept = [(s, t, w * share) for s, t, w in self.kept]
         best = max(self.episode, key=lambda visit: visit[2])[1]
-        for state, place, _ in self.episode:
+        is_mean = self.config.hindsight.n_best > 1
+        if is_mean:
+            best = self.mean(share)
+        for state, place, *_ in self.episode:
             weight = 0.005**2 / (0.005**2 + float(np.sum((best - place) ** 2)))
-            aim = self.aim(best, place + self.actor @ state)
+            aim = best if is_mean else self.aim(best, place + self.actor @ state)
             self.kept.append((state, aim - place, weight))
         if n_seen % 20 == 0:
-            self.solve()
+            self.solve(0.01 + self.config.hindsight.ridge_visits / memory)
+            if is_mean:
+                self.covariance = self.selected
+
+    def mean(self, share: float) -> Floats:
+        n_best = self.config.hindsight.n_best
+        raw = [math.log(n_best + 0.5) - math.log(rank + 1) for rank in range(n_best)]
+        weights = [w / sum(raw) for w in raw]
+        by_reward = sorted(self.episode, key=lambda visit: -visit[2])
+        moved = sorted(self.episode[1:], key=lambda visit: -visit[2])
+        self.selected = share * self.selected
+        for w, visit in zip(weights, moved, strict=False):
+            self.selected = self.selected + (1.0 - share) * w * np.outer(visit[4], visit[4])
+        mean: Floats = sum(
+            (w * visit[3] for w, visit in zip(weights, by_reward, strict=False)), np.zeros(2)
+        )
+        return mean
 
     def aim(self, best: Floats, wanted: Floats) -> Floats:
         held = [
@@ -69,12 +100,12 @@ class SlowRule:
         aim[1 - k] += slope * (wanted[k] - best[k])
         return aim
 
-    def solve(self) -> None:
+    def solve(self, ridge_share: float) -> None:
         states = np.array([s for s, _, _ in self.kept])
         targets = np.array([t for _, t, _ in self.kept])
         weights = np.array([w for _, _, w in self.kept])
         root = np.sqrt(weights)[:, None]
-        ridge = 0.01 * np.mean(((root * states) ** 2).sum(axis=0))
+        ridge = ridge_share * np.mean(((root * states) ** 2).sum(axis=0))
         n_state = states.shape[1]
         rows = np.concatenate([root * states, math.sqrt(ridge) * np.eye(n_state)])
         aims = np.concatenate([root * targets, np.zeros((n_state, 2))])
@@ -98,8 +129,9 @@ def train(agent: Agent, first: int, n: int) -> list[Decision]:
     ]
 
 
-def test_agrees_with_a_slow_rule_that_keeps_all_visits() -> None:
-    agent, slow = Agent(CONFIG), SlowRule(CONFIG)
+@pytest.mark.parametrize("config", [CONFIG, MEAN])
+def test_agrees_with_a_slow_rule_that_keeps_all_visits(config: VergenceRlConfig) -> None:
+    agent, slow = Agent(config), SlowRule(config)
     seen: list[Floats] = []
     n_cut = 0
     for now in range(400):
@@ -114,7 +146,12 @@ def test_agrees_with_a_slow_rule_that_keeps_all_visits() -> None:
             state[:-1] = 0.02 * (entries - np.mean(seen, axis=0)) / spread
         slow.learn(state, place, reward, now % 5, now)
         noise = generator(1, "exploration", now).normal(0.0, 1.0, 2)
-        action = slow.actor @ state + root_of(slow.covariance) @ noise
+        slow.noise = root_of(slow.covariance) @ noise
+        width = 1.0
+        if config is MEAN:  # from 1 to 0.1 between a quarter and three quarters of 400
+            width = min(1.0, max(0.1, 1.0 - 0.9 * (now - 100) / 200))
+        action = slow.actor @ state + width * slow.noise
+        slow.asked = place + action
         np.testing.assert_allclose(got.action, action, rtol=1e-6, atol=1e-9)
         wanted = place + action
         inside = np.all((wanted >= 0.0) & (wanted <= HIGHEST))

@@ -9,11 +9,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from experiment_manager.bag.mcap_file import (
-    MESSAGE_HEADER_BYTES,
-    IndexedChunk,
-    McapFile,
-)
+from experiment_manager.bag.mcap_file import MESSAGE_HEADER_BYTES, IndexedChunk, McapFile
 from experiment_manager.bag.metadata import METADATA_FILE
 from lockstep.errors import InputError
 from lockstep.wire.cdr import VectorLayout, image_array

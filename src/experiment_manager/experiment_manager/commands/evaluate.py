@@ -15,7 +15,7 @@ from experiment_manager.measures.kept_trials import KEPT_FILE, write_trials
 from experiment_manager.measures.results import RESULTS_FILE, Results, read_results, write_document
 from experiment_manager.measures.tables import number, summaries_table
 from experiment_manager.preparation.command_line import plant_settings
-from experiment_manager.run.lasting_output import make_standard_streams_last
+from experiment_manager.run.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIFFERENT
@@ -274,5 +274,5 @@ def _equal(left: Any, right: Any) -> bool:
 
 if __name__ == "__main__":
     # Who reads the text may have seen enough of it, as head has.
-    make_standard_streams_last()
+    ignore_broken_pipes()
     sys.exit(main())

@@ -19,7 +19,7 @@ from experiment_manager.live.address import Address
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.tables import summaries_table, text_table
 from experiment_manager.measures.trials import split_tests
-from experiment_manager.run.lasting_output import make_standard_streams_last
+from experiment_manager.run.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import is_free
 from lockstep.errors import InputError
@@ -216,5 +216,5 @@ def _as_grey(picture: np.ndarray) -> np.ndarray:
 
 if __name__ == "__main__":
     # Who reads the text may have seen enough of it, as head has.
-    make_standard_streams_last()
+    ignore_broken_pipes()
     sys.exit(main())

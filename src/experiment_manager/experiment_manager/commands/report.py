@@ -24,7 +24,7 @@ from experiment_manager.analysis.report.tables import (
     runs_table,
     seeds_table,
 )
-from experiment_manager.run.lasting_output import make_standard_streams_last
+from experiment_manager.run.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
@@ -239,5 +239,5 @@ def _configurations(runs: Sequence[ReportedRun]) -> list[str]:
 
 if __name__ == "__main__":
     # Who reads the text may have seen enough of it, as head has.
-    make_standard_streams_last()
+    ignore_broken_pipes()
     sys.exit(main())

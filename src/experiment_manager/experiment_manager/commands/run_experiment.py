@@ -32,7 +32,7 @@ from experiment_manager.run.config_file import (
     read_configuration,
 )
 from experiment_manager.run.in_process import run_in_process
-from experiment_manager.run.lasting_output import make_standard_streams_last
+from experiment_manager.run.lasting_output import ignore_broken_pipes
 from experiment_manager.supervision.fork_server import ForkServer
 from experiment_manager.supervision.heartbeats import LISTENER
 from experiment_manager.supervision.live_view import PACKAGE as LIVE_VIEW
@@ -267,5 +267,5 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    make_standard_streams_last()
+    ignore_broken_pipes()
     sys.exit(main())

@@ -11,7 +11,7 @@ from experiment_manager.commands.run_experiment import source_commit
 from experiment_manager.preparation.continuation import check_settings
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.described_run import DescribedRun
-from experiment_manager.run.lasting_output import make_standard_streams_last
+from experiment_manager.run.lasting_output import ignore_broken_pipes
 from experiment_manager.sweep import slurm
 from experiment_manager.sweep.cell_run import CellRun
 from experiment_manager.sweep.pool import Pool
@@ -171,5 +171,5 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    make_standard_streams_last()
+    ignore_broken_pipes()
     sys.exit(main())

@@ -15,7 +15,7 @@ from experiment_manager.commands.run_experiment import (
 )
 from experiment_manager.preparation.request import RunRequest
 from experiment_manager.run.config_file import CONFIG_FILE
-from experiment_manager.run.lasting_output import make_standard_streams_last
+from experiment_manager.run.lasting_output import ignore_broken_pipes
 from lockstep.machine.own_process import die_with
 
 
@@ -35,5 +35,5 @@ def _run(directory: Path, document: str) -> tuple[Path, int]:
 if __name__ == "__main__":
     parent, path, request = sys.argv[1:]
     die_with(int(parent))
-    make_standard_streams_last()
+    ignore_broken_pipes()
     sys.exit(make_run(Path(path), request))

@@ -67,9 +67,9 @@ class ViewServer:
                 f"/{topic}", message_encoding="cdr", schema=schema, context=self._context
             )
         for topic, names in tables.items():
-            schema = {"type": "object", "properties": {n: {"type": "number"} for n in names}}
+            numbers = {"type": "object", "properties": {n: {"type": "number"} for n in names}}
             self._channels[topic] = foxglove.Channel(
-                f"/{topic}", schema=schema, context=self._context
+                f"/{topic}", schema=numbers, context=self._context
             )
         self._server = self._listen(name, host, port)
         self.port: int = self._server.port

@@ -24,7 +24,7 @@ from lockstep.wire.vectors import read_vector, values_of
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.patches import N_PIXELS
-from sparse_coder.reconstruction import believed_windows, seen_windows
+from sparse_coder.reconstruction import reconstructed_windows, seen_windows
 
 # As they are. All of an observation; the first ones are small, one each.
 VECTORS = (*PLANT_VECTORS, *CODER_VECTORS, *LEARNER_VECTORS)
@@ -115,8 +115,8 @@ class View:
             return
         encoding = self._coder.encode(left, right)
         seen = seen_windows(left, right)
-        believed = believed_windows(encoding, self._atoms, left, right)
-        for topic, *windows in zip(RECONSTRUCTIONS, seen, believed, strict=True):
+        reconstructed = reconstructed_windows(encoding, self._atoms, left, right)
+        for topic, *windows in zip(RECONSTRUCTIONS, seen, reconstructed, strict=True):
             self._server.send_picture(topic, compared(*windows))
 
 
@@ -149,13 +149,13 @@ class RunningError:
         return self._training_iteration, float(np.median(self._errors_deg))
 
 
-def compared(seen: np.ndarray, believed: np.ndarray) -> np.ndarray:
-    """Return one enlarged picture uint8: the windows seen above, believed below, left and right.
+def compared(seen: np.ndarray, reconstructed: np.ndarray) -> np.ndarray:
+    """Return one enlarged picture uint8: windows seen above, reconstructed below, left and right.
 
-    seen, believed: (2, side_px, side_px) in grey levels.
+    seen, reconstructed: (2, side_px, side_px) in grey levels.
     """
-    if seen.shape != believed.shape:
-        raise InputError(f"expected windows of {seen.shape}, got {believed.shape}")
-    rows: Sequence[np.ndarray] = [np.hstack(list(windows)) for windows in (seen, believed)]
+    if seen.shape != reconstructed.shape:
+        raise InputError(f"expected windows of {seen.shape}, got {reconstructed.shape}")
+    rows: Sequence[np.ndarray] = [np.hstack(list(windows)) for windows in (seen, reconstructed)]
     grey = np.clip(np.round(np.vstack(rows)), 0.0, 255.0).astype(np.uint8)
     return grey.repeat(_ENLARGED, axis=0).repeat(_ENLARGED, axis=1)

@@ -25,12 +25,7 @@ from lockstep.wire.cdr import stamp_of
 from lockstep.wire.codec import reader_of
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import NS_PER_S, period_ns
-from lockstep.wire.topics import (
-    GROUND_TRUTH_NAMES,
-    REWARD_NAMES,
-    TEST,
-    TOPIC_TYPES,
-)
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TOPIC_TYPES
 from lockstep.wire.vectors import values_of
 
 # Of an observation, the plant sends its small messages while the others compute, this one last.

@@ -56,12 +56,7 @@ class InProcessRun:
     """Plant, learners and recorder of one run, driven episode by episode."""
 
     def __init__(
-        self,
-        configuration: Configuration,
-        directory: Path,
-        interrupts: Interrupts,
-        *,
-        resume: bool,
+        self, configuration: Configuration, directory: Path, interrupts: Interrupts, *, resume: bool
     ) -> None:
         """directory: of the run, with its config.yaml; resume: go on from its newest checkpoint.
 

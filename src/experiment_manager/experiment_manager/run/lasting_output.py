@@ -39,8 +39,8 @@ def lasting(stream: TextIO) -> TextIO:
     return cast(TextIO, _Lasting(stream))
 
 
-def make_standard_streams_last() -> None:
-    """Make this process' standard streams last; those that are closed already go nowhere."""
+def ignore_broken_pipes() -> None:
+    """Let this process outlive whoever reads its standard streams; closed ones go nowhere."""
     for number in range(3):
         try:
             os.fstat(number)

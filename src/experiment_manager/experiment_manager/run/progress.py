@@ -157,10 +157,7 @@ class Progress:
         self._activation_bytes = bytearray(rows[:, n_truth:].tobytes())
 
     def restore(
-        self,
-        document: dict[str, Any],
-        trials: TrialTable,
-        kept_trials: KeptTrials | None = None,
+        self, document: dict[str, Any], trials: TrialTable, kept_trials: KeptTrials | None = None
     ) -> None:
         """Take over what another had to carry; InputError for anything else."""
         try:

@@ -1,6 +1,5 @@
 """A ROS domain of our own: no other run's messages get in, and ours get to nobody."""
 
-import fcntl
 import os
 import socket
 import tempfile
@@ -9,14 +8,15 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from lockstep.errors import InputError
-from lockstep.machine.domain import given_domain
+from lockstep.machine.domain import first_port, given_domain
+from lockstep.machine.locks import takes_lock
 
 # Domains 0 to 101 stay below Linux' ephemeral ports; 0 and the documented one of nodes that are
 # started one by one are everybody's.
 NODE_SCRIPTS_DOMAIN = 42
 _CANDIDATES = tuple(d for d in range(1, 102) if d != NODE_SCRIPTS_DOMAIN)
 # RTPS 2.2, 9.6.1.1: the first participant of a domain receives on these unicast ports.
-_PORT_BASE, _DOMAIN_GAIN, _UNICAST_OFFSETS = 7400, 250, (10, 11)
+_UNICAST_OFFSETS = 10, 11
 
 
 @contextmanager
@@ -35,7 +35,7 @@ def own_domain(avoid: frozenset[int] = frozenset()) -> Iterator[int]:
         if domain in avoid:
             continue
         with _lock_path(domain).open("w") as lock:
-            if _is_locked(lock.fileno()) or not is_silent(domain):
+            if not takes_lock(lock) or not is_silent(domain):
                 continue
             yield domain
             return
@@ -46,20 +46,12 @@ def _lock_path(domain: int) -> Path:
     return Path(tempfile.gettempdir()) / f"active_binocular_vision_{os.getuid()}_{domain}.lock"
 
 
-def _is_locked(file: int) -> bool:
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    return False
-
-
 def is_silent(domain: int) -> bool:
     """Return whether nobody on this machine is in the domain."""
     for offset in _UNICAST_OFFSETS:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:
-                probe.bind(("", _PORT_BASE + _DOMAIN_GAIN * domain + offset))
+                probe.bind(("", first_port(domain) + offset))
             except OSError:
                 return False
     return True

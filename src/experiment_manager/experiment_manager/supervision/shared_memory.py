@@ -10,11 +10,10 @@ import re
 import time
 from pathlib import Path
 
+from lockstep.machine.domain import N_PORTS, first_port
 from lockstep.machine.unfinished_ports import DIRECTORY, is_locked
 
 _SEGMENT = re.compile(r"^(fastrtps_[0-9a-f]{16})(_el)?$")
-# RTPS 2.2, 9.6.1.1: a domain's ports begin at 7400 + 250 times its number.
-_PORT_BASE, _DOMAIN_GAIN = 7400, 250
 # A file this young may belong to a node that is about to lock it.
 _YOUNG_S = 5.0
 
@@ -42,9 +41,9 @@ def remove_ports(domain: int, directory: Path = DIRECTORY) -> int:
 
     In a domain with others, somebody may still send to a port whose listener died: leave those.
     """
-    first = _PORT_BASE + _DOMAIN_GAIN * domain
+    first = first_port(domain)
     n_removed = 0
-    for number in range(first, first + _DOMAIN_GAIN):
+    for number in range(first, first + N_PORTS):
         port = directory / f"fastrtps_port{number}"
         lock = directory / f"{port.name}_el"
         if not port.exists() or (lock.exists() and is_locked(lock)):

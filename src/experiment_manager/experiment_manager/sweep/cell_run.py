@@ -3,7 +3,6 @@
 The lock on the log is the kernel's: it is gone with the last process that has the file open.
 """
 
-import fcntl
 import os
 import signal
 import subprocess
@@ -11,7 +10,6 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import BinaryIO
 
 from experiment_manager.measures.results import read_results
 from experiment_manager.run.described_run import DescribedRun
@@ -19,6 +17,7 @@ from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
 from experiment_manager.sweep.sweep_file import Cell
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_FAULT, EXIT_INTERRUPTED
+from lockstep.machine.locks import takes_lock
 
 # Who only looks whether a log is held holds it for a moment.
 _N_TRIES, _BETWEEN_TRIES_S = 5, 0.1
@@ -53,7 +52,7 @@ class CellRun:
         if not self.log.exists():
             return False
         with self.log.open("rb") as log:
-            return not _locked(log, fcntl.LOCK_SH)
+            return not takes_lock(log, shared=True)
 
     def failure(self) -> str:
         """Return why it failed the last time, "" when it did not, or was only stopped."""
@@ -83,7 +82,7 @@ class CellRun:
         self.log.parent.mkdir(parents=True, exist_ok=True)
         with self.log.open("ab") as log:
             for _ in range(_N_TRIES):
-                if _locked(log, fcntl.LOCK_EX):
+                if takes_lock(log):
                     break
                 time.sleep(_BETWEEN_TRIES_S)
             else:
@@ -118,11 +117,3 @@ def is_failure(code: int, *, interrupted: bool) -> bool:
     if interrupted:
         return code in (EXIT_BAD_INPUT, EXIT_FAULT)
     return code not in (0, EXIT_INTERRUPTED)
-
-
-def _locked(log: BinaryIO, kind: int) -> bool:
-    try:
-        fcntl.flock(log, kind | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    return True

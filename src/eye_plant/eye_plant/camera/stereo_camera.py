@@ -48,7 +48,7 @@ class StereoCamera:
             _check_picture(i_texture, texture)
         self.n_stimuli = len(self._i_textures)
         self._renderer = _make_renderer(config, eye_height_m, textures)
-        self._manipulate_as(config)
+        self._take_settings_of(config)
 
     def reconfigure(self, config: CameraConfig) -> None:
         """Take other settings, of the same renderer and size of pictures; the stimuli stay.
@@ -56,9 +56,9 @@ class StereoCamera:
         Raises GraphicsError, having changed nothing, when this machine cannot draw them.
         """
         self._renderer.reconfigure(config, _drawn_size_px(config))
-        self._manipulate_as(config)
+        self._take_settings_of(config)
 
-    def _manipulate_as(self, config: CameraConfig) -> None:
+    def _take_settings_of(self, config: CameraConfig) -> None:
         self._config = config
         drawn_px, kept_px = _drawn_size_px(config), (config.roi_width_px, config.roi_height_px)
         self._blurs = [

@@ -9,12 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from eye_plant.stimuli.cache import load_generated, n_missing
-from eye_plant.stimuli.directory import (
-    ChosenFiles,
-    choose_files,
-    choose_test_files,
-    read_picture,
-)
+from eye_plant.stimuli.directory import ChosenFiles, choose_files, choose_test_files, read_picture
 from eye_plant.stimuli.stereograms import Stereogram
 from lockstep.settings import check_settings, setting
 

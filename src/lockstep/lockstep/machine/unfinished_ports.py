@@ -7,13 +7,13 @@ meanwhile would hang every node that starts later on this machine, since all of 
 """
 
 import contextlib
-import fcntl
 import re
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 from lockstep.errors import InputError
+from lockstep.machine.locks import takes_lock
 
 DIRECTORY = Path("/dev/shm")
 # Making one takes microseconds, so that a machine with far too much to do still gets there.
@@ -52,10 +52,7 @@ def remove_unfinished_ports(
 def is_locked(lock: Path) -> bool:
     """Return whether a process holds a lock file locked."""
     with contextlib.suppress(FileNotFoundError, PermissionError), lock.open("rb") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return True
+        return not takes_lock(file)
     return False
 
 

@@ -52,9 +52,7 @@ class RequestServer:
         node.create_service(SetParametersAtomically, service_name(node.get_name()), self._answer)
 
     def _answer(
-        self,
-        request: SetParametersAtomically.Request,
-        response: SetParametersAtomically.Response,
+        self, request: SetParametersAtomically.Request, response: SetParametersAtomically.Response
     ) -> SetParametersAtomically.Response:
         try:
             self._handle(_arguments_of(request))

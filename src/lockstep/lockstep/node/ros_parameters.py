@@ -8,13 +8,7 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 
 from lockstep import configuration
-from lockstep.settings import (
-    LARGEST_INTEGER,
-    LEAST_INTEGER,
-    Declaration,
-    Setting,
-    declarations,
-)
+from lockstep.settings import LARGEST_INTEGER, LEAST_INTEGER, Declaration, Setting, declarations
 
 Config = TypeVar("Config")
 

@@ -27,19 +27,18 @@ class HindsightConfig:
         "whether the covariance of the residuals sets the noise and the commands at the limits;"
         " otherwise the noise keeps its initial variance (D16)",
     )
-    scatter_until: tuple[float, ...] = setting(
-        (0.0, 0.0),
-        "shares of training between which the covariance of an episode's weighted places, which"
-        " is added to that of the noise, falls to 0 (D20)",
+    noise_narrows: tuple[float, ...] = setting(
+        (1.0, 1.0),
+        "shares of training from and to which the noise narrows to a tenth of its width (D20)",
         least=0,
         most=1,
         is_interval=True,
     )
-    temperature: float = setting(
-        0.0,
-        "temperature of the weighted mean that is the target, in standard deviations of the"
-        " episode's rewards; 0: the target is the best place (D20)",
-        least=0,
+    n_best: int = setting(
+        1,
+        "number of the best places of an episode whose mean, weighted by rank, is the target, and"
+        " whose noise is tried again; 1: the best place alone (D20)",
+        least=1,
     )
     target_scale: float = setting(
         0.005,
@@ -71,10 +70,6 @@ class HindsightConfig:
     def __post_init__(self) -> None:
         """Refuse values out of range."""
         check_settings(self)
-        if any(self.scatter_until) and not self.temperature:
-            raise InputError(
-                "scatter_until: expected a temperature above 0, whose places scatter, got 0"
-            )
 
     def check_fits(self, iterations_per_episode: int) -> None:
         """Raise InputError unless whole episodes of two iterations or more fit a period."""
@@ -82,6 +77,11 @@ class HindsightConfig:
             raise InputError(
                 "iterations_per_episode: expected 2 or more, whose rewards hindsight regression "
                 f"compares, got {iterations_per_episode}"
+            )
+        if not self.n_best < iterations_per_episode:
+            raise InputError(
+                f"hindsight.n_best: expected less than {iterations_per_episode} (iterations per "
+                f"episode), got {self.n_best}"
             )
         if self.regression_period % iterations_per_episode:
             raise InputError(

@@ -78,18 +78,15 @@ def kept_share(n_visits: int, memory: float) -> float:
     return float(np.exp(-n_visits / memory))
 
 
-def weights_of(rewards: Floats, temperature: float) -> Floats:
-    """Return the weights, (n_visits,), of an episode's places in its target; they add up to 1.
+def weights_of_ranks(n_best: int) -> Floats:
+    """Return the weights, (n_best,), of an episode's best places in its target, the best one first.
 
-    exp((r - max r) / (temperature SD of r)) of rewards (n_visits,), temperature above 0: the best
-    of ten places in many dimensions is a noisier target than their weighted mean (Peters & Schaal
-    2007). Places with the same reward count alike.
+    In proportion to ln(n_best + 1/2) - ln(rank), rank 1 for the best; they add up to 1 (Hansen &
+    Ostermeier 2001). Ranks weigh alike whether rewards differ by much, early in training, or
+    hardly.
     """
-    spread = temperature * float(rewards.std())
-    if not spread > 0.0:
-        return np.full(len(rewards), 1.0 / len(rewards))
-    weights: Floats = np.exp((rewards - rewards.max()) / spread)
-    return weights / weights.sum()
+    weights = np.log(n_best + 0.5) - np.log(np.arange(1, n_best + 1))
+    return np.asarray(weights / weights.sum(), dtype=np.float64)
 
 
 def regressed_actor(sums: Sums, ridge_share: float) -> Floats:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,10 +19,27 @@ from vergence_rl.hindsight.regression import (
     regressed_actor,
     residual_covariance,
     root_of,
-    weights_of,
+    weights_of_ranks,
 )
 from vergence_rl.learning_rule import Decision, Floats, Observation, Task
 from vergence_rl.td import td_variance
+
+# Narrower noise finds out nothing more; wider noise is cut off at the limits of silent muscles, so
+# that its mean is not 0, which the actor learns to make up for.
+_LEAST_WIDTH = 0.1
+
+
+@dataclass(frozen=True)
+class _Visit:
+    """One place of an episode.
+
+    asked: (n_muscles,) activations that led to it, before the limits; at the episode's start its
+    own. noise: (n_muscles,) their exploration, before it was narrowed.
+    """
+
+    seen: Observation
+    asked: Floats
+    noise: Floats
 
 
 class HindsightRule:
@@ -41,14 +59,15 @@ class HindsightRule:
         self._weights = np.zeros((task.n_muscles, task.n_state))
         self._begin()
         self._td_variance = task.initial_td_variance
-        self._visits: list[Observation] = []
+        self._visits: list[_Visit] = []
+        self._asked = self._noise = np.zeros(task.n_muscles)
 
     def _begin(self) -> None:
         """Know nothing but the first noise."""
         n_state = self._task.n_state
         self._covariance = self._first.covariance
         self._sums = first_sums(n_state, self._covariance, self._config.least_memory)
-        self._scatter = np.zeros_like(self._covariance)
+        self._selected = self._covariance.copy()
 
     def step(
         self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
@@ -60,13 +79,13 @@ class HindsightRule:
         else:
             self._visits.clear()
         action = self._weights @ observation.state
+        self._noise = np.zeros_like(action)
         if draw is not None:
-            # Of the residuals' covariance (D16).
-            noise = draw.normal(0.0, 1.0, len(action))
-            action = action + root_of(self._covariance) @ noise
-        wanted = observation.activations + action
+            self._noise = root_of(self._covariance) @ draw.normal(0.0, 1.0, len(action))
+            action = action + self._width(observation.training_iteration) * self._noise
+        self._asked = observation.activations + action
         return Decision(
-            within_limits(wanted, self._covariance, *self._limits),
+            within_limits(self._asked, self._covariance, *self._limits),
             action,
             value,
             delta,
@@ -78,19 +97,20 @@ class HindsightRule:
     def _collect(self, observation: Observation) -> tuple[float, float]:
         """Return the largest reward of the episode, and by how much the last exceeds the others."""
         visits = self._visits
-        if visits and observation.follows(visits[-1]):
+        if visits and observation.follows(visits[-1].seen):
             self.learning_steps += 1
         else:
             visits.clear()
+            self._asked = observation.activations
         delta = math.nan
         if visits:
-            delta = observation.reward - max(visit.reward for visit in visits)
+            delta = observation.reward - max(visit.seen.reward for visit in visits)
             rate = self._task.td_variance_rate
             self._td_variance = td_variance(self._td_variance, delta, rate)
-        visits.append(observation)
+        visits.append(_Visit(observation, self._asked, self._noise))
         if len(visits) == self._task.iterations_per_episode == observation.iteration + 1:
             self._learn_from_episode(observation.training_iteration + 1)
-        return max(visit.reward for visit in visits), delta
+        return max(visit.seen.reward for visit in visits), delta
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return actor, sums and residuals, as copies; of symmetric squares the upper triangle."""
@@ -103,7 +123,7 @@ class HindsightRule:
             "sum_targets": self._sums.targets.copy(),
             "sum_weight": np.array(self._sums.weight),
             "td_variance": np.array(self._td_variance),
-            **({"scatter": self._scatter.copy()} if self._config.temperature else {}),
+            **({"selected_noise": self._selected.copy()} if self._config.n_best > 1 else {}),
             **self._first.state(),
         }
 
@@ -122,8 +142,8 @@ class HindsightRule:
         self._weights = state["actor"].copy()
         self._first.restore(state)
         self._covariance = state["covariance"].copy()
-        if self._config.temperature:
-            self._scatter = state["scatter"].copy()
+        if self._config.n_best > 1:
+            self._selected = state["selected_noise"].copy()
         self.learning_steps = int(state["learning_steps"])
         self._td_variance = float(state["td_variance"])
         self._visits.clear()
@@ -134,40 +154,52 @@ class HindsightRule:
         n_seen: training iterations by now.
         """
         config = self._config
-        states = np.array([visit.state for visit in self._visits])
-        visited = np.array([visit.activations for visit in self._visits])
+        states = np.array([visit.seen.state for visit in self._visits])
+        visited = np.array([visit.seen.activations for visit in self._visits])
         if not self._first.is_known:
             if self._first.add(visited[0]):
                 self._begin()
             return
+        order = np.argsort([-visit.seen.reward for visit in self._visits], kind="stable")
         kept = self._kept_share(n_seen)
-        aim = self._aim(visited, kept)
-        wanted = visited + states @ self._weights.T
-        targets = freed_targets(aim, wanted, self._covariance, *self._limits) - visited
+        if config.n_best == 1:
+            aim = visited[order[0]]
+            wanted = visited + states @ self._weights.T
+            targets = freed_targets(aim, wanted, self._covariance, *self._limits) - visited
+        else:
+            aim = self._mean_of_best(order, kept)
+            targets = aim - visited
         weights = nearness((aim - visited) @ self._first.metric, config.target_scale)
         self._sums.add(states, targets, weights, kept=kept)
         if n_seen % config.regression_period == 0:
             ridge_share = config.ridge_share + config.ridge_visits / self._memory(n_seen)
             self._weights = regressed_actor(self._sums, ridge_share)
             if config.exploration_follows_residuals:
-                self._covariance = residual_covariance(self._sums, self._weights)
-                self._covariance += self._scatter_share(n_seen) * self._scatter
+                self._covariance = (
+                    residual_covariance(self._sums, self._weights)
+                    if config.n_best == 1
+                    else self._selected.copy()
+                )
 
-    def _aim(self, visited: Floats, kept: float) -> Floats:
-        """Return the place (n_muscles,) that an episode teaches, and take note of its scatter."""
-        rewards = np.array([visit.reward for visit in self._visits])
-        if not self._config.temperature:
-            return visited[np.argmax(rewards)]
-        weights = weights_of(rewards, self._config.temperature)
-        aim: Floats = weights @ visited
-        deviations = visited - aim
-        self._scatter = kept * self._scatter + (1.0 - kept) * (weights * deviations.T) @ deviations
+    def _mean_of_best(self, order: NDArray[np.intp], kept: float) -> Floats:
+        """Return the mean (n_muscles,) of the best places by rank, and note which noise led there.
+
+        order: (n_visits,) from the best place to the worst. Places count as they were asked for:
+        within the limits, noise about a silent muscle has a mean above silence. The first place is
+        nobody's noise.
+        """
+        n_best = self._config.n_best
+        weights = weights_of_ranks(n_best)
+        asked = np.array([visit.asked for visit in self._visits])[order[:n_best]]
+        noise = np.array([visit.noise for visit in self._visits])[order[order > 0][:n_best]]
+        self._selected = kept * self._selected + (1.0 - kept) * (weights * noise.T) @ noise
+        aim: Floats = weights @ asked
         return aim
 
-    def _scatter_share(self, n_seen: int) -> float:
-        """Return the share of the scatter that is part of the noise, falling from 1 to 0."""
+    def _width(self, n_seen: int) -> float:
+        """Return the noise's width, of that of its covariance."""
         done = n_seen / self._task.n_training_iterations
-        return float(np.interp(done, self._config.scatter_until, (1.0, 0.0)))
+        return float(np.interp(done, self._config.noise_narrows, (1.0, _LEAST_WIDTH)))
 
     def _kept_share(self, n_seen: int) -> float:
         return kept_share(self._task.iterations_per_episode, self._memory(n_seen))

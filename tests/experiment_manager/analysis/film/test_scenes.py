@@ -35,7 +35,4 @@ def test_where_no_episode_starts_with_an_error_all_are_shown() -> None:
 
 def test_trials_are_shown_rather_than_training() -> None:
     episodes = [_episode(0, 2, 1.0), _episode(0, -1, 2.0), _episode(50, -1, 2.0)]
-    assert _chosen(episodes) == [
-        ("before learning", [2]),
-        ("after 50 training iterations", [-1]),
-    ]
+    assert _chosen(episodes) == [("before learning", [2]), ("after 50 training iterations", [-1])]

@@ -16,7 +16,7 @@ from eye_plant.stimuli.noise import octaves_noise
 from eye_plant.stimuli.stimulus_set import StimulusSet
 
 EYE_HEIGHT_M = 1.7
-N_POSES = 200
+N_POSES = 60
 STIMULUS_SIZES_PX = ((1920, 1920), (1111, 700), (64, 64), (1, 1))  # width, height
 # Of eleven settings, each with N_POSES random poses, distances and stimuli.
 SETTINGS: dict[str, dict[str, Any]] = {
@@ -101,11 +101,7 @@ def seams(config: CameraConfig, view: RandomView, i_eye: int, shape: tuple[int, 
     """
     found = np.zeros((config.height_px, config.width_px), bool)
     plane_m = view.distance_m, config.plane_size_m, config.plane_size_m
-    landscape_m = (
-        config.landscape_distance_m,
-        config.landscape_width_m,
-        config.landscape_height_m,
-    )
+    landscape_m = (config.landscape_distance_m, config.landscape_width_m, config.landscape_height_m)
     for surface_m, texture_px in (
         (plane_m, drawn_size_px(config, view)),
         (landscape_m, (2600, 800)),

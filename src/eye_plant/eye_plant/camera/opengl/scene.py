@@ -78,13 +78,7 @@ def build_scene(model: mujoco.MjModel) -> mujoco.MjvScene:
     mujoco.mj_forward(model, data)
     scene = mujoco.MjvScene(model, model.ngeom)
     mujoco.mjv_updateScene(
-        model,
-        data,
-        mujoco.MjvOption(),
-        None,
-        mujoco.MjvCamera(),
-        mujoco.mjtCatBit.mjCAT_ALL,
-        scene,
+        model, data, mujoco.MjvOption(), None, mujoco.MjvCamera(), mujoco.mjtCatBit.mjCAT_ALL, scene
     )
     scene.nlight = 0
     scene.flags[:] = 0

@@ -10,8 +10,8 @@ from sensor_msgs.msg import JointState
 from eye_plant.camera.opengl.offscreen import GraphicsError
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
-from eye_plant.node_free_running import FreeRunning
-from eye_plant.node_publisher import ObservationPublisher
+from eye_plant.node.free_running import FreeRunning
+from eye_plant.node.publisher import ObservationPublisher
 from eye_plant.observation import Observation
 from eye_plant.plant import EyePlant
 from lockstep.errors import InputError
@@ -155,7 +155,3 @@ class EyePlantNode(Node):
 def main() -> None:
     """Run the node until it is told to stop."""
     sys.exit(run_node(EyePlantNode))
-
-
-if __name__ == "__main__":
-    main()

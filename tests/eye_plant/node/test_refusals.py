@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState
 
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from eye_plant.node import EyePlantNode
+from eye_plant.node.plant_node import EyePlantNode
 from lockstep.wire.topics import (
     GROUND_TRUTH_NAMES,
 )

@@ -8,7 +8,7 @@ import pytest
 from sensor_msgs.msg import Image, JointState
 
 from eye_plant.config import FreeRunningConfig
-from eye_plant.node import EyePlantNode
+from eye_plant.node.plant_node import EyePlantNode
 from lockstep.errors import InputError
 from lockstep.wire.topics import EYE_STATE_NAMES, PICTURES, PLANT_VECTORS
 from lockstep.wire.vectors import vector_message

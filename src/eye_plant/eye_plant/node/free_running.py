@@ -10,7 +10,7 @@ from sensor_msgs.msg import JointState
 from eye_plant.commands import target_activations
 from eye_plant.config import EyePlantConfig, FreeRunningConfig
 from eye_plant.episode import Episode
-from eye_plant.node_publisher import ObservationPublisher
+from eye_plant.node.publisher import ObservationPublisher
 from eye_plant.plant import EyePlant
 from lockstep.errors import InputError
 from lockstep.node.diagnostics import Diagnostics

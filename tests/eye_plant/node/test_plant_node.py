@@ -8,7 +8,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, JointState
 
 from eye_plant.config import EyePlantConfig
-from eye_plant.node import EyePlantNode
+from eye_plant.node.plant_node import EyePlantNode
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimuliConfig
 from lockstep.command_space import MUSCLE_NAMES
@@ -143,37 +143,6 @@ def test_the_last_observation_is_repeated_until_the_next_episode(bench: Bench) -
     begin(bench, first_observation=48)
     bench.wait_distinct("left/image_raw", 4)
     assert distinct_numbers(bench, "left/image_raw") == [44, 45, 46, 48]
-
-
-def test_an_episode_starts_from_nothing(bench: Bench) -> None:
-    begin(bench)
-    first = bench.wait_heard("muscle_states", 1)[0]
-    send_command(bench, 44, (0.2, 0.0))
-    bench.wait_heard("muscle_states", 2)
-    begin(bench, first_observation=60)
-    heard = bench.outsider.heard["muscle_states"]
-    bench.graph.spin_until(
-        lambda: 60 in observation_numbers(bench, "muscle_states"), "the next episode"
-    )
-    again = heard[observation_numbers(bench, "muscle_states").index(60)]
-    assert (again.position, again.velocity, again.effort) == (
-        first.position,
-        first.velocity,
-        first.effort,
-    )
-
-
-def test_a_repeated_request_is_acknowledged_and_does_not_begin_again(bench: Bench) -> None:
-    begin(bench)
-    bench.wait_heard("episode", 1)
-    send_command(bench, 44)
-    bench.graph.spin_until(lambda: 45 in observation_numbers(bench, "episode"), "the answer")
-    assert begin(bench) == (True, "")
-    # A second start would bring observation 44 again before the answer to 45.
-    send_command(bench, 45)
-    bench.graph.spin_until(lambda: 46 in observation_numbers(bench, "episode"), "the next answer")
-    numbers = observation_numbers(bench, "episode")
-    assert numbers == sorted(numbers)
 
 
 def test_older_and_repeated_commands_move_nothing(bench: Bench) -> None:
