@@ -102,8 +102,11 @@ def legend_below(figure: Figure, handles: Sequence[Any]) -> None:
 
 
 def mark_level(axes: Axes, level: float, name: str) -> None:
-    """Draw a dotted line at a height of the axes; its name stands to the right of them."""
+    """Draw a dotted line at a height of the axes, if in sight; its name stands to the right."""
     axes.axhline(level, color=GREY, lw=0.8, ls=":", zorder=1)
+    low, high = axes.get_ylim()
+    if not low <= level <= high:
+        return
     axes.annotate(
         name,
         (1.0, level),
