@@ -12,10 +12,10 @@ from string import ascii_lowercase
 from typing import Any
 
 import matplotlib as mpl
-from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.rcsetup import cycler
 
 WIDTH_IN = 8.0
 SMALLEST_PT = 8.0
