@@ -62,10 +62,10 @@ def test_horizontal_recti_begin_with_what_they_turn() -> None:
     [
         (
             {
-                "experiment_manager.protocol.start_version_deg": [20.0, 20.0],
-                "vergence_rl.highest_activations": [0.05],
+                "experiment_manager.protocol.start_version_deg": [13.9, 0.0],
+                "vergence_rl.highest_activations": [0.03],
             },
-            r"reach a version of -20\.00 deg with a horizontal error of -3\.00, a vertical ",
+            r"reach a version of -13\.90 deg with a horizontal error of -3\.00, a vertical ",
         ),
         (
             {"vergence_rl.highest_activations": [0.01]},

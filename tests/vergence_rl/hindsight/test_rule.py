@@ -23,9 +23,7 @@ CONFIG = VergenceRlConfig(
 MEAN = dataclasses.replace(
     CONFIG,
     n_training_iterations=400,
-    hindsight=dataclasses.replace(
-        CONFIG.hindsight, n_best=3, noise_narrows=(0.25, 0.75), ridge_visits=30.0
-    ),
+    hindsight=dataclasses.replace(CONFIG.hindsight, n_best=3, ridge_visits=30.0),
 )
 HIGHEST = np.array([0.2, 0.1])
 Floats = NDArray[np.float64]
@@ -81,10 +79,17 @@ class SlowRule:
         self.selected = share * self.selected
         for w, visit in zip(weights, moved, strict=False):
             self.selected = self.selected + (1.0 - share) * w * np.outer(visit[4], visit[4])
-        mean: Floats = sum(
-            (w * visit[3] for w, visit in zip(weights, by_reward, strict=False)), np.zeros(2)
-        )
-        return mean
+        ranked = list(zip(weights, by_reward, strict=False))
+        place: Floats = sum((w * visit[1] for w, visit in ranked), np.zeros(2))
+        asked: Floats = sum((w * visit[3] for w, visit in ranked), np.zeros(2))
+        held = [k for k in (0, 1) if not 0.0 <= asked[k] <= HIGHEST[k]]
+        if len(held) == 2:
+            return asked
+        for k in held:
+            slope = self.covariance[1 - k, k] / self.covariance[k, k]
+            place[1 - k] += slope * (asked[k] - place[k])
+            place[k] = asked[k]
+        return place
 
     def aim(self, best: Floats, wanted: Floats) -> Floats:
         held = [
@@ -147,10 +152,7 @@ def test_agrees_with_a_slow_rule_that_keeps_all_visits(config: VergenceRlConfig)
         slow.learn(state, place, reward, now % 5, now)
         noise = generator(1, "exploration", now).normal(0.0, 1.0, 2)
         slow.noise = root_of(slow.covariance) @ noise
-        width = 1.0
-        if config is MEAN:  # from 1 to 0.1 between a quarter and three quarters of 400
-            width = min(1.0, max(0.1, 1.0 - 0.9 * (now - 100) / 200))
-        action = slow.actor @ state + width * slow.noise
+        action = slow.actor @ state + slow.noise
         slow.asked = place + action
         np.testing.assert_allclose(got.action, action, rtol=1e-6, atol=1e-9)
         wanted = place + action

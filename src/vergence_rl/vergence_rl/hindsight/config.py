@@ -27,13 +27,6 @@ class HindsightConfig:
         "whether the covariance of the residuals sets the noise and the commands at the limits;"
         " otherwise the noise keeps its initial variance (D16)",
     )
-    noise_narrows: tuple[float, ...] = setting(
-        (1.0, 1.0),
-        "shares of training from and to which the noise narrows to a tenth of its width (D20)",
-        least=0,
-        most=1,
-        is_interval=True,
-    )
     n_best: int = setting(
         1,
         "number of the best places of an episode whose mean, weighted by rank, is the target, and"

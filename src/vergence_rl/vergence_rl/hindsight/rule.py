@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vergence_rl.hindsight.config import HindsightConfig
-from vergence_rl.hindsight.limits import freed_targets, within_limits
+from vergence_rl.hindsight.limits import freed_targets, made_up, within_limits
 from vergence_rl.hindsight.noise import FirstNoise
 from vergence_rl.hindsight.regression import (
     Sums,
@@ -24,17 +24,13 @@ from vergence_rl.hindsight.regression import (
 from vergence_rl.learning_rule import Decision, Floats, Observation, Task
 from vergence_rl.td import td_variance
 
-# Narrower noise finds out nothing more; wider noise is cut off at the limits of silent muscles, so
-# that its mean is not 0, which the actor learns to make up for.
-_LEAST_WIDTH = 0.1
-
 
 @dataclass(frozen=True)
 class _Visit:
     """One place of an episode.
 
     asked: (n_muscles,) activations that led to it, before the limits; at the episode's start its
-    own. noise: (n_muscles,) their exploration, before it was narrowed.
+    own. noise: (n_muscles,) their exploration.
     """
 
     seen: Observation
@@ -82,7 +78,7 @@ class HindsightRule:
         self._noise = np.zeros_like(action)
         if draw is not None:
             self._noise = root_of(self._covariance) @ draw.normal(0.0, 1.0, len(action))
-            action = action + self._width(observation.training_iteration) * self._noise
+            action = action + self._noise
         self._asked = observation.activations + action
         return Decision(
             within_limits(self._asked, self._covariance, *self._limits),
@@ -167,7 +163,7 @@ class HindsightRule:
             wanted = visited + states @ self._weights.T
             targets = freed_targets(aim, wanted, self._covariance, *self._limits) - visited
         else:
-            aim = self._mean_of_best(order, kept)
+            aim = self._mean_of_best(order, visited, kept)
             targets = aim - visited
         weights = nearness((aim - visited) @ self._first.metric, config.target_scale)
         self._sums.add(states, targets, weights, kept=kept)
@@ -181,25 +177,21 @@ class HindsightRule:
                     else self._selected.copy()
                 )
 
-    def _mean_of_best(self, order: NDArray[np.intp], kept: float) -> Floats:
-        """Return the mean (n_muscles,) of the best places by rank, and note which noise led there.
+    def _mean_of_best(self, order: NDArray[np.intp], visited: Floats, kept: float) -> Floats:
+        """Return the target (n_muscles,) of the best places, and note which noise led there.
 
-        order: (n_visits,) from the best place to the worst. Places count as they were asked for:
-        within the limits, noise about a silent muscle has a mean above silence. The first place is
-        nobody's noise.
+        order: (n_visits,) from the best place to the worst. Where the best places were asked for
+        beyond a limit on average, the target stays there, and the other muscles make up for it.
+        The first place is nobody's noise.
         """
         n_best = self._config.n_best
-        weights = weights_of_ranks(n_best)
-        asked = np.array([visit.asked for visit in self._visits])[order[:n_best]]
+        weights, best = weights_of_ranks(n_best), order[:n_best]
         noise = np.array([visit.noise for visit in self._visits])[order[order > 0][:n_best]]
         self._selected = kept * self._selected + (1.0 - kept) * (weights * noise.T) @ noise
-        aim: Floats = weights @ asked
-        return aim
-
-    def _width(self, n_seen: int) -> float:
-        """Return the noise's width, of that of its covariance."""
-        done = n_seen / self._task.n_training_iterations
-        return float(np.interp(done, self._config.noise_narrows, (1.0, _LEAST_WIDTH)))
+        asked: Floats = weights @ np.array([visit.asked for visit in self._visits])[best]
+        place: Floats = weights @ visited[best]
+        held = (asked < self._task.lowest) | (asked > self._task.highest)
+        return made_up(place, asked, self._covariance, held) if held.any() else place
 
     def _kept_share(self, n_seen: int) -> float:
         return kept_share(self._task.iterations_per_episode, self._memory(n_seen))
