@@ -37,7 +37,6 @@ STYLE: dict[str, Any] = {
     "legend.fontsize": 8.5,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "axes.prop_cycle": cycler(color=[BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE]),
     "legend.frameon": False,
     "lines.linewidth": 1.4,
 }
