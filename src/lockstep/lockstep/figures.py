@@ -15,7 +15,6 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.rcsetup import cycler
 
 WIDTH_IN = 8.0
 SMALLEST_PT = 8.0
