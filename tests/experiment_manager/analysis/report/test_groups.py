@@ -60,8 +60,8 @@ def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(runs, monkeyp
         document["/**/experiment_manager"] = {"ros__parameters": {"profile": profile}}
         monkeypatch.setattr(one, "configuration", yaml.safe_dump(document))
     first, second = groups_of([run, other])
-    assert first.label.endswith("$, profile paper, 1 run")
-    assert second.label.endswith("$, profile precise, 1 run")
+    assert first.label.endswith(", profile paper, 1 run")
+    assert second.label.endswith(", profile precise, 1 run")
     assert second.name == "M, profile precise"
     # Where runs of one profile differ, it does not say in what.
     third = ReportedRun(run.directory)
