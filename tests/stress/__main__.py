@@ -277,37 +277,30 @@ def _outcome(name: str, part: Callable[[], Outcome]) -> Outcome:
         return Outcome(name, {}, [f"{type(error).__name__}: {error}"])
 
 
+# How much of each part is done unless the command line says otherwise, in the order of the seeds.
+_AMOUNTS = {
+    "kills": (40, "nodes to kill"),
+    "inputs": (30_000, "hostile inputs"),
+    "cuts": (0, "cuts; needs root"),
+    "jumps": (0, "clock jumps"),
+    "soak": (200_000, "iterations of a long run"),
+    "start kills": (10, "kills of starting nodes"),
+    "memory limits": (10, "memory limits"),
+}
+
+
 def _parser() -> argparse.ArgumentParser:
     line = argparse.ArgumentParser(
         prog="torture.sh", description="Run the long tests of reliability."
     )
-    line.add_argument(
-        "--kills", type=int, default=40, metavar="N", help="nodes to kill (default 40)"
-    )
-    line.add_argument(
-        "--inputs", type=int, default=30_000, metavar="N", help="hostile inputs (default 30000)"
-    )
-    line.add_argument(
-        "--soak",
-        type=int,
-        default=200_000,
-        metavar="N",
-        help="iterations of a long run (default 200000)",
-    )
-    line.add_argument(
-        "--cuts", type=int, default=0, metavar="N", help="cuts; needs root (default 0)"
-    )
-    line.add_argument("--jumps", type=int, default=0, metavar="N", help="clock jumps (default 0)")
-    line.add_argument(
-        "--start-kills",
-        type=int,
-        default=10,
-        metavar="N",
-        help="kills of starting nodes (default 10)",
-    )
-    line.add_argument(
-        "--memory-limits", type=int, default=10, metavar="N", help="memory limits (default 10)"
-    )
+    for name, (default, text) in _AMOUNTS.items():
+        line.add_argument(
+            f"--{name.replace(' ', '-')}",
+            type=int,
+            default=default,
+            metavar="N",
+            help=f"{text} (default {default})",
+        )
     line.add_argument("--seed", type=int, default=1, metavar="S", help="of all random draws")
     line.add_argument(
         "--totals",
@@ -368,21 +361,8 @@ def _left(wanted: Mapping[str, int], totals: Totals) -> dict[str, int]:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the parts asked for, slice by slice; return 0 when all held."""
     options = _parser().parse_args(argv)
-    wanted = dict(
-        zip(
-            _PARTS,
-            (
-                options.kills,
-                options.inputs,
-                options.cuts,
-                options.jumps,
-                options.soak,
-                options.start_kills,
-                options.memory_limits,
-            ),
-            strict=True,
-        )
-    )
+    amounts = [getattr(options, name.replace(" ", "_")) for name in _AMOUNTS]
+    wanted = dict(zip(_PARTS, amounts, strict=True))
     try:
         totals = Totals(options.totals, options.seed)
     except InputError as error:

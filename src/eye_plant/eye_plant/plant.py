@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from eye_plant.camera.stereo_camera import StereoCamera
 from eye_plant.commands import target_activations
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.episode import Episode
@@ -14,6 +13,7 @@ from eye_plant.gaze_error import gaze_error, listing_torsion_deg
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.oculomotor import Oculomotor, OculomotorState
 from eye_plant.observation import GroundTruth, Observation
+from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli
 from lockstep.command_space import PAIR
 from lockstep.errors import InputError

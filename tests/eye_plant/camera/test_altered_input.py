@@ -8,8 +8,8 @@ import pytest
 
 from eye_plant.camera.blur import Blur
 from eye_plant.camera.config import RENDERERS, CameraConfig
-from eye_plant.camera.stereo_camera import StereoCamera
 from eye_plant.geometry import desired_vergence_deg
+from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stereograms import Stereogram
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.errors import InputError

@@ -7,7 +7,7 @@ import pytest
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.opengl.offscreen import GraphicsError
-from eye_plant.camera.stereo_camera import StereoCamera
+from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.errors import InputError
 

@@ -6,12 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.opengl.offscreen import GraphicsError
-from eye_plant.camera.stereo_camera import CameraConfig, StereoCamera
 from eye_plant.geometry import desired_vergence_deg, disparity_px
 from eye_plant.inverse.pair import Inverse, pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
+from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from eye_plant.validation.passive_energy import passive_energy_j
 from eye_plant.validation.row import Row

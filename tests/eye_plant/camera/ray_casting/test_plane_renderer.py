@@ -11,7 +11,7 @@ import pytest
 
 from eye_plant.camera.config import MUJOCO, PLANE, CameraConfig
 from eye_plant.camera.mipmaps import wants_reduced
-from eye_plant.camera.stereo_camera import StereoCamera
+from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.noise import octaves_noise
 from eye_plant.stimuli.stimulus_set import StimulusSet
 
