@@ -1,3 +1,4 @@
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
@@ -10,6 +11,7 @@ from lockstep.errors import InputError
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.dictionary import learned_atoms
+from sparse_coder.perception import perceive
 
 Pair = tuple[NDArray[np.uint8], NDArray[np.uint8]]
 Pursuit = Callable[..., tuple[list[list[int]], NDArray[np.float64]]]
@@ -85,6 +87,21 @@ def test_dictionaries_come_to_rest_as_training_ends(stereo_pair: Pair) -> None:
         moved.append(float(np.abs(coder.atoms() - before).max()))
     assert min(moved[:4]) > 0.0
     assert moved[4:] == [0.0, 0.0]
+
+
+def test_a_price_rises_from_0_as_the_coder_learns(stereo_pair: Pair) -> None:
+    config = dataclasses.replace(
+        SMALL, n_training_iterations=8, metabolic_cost_weight=0.5, price_rise_share=0.5
+    )
+    coder, rate_w = SparseCoder(config), np.array([0.3, 0.1])
+    rewards, errors = [], []
+    for _ in range(6):
+        percept = perceive(coder, *stereo_pair, rate_w)
+        rewards.append(percept.reward)
+        errors.append(percept.encoding.reconstruction_error.sum())
+        coder.learn(percept.encoding)
+    prices = -(np.array(rewards) + errors) / 0.4
+    np.testing.assert_allclose(prices, [0.0, 0.125, 0.25, 0.375, 0.5, 0.5], atol=1e-12)
 
 
 def test_a_step_at_rate_zero_would_leave_the_bits_of_normalised_atoms(stereo_pair: Pair) -> None:

@@ -104,6 +104,15 @@ class SparseCoder:
         done = min(1.0, self.learning_steps / n_until_rest)
         return declining_rate(config.learning_rate, config.final_learning_rate_share, done)
 
+    @property
+    def metabolic_cost_weight(self) -> float:
+        """Lambda by now, in 1/W: eyes learn what to look at before saving is worth much (D21)."""
+        config = self.config
+        n_rising = config.price_rise_share * config.n_training_iterations
+        if self.learning_steps >= n_rising:
+            return config.metabolic_cost_weight
+        return config.metabolic_cost_weight * self.learning_steps / n_rising
+
     def atoms(self) -> NDArray[np.float32]:
         """Return a copy of the basis functions, (n_scales, n_bases, n_pixels)."""
         return np.stack([dictionary.atoms for dictionary in self._dictionaries])

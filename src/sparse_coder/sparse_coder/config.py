@@ -46,6 +46,12 @@ class SparseCoderConfig:
     metabolic_cost_weight: float = setting(
         0.0, "lambda of K17 eq. 5, price of energy in the reward; 0 in model M", "1/W", least=0
     )
+    price_rise_share: float = setting(
+        0.0,
+        "share of training over which that price rises linearly from 0 (D21); 0: it is constant",
+        least=0,
+        most=1,
+    )
 
     def __post_init__(self) -> None:
         """Refuse values out of range."""

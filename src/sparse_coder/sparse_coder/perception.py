@@ -41,7 +41,5 @@ def perceive(
     """
     encoding = coder.encode(left, right)
     metabolic_rate_w = float(metabolic_rates_w.sum())
-    reward_t = reward(
-        encoding.reconstruction_error, metabolic_rate_w, coder.config.metabolic_cost_weight
-    )
+    reward_t = reward(encoding.reconstruction_error, metabolic_rate_w, coder.metabolic_cost_weight)
     return Percept(encoding, metabolic_rate_w, reward_t, coder.learning_steps)

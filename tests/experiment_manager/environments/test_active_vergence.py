@@ -256,6 +256,7 @@ def test_bad_reset_options_are_one_error(bare, options, message) -> None:
     ("arguments", "message"),
     [
         ({"model": "M_D"}, "model: expected M or M_C, got 'M_D'"),
+        ({"profile": "thirteen"}, "profile: .*thirteen"),
         ({"settings": {"eye_plant.no_such": 1}}, "no_such"),
         (
             {"settings": {"nobody.seed": 1}},
@@ -280,13 +281,7 @@ def test_an_action_that_is_none_is_refused(bare: VergenceEnvironment, action: li
 
 
 def test_each_muscle_has_an_action_of_its_own(settings: dict[str, Any]) -> None:
-    own = settings | {
-        "eye_plant.mechanics.parameter_set": "anatomical",
-        "vergence_rl.command_space": "all_muscles",
-        "vergence_rl.lowest_activations": [0.0],
-        "vergence_rl.highest_activations": [0.2],
-    }
-    environment = gymnasium.make(IDS[1], model="M_C", settings=own)
+    environment = gymnasium.make(IDS[1], profile="twelve_m_c", settings=settings)
     check_env(environment.unwrapped, skip_render_check=True)
     before, info = environment.reset(seed=1)
     # More of the left superior rectus alone: that eye looks up, and is the higher one.

@@ -19,11 +19,15 @@ CONFIG = VergenceRlConfig(
     iterations_per_episode=5,
     hindsight=HindsightConfig(regression_period=20, least_memory=60.0),
 )
+# All actions move along the noise that led to the best place.
+DRIFTING = dataclasses.replace(
+    CONFIG, hindsight=dataclasses.replace(CONFIG.hindsight, drift_rate=0.1)
+)
 # The mean of the three best places, whose noise is tried again, and a larger penalty at first.
 MEAN = dataclasses.replace(
     CONFIG,
     n_training_iterations=400,
-    hindsight=dataclasses.replace(CONFIG.hindsight, n_best=3, ridge_visits=30.0),
+    hindsight=dataclasses.replace(CONFIG.hindsight, n_best=3, ridge_visits=30.0, drift_rate=0.05),
 )
 HIGHEST = np.array([0.2, 0.1])
 Floats = NDArray[np.float64]
@@ -39,7 +43,7 @@ class SlowRule:
         self.covariance = config.hindsight.exploration_variance * np.eye(2)
         self.prior = config.hindsight.least_memory
         self.selected = self.covariance.copy()
-        self.asked = self.noise = np.zeros(2)
+        self.asked = self.noise = self.drift = np.zeros(2)
         self.kept: list[tuple[Floats, Floats, float]] = []  # state, target, weight
         # state, place, reward, what was asked for, its noise
         self.episode: list[tuple[Floats, Floats, float, Floats, Floats]] = []
@@ -60,26 +64,35 @@ class SlowRule:
         best = max(self.episode, key=lambda visit: visit[2])[1]
         is_mean = self.config.hindsight.n_best > 1
         if is_mean:
-            best = self.mean(share)
+            best = self.mean()
         for state, place, *_ in self.episode:
             weight = 0.005**2 / (0.005**2 + float(np.sum((best - place) ** 2)))
-            aim = best if is_mean else self.aim(best, place + self.actor @ state)
-            self.kept.append((state, aim - place, weight))
+            aim = best if is_mean else self.aim(best, self.wanted(state, place))
+            self.kept.append((state, aim - place - self.drift, weight))
+        self.note_noise(share)
         if n_seen % 20 == 0:
             self.solve(0.01 + self.config.hindsight.ridge_visits / memory)
             if is_mean:
                 self.covariance = self.selected
 
-    def mean(self, share: float) -> Floats:
+    def wanted(self, state: Floats, place: Floats) -> Floats:
+        return place + self.actor @ state + self.drift
+
+    def rank_weights(self) -> list[float]:
         n_best = self.config.hindsight.n_best
         raw = [math.log(n_best + 0.5) - math.log(rank + 1) for rank in range(n_best)]
-        weights = [w / sum(raw) for w in raw]
-        by_reward = sorted(self.episode, key=lambda visit: -visit[2])
+        return [w / sum(raw) for w in raw]
+
+    def note_noise(self, share: float) -> None:
         moved = sorted(self.episode[1:], key=lambda visit: -visit[2])
         self.selected = share * self.selected
-        for w, visit in zip(weights, moved, strict=False):
+        for w, visit in zip(self.rank_weights(), moved, strict=False):
             self.selected = self.selected + (1.0 - share) * w * np.outer(visit[4], visit[4])
-        ranked = list(zip(weights, by_reward, strict=False))
+            self.drift = self.drift + self.config.hindsight.drift_rate * w * visit[4]
+
+    def mean(self) -> Floats:
+        by_reward = sorted(self.episode, key=lambda visit: -visit[2])
+        ranked = list(zip(self.rank_weights(), by_reward, strict=False))
         place: Floats = sum((w * visit[1] for w, visit in ranked), np.zeros(2))
         asked: Floats = sum((w * visit[3] for w, visit in ranked), np.zeros(2))
         held = [k for k in (0, 1) if not 0.0 <= asked[k] <= HIGHEST[k]]
@@ -134,7 +147,7 @@ def train(agent: Agent, first: int, n: int) -> list[Decision]:
     ]
 
 
-@pytest.mark.parametrize("config", [CONFIG, MEAN])
+@pytest.mark.parametrize("config", [CONFIG, DRIFTING, MEAN])
 def test_agrees_with_a_slow_rule_that_keeps_all_visits(config: VergenceRlConfig) -> None:
     agent, slow = Agent(config), SlowRule(config)
     seen: list[Floats] = []
@@ -152,7 +165,7 @@ def test_agrees_with_a_slow_rule_that_keeps_all_visits(config: VergenceRlConfig)
         slow.learn(state, place, reward, now % 5, now)
         noise = generator(1, "exploration", now).normal(0.0, 1.0, 2)
         slow.noise = root_of(slow.covariance) @ noise
-        action = slow.actor @ state + slow.noise
+        action = slow.actor @ state + slow.drift + slow.noise
         slow.asked = place + action
         np.testing.assert_allclose(got.action, action, rtol=1e-6, atol=1e-9)
         wanted = place + action

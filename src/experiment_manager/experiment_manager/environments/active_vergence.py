@@ -16,6 +16,7 @@ from gymnasium.spaces import Box, Dict
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.environments.experiment import Experiment, make_experiment
 from experiment_manager.loop import perceived
+from experiment_manager.preparation.request import RunRequest
 from eye_plant.episode import Episode
 from eye_plant.observation import Observation
 from lockstep.errors import InputError
@@ -50,7 +51,8 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
     def __init__(
         self,
         *,
-        model: str = "M",
+        profile: str = "paper",
+        model: str | None = None,
         settings: Mapping[str, Any] | None = None,
         coder_state: str | Path | None = None,
         coder_learns: bool = True,
@@ -59,8 +61,9 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
     ) -> None:
         """Set up plant and coder.
 
-        model: M, or M_C with a price on energy; settings: {"NODE.PARAMETER": value}, as --set of
-        run_experiment.sh; coder_state: sparse_coder.npz of a checkpoint, to begin with;
+        profile: by name, as --profile of run_experiment.sh; model: M, or M_C with a price on
+        energy, None for the profile's; settings: {"NODE.PARAMETER": value}, as
+        its --set; coder_state: sparse_coder.npz of a checkpoint, to begin with;
         action_scale: change of either activation that an action of 1 makes.
         Raises InputError for whatever run_experiment.sh would refuse.
         """
@@ -69,7 +72,15 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         if action_scale is not None and not 0.0 < action_scale <= 1.0:
             raise InputError(f"action_scale: expected more than 0, at most 1, got {action_scale}")
         self.render_mode = render_mode
-        self._experiment: Experiment = make_experiment(model, settings or {}, coder_state)
+        self._experiment: Experiment = make_experiment(
+            RunRequest(
+                profile=profile,
+                model=model,
+                overrides=settings or {},
+                names={key: f"settings[{key!r}]" for key in settings or {}},
+            ),
+            coder_state,
+        )
         self._coder_learns = coder_learns
         self._plant = self._experiment.plant
         self._space = self._experiment.space

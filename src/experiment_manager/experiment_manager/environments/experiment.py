@@ -5,7 +5,6 @@ import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -94,15 +93,11 @@ class Experiment:
         return dataclasses.replace(episode, n_iterations=episode.n_iterations + 1)
 
 
-def make_experiment(
-    model: str, settings: Mapping[str, Any], coder_state: str | Path | None
-) -> Experiment:
-    """Return the experiment of a model; see `VergenceEnvironment` for the arguments.
+def make_experiment(request: RunRequest, coder_state: str | Path | None) -> Experiment:
+    """Return the experiment that is asked for, without tests during training.
 
-    The paper's settings hold where nothing is said, but for tests amid training: there are none.
+    coder_state: see `VergenceEnvironment`.
     """
-    names = {key: f"settings[{key!r}]" for key in settings}
-    request = RunRequest(profile="paper", model=model, overrides=settings, names=names)
     configuration = configuration_of(request, commit="")
     manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
     end = (manager.protocol.n_training_iterations,)

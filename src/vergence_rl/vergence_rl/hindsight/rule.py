@@ -64,6 +64,7 @@ class HindsightRule:
         self._covariance = self._first.covariance
         self._sums = first_sums(n_state, self._covariance, self._config.least_memory)
         self._selected = self._covariance.copy()
+        self._drift = np.zeros(self._task.n_muscles)
 
     def step(
         self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
@@ -74,7 +75,7 @@ class HindsightRule:
             value, delta = self._collect(observation)
         else:
             self._visits.clear()
-        action = self._weights @ observation.state
+        action = self._weights @ observation.state + self._drift
         self._noise = np.zeros_like(action)
         if draw is not None:
             self._noise = root_of(self._covariance) @ draw.normal(0.0, 1.0, len(action))
@@ -120,6 +121,7 @@ class HindsightRule:
             "sum_weight": np.array(self._sums.weight),
             "td_variance": np.array(self._td_variance),
             **({"selected_noise": self._selected.copy()} if self._config.n_best > 1 else {}),
+            "drift": self._drift.copy(),
             **self._first.state(),
         }
 
@@ -140,6 +142,7 @@ class HindsightRule:
         self._covariance = state["covariance"].copy()
         if self._config.n_best > 1:
             self._selected = state["selected_noise"].copy()
+        self._drift = state["drift"].copy()
         self.learning_steps = int(state["learning_steps"])
         self._td_variance = float(state["td_variance"])
         self._visits.clear()
@@ -160,13 +163,14 @@ class HindsightRule:
         kept = self._kept_share(n_seen)
         if config.n_best == 1:
             aim = visited[order[0]]
-            wanted = visited + states @ self._weights.T
+            wanted = visited + states @ self._weights.T + self._drift
             targets = freed_targets(aim, wanted, self._covariance, *self._limits) - visited
         else:
-            aim = self._mean_of_best(order, visited, kept)
+            aim = self._mean_of_best(order, visited)
             targets = aim - visited
         weights = nearness((aim - visited) @ self._first.metric, config.target_scale)
-        self._sums.add(states, targets, weights, kept=kept)
+        self._sums.add(states, targets - self._drift, weights, kept=kept)
+        self._note_noise(order, kept)
         if n_seen % config.regression_period == 0:
             ridge_share = config.ridge_share + config.ridge_visits / self._memory(n_seen)
             self._weights = regressed_actor(self._sums, ridge_share)
@@ -177,17 +181,25 @@ class HindsightRule:
                     else self._selected.copy()
                 )
 
-    def _mean_of_best(self, order: NDArray[np.intp], visited: Floats, kept: float) -> Floats:
-        """Return the target (n_muscles,) of the best places, and note which noise led there.
+    def _note_noise(self, order: NDArray[np.intp], kept: float) -> None:
+        """Remember which noise led to the best places, and move all actions a little along it.
+
+        order: (n_visits,) from the best place to the worst. The first place is nobody's noise.
+        """
+        n_best = self._config.n_best
+        noise = np.array([visit.noise for visit in self._visits])[order[order > 0][:n_best]]
+        weights = weights_of_ranks(n_best)
+        self._selected = kept * self._selected + (1.0 - kept) * (weights * noise.T) @ noise
+        self._drift += self._config.drift_rate * (weights @ noise)
+
+    def _mean_of_best(self, order: NDArray[np.intp], visited: Floats) -> Floats:
+        """Return the target (n_muscles,) of the best places.
 
         order: (n_visits,) from the best place to the worst. Where the best places were asked for
         beyond a limit on average, the target stays there, and the other muscles make up for it.
-        The first place is nobody's noise.
         """
         n_best = self._config.n_best
         weights, best = weights_of_ranks(n_best), order[:n_best]
-        noise = np.array([visit.noise for visit in self._visits])[order[order > 0][:n_best]]
-        self._selected = kept * self._selected + (1.0 - kept) * (weights * noise.T) @ noise
         asked: Floats = weights @ np.array([visit.asked for visit in self._visits])[best]
         place: Floats = weights @ visited[best]
         held = (asked < self._task.lowest) | (asked > self._task.highest)
