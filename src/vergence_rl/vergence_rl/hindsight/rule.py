@@ -79,7 +79,7 @@ class HindsightRule:
         self._noise = np.zeros_like(action)
         if draw is not None:
             self._noise = root_of(self._covariance) @ draw.normal(0.0, 1.0, len(action))
-            action = action + self._width(observation.training_iteration) * self._noise
+            action = action + self._noise
         self._asked = observation.activations + action
         return Decision(
             within_limits(self._asked, self._covariance, *self._limits),
@@ -185,14 +185,14 @@ class HindsightRule:
         """Remember which noise led to the best places, and move all actions a little along it.
 
         order: (n_visits,) from the best place to the worst. The first place is nobody's noise.
-        The steps fall to 0 as training ends, for the regression to catch up with them.
+        After a quarter of training, the steps fall as 1 / n (Robbins & Monro 1951).
         """
         n_best = self._config.n_best
         noise = np.array([visit.noise for visit in self._visits])[order[order > 0][:n_best]]
         weights = weights_of_ranks(n_best)
         self._selected = kept * self._selected + (1.0 - kept) * (weights * noise.T) @ noise
-        left = max(0.0, 1.0 - n_seen / self._task.n_training_iterations)
-        self._drift += self._config.drift_rate * left * (weights @ noise)
+        falling = min(1.0, self._task.n_training_iterations / (4.0 * n_seen))
+        self._drift += self._config.drift_rate * falling * (weights @ noise)
 
     def _mean_of_best(self, order: NDArray[np.intp], visited: Floats) -> Floats:
         """Return the target (n_muscles,) of the best places.
@@ -206,12 +206,6 @@ class HindsightRule:
         place: Floats = weights @ visited[best]
         held = (asked < self._task.lowest) | (asked > self._task.highest)
         return made_up(place, asked, self._covariance, held) if held.any() else place
-
-    def _width(self, n_seen: int) -> float:
-        """Return by how much the noise is narrower than its covariance has it."""
-        share = self._config.final_noise_share
-        late = max(0.0, 2.0 * n_seen / self._task.n_training_iterations - 1.0)
-        return max(share, 1.0 - (1.0 - share) * late)
 
     def _kept_share(self, n_seen: int) -> float:
         return kept_share(self._task.iterations_per_episode, self._memory(n_seen))
