@@ -121,7 +121,7 @@ class HindsightRule:
             "sum_weight": np.array(self._sums.weight),
             "td_variance": np.array(self._td_variance),
             **({"selected_noise": self._selected.copy()} if self._config.n_best > 1 else {}),
-            "drift": self._drift.copy(),
+            **({"drift": self._drift.copy()} if self._config.drift_rate else {}),
             **self._first.state(),
         }
 
@@ -142,7 +142,8 @@ class HindsightRule:
         self._covariance = state["covariance"].copy()
         if self._config.n_best > 1:
             self._selected = state["selected_noise"].copy()
-        self._drift = state["drift"].copy()
+        if self._config.drift_rate:
+            self._drift = state["drift"].copy()
         self.learning_steps = int(state["learning_steps"])
         self._td_variance = float(state["td_variance"])
         self._visits.clear()
