@@ -40,7 +40,9 @@ def test_own_stimuli_from_their_directory_are_the_same(small_run, run, pictures,
     assert document["stimuli"] == str(pictures)
     text = capsys.readouterr().out
     assert f"2 pictures of {pictures}" in text
-    assert json.dumps(document["tests"][0], indent=2) in text
+    assert "{" not in text
+    assert main([str(run), "--stimuli", str(pictures), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == document
 
 
 def test_the_first_checkpoint_gives_the_first_test(small_run: Path, run: Path) -> None:
@@ -92,7 +94,9 @@ def test_a_run_without_checkpoints_is_one_line(run, capsys) -> None:
     assert "expected a checkpoint, found none" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("line", [("--out", "x.json"), ("--checkpoint", "0", "--write")])
+@pytest.mark.parametrize(
+    "line", [("--out", "x.json"), ("--json",), ("--checkpoint", "0", "--write")]
+)
 def test_options_that_do_not_go_together(run, line, capsys) -> None:
     with pytest.raises(SystemExit) as exit_info:
         main([str(run), *line])

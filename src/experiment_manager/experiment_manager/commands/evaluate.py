@@ -41,8 +41,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _parser()
     options = parser.parse_args(arguments)
     is_frozen = any(getattr(options, name) for name in _FROZEN) or options.checkpoint is not None
-    if not is_frozen and (options.stimuli_per_test is not None or options.out is not None):
-        parser.error(f"--stimuli-per-test and --out: expected with one of {_FROZEN_OPTIONS}")
+    if not is_frozen and (
+        options.stimuli_per_test is not None or options.out is not None or options.json
+    ):
+        parser.error(
+            f"--stimuli-per-test, --out and --json: expected with one of {_FROZEN_OPTIONS}"
+        )
     if is_frozen and options.write:
         parser.error(f"--write: expected without {_FROZEN_OPTIONS}")
     try:
@@ -67,6 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="also write the measures of the test as JSON"
     )
+    parser.add_argument("--json", action="store_true", help="print that JSON in place of the table")
     parser.add_argument(
         "--write",
         action="store_true",
@@ -156,15 +161,17 @@ def _test_frozen(options: argparse.Namespace) -> int:
         start_scale=1.0 if options.start_scale is None else options.start_scale,
     )
     results = evaluation.results()
-    print(
-        f"model {results.model}, seed {results.seed}, checkpoint after "
-        f"{results.checkpoint} episodes, {results.n_stimuli} pictures of "
-        f"{results.stimuli or 'its own test stimuli'}\n\n{summaries_table([results.test])}\n\n"
-        f"{json.dumps(results.test.to_json(), indent=2)}"
-    )
+    if options.json:
+        print(json.dumps(results.to_json(), indent=2))
+    else:
+        print(
+            f"model {results.model}, seed {results.seed}, checkpoint after "
+            f"{results.checkpoint} episodes, {results.n_stimuli} pictures of "
+            f"{results.stimuli or 'its own test stimuli'}\n\n{summaries_table([results.test])}"
+        )
     if options.out is not None:
         write_document(options.out, results.to_json())
-        print(f"\nwritten: {options.out}")
+        print(f"written: {options.out}", file=sys.stderr)
     return 0
 
 
