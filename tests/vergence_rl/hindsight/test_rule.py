@@ -89,8 +89,7 @@ class SlowRule:
         moved = sorted(self.episode[1:], key=lambda visit: -visit[2])
         self.selected = share * self.selected
         quarter = self.config.n_training_iterations / 4
-        rise = n_seen / quarter if n_seen < quarter else quarter / n_seen
-        rate = self.config.hindsight.drift_rate * rise
+        rate = self.config.hindsight.drift_rate * (quarter / n_seen if n_seen > quarter else 1.0)
         for w, visit in zip(self.rank_weights(), moved, strict=False):
             self.selected = self.selected + (1.0 - share) * w * np.outer(visit[4], visit[4])
             self.drift = self.drift + rate * w * visit[4]

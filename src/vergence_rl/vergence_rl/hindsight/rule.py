@@ -186,15 +186,14 @@ class HindsightRule:
         """Remember which noise led to the best places, and move all actions a little along it.
 
         order: (n_visits,) from the best place to the worst. The first place is nobody's noise.
-        The steps grow over a quarter of training, while it is hardly known what to look at, then
-        fall as 1 / n (Robbins & Monro 1951).
+        After a quarter of training, the steps fall as 1 / n (Robbins & Monro 1951).
         """
         n_best = self._config.n_best
         noise = np.array([visit.noise for visit in self._visits])[order[order > 0][:n_best]]
         weights = weights_of_ranks(n_best)
         self._selected = kept * self._selected + (1.0 - kept) * (weights * noise.T) @ noise
         quarters = 4.0 * n_seen / self._task.n_training_iterations
-        rate = self._config.drift_rate * min(quarters, 1.0 / quarters)
+        rate = self._config.drift_rate / max(1.0, quarters)
         self._drift += rate * (weights @ noise)
 
     def _mean_of_best(self, order: NDArray[np.intp], visited: Floats) -> Floats:
