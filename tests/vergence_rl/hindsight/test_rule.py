@@ -29,7 +29,9 @@ DRIFTING = dataclasses.replace(
 MEAN = dataclasses.replace(
     CONFIG,
     n_training_iterations=500,
-    hindsight=dataclasses.replace(CONFIG.hindsight, n_best=3, ridge_visits=30.0, drift_rate=0.05),
+    hindsight=dataclasses.replace(
+        CONFIG.hindsight, n_best=3, ridge_visits=30.0, drift_rate=0.05, final_noise_share=0.2
+    ),
 )
 HIGHEST = np.array([0.2, 0.1])
 Floats = NDArray[np.float64]
@@ -80,6 +82,10 @@ class SlowRule:
     def wanted(self, state: Floats, place: Floats) -> Floats:
         return place + self.actor @ state + self.drift
 
+    def width(self, now: int) -> float:
+        n, share = self.config.n_training_iterations, self.config.hindsight.final_noise_share
+        return 1.0 if now < n / 2 else 1.0 - (1.0 - share) * (now - n / 2) / (n / 2)
+
     def rank_weights(self) -> list[float]:
         n_best = self.config.hindsight.n_best
         raw = [math.log(n_best + 0.5) - math.log(rank + 1) for rank in range(n_best)]
@@ -89,7 +95,11 @@ class SlowRule:
         moved = sorted(self.episode[1:], key=lambda visit: -visit[2])
         self.selected = share * self.selected
         quarter = self.config.n_training_iterations / 4
-        rate = self.config.hindsight.drift_rate * (quarter / n_seen if n_seen > quarter else 1.0)
+        rate = (
+            self.config.hindsight.drift_rate
+            * self.width(n_seen)
+            * (quarter / n_seen if n_seen > quarter else 1.0)
+        )
         for w, visit in zip(self.rank_weights(), moved, strict=False):
             self.selected = self.selected + (1.0 - share) * w * np.outer(visit[4], visit[4])
             self.drift = self.drift + rate * w * visit[4]
@@ -169,7 +179,7 @@ def test_agrees_with_a_slow_rule_that_keeps_all_visits(config: VergenceRlConfig)
         slow.learn(state, place, reward, now % 5, now)
         noise = generator(1, "exploration", now).normal(0.0, 1.0, 2)
         slow.noise = root_of(slow.covariance) @ noise
-        action = slow.actor @ state + slow.drift + slow.noise
+        action = slow.actor @ state + slow.drift + slow.width(now) * slow.noise
         slow.asked = place + action
         np.testing.assert_allclose(got.action, action, rtol=1e-6, atol=1e-9)
         wanted = place + action

@@ -79,7 +79,7 @@ class HindsightRule:
         self._noise = np.zeros_like(action)
         if draw is not None:
             self._noise = root_of(self._covariance) @ draw.normal(0.0, 1.0, len(action))
-            action = action + self._noise
+            action = action + self._width(observation.training_iteration) * self._noise
         self._asked = observation.activations + action
         return Decision(
             within_limits(self._asked, self._covariance, *self._limits),
@@ -194,7 +194,7 @@ class HindsightRule:
         self._selected = kept * self._selected + (1.0 - kept) * (weights * noise.T) @ noise
         quarters = 4.0 * n_seen / self._task.n_training_iterations
         rate = self._config.drift_rate / max(1.0, quarters)
-        self._drift += rate * (weights @ noise)
+        self._drift += rate * self._width(n_seen) * (weights @ noise)
 
     def _mean_of_best(self, order: NDArray[np.intp], visited: Floats) -> Floats:
         """Return the target (n_muscles,) of the best places.
@@ -208,6 +208,11 @@ class HindsightRule:
         place: Floats = weights @ visited[best]
         held = (asked < self._task.lowest) | (asked > self._task.highest)
         return made_up(place, asked, self._covariance, held) if held.any() else place
+
+    def _width(self, n_seen: int) -> float:
+        """Return the width of the noise after n_seen iterations, as a share."""
+        late = min(1.0, max(0.0, 2.0 * n_seen / self._task.n_training_iterations - 1.0))
+        return 1.0 - (1.0 - self._config.final_noise_share) * late
 
     def _kept_share(self, n_seen: int) -> float:
         return kept_share(self._task.iterations_per_episode, self._memory(n_seen))
