@@ -110,6 +110,9 @@ class SlowRule:
         place: Floats = sum((w * visit[1] for w, visit in ranked), np.zeros(2))
         asked: Floats = sum((w * visit[3] for w, visit in ranked), np.zeros(2))
         held = [k for k in (0, 1) if not 0.0 <= asked[k] <= HIGHEST[k]]
+        for k in (0, 1):
+            reach = math.sqrt(self.covariance[k, k])
+            asked[k] = min(max(asked[k], -reach), HIGHEST[k] + reach)
         if len(held) == 2:
             return asked
         for k in held:

@@ -200,13 +200,17 @@ class HindsightRule:
         """Return the target (n_muscles,) of the best places.
 
         order: (n_visits,) from the best place to the worst. Where the best places were asked for
-        beyond a limit on average, the target stays there, and the other muscles make up for it.
+        beyond a limit on average, the target stays there, as far as the noise reaches, and the
+        other muscles make up for it.
         """
         n_best = self._config.n_best
         weights, best = weights_of_ranks(n_best), order[:n_best]
         asked: Floats = weights @ np.array([visit.asked for visit in self._visits])[best]
         place: Floats = weights @ visited[best]
-        held = (asked < self._task.lowest) | (asked > self._task.highest)
+        lowest, highest = self._limits
+        held = (asked < lowest) | (asked > highest)
+        reach = np.sqrt(np.diag(self._covariance))
+        asked = np.clip(asked, lowest - reach, highest + reach)
         return made_up(place, asked, self._covariance, held) if held.any() else place
 
     def _width(self, n_seen: int) -> float:
