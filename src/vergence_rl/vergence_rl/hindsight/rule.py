@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vergence_rl.hindsight.config import HindsightConfig
-from vergence_rl.hindsight.limits import freed_targets, made_up, within_limits
+from vergence_rl.hindsight.limits import explored, freed_targets, within_limits
 from vergence_rl.hindsight.noise import FirstNoise
 from vergence_rl.hindsight.regression import (
     Sums,
@@ -75,14 +75,19 @@ class HindsightRule:
             value, delta = self._collect(observation)
         else:
             self._visits.clear()
-        action = self._weights @ observation.state + self._drift
-        self._noise = np.zeros_like(action)
+        intended = self._weights @ observation.state + self._drift
+        self._noise = np.zeros_like(intended)
         if draw is not None:
-            self._noise = root_of(self._covariance) @ draw.normal(0.0, 1.0, len(action))
-            action = action + self._width(observation.training_iteration) * self._noise
+            self._noise = root_of(self._covariance) @ draw.normal(0.0, 1.0, len(intended))
+        noise = self._width(observation.training_iteration) * self._noise
+        action = intended + noise
         self._asked = observation.activations + action
         return Decision(
-            within_limits(self._asked, self._covariance, *self._limits),
+            within_limits(self._asked, self._covariance, *self._limits)
+            if self._config.n_best == 1
+            else explored(
+                observation.activations + intended, noise, self._covariance, *self._limits
+            ),
             action,
             value,
             delta,
@@ -200,18 +205,14 @@ class HindsightRule:
         """Return the target (n_muscles,) of the best places.
 
         order: (n_visits,) from the best place to the worst. Where the best places were asked for
-        beyond a limit on average, the target stays there, as far as the noise reaches, and the
-        other muscles make up for it.
+        beyond a limit on average, the target stays there.
         """
         n_best = self._config.n_best
         weights, best = weights_of_ranks(n_best), order[:n_best]
         asked: Floats = weights @ np.array([visit.asked for visit in self._visits])[best]
         place: Floats = weights @ visited[best]
         lowest, highest = self._limits
-        held = (asked < lowest) | (asked > highest)
-        reach = np.sqrt(np.diag(self._covariance))
-        asked = np.clip(asked, lowest - reach, highest + reach)
-        return made_up(place, asked, self._covariance, held) if held.any() else place
+        return np.where((asked < lowest) | (asked > highest), asked, place)
 
     def _width(self, n_seen: int) -> float:
         """Return the width of the noise after n_seen iterations, as a share."""
