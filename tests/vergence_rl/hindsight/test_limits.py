@@ -3,7 +3,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
-from vergence_rl.hindsight.limits import explored, freed_targets, within_limits
+from vergence_rl.hindsight.limits import freed_targets, within_limits
 
 LOWEST, HIGHEST = np.zeros(2), np.array([0.2, 0.1])
 # Both muscles together are ten times as free as one against the other.
@@ -75,31 +75,6 @@ def test_beyond_both_limits_of_the_best_place_nothing_is_to_be_learned() -> None
     wanted = np.array([[-0.01, -0.02]])
     targets = freed_targets(LOWEST, wanted, TOGETHER, LOWEST, HIGHEST)
     np.testing.assert_array_equal(targets, wanted)
-
-
-@pytest.mark.parametrize(
-    ("noise", "expected"),
-    [
-        # Without noise each muscle ends at its limit by itself.
-        ([0.0, 0.0], [0.05, 0.0]),
-        # The lateral rectus, wanted at -0.02, cannot follow: the medial one gives back its share.
-        ([0.01, 0.01], [0.06 - 0.01 * 0.99 / 1.01, 0.0]),
-        # It follows by what brings it above 0, 0.01 of 0.03.
-        ([0.02, 0.03], [0.07 - 0.02 * 0.99 / 1.01, 0.01]),
-    ],
-)
-def test_who_is_wanted_beyond_a_limit_follows_only_the_noise_that_brings_it_back(
-    noise: list[float], expected: list[float]
-) -> None:
-    got = explored(np.array([0.05, -0.02]), np.array(noise), TOGETHER, LOWEST, HIGHEST)
-    np.testing.assert_allclose(got, expected, atol=1e-15)
-
-
-def test_noise_within_the_limits_is_followed_by_all() -> None:
-    wanted, noise = np.array([0.05, 0.02]), np.array([0.01, -0.01])
-    np.testing.assert_array_equal(
-        explored(wanted, noise, TOGETHER, LOWEST, HIGHEST), wanted + noise
-    )
 
 
 def test_many_muscles_against_bounded_least_squares() -> None:

@@ -29,9 +29,7 @@ DRIFTING = dataclasses.replace(
 MEAN = dataclasses.replace(
     CONFIG,
     n_training_iterations=500,
-    hindsight=dataclasses.replace(
-        CONFIG.hindsight, n_best=3, ridge_visits=30.0, drift_rate=0.05, final_noise_share=0.2
-    ),
+    hindsight=dataclasses.replace(CONFIG.hindsight, n_best=3, ridge_visits=30.0, drift_rate=0.05),
 )
 HIGHEST = np.array([0.2, 0.1])
 Floats = NDArray[np.float64]
@@ -82,10 +80,6 @@ class SlowRule:
     def wanted(self, state: Floats, place: Floats) -> Floats:
         return place + self.actor @ state + self.drift
 
-    def width(self, now: int) -> float:
-        n, share = self.config.n_training_iterations, self.config.hindsight.final_noise_share
-        return 1.0 if now < n / 2 else 1.0 - (1.0 - share) * (now - n / 2) / (n / 2)
-
     def rank_weights(self) -> list[float]:
         n_best = self.config.hindsight.n_best
         raw = [math.log(n_best + 0.5) - math.log(rank + 1) for rank in range(n_best)]
@@ -94,12 +88,7 @@ class SlowRule:
     def note_noise(self, share: float, n_seen: int) -> None:
         moved = sorted(self.episode[1:], key=lambda visit: -visit[2])
         self.selected = share * self.selected
-        quarter = self.config.n_training_iterations / 4
-        rate = (
-            self.config.hindsight.drift_rate
-            * self.width(n_seen)
-            * (quarter / n_seen if n_seen > quarter else 1.0)
-        )
+        rate = self.config.hindsight.drift_rate * (1.0 - n_seen / self.config.n_training_iterations)
         for w, visit in zip(self.rank_weights(), moved, strict=False):
             self.selected = self.selected + (1.0 - share) * w * np.outer(visit[4], visit[4])
             self.drift = self.drift + rate * w * visit[4]
@@ -110,7 +99,11 @@ class SlowRule:
         place: Floats = sum((w * visit[1] for w, visit in ranked), np.zeros(2))
         asked: Floats = sum((w * visit[3] for w, visit in ranked), np.zeros(2))
         held = [k for k in (0, 1) if not 0.0 <= asked[k] <= HIGHEST[k]]
+        if len(held) == 2:
+            return asked
         for k in held:
+            slope = self.covariance[1 - k, k] / self.covariance[k, k]
+            place[1 - k] += slope * (asked[k] - place[k])
             place[k] = asked[k]
         return place
 
@@ -175,13 +168,11 @@ def test_agrees_with_a_slow_rule_that_keeps_all_visits(config: VergenceRlConfig)
         slow.learn(state, place, reward, now % 5, now)
         noise = generator(1, "exploration", now).normal(0.0, 1.0, 2)
         slow.noise = root_of(slow.covariance) @ noise
-        intended = slow.actor @ state + slow.drift
-        action = intended + slow.width(now) * slow.noise
+        action = slow.actor @ state + slow.drift + slow.noise
         slow.asked = place + action
         np.testing.assert_allclose(got.action, action, rtol=1e-6, atol=1e-9)
         wanted = place + action
-        both = np.array([wanted, place + intended])
-        inside = np.all((both >= 0.0) & (both <= HIGHEST))
+        inside = np.all((wanted >= 0.0) & (wanted <= HIGHEST))
         n_cut += not inside
         if inside:
             np.testing.assert_allclose(got.command, wanted, atol=1e-9)

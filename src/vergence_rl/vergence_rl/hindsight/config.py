@@ -27,13 +27,6 @@ class HindsightConfig:
         "whether the covariance of the residuals sets the noise and the commands at the limits;"
         " otherwise the noise keeps its initial variance (D16)",
     )
-    final_noise_share: float = setting(
-        1.0,
-        "width of the noise at the end of training, as a share; it narrows linearly over the second"
-        " half (D20)",
-        least=0,
-        most=1,
-    )
     n_best: int = setting(
         1,
         "number of the best places of an episode whose mean, weighted by rank, is the target, and"

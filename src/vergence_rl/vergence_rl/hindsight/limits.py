@@ -29,29 +29,11 @@ def within_limits(wanted: Floats, covariance: Floats, lowest: Floats, highest: F
         found = made_up(wanted, clipped, covariance, held)
         beyond = ~held & ((found < lowest) | (found > highest))
         clipped = np.where(beyond, np.clip(found, lowest, highest), clipped)
-        # A muscle without any choice stays where it is.
-        let_go = _turning_back(wanted, found, covariance, held, lowest) & (lowest < highest)
+        let_go = _turning_back(wanted, found, covariance, held, lowest)
         if not (beyond.any() or let_go.any()):
             break
         held = (held | beyond) & ~let_go
     return np.clip(found, lowest, highest)
-
-
-def explored(
-    wanted: Floats, noise: Floats, covariance: Floats, lowest: Floats, highest: Floats
-) -> Floats:
-    """Return allowed activations (n,) near those wanted, tried with noise (n,); without it clipped.
-
-    A muscle that is wanted beyond a limit follows the noise only where that brings it back, and
-    the others make up for what it does not follow. How far beyond it is wanted moves no other.
-    """
-    settled = np.clip(wanted, lowest, highest)
-    if not noise.any():
-        return settled
-    followed = np.clip(wanted + noise, lowest, highest)
-    beyond = settled != wanted
-    least, most = np.where(beyond, followed, lowest), np.where(beyond, followed, highest)
-    return within_limits(settled + noise, covariance, least, most)
 
 
 def freed_targets(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vergence_rl.hindsight.config import HindsightConfig
-from vergence_rl.hindsight.limits import explored, freed_targets, within_limits
+from vergence_rl.hindsight.limits import freed_targets, made_up, within_limits
 from vergence_rl.hindsight.noise import FirstNoise
 from vergence_rl.hindsight.regression import (
     Sums,
@@ -75,19 +75,14 @@ class HindsightRule:
             value, delta = self._collect(observation)
         else:
             self._visits.clear()
-        intended = self._weights @ observation.state + self._drift
-        self._noise = np.zeros_like(intended)
+        action = self._weights @ observation.state + self._drift
+        self._noise = np.zeros_like(action)
         if draw is not None:
-            self._noise = root_of(self._covariance) @ draw.normal(0.0, 1.0, len(intended))
-        noise = self._width(observation.training_iteration) * self._noise
-        action = intended + noise
+            self._noise = root_of(self._covariance) @ draw.normal(0.0, 1.0, len(action))
+            action = action + self._noise
         self._asked = observation.activations + action
         return Decision(
-            within_limits(self._asked, self._covariance, *self._limits)
-            if self._config.n_best == 1
-            else explored(
-                observation.activations + intended, noise, self._covariance, *self._limits
-            ),
+            within_limits(self._asked, self._covariance, *self._limits),
             action,
             value,
             delta,
@@ -191,33 +186,27 @@ class HindsightRule:
         """Remember which noise led to the best places, and move all actions a little along it.
 
         order: (n_visits,) from the best place to the worst. The first place is nobody's noise.
-        After a quarter of training, the steps fall as 1 / n (Robbins & Monro 1951).
+        The steps fall to 0 as training ends, for the regression to catch up with them.
         """
         n_best = self._config.n_best
         noise = np.array([visit.noise for visit in self._visits])[order[order > 0][:n_best]]
         weights = weights_of_ranks(n_best)
         self._selected = kept * self._selected + (1.0 - kept) * (weights * noise.T) @ noise
-        quarters = 4.0 * n_seen / self._task.n_training_iterations
-        rate = self._config.drift_rate / max(1.0, quarters)
-        self._drift += rate * self._width(n_seen) * (weights @ noise)
+        left = max(0.0, 1.0 - n_seen / self._task.n_training_iterations)
+        self._drift += self._config.drift_rate * left * (weights @ noise)
 
     def _mean_of_best(self, order: NDArray[np.intp], visited: Floats) -> Floats:
         """Return the target (n_muscles,) of the best places.
 
         order: (n_visits,) from the best place to the worst. Where the best places were asked for
-        beyond a limit on average, the target stays there.
+        beyond a limit on average, the target stays there, and the other muscles make up for it.
         """
         n_best = self._config.n_best
         weights, best = weights_of_ranks(n_best), order[:n_best]
         asked: Floats = weights @ np.array([visit.asked for visit in self._visits])[best]
         place: Floats = weights @ visited[best]
-        lowest, highest = self._limits
-        return np.where((asked < lowest) | (asked > highest), asked, place)
-
-    def _width(self, n_seen: int) -> float:
-        """Return the width of the noise after n_seen iterations, as a share."""
-        late = min(1.0, max(0.0, 2.0 * n_seen / self._task.n_training_iterations - 1.0))
-        return 1.0 - (1.0 - self._config.final_noise_share) * late
+        held = (asked < self._task.lowest) | (asked > self._task.highest)
+        return made_up(place, asked, self._covariance, held) if held.any() else place
 
     def _kept_share(self, n_seen: int) -> float:
         return kept_share(self._task.iterations_per_episode, self._memory(n_seen))
