@@ -277,7 +277,7 @@ def _outcome(name: str, part: Callable[[], Outcome]) -> Outcome:
         return Outcome(name, {}, [f"{type(error).__name__}: {error}"])
 
 
-# How much of each part is done unless the command line says otherwise, in the order of the seeds.
+# How much of each part is done unless the command line says otherwise, in the order of _PARTS.
 _AMOUNTS = {
     "kills": (40, "nodes to kill"),
     "inputs": (30_000, "hostile inputs"),

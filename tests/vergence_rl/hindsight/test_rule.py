@@ -273,10 +273,11 @@ def test_what_is_reported() -> None:
     assert decisions[-1].td_variance == pytest.approx(expected)
 
 
-def test_a_restored_agent_continues_bit_for_bit() -> None:
-    agent = Agent(CONFIG)
+@pytest.mark.parametrize("config", [CONFIG, DRIFTING, MEAN])
+def test_a_restored_agent_continues_bit_for_bit(config: VergenceRlConfig) -> None:
+    agent = Agent(config)
     train(agent, 0, 130)  # the sums hold episodes that the actor has not been solved for
-    other = Agent(CONFIG)
+    other = Agent(config)
     train(other, 0, 25)
     other.restore(agent.state())
     for one, two in zip(train(agent, 130, 100), train(other, 130, 100), strict=True):

@@ -50,6 +50,7 @@ class HindsightRule:
         """Start with an actor that does nothing, and wide noise."""
         self._config, self._task = config, task
         self._limits = task.lowest, task.highest
+        self._rank_weights = weights_of_ranks(config.n_best)
         self._first = FirstNoise(task.n_muscles, config.exploration_variance, config.starts_share)
         self.learning_steps = 0
         self._weights = np.zeros((task.n_muscles, task.n_state))
@@ -188,9 +189,9 @@ class HindsightRule:
         order: (n_visits,) from the best place to the worst. The first place is nobody's noise.
         The steps fall to 0 as training ends, for the regression to catch up with them.
         """
-        n_best = self._config.n_best
-        noise = np.array([visit.noise for visit in self._visits])[order[order > 0][:n_best]]
-        weights = weights_of_ranks(n_best)
+        weights = self._rank_weights
+        best = order[order > 0][: len(weights)]
+        noise = np.array([self._visits[i].noise for i in best])
         self._selected = kept * self._selected + (1.0 - kept) * (weights * noise.T) @ noise
         left = max(0.0, 1.0 - n_seen / self._task.n_training_iterations)
         self._drift += self._config.drift_rate * left * (weights @ noise)
@@ -201,8 +202,8 @@ class HindsightRule:
         order: (n_visits,) from the best place to the worst. Where the best places were asked for
         beyond a limit on average, the target stays there, and the other muscles make up for it.
         """
-        n_best = self._config.n_best
-        weights, best = weights_of_ranks(n_best), order[:n_best]
+        weights = self._rank_weights
+        best = order[: len(weights)]
         asked: Floats = weights @ np.array([visit.asked for visit in self._visits])[best]
         place: Floats = weights @ visited[best]
         held = (asked < self._task.lowest) | (asked > self._task.highest)
