@@ -16,6 +16,8 @@ __all__ = ["CameraConfig", "StereoCamera"]
 
 _NEAREST_M = 0.1
 _GAP_TO_LANDSCAPE_M = 0.1
+# Columns of an eye's rotation.
+_FORWARD, _LEFT, _UP = range(3)
 
 
 class StereoCamera:
@@ -96,7 +98,7 @@ class StereoCamera:
         drawn, for those.
         """
         self.check(i_stimulus, distance_m)
-        rotations = _looking_inward(eye_rotations, self._config.rotations_deg)
+        rotations = _cameras(eye_rotations, self._config.turns_deg)
         view = View(eye_positions_m, rotations, self._i_textures[i_stimulus], distance_m)
         self._renderer.start(view)
 
@@ -150,20 +152,30 @@ def _make_renderer(
     return PlaneRenderer(config, drawn_px, eye_height_m, textures)
 
 
-def _looking_inward(eye_rotations: np.ndarray, angles_deg: tuple[float, float]) -> np.ndarray:
-    """Return rotations (2, 3, 3) turned about each eye's own upward axis, toward the nose.
+def _cameras(
+    eye_rotations: np.ndarray, turns_deg: tuple[tuple[float, float, float], ...]
+) -> np.ndarray:
+    """Return the rotations (2, 3, 3) of cameras turned in their eyes.
 
-    The nose is right of the left eye and left of the right eye.
+    turns_deg: of each eye's camera rotation toward the nose, elevation and roll, made in that order
+    about the camera's own axes. The nose is right of the left eye and left of the right eye.
     """
-    if not any(angles_deg):
+    if not any(map(any, turns_deg)):
         return eye_rotations
     turned = np.array(eye_rotations, dtype=np.float64)
-    for i_eye, (angle_deg, to_left) in enumerate(zip(angles_deg, (-1.0, 1.0), strict=True)):
-        sine, cosine = np.sin(np.radians(angle_deg)) * to_left, np.cos(np.radians(angle_deg))
-        forward, left = eye_rotations[i_eye][:, 0], eye_rotations[i_eye][:, 1]
-        turned[i_eye, :, 0] = cosine * forward + sine * left
-        turned[i_eye, :, 1] = cosine * left - sine * forward
+    for axes, (inward, up, roll), to_left in zip(turned, turns_deg, (-1.0, 1.0), strict=True):
+        _turn(axes, _FORWARD, _LEFT, to_left * inward)
+        _turn(axes, _FORWARD, _UP, up)
+        _turn(axes, _UP, _LEFT, to_left * roll)
     return turned
+
+
+def _turn(axes: np.ndarray, i_from: int, i_to: int, angle_deg: float) -> None:
+    """Turn the columns of (3, 3) axes, one toward another."""
+    sine, cosine = np.sin(np.radians(angle_deg)), np.cos(np.radians(angle_deg))
+    moved, met = axes[:, i_from].copy(), axes[:, i_to].copy()
+    axes[:, i_from] = cosine * moved + sine * met
+    axes[:, i_to] = cosine * met - sine * moved
 
 
 def _check_picture(i_stimulus: int, picture: np.ndarray) -> None:

@@ -1,5 +1,6 @@
 """What is measured where each muscle has a command of its own, by hand and through its files."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,8 @@ from experiment_manager.measures.kept_trials import read_trials, with_test, writ
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import Trials, TrialTable, only_test, trial_names
-from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES
+from experiment_manager.measures.yoked import yoked_pairs
+from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES, PAIR
 from lockstep.wire.topics import TEST
 
 SPACE = COMMAND_SPACES[ALL_MUSCLES]
@@ -99,3 +101,29 @@ def test_what_is_kept_has_all_axes_and_all_muscles(tmp_path: Path) -> None:
         # Activations are kept of the last test only.
         assert pair.share_silent is None
         assert set(pair.share_silent_by_distance.values()) == {None}
+
+
+def test_yoked_muscles_by_hand() -> None:
+    trials = _trials()
+    pairs = {pair.names: pair for pair in yoked_pairs(trials)}
+    assert len(pairs) == 6
+    pair = pairs["left_medial_rectus", "right_lateral_rectus"]
+    # |0.001 - 0|, and three times 0; before, all activations are 0.08.
+    assert pair.end_difference == pytest.approx(0.0)
+    assert pair.start_difference == pytest.approx(0.0)
+    # At 0.5 m both are lower in the first trial; at 2 m neither varies.
+    assert pair.correlation == pytest.approx(1.0)
+    upper = pairs["left_superior_rectus", "right_inferior_oblique"]
+    assert upper.end_difference == pytest.approx((0.0 + 0.024) / 2)
+    assert np.isnan(upper.correlation)
+    assert not list(yoked_pairs(replace(trials, space=COMMAND_SPACES[PAIR])))
+
+
+def test_yoked_muscles_that_work_against_each_other() -> None:
+    trials = _trials()
+    up = np.linspace(0.01, 0.09, 12).reshape(4, 3)
+    columns = {"left_lateral_rectus": up, "right_medial_rectus": 0.1 - up}
+    changed = replace(trials, columns={**trials.columns, **columns})
+    pairs = {pair.names: pair for pair in yoked_pairs(changed)}
+    pair = pairs["right_medial_rectus", "left_lateral_rectus"]
+    assert pair.correlation == pytest.approx(-1.0)

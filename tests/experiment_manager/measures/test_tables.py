@@ -1,6 +1,6 @@
 """What a terminal shows of tests."""
 
-from experiment_manager.measures.tables import summaries_table, summary_line
+from experiment_manager.measures.tables import in_words, summaries_table, summary_line
 from tests.experiment_manager.summaries import summary
 
 _OTHERS = {"median_abs_vertical_error_deg": 0.25, "median_abs_cyclovergence_error_deg": 1.5}
@@ -17,3 +17,18 @@ def test_errors_about_other_axes_are_shown_where_commands_turn_them() -> None:
     assert header.split()[2:6] == ["|vergence", "error|/deg", "IQR/deg", "|vertical|/deg"]
     assert row.split()[:6] == ["7", "0", "0.125", "-", "0.250", "1.500"]
     assert "vertical" not in summaries_table([pair])
+
+
+def test_the_last_test_in_words() -> None:
+    test = summary(
+        iteration=50_000,
+        median_abs_vergence_error_deg=0.05,
+        share_within_1_px=0.9875,
+        median_cost_reduction=0.97,
+        share_antagonist_silent=0.75,
+    )
+    said = " ".join(in_words(test, px_deg=0.2).split())
+    assert "off by 0.25 px in the median, and by less than 1 px in 98.8 % of the trials" in said
+    assert "save 97.0 % of the muscle energy" in said
+    assert "medial one for far ones) is silent in 75.0 %." in said
+    assert in_words(summary(), px_deg=0.2) == ""

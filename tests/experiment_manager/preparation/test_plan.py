@@ -72,7 +72,7 @@ def test_a_run_that_is_too_short_to_learn_says_how_long_it_takes() -> None:
         "that is too short to learn much: in the runs of results/ with this learning rule (cacla), "
         "vergence was learned after 50,000 training iterations, and energy saved after 200,000"
     )
-    _, said = _plan("--profile", "demonstration", "--iterations", "5000", "--tests", "0")
+    _, said = _plan("--profile", "precise", "--iterations", "5000", "--tests", "0")
     assert said.endswith("(hindsight), vergence was learned after 10,000 training iterations")
 
 
@@ -85,8 +85,8 @@ def test_the_runs_of_results_had_learned_by_then() -> None:
             if test["iteration"] == iteration
         ]
         assert len(errors_deg) >= 3
-        assert max(errors_deg) < 0.2
-    for sweep, iteration in (("precise", 100_000), ("paper_short", 200_000)):
+        assert max(errors_deg) < 0.25
+    for sweep, iteration in (("demonstration", 50_000), ("paper_short", 200_000)):
         savings = [
             test["median_cost_reduction"]
             for path in (RESULTS / sweep).glob("*/results.json")

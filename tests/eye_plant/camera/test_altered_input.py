@@ -79,6 +79,25 @@ def test_a_rotated_camera_sees_what_a_rotated_eye_would(camera, plain):
     assert (seen(camera) != found).any()
 
 
+def test_an_elevated_or_rolled_camera_sees_what_such_an_eye_would(camera, plain):
+    sine, cosine = np.sin(np.radians(4.0)), np.cos(np.radians(4.0))
+    # Columns are forward, left and up. The nose is on the left eye's right.
+    higher = [[cosine, 0.0, -sine], [0.0, 1.0, 0.0], [sine, 0.0, cosine]]
+    to_left = np.array([[1.0, 0.0, 0.0], [0.0, cosine, sine], [0.0, -sine, cosine]])
+    for altered, eyes in (
+        ({"left_elevation_deg": 4.0, "right_roll_deg": 4.0}, [higher, to_left]),
+        ({"left_roll_deg": 4.0, "right_elevation_deg": 4.0}, [to_left.T, higher]),
+    ):
+        camera.reconfigure(plain)
+        expected = seen(camera, rotations=np.array(eyes)).astype(int)
+        straight = seen(camera).astype(int)
+        camera.reconfigure(replace(plain, **altered))
+        found = seen(camera).astype(int)
+        assert np.abs(found - expected).max() <= 1
+        assert (np.abs(found - straight).max(axis=(1, 2)) > 20).all()
+    camera.reconfigure(plain)
+
+
 def test_a_camera_turns_with_its_eye(camera, plain):
     """Rotated inward in an eye that looks as far outward, it looks straight ahead."""
     straight = seen(camera).astype(int)

@@ -23,6 +23,7 @@ from experiment_manager.analysis.report.tables import (
     resting_table,
     runs_table,
     seeds_table,
+    yoked_table,
 )
 from experiment_manager.run.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
@@ -202,6 +203,13 @@ def _antagonists(groups: Sequence[Group]) -> list[str]:
             "share of trials in which that is below 0.005; by object distance, too."
         ),
         antagonists_table(groups),
+        report_page.paragraph(
+            "Hering's law of equal innervation: muscles of the two eyes that turn them to the same "
+            "side are yoked. Median difference of their activations before the first and after the "
+            "last iteration, and their correlation after the last one, over trials with the same "
+            "object distance."
+        ),
+        yoked_table(groups),
     ]
 
 

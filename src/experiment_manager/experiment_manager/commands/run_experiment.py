@@ -10,8 +10,9 @@ from pathlib import Path
 
 from experiment_manager.live.address import Address
 from experiment_manager.live.server import why_unavailable
+from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.results import RESULTS_FILE, Results, read_results
-from experiment_manager.measures.tables import summaries_table
+from experiment_manager.measures.tables import in_words, summaries_table
 from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.continuation import (
     Branch,
@@ -194,10 +195,14 @@ def _figure(directory: Path) -> Path | None:
 
 def results_table(results: Results, directory: Path, figure: Path | None) -> str:
     """Return the tests of a results.json as text, and where everything lies."""
+    last = results.tests[-1]
+    settings = EvaluationSettings.of(read_configuration(directory / CONFIG_FILE))
+    words = in_words(last, settings.criteria(last.iteration).px_deg)
     return (
         f"\nmodel {results.model}, seed {results.seed}: "
         "tests by training iteration, at the end of each trial\n\n"
         f"{summaries_table(results.tests)}\n\n"
+        f"{words}\n\n"
         f"results: {directory / RESULTS_FILE}\n"
         f"figure:  {figure or 'none'}\n"
         f"bag:     {directory / 'bag'}"

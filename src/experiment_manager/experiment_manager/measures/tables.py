@@ -43,6 +43,30 @@ def summary_line(test: Summary) -> str:
     )
 
 
+def in_words(test: Summary, px_deg: float) -> str:
+    """Return what the learners of one test can do, in sentences; px_deg: visual angle of a pixel.
+
+    Without a trial whose error is known, "".
+    """
+    error_deg = test.median_abs_vergence_error_deg
+    if error_deg is None:
+        return ""
+    antagonist = (
+        "one horizontal rectus of an eye"
+        if test.antagonists
+        else "the antagonist (the lateral rectus for near objects, the medial one for far ones)"
+    )
+    sentences = [
+        f"After {test.iteration:,} training iterations, on pictures that training never shows:",
+        f"vergence is off by {number(error_deg / px_deg, 2)} px in the median, and by less than "
+        f"1 px in {percent(test.share_within_1_px)} of the trials;",
+        f"the eyes save {percent(test.median_cost_reduction)} of the muscle energy that they could "
+        "save (median);",
+        f"{antagonist} is silent in {percent(test.share_antagonist_silent)}.",
+    ]
+    return "\n  ".join(sentences)
+
+
 def _other_errors_deg(test: Summary) -> list[tuple[str, float | None]]:
     """Return the median errors about other axes with their names, of the pair none."""
     if test.median_abs_vertical_error_deg is None:

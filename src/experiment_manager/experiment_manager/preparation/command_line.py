@@ -77,7 +77,7 @@ def parser() -> argparse.ArgumentParser:
     line = CommandLine(
         prog="run_experiment.sh",
         description="Train and test active binocular vision. Without arguments: a demonstration "
-        "that learns vergence in 50,000 iterations.",
+        "that learns vergence and reciprocal innervation in 50,000 iterations.",
     )
     _add_settings(line)
     _add_tests(line)

@@ -94,6 +94,37 @@ class CameraConfig:
         least=-45,
         most=45,
     )
+    left_elevation_deg: float = setting(
+        0.0,
+        "elevation of the left camera in its eye, turned after left_rotation_deg; positive upwards",
+        "deg",
+        least=-45,
+        most=45,
+    )
+    right_elevation_deg: float = setting(
+        0.0,
+        "elevation of the right camera in its eye, turned after right_rotation_deg; positive"
+        " upwards",
+        "deg",
+        least=-45,
+        most=45,
+    )
+    left_roll_deg: float = setting(
+        0.0,
+        "rotation of the left camera about its line of sight, its upper side toward the nose"
+        " positive",
+        "deg",
+        least=-45,
+        most=45,
+    )
+    right_roll_deg: float = setting(
+        0.0,
+        "rotation of the right camera about its line of sight, its upper side toward the nose"
+        " positive",
+        "deg",
+        least=-45,
+        most=45,
+    )
     left_magnification: float = setting(
         1.0, "magnification of the left picture about its centre", above=0
     )
@@ -139,9 +170,12 @@ class CameraConfig:
         return left, right
 
     @property
-    def rotations_deg(self) -> tuple[float, float]:
-        """How much farther toward the nose the left and the right eye's camera look."""
-        return self.left_rotation_deg, self.right_rotation_deg
+    def turns_deg(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Rotation toward the nose, elevation and roll of the left and the right eye's camera."""
+        return (
+            (self.left_rotation_deg, self.left_elevation_deg, self.left_roll_deg),
+            (self.right_rotation_deg, self.right_elevation_deg, self.right_roll_deg),
+        )
 
     @property
     def occlusions(self) -> tuple[bool, bool]:

@@ -1,5 +1,6 @@
 """The tables of a report: K17's numbers beside those of the runs."""
 
+import math
 import statistics
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import astuple, dataclass, replace
@@ -13,6 +14,7 @@ from experiment_manager.analysis.resting_places import resting_places
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS, SHARE_ITERATIONS
 from experiment_manager.measures.results import Measures, SetSummary, Summary
 from experiment_manager.measures.tables import number, percent
+from experiment_manager.measures.yoked import yoked_pairs
 
 
 @dataclass(frozen=True)
@@ -225,6 +227,25 @@ def _eye_and_muscles(names: str) -> tuple[str, str]:
     """Return the eye of two antagonists, and what they are, from their names in results.json."""
     muscles = [name.partition("_") for name in names.split("-")]
     return muscles[0][0], " and ".join(muscle.replace("_", " ") for _, _, muscle in muscles)
+
+
+def yoked_table(groups: Sequence[Group]) -> str:
+    """Return how alike yoked muscles are in each group's last test, a line for each two."""
+    header = ("runs", "lambda / per W", "yoked muscles", "difference at the start", "at the end")
+    rows = [
+        (
+            group.name,
+            _weight(group),
+            " and ".join(name.replace("_", " ") for name in pair.names),
+            number(pair.start_difference),
+            number(pair.end_difference),
+            "-" if math.isnan(pair.correlation) else number(pair.correlation, 2),
+        )
+        for group in groups
+        if group.has_trials
+        for pair in yoked_pairs(group.last_trials)
+    ]
+    return report_page.table((*header, "correlation at the end"), rows)
 
 
 def iterations_table(groups: Sequence[Group]) -> str:
