@@ -17,20 +17,20 @@ _DISTANCES_M = (0.5, 3.0, 6.0)
 _N_STARTS, _N_STIMULI = 4, 2
 
 
-def write_run(directory: Path, command_space: str, model: str = "M") -> Path:
+def write_run(directory: Path, command_space: str, model: str = "M", weight: float = 0.0) -> Path:
     """Write the files of a run with tests after 0 and 1,000 iterations; return its directory."""
     about = {
         "model": model,
         "seed": 1,
         "n_training_iterations": 1000,
-        "metabolic_cost_weight": 0.0,
+        "metabolic_cost_weight": weight,
         "commit": "0123abc",
     }
     plant = {"command_space": command_space, "lowest_activations": [0.0]}
     sections = {"run": about, "/**/eye_plant": plant}
     text = yaml.safe_dump({name: {"ros__parameters": of} for name, of in sections.items()})
     criteria = EvaluationSettings.of_configuration(text).criteria(0)
-    tests = [random_test(command_space, at) for at in (0, 1000)]
+    tests = [random_test(command_space, at, weight) for at in (0, 1000)]
     kept = None
     for test in tests:
         kept = with_test(kept, test)
@@ -40,7 +40,7 @@ def write_run(directory: Path, command_space: str, model: str = "M") -> Path:
         seed=1,
         iterations=1000,
         commit="0123abc",
-        metabolic_cost_weight=0.0,
+        metabolic_cost_weight=weight,
         cost_share_first=None,
         cost_share_last=None,
         tests=tuple(summary_of(test, criteria) for test in tests),
@@ -52,8 +52,11 @@ def write_run(directory: Path, command_space: str, model: str = "M") -> Path:
     return directory
 
 
-def random_test(command_space: str, training_iteration: int) -> Trials:
-    """Trials that begin alike in every test, with random errors and activations; those shrink."""
+def random_test(command_space: str, training_iteration: int, weight: float = 0.0) -> Trials:
+    """Trials that begin alike in every test, with random errors and activations; errors shrink.
+
+    The higher the price of energy, its weight, the lower are the metabolic rates.
+    """
     space = COMMAND_SPACES[command_space]
     n_trials = len(_DISTANCES_M) * _N_STARTS * _N_STIMULI
     start, draw = (np.random.default_rng(seed) for seed in (0, 1 + training_iteration))
@@ -69,7 +72,7 @@ def random_test(command_space: str, training_iteration: int) -> Trials:
     for name in ("vergence_error_deg", "vertical_error_deg", "cyclovergence_error_deg"):
         columns[name] = draw.uniform(-3.0, 3.0, shape) / (1 + np.arange(shape[1]))
         columns[name][:, 0] = start.uniform(-3.0, 3.0, n_trials)
-    columns["metabolic_rate_w"] = draw.uniform(0.5, 1.5, shape)
+    columns["metabolic_rate_w"] = draw.uniform(0.5, 1.5, shape) / (1 + weight)
     columns["metabolic_rate_w"][:, 0] = start.uniform(1.5, 2.0, n_trials)
     columns |= {name: draw.uniform(0.0, 0.2, shape) for name in space.names}
     return Trials(space, training_iteration, np.arange(n_trials), columns, np.zeros(shape, int))

@@ -12,6 +12,7 @@ from experiment_manager.analysis.report.activation_figure import activations_fig
 from experiment_manager.analysis.report.drawings import drawings
 from experiment_manager.analysis.report.error_figures import errors_figure
 from experiment_manager.analysis.report.groups import Group, groups_of
+from experiment_manager.analysis.report.price_figure import over_prices, price_figure
 from experiment_manager.analysis.report.reported_run import ReportedRun
 from experiment_manager.analysis.report.tables import antagonists_table, comparison_table
 from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI, PAIR
@@ -61,6 +62,24 @@ def test_each_commanded_muscle_is_drawn_from_start_to_end(group: Group) -> None:
 def test_figures_of_own_commands_can_be_read(group: Group) -> None:
     assert_readable(errors_figure([group]))
     assert_readable(activations_figure(group))
+
+
+def test_prices_show_the_errors_about_all_axes(tmp_path: Path) -> None:
+    family = [
+        ReportedRun(write_run(tmp_path / f"{weight}", ALL_MUSCLES, "M_C", weight))
+        for weight in (0.1, 0.3, 1.0)
+    ]
+    groups = over_prices(groups_of(family))
+    figure = price_figure(groups)
+    assert_readable(figure)
+    error, _, _ = figure.axes
+    drawn = [np.asarray(line.get_ydata()) for line in error.lines[::2]]
+    names = ("vergence_error_deg", "vertical_error_deg", "cyclovergence_error_deg")
+    for medians, name in zip(drawn, names, strict=False):
+        expected = np.median(np.abs(groups[0].last_trials.column(name)[:, -1]))
+        assert np.allclose(medians, expected)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == ["horizontal error", "vertical error", "cyclovergence error"]
 
 
 def _rows(table: str) -> list[list[str]]:

@@ -146,7 +146,7 @@ def _prices(groups: Sequence[Group]) -> Iterator[Drawing]:
         yield Drawing(
             "price_of_energy",
             "The price of energy",
-            "After the last iteration of the last test's trials: (a) absolute vergence error and "
+            "After the last iteration of the last test's trials: (a) absolute error and "
             "(b) c, the share of the possible saving, over lambda, and (c) median error against "
             "median metabolic rate, a point per lambda, some with their lambda. Points are medians "
             "over all trials of all seeds; bars are quartiles over the trials, not the uncertainty "

@@ -1,11 +1,14 @@
 """What a price of energy does: accuracy and saved energy over lambda, and their trade."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from experiment_manager.analysis.report.groups import Group
 from experiment_manager.analysis.report.performance_figures import (
@@ -18,16 +21,25 @@ from experiment_manager.analysis.report.performance_figures import (
 )
 from experiment_manager.measures.trials import Trials
 from lockstep.figures import (
+    BLUE,
+    GREEN,
     GREY,
     SMALLEST_PT,
     VERMILION,
     WIDTH_IN,
+    legend_below,
     mark_level,
     new_figure,
     title_panels,
 )
 
 _LEAST_PRICES = 3
+_ERRORS = {
+    "vergence_error_deg": "horizontal error",
+    "vertical_error_deg": "vertical error",
+    "cyclovergence_error_deg": "cyclovergence error",
+}
+_LOOKS = ((VERMILION, "o"), (BLUE, "s"), (GREEN, "^"))
 # Lambda 0 has a place on a logarithmic axis so many times below the least price.
 _ZERO_BELOW = 3.0
 # Of the range of metabolic rates, so far apart are points with labels.
@@ -71,9 +83,12 @@ def price_figure(groups: Sequence[Group]) -> Figure:
     figure = new_figure(WIDTH_IN, 3.2)
     error, reduction, trade = figure.subplots(1, 3)
     px_deg = px_deg_of(groups)
-    _draw(error, groups, final_errors_deg)
+    if all(group.is_of_pair for group in groups):
+        _draw(error, groups, final_errors_deg)
+        error.set_ylabel(ERROR_LABEL)
+    else:
+        _draw_errors(figure, error, groups)
     scale_errors(error, px_deg)
-    error.set_ylabel(ERROR_LABEL)
     _draw(reduction, groups, _reductions_percent)
     mark_level(reduction, 100.0, "all")
     reduction.set_ylabel("$c$ / %")
@@ -86,14 +101,36 @@ def price_figure(groups: Sequence[Group]) -> Figure:
     return figure
 
 
-def _draw(axes: Axes, groups: Sequence[Group], values: Values) -> None:
+def _draw_errors(figure: Figure, axes: Axes, groups: Sequence[Group]) -> None:
+    """Draw the errors about all axes, each with its colour, and name them below the figure."""
+    handles = []
+    for (name, label), (colour, marker) in zip(_ERRORS.items(), _LOOKS, strict=True):
+        _draw(axes, groups, partial(_final_deg, name), colour, marker=marker)
+        handles.append(Line2D([], [], color=colour, marker=marker, ms=4, label=label))
+    axes.set_ylabel("|error| / deg")
+    legend_below(figure, handles)
+
+
+def _final_deg(name: str, trials: Trials) -> np.ndarray:
+    """Return the absolute error of that name after the last iteration, (n_trials,)."""
+    errors_deg: np.ndarray = np.abs(trials.column(name)[:, -1])
+    return errors_deg
+
+
+def _draw(
+    axes: Axes,
+    groups: Sequence[Group],
+    values: Values,
+    colour: str = VERMILION,
+    **style: Any,
+) -> None:
     weights = np.array([group.common.weight for group in groups])
     zero = weights[weights > 0].min() / _ZERO_BELOW
     quartiles = np.array([np.quantile(values(g.last_trials), QUARTILES) for g in groups]).T
     places = np.maximum(weights, zero)
-    draw_bars(axes, places, quartiles, VERMILION)
+    draw_bars(axes, places, quartiles, colour, **style)
     paid = weights > 0
-    axes.plot(places[paid], quartiles[1, paid], color=VERMILION, lw=0.8)
+    axes.plot(places[paid], quartiles[1, paid], color=colour, lw=0.8)
     axes.set_xscale("log")
     axes.set_xlabel(r"price $\lambda$ / (1/W)")
     steps = [step * 10.0**decade for decade in range(-6, 4) for step in (1, 3)]
