@@ -49,7 +49,7 @@ def test_a_regression_by_hand() -> None:
     assert sums.squares.item() == pytest.approx(6.0)  # 1 * 4 + 0.5 * 4
     assert sums.products.item() == pytest.approx(7.0)  # 1 * 2 * 3 + 0.5 * 2 * 1
     assert sums.targets.item() == pytest.approx(9.75)  # 0.5 * 0.5 + 9 + 0.5
-    actor = regressed_actor(sums, ridge_share=0.5)
+    actor = regressed_actor(sums, np.array([0.5]))
     assert actor.item() == pytest.approx(7.0 / 9.0)  # the ridge is half of 6
     assert residual_covariance(sums, np.array([[1.0]])).item() == pytest.approx(1.75 / 2.5)
 
@@ -66,17 +66,19 @@ def test_visits_are_added_in_place_with_the_bits_of_a_plain_sum() -> None:
     np.testing.assert_array_equal(sums.squares, sums.squares.T)
 
 
-@pytest.mark.parametrize("ridge_share", [1e-9, 0.05])
+@pytest.mark.parametrize(
+    "ridge_shares", [np.full(N_STATE, 1e-9), np.array([0.05, 0.05, 0.05, 0.2, 0.0])]
+)
 @pytest.mark.parametrize("kept", [1.0, 0.9])
-def test_the_actor_is_the_least_squares_solution_of_all_stored_visits(kept, ridge_share) -> None:
+def test_the_actor_is_the_least_squares_solution_of_all_stored_visits(kept, ridge_shares) -> None:
     sums = summed(20, kept, first_sums(N_STATE, 0.0 * np.eye(N_MUSCLES), 0.0))
     states, targets, weights = stored(20, kept)
     root = np.sqrt(weights)[:, None]
-    ridge = ridge_share * np.mean(((root * states) ** 2).sum(axis=0))
-    rows = np.concatenate([root * states, np.sqrt(ridge) * np.eye(N_STATE)])
+    ridges = ridge_shares * np.mean(((root * states) ** 2).sum(axis=0))
+    rows = np.concatenate([root * states, np.diag(np.sqrt(ridges))])
     aims = np.concatenate([root * targets, np.zeros((N_STATE, N_MUSCLES))])
     expected = np.linalg.lstsq(rows, aims, rcond=None)[0].T
-    np.testing.assert_allclose(regressed_actor(sums, ridge_share), expected, rtol=1e-8)
+    np.testing.assert_allclose(regressed_actor(sums, ridge_shares), expected, rtol=1e-8)
 
 
 def test_the_covariance_is_that_of_the_residuals_of_all_stored_visits() -> None:
@@ -91,7 +93,7 @@ def test_the_covariance_is_that_of_the_residuals_of_all_stored_visits() -> None:
 
 def test_without_visits_the_actor_does_nothing_and_residuals_scatter_as_told() -> None:
     sums = first_sums(N_STATE, 0.04 * np.eye(N_MUSCLES), 7.0)
-    actor = regressed_actor(sums, 0.01)
+    actor = regressed_actor(sums, np.full(N_STATE, 0.01))
     np.testing.assert_array_equal(actor, np.zeros((N_MUSCLES, N_STATE)))
     np.testing.assert_allclose(residual_covariance(sums, actor), 0.04 * np.eye(N_MUSCLES))
 

@@ -25,11 +25,14 @@ DRIFTING = dataclasses.replace(
     n_training_iterations=800,
     hindsight=dataclasses.replace(CONFIG.hindsight, drift_rate=0.1),
 )
-# The mean of the three best places, whose noise is tried again, and a larger penalty at first.
+# The mean of the three best places, whose noise is tried again, a larger penalty at first, and a
+# small one on activations.
 MEAN = dataclasses.replace(
     CONFIG,
     n_training_iterations=500,
-    hindsight=dataclasses.replace(CONFIG.hindsight, n_best=3, ridge_visits=30.0, drift_rate=0.05),
+    hindsight=dataclasses.replace(
+        CONFIG.hindsight, n_best=3, ridge_visits=30.0, drift_rate=0.05, felt_ridge_share=0.1
+    ),
 )
 HIGHEST = np.array([0.2, 0.1])
 Floats = NDArray[np.float64]
@@ -128,7 +131,9 @@ class SlowRule:
         root = np.sqrt(weights)[:, None]
         ridge = ridge_share * np.mean(((root * states) ** 2).sum(axis=0))
         n_state = states.shape[1]
-        rows = np.concatenate([root * states, math.sqrt(ridge) * np.eye(n_state)])
+        shares = np.ones(n_state)
+        shares[self.config.n_features :] = self.config.hindsight.felt_ridge_share
+        rows = np.concatenate([root * states, np.diag(np.sqrt(ridge * shares))])
         aims = np.concatenate([root * targets, np.zeros((n_state, 2))])
         self.actor = np.linalg.lstsq(rows, aims, rcond=None)[0].T
         left = root * (targets - states @ self.actor.T)

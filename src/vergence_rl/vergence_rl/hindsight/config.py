@@ -55,6 +55,12 @@ class HindsightConfig:
         "ridge penalty of this many visits, added as a share of those remembered (D20)",
         least=0,
     )
+    felt_ridge_share: float = setting(
+        1.0,
+        "ridge penalty on the weights of what is felt, activations and constant, as a share of that"
+        " on the weights of features (D20)",
+        above=0,
+    )
     memory_share: float = setting(
         0.5,
         "iterations after which a visit has 1 / e of its weight, as a share of all so far",

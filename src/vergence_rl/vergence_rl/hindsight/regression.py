@@ -89,18 +89,19 @@ def weights_of_ranks(n_best: int) -> Floats:
     return np.asarray(weights / weights.sum(), dtype=np.float64)
 
 
-def regressed_actor(sums: Sums, ridge_share: float) -> Floats:
-    """Return W (n_muscles, n_state), the least of sum w |T - W s|^2 + ridge |W|^2.
+def regressed_actor(sums: Sums, ridge_shares: Floats) -> Floats:
+    """Return W (n_muscles, n_state), the least of sum w |T - W s|^2 + sum_k ridge_k |W_k|^2.
 
-    ridge = ridge_share times the mean of the diagonal of sum w s s^T, so that it has the states'
-    scale and grows with what is remembered. The ten states of an episode share one target: without
-    a ridge its noise is learned (ridge regression: Hoerl & Kennard 1970).
+    ridge_k = ridge_shares[k], (n_state,), of the weights of entry k, times the mean of the diagonal
+    of sum w s s^T, so that it has the states' scale and grows with what is remembered. The ten
+    states of an episode share one target: without a ridge its noise is learned (ridge regression:
+    Hoerl & Kennard 1970).
     """
     n_state = len(sums.squares)
-    ridge = ridge_share * np.trace(sums.squares) / n_state
-    if ridge == 0.0:
+    ridges = ridge_shares * np.trace(sums.squares) / n_state
+    if not ridges.any():
         return np.zeros(sums.products.T.shape)
-    weights = np.linalg.solve(sums.squares + ridge * np.eye(n_state), sums.products)
+    weights = np.linalg.solve(sums.squares + np.diag(ridges), sums.products)
     return np.ascontiguousarray(weights.T)
 
 

@@ -51,6 +51,9 @@ class HindsightRule:
         self._config, self._task = config, task
         self._limits = task.lowest, task.highest
         self._rank_weights = weights_of_ranks(config.n_best)
+        # The last entries of the state are the activations and the constant.
+        self._ridge_shares = np.ones(task.n_state)
+        self._ridge_shares[-task.n_muscles - 1 :] = config.felt_ridge_share
         self._first = FirstNoise(task.n_muscles, config.exploration_variance, config.starts_share)
         self.learning_steps = 0
         self._weights = np.zeros((task.n_muscles, task.n_state))
@@ -175,7 +178,7 @@ class HindsightRule:
         self._note_noise(order, kept, n_seen)
         if n_seen % config.regression_period == 0:
             ridge_share = config.ridge_share + config.ridge_visits / self._memory(n_seen)
-            self._weights = regressed_actor(self._sums, ridge_share)
+            self._weights = regressed_actor(self._sums, ridge_share * self._ridge_shares)
             if config.exploration_follows_residuals:
                 self._covariance = (
                     residual_covariance(self._sums, self._weights)
