@@ -10,17 +10,18 @@ usage: .venv/bin/python docs/examples/gymnasium_sac.py [STEPS] [CSV]
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium_scores import HEADER, Policy, make_environment, score
 from stable_baselines3 import SAC
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
-RESULTS = Path(__file__).parents[2] / "results"
 RUNNING, WRITTEN_EVERY = 200, 50  # episodes
-N_TRIALS, TESTED_EVERY = 1560, 10
+ACTION_SCALE = 1 / 32  # an action is at most 5 deg of vergence
 
 
 class Improvement(gymnasium.Wrapper):
@@ -48,26 +49,16 @@ def _reward(info: dict) -> float:
     return -(info["reconstruction_error_coarse"] + info["reconstruction_error_fine"])
 
 
-def make_environment() -> gymnasium.Env:
+def training_environment() -> gymnasium.Env:
     """Return the environment as SAC takes it: one vector of float32."""
-    environment = gymnasium.make(
-        "experiment_manager.environments:ActiveVergenceFeatures-v0",
-        settings={
-            "eye_plant.camera.renderer": "plane",
-            "eye_plant.camera.roi_width_px": 128,
-            "eye_plant.camera.roi_height_px": 128,
-        },
-        coder_state=next(RESULTS.glob("precise/profile_precise-seed_1/checkpoints/*/*coder.npz")),
-        coder_learns=False,
-        action_scale=1 / 32,  # a step is at most 5 deg of vergence
-    )
-    environment = gymnasium.wrappers.FlattenObservation(Improvement(environment))
+    environment = Improvement(make_environment(ACTION_SCALE))
+    environment = gymnasium.wrappers.FlattenObservation(environment)
     space = gymnasium.spaces.Box(0.0, np.inf, environment.observation_space.shape, np.float32)
-    return Monitor(
-        gymnasium.wrappers.TransformObservation(
-            environment, lambda observed: np.sqrt(observed, dtype=np.float32), space
-        )
-    )
+    return Monitor(gymnasium.wrappers.TransformObservation(environment, _scaled, space))
+
+
+def _scaled(observed: np.ndarray) -> np.ndarray:
+    return np.sqrt(observed, dtype=np.float32)
 
 
 class Curve(BaseCallback):
@@ -94,27 +85,25 @@ class Curve(BaseCallback):
         return True
 
 
-def errors_after_trials_deg(agent: SAC, normalized: VecNormalize) -> np.ndarray:
-    """Return the errors after 20 steps without exploration on unseen stimuli, each tenth trial."""
-    environment = make_environment()
-    environment.reset(seed=1)
-    errors_deg = []
-    for trial in range(0, N_TRIALS, TESTED_EVERY):
-        observed, info = environment.reset(options={"trial": trial})
-        truncated = False
-        while not truncated:
-            action, _ = agent.predict(normalized.normalize_obs(observed), deterministic=True)
-            observed, _, _, truncated, info = environment.step(action)
-        errors_deg.append(info["ground_truth"]["vergence_error_deg"])
-    environment.close()
-    return np.abs(errors_deg)
+def policy_of(agent: SAC, normalized: VecNormalize, space: gymnasium.Space) -> Policy:
+    """Return the agent without exploration, as a policy for `score`.
+
+    space: of the observations that the policy is given.
+    """
+
+    def policy(observed: dict[str, np.ndarray], reward: float, info: dict[str, Any]) -> np.ndarray:
+        flat = _scaled(gymnasium.spaces.flatten(space, observed))
+        action, _ = agent.predict(normalized.normalize_obs(flat), deterministic=True)
+        return ACTION_SCALE * action
+
+    return policy
 
 
 def main() -> None:
     """Train for so many steps, then test."""
     n_steps = int(sys.argv[1]) if len(sys.argv) > 1 else 20_000
     path = Path(sys.argv[2] if len(sys.argv) > 2 else "sac_curve.csv")
-    environment = VecNormalize(DummyVecEnv([make_environment]), gamma=0.3)
+    environment = VecNormalize(DummyVecEnv([training_environment]), gamma=0.3)
     agent = SAC(
         "MlpPolicy",
         environment,
@@ -128,9 +117,11 @@ def main() -> None:
         seed=1,
     )
     agent.learn(n_steps, callback=Curve(path))
-    errors_deg = errors_after_trials_deg(agent, environment)
-    low, middle, high = np.percentile(errors_deg, (25, 50, 75))
-    print(f"test of {len(errors_deg)} trials: {middle:.3f} deg, quartiles {low:.3f}, {high:.3f}")
+    tested = make_environment(ACTION_SCALE)
+    row = score(tested, policy_of(agent, environment, tested.observation_space))
+    print(HEADER)
+    print(f"{f'SAC, {n_steps} steps':24s}{row}")
+    tested.close()
     environment.close()
 
 

@@ -85,7 +85,7 @@ def test_the_runs_of_results_had_learned_by_then() -> None:
             if test["iteration"] == iteration
         ]
         assert len(errors_deg) >= 3
-        assert max(errors_deg) < 0.25
+        assert max(errors_deg) < 0.4
     for sweep, iteration in (("demonstration", 50_000), ("paper_short", 200_000)):
         savings = [
             test["median_cost_reduction"]
