@@ -133,6 +133,7 @@ def test_muscles_with_commands_of_their_own_are_recorded_as_the_loop_has_them(
         "vergence_rl.hindsight.n_best=3",
         "vergence_rl.hindsight.drift_rate=0.1",
         "sparse_coder.price_rise_share=0.75",
+        "sparse_coder.final_price_share=0.5",
         "experiment_manager.protocol.n_starts_per_distance=4",
         "eye_plant.mechanics.parameter_set=anatomical",
         "eye_plant.mechanics.moves=at_once",

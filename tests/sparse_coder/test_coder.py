@@ -89,19 +89,33 @@ def test_dictionaries_come_to_rest_as_training_ends(stereo_pair: Pair) -> None:
     assert moved[4:] == [0.0, 0.0]
 
 
-def test_a_price_rises_from_0_as_the_coder_learns(stereo_pair: Pair) -> None:
+@pytest.mark.parametrize(
+    ("rise", "final", "expected"),
+    [
+        (0.4, 1.0, [0.0, 0.125, 0.25, 0.375, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]),
+        (0.0, 0.2, [0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.3, 0.1, 0.1, 0.1, 0.1, 0.1]),
+        (0.6, 0.0, [0.0, 0.5 / 6, 1 / 6, 0.25, 2 / 6, 2.5 / 6, 0.25, 0.0, 0.0, 0.0, 0.0, 0.0]),
+    ],
+)
+def test_a_price_rises_from_0_and_falls(
+    stereo_pair: Pair, rise: float, final: float, expected: list[float]
+) -> None:
     config = dataclasses.replace(
-        SMALL, n_training_iterations=8, metabolic_cost_weight=0.5, price_rise_share=0.5
+        SMALL,
+        n_training_iterations=10,
+        metabolic_cost_weight=0.5,
+        price_rise_share=rise,
+        final_price_share=final,
     )
     coder, rate_w = SparseCoder(config), np.array([0.3, 0.1])
     rewards, errors = [], []
-    for _ in range(6):
+    for _ in expected:
         percept = perceive(coder, *stereo_pair, rate_w)
         rewards.append(percept.reward)
         errors.append(percept.encoding.reconstruction_error.sum())
         coder.learn(percept.encoding)
     prices = -(np.array(rewards) + errors) / 0.4
-    np.testing.assert_allclose(prices, [0.0, 0.125, 0.25, 0.375, 0.5, 0.5], atol=1e-12)
+    np.testing.assert_allclose(prices, expected, atol=1e-12)
 
 
 def test_a_step_at_rate_zero_would_leave_the_bits_of_normalised_atoms(stereo_pair: Pair) -> None:

@@ -52,6 +52,13 @@ class SparseCoderConfig:
         least=0,
         most=1,
     )
+    final_price_share: float = setting(
+        1.0,
+        "share of that price that is left at the end; it falls linearly between half and 70 % of "
+        "training (D21)",
+        least=0,
+        most=1,
+    )
 
     def __post_init__(self) -> None:
         """Refuse values out of range."""

@@ -12,8 +12,8 @@ ASSUMED_RATE_HZ = 250
 # As two cores generate 140 pictures of 1920 x 1920 px, in a minute.
 _PX_PER_S = 140 * 1920**2 / 60.0
 # Training iterations after which runs in results/ had learned something, by learning rule: vergence
-# from 2 deg to a median of 0.4 deg or less (demonstration; paper), and model M_C to save a tenth of the
-# energy (demonstration; paper_short). Each is the earliest test there is, but for the last.
+# from 2 deg to a median of 0.4 deg or less (demonstration; paper), and model M_C to save a tenth of
+# the energy (demonstration; paper_short). Each is the earliest test there is, except the last.
 _LEARNED_AFTER = {"hindsight": 10_000, "cacla": 50_000}
 _SAVES_AFTER = {"hindsight": 50_000, "cacla": 200_000}
 

@@ -33,13 +33,6 @@ class HindsightConfig:
         " whose noise is tried again; 1: the best place alone (D20)",
         least=1,
     )
-    noise_falls_by: float = setting(
-        0.0,
-        "share of training at which the noise has fallen to a twentieth, from two thirds of that"
-        " share on; 0: it does not fall (D20)",
-        least=0,
-        most=1,
-    )
     drift_rate: float = setting(
         0.0,
         "share of the mean noise that led to an episode's best places by which all actions move"

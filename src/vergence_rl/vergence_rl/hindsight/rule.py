@@ -24,9 +24,6 @@ from vergence_rl.hindsight.regression import (
 from vergence_rl.learning_rule import Decision, Floats, Observation, Task
 from vergence_rl.td import td_variance
 
-# Of the share of training by which the noise has fallen; and what is left of it then.
-_FALL_BEGINS, _FINAL_NOISE = 2 / 3, 0.05
-
 
 @dataclass(frozen=True)
 class _Visit:
@@ -85,8 +82,7 @@ class HindsightRule:
         action = self._weights @ observation.state + self._drift
         self._noise = np.zeros_like(action)
         if draw is not None:
-            size = self._noise_size(observation)
-            self._noise = size * root_of(self._covariance) @ draw.normal(0.0, 1.0, len(action))
+            self._noise = root_of(self._covariance) @ draw.normal(0.0, 1.0, len(action))
             action = action + self._noise
         self._asked = observation.activations + action
         return Decision(
@@ -199,9 +195,7 @@ class HindsightRule:
         weights = self._rank_weights
         best = order[order > 0][: len(weights)]
         noise = np.array([self._visits[i].noise for i in best])
-        # The covariance is that of noise in its full size.
-        whole = noise / self._noise_size(self._visits[-1].seen)
-        self._selected = kept * self._selected + (1.0 - kept) * (weights * whole.T) @ whole
+        self._selected = kept * self._selected + (1.0 - kept) * (weights * noise.T) @ noise
         left = max(0.0, 1.0 - n_seen / self._task.n_training_iterations)
         self._drift += self._config.drift_rate * left * (weights @ noise)
 
@@ -217,18 +211,6 @@ class HindsightRule:
         place: Floats = weights @ visited[best]
         held = (asked < self._task.lowest) | (asked > self._task.highest)
         return made_up(place, asked, self._covariance, held) if held.any() else place
-
-    def _noise_size(self, seen: Observation) -> float:
-        """Return the noise's SD, the same in a whole episode, relative to that of its covariance.
-
-        seen: any observation of the episode.
-        """
-        end = self._config.noise_falls_by * self._task.n_training_iterations
-        if not end:
-            return 1.0
-        begin = _FALL_BEGINS * end
-        done = (seen.training_iteration - seen.iteration - begin) / (end - begin)
-        return 1.0 - (1.0 - _FINAL_NOISE) * min(1.0, max(0.0, done))
 
     def _kept_share(self, n_seen: int) -> float:
         return kept_share(self._task.iterations_per_episode, self._memory(n_seen))
