@@ -190,14 +190,24 @@ class HindsightRule:
         """Remember which noise led to the best places, and move all actions a little along it.
 
         order: (n_visits,) from the best place to the worst. The first place is nobody's noise.
+        Remembered is what the limits left of it, so that it falls where muscles are silent.
         The steps fall to 0 as training ends, for the regression to catch up with them.
         """
         weights = self._rank_weights
-        best = order[order > 0][: len(weights)]
-        noise = np.array([self._visits[i].noise for i in best])
-        self._selected = kept * self._selected + (1.0 - kept) * (weights * noise.T) @ noise
+        best = [self._visits[i] for i in order[order > 0][: len(weights)]]
+        noise = np.array([visit.noise for visit in best])
+        carried_out = np.array(
+            [v.noise + self._cut(v.asked) - self._cut(v.asked - v.noise) for v in best]
+        )
+        self._selected = (
+            kept * self._selected + (1.0 - kept) * (weights * carried_out.T) @ carried_out
+        )
         left = max(0.0, 1.0 - n_seen / self._task.n_training_iterations)
         self._drift += self._config.drift_rate * left * (weights @ noise)
+
+    def _cut(self, asked: Floats) -> Floats:
+        """Return what the limits change in a command (n_muscles,)."""
+        return within_limits(asked, self._covariance, *self._limits) - asked
 
     def _mean_of_best(self, order: NDArray[np.intp], visited: Floats) -> Floats:
         """Return the target (n_muscles,) of the best places.
