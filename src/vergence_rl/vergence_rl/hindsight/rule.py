@@ -175,7 +175,8 @@ class HindsightRule:
             targets = aim - visited
         weights = nearness((aim - visited) @ self._first.metric, config.target_scale)
         self._sums.add(states, targets - self._drift, weights, kept=kept)
-        self._note_noise(order, kept, n_seen)
+        if config.n_best > 1 or config.drift_rate:
+            self._note_noise(order, kept, n_seen)
         if n_seen % config.regression_period == 0:
             ridge_share = config.ridge_share + config.ridge_visits / self._memory(n_seen)
             self._weights = regressed_actor(self._sums, ridge_share * self._ridge_shares)
