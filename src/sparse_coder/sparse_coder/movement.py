@@ -1,0 +1,135 @@
+"""How an eye turned between two of its pictures, from the pictures alone.
+
+An eye that turns about its centre sees the same directions before and after, whatever their
+distance. So its picture moves by the homography K R K^-1, K being the camera's matrix, and the
+rotation R is all that has to be found (Hartley & Zisserman 2003, section 8.4.2).
+
+Camera axes: x right, y down, z forward. A movement m = (sideways, up, clockwise) in deg is a turn
+of the line of sight by the angle |(sideways, up)| in that direction, followed by a rotation about
+it. So the place in the earlier picture that is sideways and up from its centre comes to the centre.
+"""
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Picture = NDArray[np.uint8]
+Floats = NDArray[np.float64]
+
+# Rounds of aligning what the round before has left.
+_N_ROUNDS = 2
+_STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 30, 1e-4)
+_BLUR_PX = 5
+
+
+@dataclass(frozen=True)
+class Movement:
+    """How an eye turned: to the right, up, and clockwise as the observer sees it.
+
+    correlation: of both pictures once aligned, in [-1, 1]; refused: why the movement is not clear,
+    "" where it is.
+    """
+
+    sideways_deg: float
+    up_deg: float
+    clockwise_deg: float
+    correlation: float
+    refused: str = ""
+
+
+def movement(
+    earlier: Picture, later: Picture, focal_length_px: float, least_correlation: float = 0.8
+) -> Movement:
+    """Return the movement between two pictures (height_px, width_px) of one eye.
+
+    First the peak of their phase correlation (Kuglin & Hines 1975), then the shift and rotation of
+    largest correlation of their centres (Evangelidis & Psarakis 2008), both pictures turned half
+    of the way towards each other, so that half of a picture has to be common to both.
+    """
+    side_px = min(earlier.shape)
+    if earlier.std() == 0.0 or later.std() == 0.0:
+        return _refused("a picture is uniform", 0.0)
+    window = cv2.createHanningWindow((side_px, side_px), cv2.CV_32F)
+    first, second = (_centre(picture, side_px) for picture in (earlier, later))
+    (to_right, down), _ = cv2.phaseCorrelate(first, second, window)
+    turned = _turned(-to_right, -down, 0.0, focal_length_px)
+    correlation = 0.0
+    for _ in range(_N_ROUNDS):
+        half = _rotation(_vector(turned) / 2.0)
+        size_px = side_px // 2
+        a = _seen(earlier, half, size_px, focal_length_px)
+        b = _seen(later, half.T, size_px, focal_length_px)
+        start = np.eye(2, 3, dtype=np.float32)
+        everywhere = np.ones_like(a)
+        try:
+            correlation, found = cv2.findTransformECC(
+                a, b, start, cv2.MOTION_EUCLIDEAN, _STOP, everywhere, _BLUR_PX
+            )
+        except cv2.error:
+            return _refused("the pictures do not align", correlation)
+        centre = np.array([(size_px - 1) / 2.0, (size_px - 1) / 2.0, 1.0])
+        warp = np.asarray(found, np.float64)
+        to_right, down = warp @ centre - centre[:2]
+        rest = _turned(-to_right, -down, -math.atan2(warp[1, 0], warp[0, 0]), focal_length_px)
+        turned = half @ rest @ half
+    sideways_deg, up_deg, clockwise_deg = angles_deg(turned).tolist()
+    refused = "" if correlation >= least_correlation else "the pictures differ too much"
+    return Movement(sideways_deg, up_deg, clockwise_deg, float(correlation), refused)
+
+
+def rotation(movement_deg: Floats) -> Floats:
+    """Return R (3, 3) of a movement (3,): the later camera's axes in the earlier one's."""
+    sideways, up, clockwise = np.radians(movement_deg)
+    return _rotation(np.array([up, sideways, 0.0])) @ _rotation(np.array([0.0, 0.0, clockwise]))
+
+
+def angles_deg(turned: Floats) -> Floats:
+    """Return the movement (3,) of a rotation R (3, 3): the inverse of `rotation`."""
+    x, y, z = turned[:, 2]
+    aside = math.hypot(x, y)
+    ratio = math.atan2(aside, z) / aside if aside > 0.0 else 1.0
+    swing = _rotation(np.array([-y * ratio, x * ratio, 0.0]))
+    roll = swing.T @ turned
+    return np.degrees([x * ratio, -y * ratio, math.atan2(roll[1, 0], roll[0, 0])])
+
+
+def _turned(right_px: float, down_px: float, clockwise: float, focal_length_px: float) -> Floats:
+    swing = np.array([-down_px, right_px, 0.0]) / focal_length_px
+    return _rotation(swing) @ _rotation(np.array([0.0, 0.0, clockwise]))
+
+
+def _rotation(vector: Floats) -> Floats:
+    return np.asarray(cv2.Rodrigues(vector)[0], np.float64)
+
+
+def _vector(turned: Floats) -> Floats:
+    return np.asarray(cv2.Rodrigues(turned)[0], np.float64)
+
+
+def _centre(picture: Picture, side_px: int) -> NDArray[np.float32]:
+    top, left = ((n - side_px) // 2 for n in picture.shape)
+    return picture[top : top + side_px, left : left + side_px].astype(np.float32)
+
+
+def _seen(picture: Picture, turned: Floats, size_px: int, focal_length_px: float) -> Picture:
+    """Return the centre (size_px, size_px) of what a camera turned by R (3, 3) would see."""
+    source, target = (
+        np.array([[focal_length_px, 0, (w - 1) / 2], [0, focal_length_px, (h - 1) / 2], [0, 0, 1]])
+        for h, w in (picture.shape, (size_px, size_px))
+    )
+    return np.asarray(
+        cv2.warpPerspective(
+            picture,
+            source @ turned @ np.linalg.inv(target),
+            (size_px, size_px),
+            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+        ),
+        np.uint8,
+    )
+
+
+def _refused(reason: str, correlation: float) -> Movement:
+    return Movement(math.nan, math.nan, math.nan, correlation, reason)

@@ -1,0 +1,64 @@
+import cv2
+import numpy as np
+import pytest
+
+from sparse_coder.movement import angles_deg, movement, rotation
+
+FOCAL_PX = 250.0
+
+
+def seen(texture: np.ndarray, turned: np.ndarray):
+    """What a camera turned by R sees of a sphere's picture: sampled direction by direction."""
+    x, y = np.meshgrid(np.arange(160) - 79.5, np.arange(120) - 59.5)
+    there = np.stack([x, y, np.full_like(x, FOCAL_PX)], axis=2) @ turned.T
+    right, down = (FOCAL_PX * np.arctan2(there[..., i], there[..., 2]) for i in (0, 1))
+    at_x, at_y = ((at + 200.0).astype(np.float32) for at in (right, down))
+    return cv2.remap(texture, at_x, at_y, cv2.INTER_LINEAR)
+
+
+@pytest.fixture
+def texture():
+    noise = np.random.default_rng(5).normal(size=(400, 400)).astype(np.float32)
+    smooth = cv2.GaussianBlur(noise, (0, 0), 3.0)
+    return np.uint8(np.clip(128.0 + 50.0 * smooth / smooth.std(), 0, 255))
+
+
+def test_the_axes_are_right_up_and_clockwise() -> None:
+    ahead, right, down = np.eye(3)[2], np.eye(3)[0], np.eye(3)[1]
+    aside = rotation(np.array([30.0, 0.0, 0.0])) @ ahead
+    np.testing.assert_allclose(aside, 0.5 * right + np.sqrt(0.75) * ahead, atol=1e-12)
+    up = rotation(np.array([0.0, 30.0, 0.0])) @ ahead
+    np.testing.assert_allclose(up, -0.5 * down + np.sqrt(0.75) * ahead, atol=1e-12)
+    rolled = rotation(np.array([0.0, 0.0, 90.0])) @ right
+    np.testing.assert_allclose(rolled, down, atol=1e-12)
+
+
+def test_a_turn_is_one_angle_in_one_direction_whatever_the_size() -> None:
+    ahead = rotation(np.array([30.0, 40.0, 7.0]))[:, 2]
+    assert np.degrees(np.arccos(ahead[2])) == pytest.approx(50.0)
+    assert ahead[0] / -ahead[1] == pytest.approx(30.0 / 40.0)
+
+
+@pytest.mark.parametrize("turn", [(0.0, 0.0, 0.0), (3.0, -8.0, 2.0), (-60.0, 1.0, -20.0)])
+def test_angles_are_the_inverse_of_the_rotation(turn: tuple[float, float, float]) -> None:
+    np.testing.assert_allclose(angles_deg(rotation(np.array(turn))), turn, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "turn", [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, -1.0, 1.5), (4.0, 3.0, -2.0), (-6.0, 2.0, 1.0)]
+)
+def test_a_movement_is_found_in_the_pictures(texture, turn: tuple[float, float, float]) -> None:
+    begin = rotation(np.array([2.0, -1.0, 3.0]))
+    found = movement(
+        seen(texture, begin), seen(texture, begin @ rotation(np.array(turn))), FOCAL_PX
+    )
+    assert not found.refused
+    got = (found.sideways_deg, found.up_deg, found.clockwise_deg)
+    np.testing.assert_allclose(got, turn, atol=0.05)
+
+
+def test_what_is_not_clear_is_refused(texture) -> None:
+    picture, other = seen(texture, np.eye(3)), seen(texture[::-1, ::-1].copy(), np.eye(3))
+    assert movement(picture, np.full_like(picture, 9), FOCAL_PX).refused == "a picture is uniform"
+    unlike = movement(picture, other, FOCAL_PX)
+    assert unlike.refused in ("the pictures differ too much", "the pictures do not align")

@@ -1,0 +1,100 @@
+import numpy as np
+import pytest
+
+from lockstep.errors import InputError
+from vergence_rl.saccades import Saccades
+
+LOWEST, HIGHEST = np.zeros(4), np.full(4, 0.2)
+# Degrees per unit of activation, of an eye with four muscles.
+SLOPES = np.array([[450.0, -420.0, 20.0, 30.0], [-70.0, 60.0, 300.0, -370.0], [5.0, 9.0, 40, 50]])
+
+
+def turned_deg(before, change):
+    """An eye whose place bends with the activations: f(a + d) - f(a) for f of third degree."""
+
+    def place(a):
+        rest = a - 0.1
+        return SLOPES @ (rest + 1.5 * rest**2 + 4.0 * rest**3 + 2.0 * rest * rest[::-1])
+
+    return place(before + change) - place(before)
+
+
+def learned(n: int) -> Saccades:
+    draw, saccades = np.random.default_rng(1), Saccades(LOWEST, HIGHEST)
+    for _ in range(n):
+        before, change = draw.uniform(0.02, 0.18, 4), draw.normal(0.0, 0.01, 4)
+        saccades.learn(before, change, turned_deg(before, change))
+    return saccades
+
+
+def test_what_a_change_does_is_learned_to_the_third_order() -> None:
+    saccades, draw = learned(2000), np.random.default_rng(2)
+    for _ in range(20):
+        before, change = draw.uniform(0.02, 0.18, 4), draw.normal(0.0, 0.01, 4)
+        expected = turned_deg(before, change)
+        np.testing.assert_allclose(saccades.turns_deg(before, change), expected, atol=0.02)
+
+
+def test_the_change_for_a_wanted_turn_leads_there() -> None:
+    saccades, draw = learned(2000), np.random.default_rng(3)
+    for _ in range(20):
+        before, wanted = draw.uniform(0.06, 0.14, 4), draw.uniform(-3.0, 3.0, 3)
+        wanted[2] /= 10.0
+        change = saccades.change(before, wanted)
+        np.testing.assert_allclose(turned_deg(before, change), wanted, atol=0.02)
+
+
+def test_a_muscle_at_its_limit_is_made_up_for_by_the_others() -> None:
+    saccades, before = learned(2000), np.array([0.1, 0.002, 0.1, 0.1])
+    wanted = np.array([4.0, 0.0, 0.0])  # the second muscle would relax
+    change = saccades.change(before, wanted)
+    assert before[1] + change[1] == 0.0
+    np.testing.assert_allclose(turned_deg(before, change), wanted, atol=0.05)
+
+
+def test_nothing_is_known_at_first_and_nothing_moves_where_nothing_is_wanted() -> None:
+    before = np.full(4, 0.1)
+    assert not Saccades(LOWEST, HIGHEST).change(before, np.array([1.0, 2.0, 3.0])).any()
+    assert not learned(50).change(before, np.zeros(3)).any()
+
+
+def test_the_regression_is_that_of_all_movements_at_once() -> None:
+    draw, saccades = np.random.default_rng(4), Saccades(LOWEST[:1], HIGHEST[:1])
+    rows, turns = [], []
+    for _ in range(30):
+        before, change, turn = draw.uniform(0, 0.2, 1), draw.normal(0, 0.01, 1), draw.normal(size=3)
+        saccades.learn(before, change, turn)
+        half_way = (before[0] + change[0] / 2.0) / 0.1 - 1.0
+        rows.append(change[0] / 0.01 * np.array([1.0, half_way, half_way**2]))
+        turns.append(turn)
+    x, y = np.array(rows), np.array(turns)
+    penalty = 1e-5 * np.mean(np.sum(x**2, axis=0)) * np.eye(3)
+    weights = np.linalg.inv(x.T @ x + penalty) @ x.T @ y
+    got = saccades.turns_deg(np.array([0.1]), np.array([0.02]))
+    np.testing.assert_allclose(got, 2.0 * np.array([1.0, 0.1, 0.01]) @ weights, rtol=1e-9)
+
+
+def test_goes_on_from_its_state_bit_for_bit() -> None:
+    whole, part = learned(60), Saccades(LOWEST, HIGHEST)
+    part.restore(learned(60).state())
+    more = (np.full(4, 0.08), np.full(4, 0.01), np.array([1.0, 0.5, 0.1]))
+    for saccades in (whole, part):
+        saccades.learn(*more)
+    assert part.n_movements == 61
+    wanted = np.array([2.0, 1.0, 0.0])
+    assert part.change(more[0], wanted).tobytes() == whole.change(more[0], wanted).tobytes()
+
+
+@pytest.mark.parametrize(
+    ("change", "turns", "message"),
+    [
+        (np.zeros(3), np.zeros(3), "change: expected 4 finite numbers"),
+        (np.zeros(4), np.array([np.nan, 0.0, 0.0]), "turns: expected 3 finite numbers"),
+    ],
+)
+def test_refuses_what_is_no_movement_and_learns_nothing(change, turns, message) -> None:
+    saccades = Saccades(LOWEST, HIGHEST)
+    with pytest.raises(InputError, match=message):
+        saccades.learn(np.full(4, 0.1), change, turns)
+    assert saccades.n_movements == 0
+    assert not saccades.state()["squares"].any()
