@@ -51,9 +51,9 @@ class HindsightRule:
         self._config, self._task = config, task
         self._limits = task.lowest, task.highest
         self._rank_weights = weights_of_ranks(config.n_best)
-        # The last entries of the state are the activations and the constant.
+        # The last entries of the state are what is felt and the constant.
         self._ridge_shares = np.ones(task.n_state)
-        self._ridge_shares[-task.n_muscles - 1 :] = config.felt_ridge_share
+        self._ridge_shares[-task.n_felt - 1 :] = config.felt_ridge_share
         self._first = FirstNoise(task.n_muscles, config.exploration_variance, config.starts_share)
         self.learning_steps = 0
         self._weights = np.zeros((task.n_muscles, task.n_state))
