@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from lockstep.configuration import build, flatten
 from lockstep.errors import DivergenceError, InputError
 from lockstep.randomness import generator
 from vergence_rl.agent import Agent
@@ -411,9 +412,7 @@ def _fixated(agent: Agent, n_episodes: int, first: int = 0) -> list[Decision]:
                 learning=True,
                 exploration=True,
                 target_deg=np.array([1.0, 2.0]) if of_fixation < 2 else np.full(2, np.nan),
-                turns_deg=draw.normal(0, 1, (2, 3))
-                if of_fixation == 1
-                else np.full((2, 3), np.nan),
+                turns_deg=draw.normal(0, 1, (2, 3)) * (1.0 if of_fixation == 1 else np.nan),
             )
         )
     return decisions
@@ -451,7 +450,7 @@ def test_gaze_goes_on_from_its_state_bit_for_bit() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"gaze": {"fixation_iterations": 3}}, "expected 0, or 4 or more, of which 2 are saccades"),
+        ({"gaze.fixation_iterations": 3}, "expected 0, or 4 or more, of which 2 are saccades"),
         ({"iterations_per_episode": 12}, "iterations_per_episode: expected a multiple of 5"),
         (
             {"command_space": "pair", "products_of_activations": False},
@@ -460,6 +459,5 @@ def test_gaze_goes_on_from_its_state_bit_for_bit() -> None:
     ],
 )
 def test_fixations_that_do_not_fit_are_refused(changes, message: str) -> None:
-    gaze = {"gaze": GazeConfig(**changes.pop("gaze"))} if "gaze" in changes else {}
     with pytest.raises(InputError, match=message):
-        dataclasses.replace(GAZE, **gaze, **changes)
+        build(VergenceRlConfig, flatten(GAZE) | changes)

@@ -4,6 +4,7 @@ import pytest
 from experiment_manager.experiment.config import ProtocolConfig
 from experiment_manager.experiment.targets import drawn_targets_deg
 from lockstep.command_space import ALL_MUSCLES
+from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
 
 CONFIG = ProtocolConfig(
@@ -43,14 +44,9 @@ def test_eyes_that_look_too_far_aside_come_back() -> None:
 
 @pytest.mark.parametrize("name", ["iterations_per_episode", "iterations_per_trial"])
 def test_episodes_and_trials_are_whole_fixations(name: str) -> None:
-    with pytest.raises(InputError, match=rf"{name}: expected a multiple of 6 \(fixation_iter"):
-        ProtocolConfig(
-            **{"iterations_per_episode": 12, "iterations_per_trial": 12, name: 10},
-            command_space=ALL_MUSCLES,
-            lowest_activations=(0.0,),
-            highest_activations=(0.2,),
-            fixation_iterations=6,
-        )
+    settings = flatten(CONFIG) | {"iterations_per_episode": 20, name: 8}
+    with pytest.raises(InputError, match=rf"{name}: expected a multiple of 5 \(fixation_iter"):
+        build(ProtocolConfig, settings)
 
 
 def test_the_pair_makes_no_saccades() -> None:

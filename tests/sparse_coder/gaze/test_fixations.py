@@ -16,9 +16,9 @@ def picture(right_px: float = 0.0, down_px: float = 0.0) -> np.ndarray:
     """What a camera sees that looks so many pixels aside of the middle of a texture."""
     noise = np.random.default_rng(5).normal(size=(400, 400)).astype(np.float32)
     smooth = cv2.GaussianBlur(noise, (0, 0), 3.0)
-    texture = np.uint8(np.clip(128.0 + 50.0 * smooth / smooth.std(), 0, 255))
-    middle = (199.5 + right_px, 199.5 + down_px)
-    return cv2.getRectSubPix(texture, (SIDE_PX, SIDE_PX), middle)
+    texture = np.asarray(np.clip(128.0 + 50.0 * smooth / smooth.std(), 0, 255), np.uint8)
+    left, top = (round(104.0 + shift_px) for shift_px in (right_px, down_px))
+    return texture[top : top + SIDE_PX, left : left + SIDE_PX]
 
 
 def encoding_with_worst(*i_patches: int) -> Encoding:
