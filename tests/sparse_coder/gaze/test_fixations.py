@@ -43,7 +43,10 @@ def test_a_fixation_is_two_saccades_and_vergence() -> None:
     np.testing.assert_allclose(gazes[1].turns_deg, 0.0, atol=0.01)
     for vergence in gazes[2:5]:
         assert np.isnan(vergence.target_deg).all()
-        assert np.isnan(vergence.turns_deg).all()
+    # Of the first movement of vergence that of the left eye is measured.
+    np.testing.assert_allclose(gazes[3].turns_deg[0], 0.0, atol=0.01)
+    unseen = [gazes[2].turns_deg, gazes[4].turns_deg, gazes[3].turns_deg[1]]
+    assert all(np.isnan(turns_deg).all() for turns_deg in unseen)
     np.testing.assert_array_equal(gazes[5].target_deg, TARGET_DEG)
     assert np.isfinite(gazes[6].turns_deg).all()
 

@@ -2,7 +2,8 @@
 
 A fixation begins with a target in the left picture: given, or the place that the code shows worst.
 A saccade leads there; how both eyes turned is measured in their pictures, and a second saccade is
-to make up for what the first one missed. The following iterations are left to vergence.
+to make up for what the first one missed. The following iterations are left to vergence, of which
+the first turns the eyes most: how it turned the left one, which is to hold its gaze, is measured.
 """
 
 import math
@@ -23,6 +24,7 @@ NOWHERE_DEG, _UNSEEN_DEG = np.full(2, np.nan), np.full((2, 3), np.nan)
 _AHEAD = np.array([0.0, 0.0, 1.0])
 # The scale at which the next place is chosen, and how far looking at a place inhibits return to it.
 _COARSE = 0
+N_SACCADES = 2
 _INHIBITION_DEG = 3.0
 
 
@@ -31,8 +33,8 @@ class Gaze:
     """What saccades need of an observation.
 
     target_deg: (2,) sideways and up from the left line of sight, NaN when there is no saccade to
-    make; turns_deg: (2, 3) how each eye turned in the saccade that led here, to the right, up and
-    clockwise, NaN where none was made or its movement is not clear.
+    make; turns_deg: (2, 3) how each eye turned since the observation before, to the right, up and
+    clockwise, NaN where that was not measured or is not clear.
     """
 
     target_deg: Floats
@@ -75,7 +77,13 @@ class Fixations:
             return Gaze(target_deg, _UNSEEN_DEG)
         if of_fixation == 1 and self._pictures is not None:
             return self._corrected(pictures)
-        return Gaze(NOWHERE_DEG, _UNSEEN_DEG)
+        if of_fixation == N_SACCADES:
+            self._pictures = (pictures[0].copy(), pictures[1])
+        turns_deg = _UNSEEN_DEG
+        if of_fixation == N_SACCADES + 1 and self._pictures is not None:
+            turned_deg = movement(self._pictures[0], pictures[0], self._focal_length_px).turns_deg
+            turns_deg = np.stack([turned_deg, _UNSEEN_DEG[1]])
+        return Gaze(NOWHERE_DEG, turns_deg)
 
     def _corrected(self, pictures: Pictures) -> Gaze:
         assert self._pictures is not None

@@ -33,11 +33,11 @@ class GazeControl:
         self._before: Floats | None = None
 
     def forget_movement(self) -> None:
-        """Learn nothing from what comes next until there was another saccade."""
+        """Learn nothing from what comes next until there was another command."""
         self._before = None
 
     def learn(self, activations: Floats, turns_deg: Floats) -> None:
-        """Learn from the last saccade, which led to these activations (12,).
+        """Learn from the last command, which led to these activations (12,).
 
         turns_deg: (2, n_turns) of each eye, NaN where it was not seen clearly.
         """
@@ -68,6 +68,7 @@ class GazeControl:
 
     def held(self, activations: Floats, command: Floats) -> Floats:
         """Return the nearest command (12,) that leaves the left eye's line of sight where it is."""
+        self._before = activations
         a, c = _of_eyes(activations)[_LEFT], _of_eyes(command)[_LEFT]
         change = self._eyes[_LEFT].change(a, _SIDEWAYS_AND_UP, c - a)
         return np.clip(np.concatenate([a + change, _of_eyes(command)[1]]), *self._limits)
