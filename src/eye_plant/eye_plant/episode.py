@@ -54,10 +54,10 @@ class Episode:
     def __post_init__(self) -> None:
         """Check the ranges that do not depend on the plant."""
         check_settings(self)
-        if len(self.targets_deg) % 2 or self.n_iterations % max(1, self.n_targets):
+        if len(self.targets_deg) % 2 or self.n_targets > self.n_iterations:
             raise InputError(
-                "targets_deg: expected azimuth and elevation of targets for equal parts of "
-                f"{self.n_iterations} iterations, got {len(self.targets_deg)} numbers"
+                f"targets_deg: expected azimuth and elevation of {self.n_iterations} targets or "
+                f"less, got {len(self.targets_deg)} numbers"
             )
 
     @property
@@ -68,7 +68,7 @@ class Episode:
     def target_deg(self, iteration: int) -> tuple[float, float] | None:
         """Return azimuth and elevation of the target at an iteration, None where there is none.
 
-        The last one remains the target after the last command.
+        The last one remains the target for what is left of the episode.
         """
         if not self.n_targets:
             return None
@@ -78,8 +78,10 @@ class Episode:
 
     def begins_fixation(self, iteration: int) -> bool:
         """Whether the target at an iteration is a new one."""
-        n_targets = self.n_targets
-        return n_targets > 0 and iteration % (self.n_iterations // n_targets) == 0
+        if not self.n_targets:
+            return False
+        i_target, since = divmod(iteration, self.n_iterations // self.n_targets)
+        return i_target < self.n_targets and since == 0
 
     @classmethod
     def from_arguments(cls, arguments: Mapping[str, Any]) -> "Episode":
