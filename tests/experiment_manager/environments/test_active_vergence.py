@@ -298,7 +298,8 @@ def test_each_muscle_has_an_action_of_its_own(settings: dict[str, Any]) -> None:
 
 
 def test_an_agent_is_told_where_the_gaze_target_is(settings: dict[str, Any]) -> None:
-    environment = gymnasium.make(IDS[1], profile="gaze", settings=settings)
+    without_price = settings | {"sparse_coder.metabolic_cost_weight": 0.0}
+    environment = gymnasium.make(IDS[1], profile="gaze", settings=without_price)
     check_env(environment.unwrapped, skip_render_check=True)
     observed, info = environment.reset(seed=1)
     truth = info["ground_truth"]
