@@ -78,7 +78,8 @@ def test_a_manager_drives_our_nodes(start: Start, ours: Callable[..., NodeProces
 
 
 def test_somebody_says_where_to_look(start: Start, graph: Graph) -> None:
-    listener, heard = graph.add(lambda **kwargs: Node("listener", **kwargs)), []
+    listener = graph.add(lambda **kwargs: Node("listener", **kwargs))
+    heard: list[JointState] = []
     listener.create_subscription(JointState, GAZE_TARGET, heard.append, 10)
     start("look")
     graph.spin_until(lambda: len(heard) >= 2, "two gaze targets")

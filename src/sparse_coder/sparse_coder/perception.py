@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sparse_coder.coder import Encoding, SparseCoder
+from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
+from sparse_coder.encoding import Encoding
 from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations, Gaze
 from sparse_coder.reward import reward
 

@@ -2,8 +2,9 @@ import cv2
 import numpy as np
 import pytest
 
-from sparse_coder.coder import Encoding, SparseCoder
+from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
+from sparse_coder.encoding import Encoding
 from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations
 from sparse_coder.matching_pursuit import Selections, residual_energies
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sparse_coder.coder import Encoding
+from sparse_coder.encoding import Encoding
 from sparse_coder.gaze.movement import movement, rotation, swing_deg
 from sparse_coder.matching_pursuit import residual_energies
 from sparse_coder.patches import PX_PER_PIXEL, STRIDE_PX
