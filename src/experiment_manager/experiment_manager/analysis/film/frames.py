@@ -127,7 +127,7 @@ def _errors(scene: Scene, iteration: int) -> str:
     if not others_deg:
         return f"vergence error {error_deg:+.2f} deg ({error_deg / scene.px_deg:+.1f} px)"
     named = zip(ERRORS, (error_deg, *others_deg), strict=True)
-    return "errors " + ", ".join(f"{name} {of_name:+.2f} deg" for name, of_name in named)
+    return ", ".join(f"{name} {of_name:+.2f}" for name, of_name in named) + " deg"
 
 
 def _pair_lines(panels: Sequence[Axes], scenes: Sequence[Scene]) -> list[Line2D]:
