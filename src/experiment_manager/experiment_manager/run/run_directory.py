@@ -83,7 +83,7 @@ class Run:
         self._checkpoint_s = time.monotonic() if config.resume else -math.inf
         self._bar = ProgressBar(self.protocol, self.place)
         if self._bag_is_elsewhere:
-            self._bar.say(f"{self.directory / 'bag'}: not here; it begins with what comes now")
+            self._bar.say(f"{self.directory / 'bag'}: not here; a new one begins at this point")
 
     # Where the run stands
 
