@@ -1,6 +1,7 @@
 """The page of conditions: what became of eyes that were reared differently."""
 
 import os
+import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -9,7 +10,6 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from experiment_manager.analysis.rearing.conditions import PUBLISHED
 from experiment_manager.analysis.rearing.figures import (
@@ -26,6 +26,7 @@ from experiment_manager.analysis.report import page as report_page
 from experiment_manager.analysis.report.performance_figures import FIGURES
 from experiment_manager.measures.results import RESULTS_FILE, Summary
 from experiment_manager.measures.tables import number
+from experiment_manager.run.progress_lines import progress
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
@@ -130,7 +131,10 @@ def _measured(directories: Sequence[Path]) -> list[RearedRun]:
     n_processes = min(len(directories), len(os.sched_getaffinity(0)))
     with ProcessPoolExecutor(n_processes, get_context("spawn")) as processes:
         measured = processes.map(read_reared_run, directories)
-        return list(tqdm(measured, desc="measuring", unit="run", total=len(directories)))
+        shown = progress(
+            measured, file=sys.stderr, desc="measuring", unit="run", total=len(directories)
+        )
+        return list(shown)
 
 
 def _conditions(runs: Sequence[RearedRun]) -> list[Condition]:
