@@ -277,7 +277,7 @@ class Run:
     def close(self) -> None:
         """Close the bag, whole up to the last message; one without any is removed.
 
-        So what was refused before the first episode can be started in the same place once more.
+        So a run that was refused before its first episode can be started again in this directory.
         """
         self._bar.close()
         self.writer.close()
