@@ -167,5 +167,6 @@ def _error_lines(axes: Axes, scenes: Sequence[Scene]) -> list[Line2D]:
     limit_deg = 1.1 * max(float(np.nanmax(np.abs(s.errors_deg))) for s in scenes) + px_deg
     axes.set(ylabel="error / deg")
     axes.set_ylim(-limit_deg, limit_deg)
-    axes.text(MOST_ITERATIONS - 0.8, -px_deg, "±1 px", ha="right", va="top", color=GREY)
+    corner = {"transform": axes.transAxes, "ha": "right", "va": "top"}
+    axes.text(1.0, 1.0, "grey: ±1 px", color=GREY, **corner)
     return lines
