@@ -13,7 +13,7 @@ from experiment_manager.bag.reader import Bag
 from lockstep.errors import InputError
 
 FRAMES_PER_S = 5
-_GIF_COLOURS = 48
+_GIF_COLOURS = 96
 
 Frames = Iterable[Frame]
 
