@@ -167,6 +167,6 @@ def _error_lines(axes: Axes, scenes: Sequence[Scene]) -> list[Line2D]:
     limit_deg = 1.1 * max(float(np.nanmax(np.abs(s.errors_deg))) for s in scenes) + px_deg
     axes.set(ylabel="error / deg")
     axes.set_ylim(-limit_deg, limit_deg)
-    corner = {"transform": axes.transAxes, "ha": "right", "va": "top"}
-    axes.text(1.0, 1.0, "grey: ±1 px", color=GREY, **corner)
+    corner = axes.transAxes
+    axes.text(1.0, 1.0, "grey: ±1 px", transform=corner, ha="right", va="top", color=GREY)
     return lines
