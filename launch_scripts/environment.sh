@@ -48,6 +48,7 @@ export_variables() {
   export FASTRTPS_DEFAULT_PROFILES_FILE=${FASTRTPS_DEFAULT_PROFILES_FILE:-$root/src/lockstep/config/fastdds.xml}
   # Each process works on matrices too small to share out; threads would only fight for the cores.
   export OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1} OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}
+  export OPENCV_FOR_THREADS_NUM=${OPENCV_FOR_THREADS_NUM:-1}
   export PYTHONUTF8=1 # in any locale: paths may have umlauts, and ROS reads all as UTF-8
   export PYTHONUNBUFFERED=1 # what is said first is shown first, also through a pipe
   export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$venv/numba_cache/$(compiled_sources)}

@@ -44,6 +44,16 @@ def test_every_name_of_each_vector_in_its_order(topic: str) -> None:
     assert names[topic] == list(VECTORS[topic])
 
 
+def test_the_vectors_of_gaze() -> None:
+    names = {"episode": topics.TARGET_NAMES, topics.GAZE: topics.GAZE_NAMES}
+    found: dict[str, list[str]] = {}
+    for row in table("Gaze"):
+        topic = (quoted(row[0]) or [topics.GAZE])[0]
+        found.setdefault(topic, []).extend(quoted(row[1]))
+    expected = names | {topics.GAZE_TARGET: topics.TARGET_NAMES}
+    assert found == {topic: list(of_topic) for topic, of_topic in expected.items()}
+
+
 def test_the_muscles() -> None:
     assert f"`{MUSCLE_NAMES[0]}` ... `{MUSCLE_NAMES[-1]}`" in PAGE
 

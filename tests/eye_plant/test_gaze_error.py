@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from eye_plant.gaze_error import gaze_error, listing_torsion_deg
+from eye_plant.gaze_error import gaze_error, listing_torsion_deg, target_place_deg
 from eye_plant.geometry import desired_vergence_deg
 
 BASELINE_M = 0.056
@@ -98,3 +98,21 @@ def test_an_oblique_gaze_in_ficks_order_has_false_torsion() -> None:
     left, right = listing_torsion_deg(eyes)
     assert abs(left) == pytest.approx(false_deg)
     assert right == pytest.approx(-left)
+
+
+@pytest.mark.parametrize(
+    ("eye", "direction_deg", "expected_deg"),
+    [
+        ((0.0, 0.0), (0.0, 0.0), (0.0, 0.0)),
+        ((0.0, 0.0), (7.0, 0.0), (7.0, 0.0)),
+        ((0.0, 0.0), (0.0, -4.0), (0.0, -4.0)),
+        # An eye that looks 5 deg to the right and 3 deg up has its target there.
+        ((-5.0, 3.0), (5.0, 3.0), (0.0, 0.0)),
+        ((-5.0, 0.0), (8.0, 0.0), (3.0, 0.0)),
+        # Its upper pole leans to the right: what is up in the world is up and to the left for it.
+        ((0.0, 0.0, 90.0), (0.0, 6.0), (-6.0, 0.0)),
+    ],
+)
+def test_where_an_eye_sees_a_target(eye, direction_deg, expected_deg) -> None:
+    found_deg = target_place_deg(rotation(*eye), *direction_deg)
+    np.testing.assert_allclose(found_deg, expected_deg, atol=1e-9)

@@ -8,8 +8,11 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
 
 from experiment_manager.commands.evaluate import main as evaluate
+from lockstep.wire.topics import GAZE_TARGET, TARGET_NAMES
 from tests.graph_harness import NodeProcess, small_run, write_configuration
 from tests.node_harness import Graph
 from tests.supervisor import environment, finished
@@ -72,3 +75,13 @@ def test_a_manager_drives_our_nodes(start: Start, ours: Callable[..., NodeProces
         ours(package)
     said = finished(start("manager")).splitlines()
     assert [line.partition(":")[0] for line in said] == [f"episode {i}" for i in range(10)]
+
+
+def test_somebody_says_where_to_look(start: Start, graph: Graph) -> None:
+    listener = graph.add(lambda **kwargs: Node("listener", **kwargs))
+    heard: list[JointState] = []
+    listener.create_subscription(JointState, GAZE_TARGET, heard.append, 10)
+    start("look")
+    graph.spin_until(lambda: len(heard) >= 2, "two gaze targets")
+    assert tuple(heard[0].name) == TARGET_NAMES
+    assert heard[0].position != heard[1].position

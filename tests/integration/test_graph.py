@@ -21,8 +21,9 @@ from rosbags.highlevel import AnyReader
 
 from experiment_manager.bag.reader import Bag
 from experiment_manager.measures.kept_trials import read_trials
+from experiment_manager.measures.results import RESULTS_FILE, read_results
 from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI
-from lockstep.wire.topics import TOPIC_TYPES
+from lockstep.wire.topics import TEST, TOPIC_TYPES
 from tests.graph_harness import small_run
 from tests.loop_contract import (
     N_TRAINING,
@@ -149,6 +150,39 @@ def test_muscles_with_commands_of_their_own_are_recorded_as_the_loop_has_them(
     kept = read_trials(directory)[-1]
     assert kept.activations.shape[-1] == len(names)
     assert np.isfinite(kept.column("cyclovergence_error_deg")[:, -1]).all()
+
+
+def test_eyes_that_make_saccades_are_recorded_as_the_loop_has_them(pictures, tmp_path) -> None:
+    settings = (
+        f"vergence_rl.command_space={ALL_MUSCLES}",
+        "vergence_rl.lowest_activations=[0.0]",
+        "vergence_rl.highest_activations=[0.2]",
+        "vergence_rl.gaze.fixation_iterations=5",
+        "vergence_rl.products_of_activations=true",
+        "vergence_rl.hindsight.n_best=2",
+        "experiment_manager.protocol.gives_targets=false",
+        "experiment_manager.protocol.n_starts_per_distance=4",
+        "eye_plant.mechanics.parameter_set=anatomical",
+        "eye_plant.mechanics.moves=at_once",
+    )
+    directory = tmp_path / "run"
+    line = run_line(pictures, *settings, rule="hindsight")
+    _interrupted_and_resumed(line, directory, begins_in_process=True)
+    assert_as_the_loop(directory)
+    gaze, truth = Bag(directory / "bag").vectors("gaze", "ground_truth").values()
+    # In tests the protocol gives the targets, in training the eyes choose among patches.
+    chosen = gaze.column("target_sideways_deg")
+    assert np.isfinite(chosen[::5]).all()
+    in_test = truth.column("phase") == TEST
+    assert (truth.column("target_sideways_deg")[in_test] != 0.0).all()
+    assert not truth.column("target_sideways_deg")[~in_test].any()
+    # From the second change on the left eye is covered, so that its movements are not seen.
+    turns_deg = gaze.column("left_up_deg")[1::5]
+    assert np.isfinite(turns_deg[0])
+    assert np.isnan(turns_deg[-1])
+    (summary, *_) = read_results(directory / RESULTS_FILE).tests
+    assert summary.fixations is not None
+    assert summary.fixations.saccade_error_deg["after_2"].median > 0.0
 
 
 def _assert_same_files(one: Path, other: Path) -> None:

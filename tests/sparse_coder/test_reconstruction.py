@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sparse_coder.coder import Encoding, SparseCoder
+from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
+from sparse_coder.encoding import Encoding
 from sparse_coder.matching_pursuit import Selections
 from sparse_coder.patches import binocular_patches
 from sparse_coder.reconstruction import coded_patches, reconstructed_windows, seen_windows

@@ -77,7 +77,7 @@ class FrozenEvaluation:
         trained = make_protocol(manager).training_iterations_before(n_episodes)
         configuration, manager = _at_age(of_run, trained, self.settings)
         plant = build(EyePlantConfig, configuration["eye_plant"])
-        criteria = criteria_of(plant)
+        criteria = criteria_of(plant, manager.protocol.fixation_iterations)
         shown = self._shown(plant.stimuli, manager)
         n_stimuli = len(shown.all) + len(shown.stereograms)
         manager = dataclasses.replace(manager, protocol=self._with_starts(manager.protocol))

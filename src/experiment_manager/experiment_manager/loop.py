@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.observation import Observation
@@ -16,7 +18,8 @@ from lockstep.state_file import read_state, write_state
 from lockstep.wire.topics import TRAINING
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
-from sparse_coder.perception import Percept, perceive
+from sparse_coder.gaze.fixations import Fixations
+from sparse_coder.perception import Percept, fixations_of, perceive
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
 from vergence_rl.learning_rule import Decision
@@ -42,12 +45,26 @@ class Step:
     answer: Answer | None
 
 
-def perceived(coder: SparseCoder, observation: Observation) -> Percept:
-    """Return what the coder makes of an observation with pictures."""
+def perceived(
+    coder: SparseCoder, observation: Observation, fixations: Fixations | None = None
+) -> Percept:
+    """Return what the coder makes of an observation with pictures.
+
+    fixations: of eyes that make saccades.
+    """
     assert observation.pictures is not None
     charged_w = observation.state.metabolic_rate_w[coder.config.space.indices]
     left, right = observation.pictures
-    return perceive(coder, left, right, charged_w)
+    given_deg = np.array(observation.given_target_deg)
+    return perceive(
+        coder,
+        left,
+        right,
+        charged_w,
+        fixations=fixations,
+        iteration=observation.iteration,
+        given_deg=given_deg,
+    )
 
 
 class InProcessLoop:
@@ -59,6 +76,7 @@ class InProcessLoop:
         self.coder = coder
         self.agent = agent
         self._space = agent.config.space
+        self._fixations = fixations_of(coder.config)
 
     @property
     def learners(self) -> dict[str, SparseCoder | Agent]:
@@ -94,9 +112,10 @@ class InProcessLoop:
         yield Step(observation, None)
 
     def _answer(self, observation: Observation, learning: bool, exploration: bool) -> Answer:
-        percept = perceived(self.coder, observation)
+        percept = perceived(self.coder, observation, self._fixations)
         if learning:
             self.coder.learn(percept.encoding)
+        gaze = percept.gaze
         decision = self.agent.observe(
             percept.encoding.features,
             self._space.from_all(observation.state.activations),
@@ -105,6 +124,7 @@ class InProcessLoop:
             observation.training_iteration,
             learning=learning,
             exploration=exploration,
+            **({"target_deg": gaze.target_deg, "turns_deg": gaze.turns_deg} if gaze else {}),
         )
         return Answer(percept, decision, self.agent.learning_steps)
 

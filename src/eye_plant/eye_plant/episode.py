@@ -42,26 +42,66 @@ class Episode:
     first_observation: int = setting(
         REQUIRED, "number that the run gives to the first observation", least=0
     )
+    targets_deg: tuple[float, ...] = setting(
+        (),
+        "gaze targets, azimuth (right) and elevation of each from the left eye, one after the other"
+        " for equal parts of the episode; none where the eyes make no saccades or choose",
+        "deg",
+        least=-90,
+        most=90,
+    )
 
     def __post_init__(self) -> None:
         """Check the ranges that do not depend on the plant."""
         check_settings(self)
+        if len(self.targets_deg) % 2 or self.n_targets > self.n_iterations:
+            raise InputError(
+                f"targets_deg: expected azimuth and elevation of {self.n_iterations} targets or "
+                f"less, got {len(self.targets_deg)} numbers"
+            )
+
+    @property
+    def n_targets(self) -> int:
+        """Gaze targets of the episode."""
+        return len(self.targets_deg) // 2
+
+    def target_deg(self, iteration: int) -> tuple[float, float] | None:
+        """Return azimuth and elevation of the target at an iteration, None where there is none.
+
+        The last one remains the target for what is left of the episode.
+        """
+        if not self.n_targets:
+            return None
+        per_target = self.n_iterations // self.n_targets
+        i = min(iteration // per_target, self.n_targets - 1)
+        return self.targets_deg[2 * i], self.targets_deg[2 * i + 1]
+
+    def begins_fixation(self, iteration: int) -> bool:
+        """Whether the target at an iteration is a new one."""
+        if not self.n_targets:
+            return False
+        i_target, since = divmod(iteration, self.n_iterations // self.n_targets)
+        return i_target < self.n_targets and since == 0
 
     @classmethod
     def from_arguments(cls, arguments: Mapping[str, Any]) -> "Episode":
-        """Return the episode of a request's arguments, by field name; all are expected.
+        """Return the episode of a request's arguments, by field name; targets may be missing.
 
         Raises InputError for missing, unknown, mistyped or out-of-range arguments.
         """
         hints = typing.get_type_hints(cls)
-        missing, unknown = sorted(set(hints) - set(arguments)), sorted(set(arguments) - set(hints))
+        missing = sorted(set(hints) - {"targets_deg"} - set(arguments))
+        unknown = sorted(set(arguments) - set(hints))
         if missing or unknown:
             raise InputError(
                 f"episode: expected {', '.join(hints)}; missing: {', '.join(missing) or 'none'}, "
                 f"unknown: {', '.join(unknown) or 'none'}"
             )
-        return cls(**{name: typed(name, hint, arguments[name]) for name, hint in hints.items()})
+        return cls(**{name: typed(name, hints[name], value) for name, value in arguments.items()})
 
     def as_arguments(self) -> dict[str, Any]:
         """Return the arguments of a request for this episode."""
-        return dataclasses.asdict(self)
+        arguments = dataclasses.asdict(self)
+        if not self.targets_deg:
+            del arguments["targets_deg"]  # an empty list has no type among ROS parameters
+        return arguments

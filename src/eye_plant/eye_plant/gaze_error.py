@@ -67,6 +67,26 @@ def gaze_error(
     )
 
 
+def target_place_deg(
+    rotation: NDArray[np.float64], azimuth_deg: float, elevation_deg: float
+) -> tuple[float, float]:
+    """Return where an eye sees a direction: how far to the right and up of its line of sight.
+
+    rotation: (3, 3) of the eye, columns forward, left and up; azimuth_deg: of the direction, to the
+    right; elevation_deg. The angle from the line of sight, in that direction in the picture.
+    """
+    azimuth, elevation = math.radians(azimuth_deg), math.radians(elevation_deg)
+    direction = (
+        math.cos(elevation) * math.cos(azimuth),
+        -math.cos(elevation) * math.sin(azimuth),
+        math.sin(elevation),
+    )
+    ahead, left, up = _in(rotation.T.tolist(), direction)
+    aside = math.hypot(left, up)
+    ratio = math.degrees(math.atan2(aside, ahead)) / aside if aside > 0.0 else 1.0
+    return -left * ratio, up * ratio
+
+
 def listing_torsion_deg(rotations: NDArray[np.float64]) -> tuple[float, float]:
     """Return each eye's torsion in Listing's coordinates, its upper pole turned to the nose > 0.
 

@@ -20,6 +20,7 @@ from lockstep.wire.topics import (
     EYE_STATE_NAMES,
     GROUND_TRUTH_NAMES,
     PICTURES,
+    TARGET_NAMES,
 )
 from lockstep.wire.vectors import VectorBytes
 
@@ -30,6 +31,7 @@ class ObservationMessages:
     def __init__(self, config: EyePlantConfig) -> None:
         """Lay out the messages of a plant of that configuration."""
         self._episode = VectorBytes(EPISODE_NAMES)
+        self._episode_with_target = VectorBytes((*EPISODE_NAMES, *TARGET_NAMES))
         self._activations = VectorBytes(MUSCLE_NAMES)
         self._muscles = VectorBytes(MUSCLE_NAMES)
         self._mean_rates = VectorBytes(MUSCLE_NAMES)
@@ -49,7 +51,11 @@ class ObservationMessages:
         recorder.
         """
         state = observation.state
-        yield "episode", self._episode.of(stamp_ns, observation.episode_values())
+        if observation.episode.n_targets:
+            values = (*observation.episode_values(), *observation.given_target_deg)
+            yield "episode", self._episode_with_target.of(stamp_ns, values)
+        else:
+            yield "episode", self._episode.of(stamp_ns, observation.episode_values())
         yield (
             "muscle_activations",
             self._activations.of(stamp_ns, state.activations, effort=state.metabolic_rate_w),

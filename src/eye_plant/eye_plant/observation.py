@@ -1,5 +1,6 @@
 """What the plant gives out at one moment."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +31,7 @@ class GroundTruth:
     metabolic_rate_w: float
     initial_metabolic_rate_w: float
     optimal_metabolic_rate_w: float
+    target_deg: tuple[float, float] = (0.0, 0.0)
 
     @property
     def vergence_deg(self) -> float:
@@ -96,6 +98,12 @@ class Observation:
             self.number,
         )
 
+    @property
+    def given_target_deg(self) -> tuple[float, float]:
+        """Place in the left picture to look at, sideways and up; NaN unless a new one is given."""
+        is_new = self.episode.begins_fixation(self.iteration)
+        return self.truth.target_deg if is_new else (math.nan, math.nan)
+
     def ground_truth_values(self) -> tuple[float, ...]:
         """Return the values of lockstep.wire.topics.GROUND_TRUTH_NAMES."""
         truth = self.truth
@@ -115,4 +123,5 @@ class Observation:
             truth.metabolic_rate_w,
             truth.initial_metabolic_rate_w,
             truth.optimal_metabolic_rate_w,
+            *truth.target_deg,
         )

@@ -9,7 +9,7 @@ import numpy as np
 from eye_plant.commands import target_activations
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.episode import Episode
-from eye_plant.gaze_error import gaze_error, listing_torsion_deg
+from eye_plant.gaze_error import gaze_error, listing_torsion_deg, target_place_deg
 from eye_plant.geometry import desired_vergence_deg
 from eye_plant.mechanics.oculomotor import Oculomotor, OculomotorState
 from eye_plant.observation import GroundTruth, Observation
@@ -163,6 +163,7 @@ class EyePlant:
             if self.config.command_space == PAIR
             else sum(adduction_deg) + error.horizontal_deg
         )
+        target_deg = episode.target_deg(self._iteration)
         truth = GroundTruth(
             adduction_deg=tuple(adduction_deg),
             elevation_deg=tuple(elevation_deg),
@@ -172,6 +173,7 @@ class EyePlant:
             metabolic_rate_w=self._charged_rate_w(state),
             initial_metabolic_rate_w=self._initial_rate_w,
             optimal_metabolic_rate_w=self._optimal_rate_w,
+            target_deg=target_place_deg(rotations[0], *target_deg) if target_deg else (0.0, 0.0),
         )
         pictures = self._camera.finish() if self.is_waiting else None
         return Observation(episode, self._iteration, pictures, state, truth)

@@ -35,6 +35,11 @@ class CommandSpace:
 
     names: tuple[str, ...]
 
+    @property
+    def n_eyes(self) -> int:
+        """Eyes with activations of their own: 1 where both are commanded alike."""
+        return len(SIDES) if set(self.names) <= set(MUSCLE_NAMES) else 1
+
     @cached_property
     def muscle_names(self) -> tuple[str, ...]:
         """The muscles that are commanded, in the order of MUSCLE_NAMES."""

@@ -4,7 +4,6 @@ Dimensions: n_scales is 2, coarse before fine; n_patches, n_pixels, n_bases, n_s
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,8 @@ from lockstep.errors import InputError
 from lockstep.randomness import generator
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.dictionary import Dictionary, declining_rate, initial_atoms, learned_atoms
+from sparse_coder.encoding import Encoding
 from sparse_coder.matching_pursuit import (
-    Selections,
     matching_pursuit,
     mean_squared_coefficients,
     reconstruction_error,
@@ -32,21 +31,6 @@ from sparse_coder.patches import (
 SCALES = ("coarse", "fine")
 _LARGEST_NORM_ERROR = 1e-4
 _PRICE_FALLS = (0.5, 0.7)  # shares of training between which it does
-
-
-@dataclass(frozen=True)
-class Encoding:
-    """The sparse code of one pair of pictures.
-
-    features: (n_scales, n_bases) mean squared coefficient of each atom;
-    reconstruction_error: (n_scales,) unexplained share of the patches' energy, in [0, 1];
-    patches: per scale (n_patches, n_pixels); selections: per scale.
-    """
-
-    features: NDArray[np.float32]
-    reconstruction_error: NDArray[np.float64]
-    patches: tuple[NDArray[np.float32], ...]
-    selections: tuple[Selections, ...]
 
 
 class SparseCoder:

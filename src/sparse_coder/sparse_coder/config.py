@@ -1,9 +1,10 @@
 """Settings of the sparse coder."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from lockstep.command_space import COMMAND_SPACES, PAIR, CommandSpace
 from lockstep.settings import check_settings, setting
+from sparse_coder.gaze.config import GazeConfig
 
 # Lambda of M_C unless another is given, 1/W, by the eyes' parameter set: energy is 20 % of the
 # reward over the first 5,000 iterations on the generated stimuli, by which rule K17 chose its 0.035
@@ -59,6 +60,7 @@ class SparseCoderConfig:
         least=0,
         most=1,
     )
+    gaze: GazeConfig = field(default_factory=GazeConfig)
 
     def __post_init__(self) -> None:
         """Refuse values out of range."""

@@ -69,6 +69,12 @@ def reconstruction_error(patches: NDArray[np.float32], selections: Selections) -
     return max(0.0, 1.0 - _energy(selections.coefficients) / energy)
 
 
+def residual_energies(patches: NDArray[np.float32], selections: Selections) -> NDArray[np.float32]:
+    """Return the sum of squared residuals of each patch, (n_patches,); see reconstruction_error."""
+    coded: NDArray[np.float32] = (selections.coefficients**2).sum(axis=1)
+    return np.maximum((patches**2).sum(axis=1) - coded, np.float32(0.0))
+
+
 @njit(
     void(float32[:, ::1], float32[:, ::1], int32[:, ::1], float32[:, ::1]), cache=True, nogil=True
 )

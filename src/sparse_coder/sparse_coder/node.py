@@ -5,20 +5,33 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 from sensor_msgs.msg import Image, JointState
 
+from lockstep.errors import InputError
 from lockstep.node.learner_node import LearnerNode
 from lockstep.node.process import run_node
 from lockstep.wire.images import ImagePublisher
-from lockstep.wire.topics import BASIS_FUNCTIONS, PICTURES, REWARD_NAMES, TRAINING
+from lockstep.wire.topics import (
+    BASIS_FUNCTIONS,
+    GAZE,
+    GAZE_NAMES,
+    GAZE_TARGET,
+    PICTURES,
+    REWARD_NAMES,
+    TARGET_NAMES,
+    TRAINING,
+)
 from lockstep.wire.vectors import VectorPublisher, values_of, whole_values_of
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
+from sparse_coder.gaze.fixations import NOWHERE_DEG
 from sparse_coder.messages import basis_functions_message, features_message, picture_of
-from sparse_coder.perception import perceive
+from sparse_coder.perception import fixations_of, perceive
 
 # Half a megabyte each time, for people to look at.
 _BASIS_FUNCTIONS_PERIOD_S = 1.0
+_TARGET_DEPTH = 1  # only the last target counts
 
 INPUTS = dict.fromkeys(PICTURES, Image) | {"episode": JointState, "muscle_activations": JointState}
 
@@ -31,13 +44,22 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
 
     def __init__(self, **kwargs: Any) -> None:
         """Set up the coder; raises InputError for a bad configuration."""
-        super().__init__("sparse_coder", SparseCoderConfig, INPUTS, **kwargs)
+        super().__init__("sparse_coder", SparseCoderConfig, **kwargs)
         self._features = ImagePublisher(self, "features", features_message(self.config.n_bases))
         self._reward = VectorPublisher(self, "reward", REWARD_NAMES)
         self._basis_functions = ImagePublisher(
             self, BASIS_FUNCTIONS, basis_functions_message(self.config.n_bases)
         )
         self._sent_basis_functions_s = 0.0
+        self._fixations = fixations_of(self.config)
+        self._wanted_deg: np.ndarray | None = None
+        if self._fixations:
+            self._gaze = VectorPublisher(self, GAZE, GAZE_NAMES)
+            self.create_subscription(JointState, GAZE_TARGET, self._take_target, _TARGET_DEPTH)
+
+    def inputs(self) -> Mapping[str, type]:
+        """Return pictures, episode and metabolic rates."""
+        return INPUTS
 
     def make_learner(self) -> SparseCoder:
         """Return a coder with the dictionaries of its seed."""
@@ -46,19 +68,54 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
     def answer(self, stamp_ns: int, observation: Mapping[str, Any]) -> None:
         """Publish features and reward, then let the dictionaries learn while others work."""
         left, right = (picture_of(observation[topic], topic) for topic in PICTURES)
-        (phase,) = whole_values_of(observation["episode"], ("phase",), "episode")
+        episode = observation["episode"]
+        (phase,) = whole_values_of(episode, ("phase",), "episode")
         rates_w = values_of(
             observation["muscle_activations"],
             self.config.space.muscle_names,
             "muscle_activations",
             "effort",
         )
-        percept = perceive(self.learner, left, right, rates_w)
+        iteration, given_deg = 0, NOWHERE_DEG
+        if self._fixations:
+            (iteration,) = whole_values_of(episode, ("iteration",), "episode")
+            given_deg = self._given_deg(episode, phase, iteration)
+        percept = perceive(
+            self.learner,
+            left,
+            right,
+            rates_w,
+            fixations=self._fixations,
+            iteration=iteration,
+            given_deg=given_deg,
+        )
+        if percept.gaze is not None:
+            self._gaze.publish(stamp_ns, percept.gaze.values())
         self._reward.publish(stamp_ns, percept.reward_values())
         self._features.publish(stamp_ns, percept.encoding.features)
         self._show_basis_functions(stamp_ns)
         if phase == TRAINING:
             self.learner.learn(percept.encoding)
+
+    def _take_target(self, message: JointState) -> None:
+        """Look there when the next fixation of training begins."""
+        try:
+            self._wanted_deg = values_of(message, TARGET_NAMES, GAZE_TARGET)
+        except InputError as error:
+            self.diagnostics.refuse(str(error))
+
+    def _given_deg(self, episode: JointState, phase: int, iteration: int) -> np.ndarray:
+        """Return the place that a fixation is given, (2,); NaN where the eyes may choose.
+
+        What somebody wants comes before what the protocol gives, but not in tests.
+        """
+        given_deg = NOWHERE_DEG
+        if set(TARGET_NAMES) <= set(episode.name):
+            given_deg = values_of(episode, TARGET_NAMES, "episode", may_lack=True)
+        begins = iteration % self.config.gaze.fixation_iterations == 0
+        if begins and phase == TRAINING and self._wanted_deg is not None:
+            given_deg, self._wanted_deg = self._wanted_deg, None
+        return given_deg
 
     def _show_basis_functions(self, stamp_ns: int) -> None:
         """Publish those that have made this answer, now and then, while someone subscribes."""
@@ -69,7 +126,9 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
             self._basis_functions.publish(stamp_ns, self.learner.atoms())
 
     def repeat(self) -> None:
-        """Publish the last features and reward again."""
+        """Publish the last features and reward again, and what they say of gaze."""
+        if self._fixations:
+            self._gaze.repeat()
         self._reward.repeat()
         self._features.repeat()
 

@@ -1,5 +1,6 @@
 """The agent: features, activations and reward in, a muscle command out."""
 
+import dataclasses
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -11,6 +12,8 @@ from lockstep.errors import DivergenceError, InputError
 from lockstep.randomness import generator
 from vergence_rl.cacla.rule import CaclaRule
 from vergence_rl.config import VergenceRlConfig
+from vergence_rl.gaze.config import N_SACCADES
+from vergence_rl.gaze.control import GazeControl, checked_gaze
 from vergence_rl.hindsight.rule import HindsightRule
 from vergence_rl.learning_rule import Decision, LearningRule, Observation
 from vergence_rl.normalizer import (
@@ -23,10 +26,11 @@ from vergence_rl.normalizer import (
 # Rewards are about -0.2 and activations end at 1: a hundred times that means divergence.
 _SANE = {"value": 100.0, "td_error": 100.0, "action": 100.0}
 _RULES: dict[str, Any] = {"cacla": CaclaRule, "hindsight": HindsightRule}
+_NO_TARGET, _NO_TURNS = np.full(2, np.nan), np.full((2, 3), np.nan)
 
 
 class Agent:
-    """Owns the normaliser's statistics and a learning rule."""
+    """Owns the normaliser's statistics, a learning rule, and what saccades need."""
 
     def __init__(self, config: VergenceRlConfig) -> None:
         """Start with the weights of the seed."""
@@ -39,7 +43,13 @@ class Agent:
             "activations": slice(config.n_features),
         }[config.state_entries]
         self._statistics = empty_statistics(
-            config.n_features + config.n_muscles, config.initial_squared_deviation
+            config.n_features + config.n_felt, config.initial_squared_deviation
+        )
+        task = config.task
+        self._gaze = (
+            GazeControl(task.lowest, task.highest, config.gaze.saccade_noise)
+            if config.gaze.fixation_iterations
+            else None
         )
 
     @property
@@ -57,13 +67,17 @@ class Agent:
         *,
         learning: bool,
         exploration: bool,
+        target_deg: NDArray[np.float64] = _NO_TARGET,
+        turns_deg: NDArray[np.float64] = _NO_TURNS,
     ) -> Decision:
         """Learn from what was done so far and answer with what to do next.
 
         features: (2, n_features / 2) or any shape of that size; activations: (n_muscles,) of now;
         reward: r_t, of now; iteration: within the episode, from 0; training_iteration: number of
         training iterations before this one. There is nothing to learn at an episode's start or
-        after a gap, nor from an action that was taken without learning.
+        after a gap, nor from an action that was taken without learning. target_deg: (2,) sideways
+        and up from the left line of sight, where there is a place to look at now; turns_deg: (2, 3)
+        how each eye was seen to turn in a saccade just made; NaN otherwise.
         Raises InputError, and changes nothing, for a wrong size or a number that is not finite;
         DivergenceError when value, TD error or action leave every sane range.
         """
@@ -80,17 +94,58 @@ class Agent:
         draw = (
             generator(self.config.seed, "exploration", training_iteration) if exploration else None
         )
-        decision = self._rule.step(observation, learning=learning, draw=draw)
+        if self._gaze is None:
+            decision = self._rule.step(observation, learning=learning, draw=draw)
+        else:
+            gaze = checked_gaze(target_deg, turns_deg)
+            decision = self._fixate(self._gaze, observation, gaze, learning=learning, draw=draw)
         _check_sanity(training_iteration, decision)
         return decision
 
+    def _fixate(
+        self,
+        control: GazeControl,
+        observation: Observation,
+        gaze: tuple[NDArray[np.float64], NDArray[np.float64]],
+        *,
+        learning: bool,
+        draw: np.random.Generator | None,
+    ) -> Decision:
+        """Make a saccade where there is a target, otherwise verge where the eyes look (D22).
+
+        The rule sees what follows the saccades alone, as an episode of its own.
+        """
+        n_learned = self._rule.learning_steps
+        (target_deg, turns_deg), activations = gaze, observation.activations
+        if observation.iteration == 0:
+            control.forget_movement()
+        if learning:
+            control.learn(activations, turns_deg)
+        i_of_fixation = observation.iteration % self.config.gaze.fixation_iterations
+        if np.isfinite(target_deg).all():
+            decision = self._rule.step(observation, learning=False, draw=None)
+            # The second one corrects the first, without noise.
+            command = control.saccade(activations, target_deg, None if i_of_fixation else draw)
+        else:
+            since = dataclasses.replace(observation, iteration=i_of_fixation - N_SACCADES)
+            decision = self._rule.step(since, learning=learning, draw=draw)
+            command = control.held(activations, decision.command)
+        if learning:
+            self._rule.learning_steps = n_learned + (observation.iteration > 0)
+        return dataclasses.replace(decision, command=command, action=command - activations)
+
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all that learning has changed, for restore at an episode's start, as copies."""
-        return self._rule.state() | {
-            "statistics_count": np.array(self._statistics.count),
-            "statistics_mean": self._statistics.mean.copy(),
-            "statistics_squared_deviation": self._statistics.squared_deviation.copy(),
-        }
+        of_gaze = self._gaze.state() if self._gaze else {}
+        return (
+            self._rule.state()
+            | of_gaze
+            | {
+                "statistics_count": np.array(self._statistics.count),
+                "statistics_mean": self._statistics.mean.copy(),
+                "statistics_squared_deviation": self._statistics.squared_deviation.copy(),
+            }
+        )
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from what state returned, bit for bit, with the next episode.
@@ -100,6 +155,8 @@ class Agent:
         """
         _check_state(state, self.state())
         self._rule.restore(state)
+        if self._gaze:
+            self._gaze.restore(state)
         self._statistics = RunningStatistics(
             int(state["statistics_count"]),
             state["statistics_mean"].copy(),
@@ -125,7 +182,7 @@ class Agent:
         powers = np.ravel(features).astype(np.float64)
         if self.config.feature_exponent != 1.0:
             powers = np.power(powers, self.config.feature_exponent)
-        entries = np.concatenate((powers, activations))
+        entries = np.concatenate((powers, self._products(activations), activations))
         if not np.isfinite(entries).all():
             raise InputError("features and activations: expected finite numbers, got others")
         if not math.isfinite(reward):
@@ -133,6 +190,14 @@ class Agent:
         if iteration < 0:
             raise InputError(f"iteration: expected 0 or more, got {iteration}")
         return entries
+
+    def _products(self, activations: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the products of two activations of one eye, squares included, (n_products,)."""
+        if not self.config.products_of_activations:
+            return np.zeros(0)
+        of_eyes = activations.reshape(self.config.space.n_eyes, -1)
+        first, second = np.triu_indices(of_eyes.shape[1])
+        return np.ravel(of_eyes[:, first] * of_eyes[:, second])
 
     def _state_vector(self, entries: NDArray[np.float64]) -> NDArray[np.float64]:
         standard = normalized(self._statistics, entries, self.config.state_standard_deviation)

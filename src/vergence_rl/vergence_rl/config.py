@@ -13,6 +13,7 @@ from lockstep.command_space import (
 )
 from lockstep.settings import check_settings, setting
 from vergence_rl.cacla.config import CaclaConfig
+from vergence_rl.gaze.config import N_SACCADES, GazeConfig
 from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.learning_rule import Task
 
@@ -45,6 +46,10 @@ class VergenceRlConfig:
         " other entries of the state are 0",
         choices=("all", "features", "activations"),
     )
+    products_of_activations: bool = setting(
+        False,
+        "whether the products of two activations of one eye are entries of the state, too (D22)",
+    )
     command_space: str = setting(
         "pair", "muscles that a command moves", choices=tuple(COMMAND_SPACES)
     )
@@ -73,12 +78,15 @@ class VergenceRlConfig:
     )
     cacla: CaclaConfig = field(default_factory=CaclaConfig)
     hindsight: HindsightConfig = field(default_factory=HindsightConfig)
+    gaze: GazeConfig = field(default_factory=GazeConfig)
 
     def __post_init__(self) -> None:
         """Refuse values out of range, and what the chosen rule cannot work with."""
         check_settings(self)
         activation_limits(self.space, self.lowest_activations, self.highest_activations)
-        self.rule_config.check_fits(self.iterations_per_episode)
+        self.gaze.check_fits(self.iterations_per_episode, self.command_space)
+        fixation = self.gaze.fixation_iterations
+        self.rule_config.check_fits(fixation or self.iterations_per_episode)
 
     @property
     def space(self) -> CommandSpace:
@@ -97,9 +105,26 @@ class VergenceRlConfig:
         return len(self.space.names)
 
     @property
+    def n_products(self) -> int:
+        """Products of two activations of one eye, squares included, among the state's entries."""
+        n_of_eye = self.n_muscles // self.space.n_eyes
+        return self.space.n_eyes * n_of_eye * (n_of_eye + 1) // 2 * self.products_of_activations
+
+    @property
+    def n_felt(self) -> int:
+        """Entries of the state that the muscles give: the commanded activations and products."""
+        return self.n_products + self.n_muscles
+
+    @property
     def n_state(self) -> int:
-        """Features, the commanded activations and the bias."""
-        return self.n_features + self.n_muscles + N_BIASES
+        """Features, what is felt, and the bias."""
+        return self.n_features + self.n_felt + N_BIASES
+
+    @property
+    def n_visits(self) -> int:
+        """Iterations of one picture from which a rule learns: an episode, or of a fixation."""
+        fixation = self.gaze.fixation_iterations
+        return fixation - N_SACCADES if fixation else self.iterations_per_episode
 
     @property
     def task(self) -> Task:
@@ -108,10 +133,11 @@ class VergenceRlConfig:
         return Task(
             self.seed,
             self.n_state,
+            self.n_felt,
             np.array(limits.lowest),
             np.array(limits.highest),
             self.n_training_iterations,
-            self.iterations_per_episode,
+            self.n_visits,
             self.initial_td_variance,
             self.td_variance_rate,
         )

@@ -18,11 +18,14 @@ Floats = NDArray[np.float64]
 class Task:
     """What a rule must know of the agent that it serves.
 
-    lowest, highest: (n_muscles,) limits of the activations that are commanded.
+    n_felt: entries of the state from the muscles, its last ones but for the constant; lowest,
+    highest: (n_muscles,) limits of the activations that are commanded; iterations_per_episode: of
+    those that a rule sees, where eyes make saccades of a fixation.
     """
 
     seed: int
     n_state: int
+    n_felt: int
     lowest: Floats
     highest: Floats
     n_training_iterations: int

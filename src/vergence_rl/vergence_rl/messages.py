@@ -3,8 +3,9 @@
 import numpy as np
 from sensor_msgs.msg import Image, JointState
 
-from lockstep.command_space import CommandSpace
+from lockstep.command_space import SIDES, CommandSpace
 from lockstep.errors import InputError
+from lockstep.wire.topics import GAZE, GAZE_NAMES
 from lockstep.wire.vectors import values_of
 from vergence_rl.learning_rule import Decision
 
@@ -45,6 +46,15 @@ def activations_of(message: JointState, space: CommandSpace) -> np.ndarray:
             f"muscle_activations: expected activations in [0, 1], got {values.tolist()}"
         )
     return space.from_muscles(values)
+
+
+def gaze_of(message: JointState) -> dict[str, np.ndarray]:
+    """Return target_deg (2,) and turns_deg (2, 3) as Agent.observe takes them.
+
+    Raises InputError as `values_of`; NaN stands for what there is not.
+    """
+    values = values_of(message, GAZE_NAMES, GAZE, may_lack=True)
+    return {"target_deg": values[:2], "turns_deg": values[2:].reshape(len(SIDES), -1)}
 
 
 def actor_critic_values(decision: Decision, learning_steps: int) -> tuple[float, ...]:

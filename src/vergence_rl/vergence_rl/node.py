@@ -11,11 +11,11 @@ from sensor_msgs.msg import Image, JointState
 
 from lockstep.node.learner_node import LearnerNode
 from lockstep.node.process import run_node
-from lockstep.wire.topics import TRAINING, actor_critic_names
+from lockstep.wire.topics import GAZE, TRAINING, actor_critic_names
 from lockstep.wire.vectors import VectorPublisher, values_of, whole_values_of
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
-from vergence_rl.messages import activations_of, actor_critic_values, features_of
+from vergence_rl.messages import activations_of, actor_critic_values, features_of, gaze_of
 
 INPUTS = {
     "episode": JointState,
@@ -31,11 +31,17 @@ class VergenceRlNode(LearnerNode[Agent]):
 
     def __init__(self, **kwargs: Any) -> None:
         """Set up actor and critic; raises InputError for a bad configuration."""
-        super().__init__("vergence_rl", VergenceRlConfig, INPUTS, **kwargs)
+        super().__init__("vergence_rl", VergenceRlConfig, **kwargs)
         self._command = VectorPublisher(self, "muscle_command", self.config.space.names)
         self._actor_critic = VectorPublisher(
             self, "actor_critic", actor_critic_names(self.config.space)
         )
+
+    def inputs(self) -> Mapping[str, type]:
+        """Return features, reward and activations, and what saccades need where eyes make them."""
+        if not self.config.gaze.fixation_iterations:
+            return INPUTS
+        return {GAZE: JointState} | INPUTS
 
     def make_learner(self) -> Agent:
         """Return an agent with the weights of its seed."""
@@ -49,6 +55,7 @@ class VergenceRlNode(LearnerNode[Agent]):
             observation["episode"], _EPISODE, "episode"
         )
         activations = activations_of(observation["muscle_activations"], self.config.space)
+        gaze = gaze_of(observation[GAZE]) if GAZE in observation else {}
         in_training = phase == TRAINING
         decision = self.learner.observe(
             features,
@@ -58,6 +65,7 @@ class VergenceRlNode(LearnerNode[Agent]):
             training_iteration,
             learning=in_training,
             exploration=in_training,
+            **gaze,
         )
         self._command.publish(stamp_ns, decision.command)
         self._actor_critic.publish(

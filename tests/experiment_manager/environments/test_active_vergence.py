@@ -295,3 +295,15 @@ def test_each_muscle_has_an_action_of_its_own(settings: dict[str, Any]) -> None:
     )
     # 302 deg per unit at the tonic level.
     assert rise_deg == pytest.approx(1.5, abs=0.4)
+
+
+def test_an_agent_is_told_where_the_gaze_target_is(settings: dict[str, Any]) -> None:
+    without_price = settings | {"sparse_coder.metabolic_cost_weight": 0.0}
+    environment = gymnasium.make(IDS[1], profile="gaze", settings=without_price)
+    check_env(environment.unwrapped, skip_render_check=True)
+    observed, info = environment.reset(seed=1)
+    truth = info["ground_truth"]
+    expected = [truth["target_sideways_deg"], truth["target_up_deg"]]
+    environment.close()
+    assert observed["gaze_target"].tolist() == expected
+    assert 2.0 <= np.hypot(*expected) <= 10.5

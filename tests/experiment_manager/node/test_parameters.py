@@ -8,6 +8,7 @@ from rclpy.parameter import Parameter
 
 from experiment_manager.node.parameters import NodeParameters, Parameters
 from experiment_manager.node.presence import UNKNOWN_NODE
+from experiment_manager.run.episode_record import SMALL_TOPICS
 
 
 class Client:
@@ -57,7 +58,7 @@ class Node:
 def test_a_node_is_asked_when_its_name_is_known_and_its_service_is_there() -> None:
     node = Node()
     found: list[Parameters] = []
-    parameters = NodeParameters(node, lambda act: act())
+    parameters = NodeParameters(node, SMALL_TOPICS, lambda act: act())
     parameters.ask(found.append)
     parameters.watch()
     assert not node.clients, "nobody has a name to be asked by"

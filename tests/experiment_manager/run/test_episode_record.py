@@ -8,6 +8,7 @@ from experiment_manager.run.episode_record import (
     OWN_TOPICS,
     SAMPLED_TOPICS,
     SMALL_TOPICS,
+    SMALL_TOPICS_WITH_GAZE,
     EpisodeRecord,
     takes_pictures,
 )
@@ -36,7 +37,7 @@ def _episode(phase: int = TRAINING, number: int = 3, n_iterations: int = 2) -> E
 
 
 def test_each_topic_is_recorded_in_one_way() -> None:
-    assert sorted((*SMALL_TOPICS, *FREE_TOPICS, *OWN_TOPICS, *SAMPLED_TOPICS)) == sorted(
+    assert sorted((*SMALL_TOPICS_WITH_GAZE, *FREE_TOPICS, *OWN_TOPICS, *SAMPLED_TOPICS)) == sorted(
         TOPIC_TYPES
     )
     assert set(SMALL_TOPICS) == {*PLANT, *ANSWERS}

@@ -16,4 +16,4 @@ def test_an_episode_says_nothing_of_distance_or_gaze() -> None:
 def test_each_vector_has_one_publisher() -> None:
     learning = (*topics.PLANT_VECTORS, *topics.CODER_VECTORS, *topics.LEARNER_VECTORS)
     vectors = [name for name, kind in topics.TOPIC_TYPES.items() if kind == topics.VECTOR]
-    assert sorted((*learning, topics.PARAMETER_CHANGES)) == sorted(vectors)
+    assert sorted((*learning, topics.GAZE, topics.PARAMETER_CHANGES)) == sorted(vectors)

@@ -18,6 +18,7 @@ from experiment_manager.analysis.report.tables import (
     antagonists_table,
     bias_table,
     comparison_table,
+    fixations_table,
     iterations_table,
     learning_table,
     resting_table,
@@ -170,6 +171,7 @@ def _tables(groups: Sequence[Group]) -> list[str]:
         ),
         bias_table(groups),
         *(() if all(are_of_pair) else _antagonists(groups)),
+        *_fixations(groups),
         report_page.heading("During a trial, at the end of training"),
         iterations_table(groups),
     ]
@@ -210,6 +212,20 @@ def _antagonists(groups: Sequence[Group]) -> list[str]:
             "object distance."
         ),
         yoked_table(groups),
+    ]
+
+
+def _fixations(groups: Sequence[Group]) -> list[str]:
+    if not any(run.summaries[-1].fixations for group in groups for run in group.runs):
+        return []
+    return [
+        report_page.heading("Fixations"),
+        report_page.paragraph(
+            "Median / 90 % of absolute values over all fixations of the last test: angle between "
+            "the left line of sight and the target after each of two saccades, how far that line "
+            "moves over five iterations of vergence, and the errors after these."
+        ),
+        fixations_table(groups),
     ]
 
 

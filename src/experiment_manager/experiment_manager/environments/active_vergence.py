@@ -11,7 +11,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box, Dict
+from gymnasium.spaces import Box, Dict, Space
 
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.environments.experiment import Experiment, make_experiment
@@ -89,7 +89,10 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         self.action_scale = whole if action_scale is None else np.full_like(whole, action_scale)
         self.action_space = Box(-1.0, 1.0, (len(self._space.names),), np.float64)
         activations = Box(self._lowest, self._highest, dtype=np.float64)
-        self.observation_space = Dict({**self._senses(), "activations": activations})
+        senses: dict[str, Space[Any]] = {**self._senses(), "activations": activations}
+        if self._experiment.has_targets:
+            senses["gaze_target"] = Box(-180.0, 180.0, (2,), np.float64)
+        self.observation_space = Dict(senses)
         self._coder: SparseCoder | None = None
         self._episode: Episode | None = None
         self._is_closed = False
@@ -176,6 +179,8 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         self._activations = self._space.from_all(observation.state.activations)
         observed = self._sensed(self._pictures, percept)
         observed["activations"] = self._activations.copy()
+        if self._experiment.has_targets:
+            observed["gaze_target"] = np.array(observation.truth.target_deg)
         truth = observation.ground_truth_values()
         coarse, fine = percept.encoding.reconstruction_error
         info = {

@@ -60,6 +60,11 @@ class Experiment:
         """What an action moves."""
         return self._settings.agent.space
 
+    @property
+    def has_targets(self) -> bool:
+        """Whether episodes have gaze targets."""
+        return self._settings.manager.protocol.fixation_iterations > 0
+
     def start(self, seed: int) -> SparseCoder:
         """Begin the experiment of a seed; return its coder."""
         coder = SparseCoder(dataclasses.replace(self._settings.coder, seed=seed))

@@ -62,6 +62,12 @@ AGREEMENTS = (
         Agreement("vergence_rl.command_space", f"{node}.command_space")
         for node in ("eye_plant", "sparse_coder")
     ),
+    Agreement("vergence_rl.gaze.fixation_iterations", "sparse_coder.gaze.fixation_iterations"),
+    Agreement(
+        "vergence_rl.gaze.fixation_iterations",
+        "experiment_manager.protocol.fixation_iterations",
+    ),
+    Agreement("eye_plant.camera.focal_length_px", "sparse_coder.gaze.focal_length_px"),
     Agreement("vergence_rl.lowest_activations", "eye_plant.lowest_activations"),
     *(
         Agreement(f"eye_plant.mechanics.{name}", f"experiment_manager.mechanics.{name}")

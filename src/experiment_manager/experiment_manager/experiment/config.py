@@ -8,6 +8,7 @@ from eye_plant.inverse.pair import Limits as PairLimits
 from eye_plant.inverse.pair import pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.command_space import (
+    ALL_MUSCLES,
     COMMAND_SPACES,
     HIGHEST_ACTIVATIONS,
     LOWEST_ACTIVATIONS,
@@ -106,6 +107,30 @@ class ProtocolConfig:
     n_starts_per_distance: int = setting(
         6, "with a command for each muscle: initial gazes at each distance of a test", least=1
     )
+    fixation_iterations: int = setting(
+        0, "iterations of a fixation; 0: the eyes make no saccades (D22)", least=0
+    )
+    gives_targets: bool = setting(
+        True,
+        "whether training gives a gaze target for each fixation, as tests do; otherwise the eyes"
+        " choose the place whose code is worst",
+    )
+    target_distance_deg: tuple[float, ...] = setting(
+        (2.0, 10.0),
+        "distance of a gaze target from the one before, drawn uniformly",
+        "deg",
+        least=0,
+        most=45,
+        is_interval=True,
+    )
+    largest_target_deg: tuple[float, ...] = setting(
+        (10.0, 10.0),
+        "largest azimuth and elevation of gaze targets",
+        "deg",
+        above=0,
+        most=45,
+        n_entries=2,
+    )
     command_space: str = setting(
         PAIR, "muscles that a command moves", choices=tuple(COMMAND_SPACES)
     )
@@ -131,6 +156,17 @@ class ProtocolConfig:
                 f"n_training_iterations: expected a multiple of {self.iterations_per_episode} "
                 f"(iterations per episode), got {self.n_training_iterations}"
             )
+        if self.fixation_iterations and self.command_space != ALL_MUSCLES:
+            raise InputError(
+                f"fixation_iterations: expected 0 with command_space {self.command_space}, since "
+                f"saccades turn each eye about all axes, got {self.fixation_iterations}"
+            )
+        for name in ("iterations_per_episode", "iterations_per_trial"):
+            if self.fixation_iterations and getattr(self, name) % self.fixation_iterations:
+                raise InputError(
+                    f"{name}: expected a multiple of {self.fixation_iterations} "
+                    f"(fixation_iterations), got {getattr(self, name)}"
+                )
         if any(n % self.iterations_per_episode for n in self.test_iterations):
             raise InputError(
                 f"test_iterations: expected multiples of {self.iterations_per_episode}, "

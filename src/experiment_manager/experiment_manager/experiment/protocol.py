@@ -10,6 +10,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.experiment.plant_changes import (
     NO_CHANGES,
@@ -18,7 +20,14 @@ from experiment_manager.experiment.plant_changes import (
     read_schedule,
     stages_of,
 )
-from experiment_manager.experiment.starts import Starts, conditions, starts
+from experiment_manager.experiment.starts import (
+    Activations,
+    GazeStarts,
+    Starts,
+    conditions,
+    starts,
+)
+from experiment_manager.experiment.targets import drawn_targets_deg
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from lockstep.errors import InputError
@@ -202,6 +211,11 @@ class Protocol:
             stimulus=stimulus,
             object_distance_m=object_distance_m,
             activations=activations,
+            targets_deg=(
+                self._targets_deg(segment, activations, config.iterations_per_episode, draw)
+                if config.gives_targets
+                else ()
+            ),
             n_iterations=config.iterations_per_episode,
             first_observation=segment.first_observation
             + offset * (config.iterations_per_episode + 1),
@@ -222,9 +236,24 @@ class Protocol:
             stimulus=config.n_training_stimuli + i_stimulus,
             object_distance_m=condition.object_distance_m,
             activations=activations,
+            targets_deg=self._targets_deg(segment, activations, config.iterations_per_trial, draw),
             n_iterations=config.iterations_per_trial,
             first_observation=segment.first_observation + trial * (config.iterations_per_trial + 1),
         )
+
+    def _targets_deg(
+        self,
+        segment: Segment,
+        activations: Activations,
+        n_iterations: int,
+        draw: np.random.Generator,
+    ) -> tuple[float, ...]:
+        if not self.config.fixation_iterations:
+            return ()
+        of_stage = self._eyes[segment.stage].starts
+        assert isinstance(of_stage, GazeStarts), "the configuration has a command for each muscle"
+        gaze_deg = of_stage.left_gaze_deg(activations)
+        return drawn_targets_deg(self.config, n_iterations, gaze_deg, draw)
 
 
 def make_protocol(config: ExperimentManagerConfig) -> Protocol:

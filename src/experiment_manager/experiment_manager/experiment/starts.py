@@ -137,6 +137,10 @@ class GazeStarts:
         aside = draw.normal(0.0, config.start_spread, len(config.space.names))
         return tuple(self._inverse.activations(angles_deg, distance_m, aside).tolist())
 
+    def left_gaze_deg(self, activations: Activations) -> tuple[float, float]:
+        """Return azimuth and elevation of the left eye at rest with activations (12,)."""
+        return self._inverse.left_gaze_deg(np.array(activations))
+
 
 def draw_angles_deg(config: ProtocolConfig, draw: np.random.Generator) -> dict[str, float]:
     """Draw a gaze, by names of GAZE_ANGLES that the command space turns."""

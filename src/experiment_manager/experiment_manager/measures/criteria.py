@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -32,6 +32,7 @@ class Criteria:
     vergence than relaxed eyes have, so that the lateral recti should be silent; those from
     medial_is_silent_from_m on ask for less. In between either may hold the gaze at hardly any cost.
     lowest_activations: of each command, at which a muscle with a tonic floor is silent.
+    fixation_iterations: of a fixation, 0 of eyes that make no saccades.
     """
 
     px_deg: float
@@ -39,12 +40,14 @@ class Criteria:
     lateral_is_silent_up_to_m: float
     medial_is_silent_from_m: float
     lowest_activations: tuple[float, ...]
+    fixation_iterations: int = 0
 
 
-def criteria_of(plant: EyePlantConfig) -> Criteria:
+def criteria_of(plant: EyePlantConfig, fixation_iterations: int = 0) -> Criteria:
     """Return what counts with a plant's cameras and eyes."""
     limits = activation_limits(plant.space, plant.lowest_activations, (1.0,))
-    return _criteria(plant.camera.focal_length_px, plant.mechanics, limits.lowest)
+    criteria = _criteria(plant.camera.focal_length_px, plant.mechanics, limits.lowest)
+    return replace(criteria, fixation_iterations=fixation_iterations)
 
 
 @lru_cache
@@ -67,12 +70,13 @@ def _criteria(
 class EvaluationSettings:
     """How a run is tested: the plant that it was started with, and how a schedule changes that.
 
-    iterations_per_trial: of a whole trial.
+    iterations_per_trial: of a whole trial; fixation_iterations: of a fixation, 0 without saccades.
     """
 
     plant: EyePlantConfig
     schedule: Schedule
     iterations_per_trial: int
+    fixation_iterations: int = 0
 
     @classmethod
     def of(cls, parameters: Mapping[str, Mapping[str, Any]]) -> "EvaluationSettings":
@@ -83,6 +87,7 @@ class EvaluationSettings:
             build(EyePlantConfig, parameters.get("eye_plant", {})),
             read_schedule(manager.get("schedule", "")),
             int(length),
+            int(manager.get("protocol.fixation_iterations", 0)),
         )
 
     @classmethod
@@ -102,7 +107,7 @@ class EvaluationSettings:
         """Return what counts in the test after so many training iterations."""
         stage = self.schedule.stage(TEST, training_iterations)
         plant = changed(self.plant, self.schedule.settings(stage))
-        return criteria_of(plant)
+        return criteria_of(plant, self.fixation_iterations)
 
 
 def _distance_m(vergence_deg: float, baseline_m: float) -> float:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from experiment_manager.measures.criteria import Criteria
+from experiment_manager.measures.fixations import fixation_measures
 from experiment_manager.measures.results import AntagonistPair, Measures, SetSummary, Summary
 from experiment_manager.measures.trials import Trials
 from lockstep.command_space import MUSCLES, SIDES, CommandSpace
@@ -32,6 +33,11 @@ def summary_of(trials: Trials, criteria: Criteria) -> Summary:
     return Summary(
         **vars(_set_summary(trials, criteria)),
         iteration=trials.training_iteration,
+        fixations=(
+            fixation_measures(trials, criteria.fixation_iterations, criteria.px_deg)
+            if criteria.fixation_iterations
+            else None
+        ),
         without_zero_start_error=_set_summary(
             trials.chosen(np.abs(start_deg) >= _ZERO_ERROR_DEG), criteria
         ),

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Self
 
+from experiment_manager.measures.fixations import FixationMeasures
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
 
@@ -137,18 +138,21 @@ class Summary(SetSummary):
     """Measures of one test: of all trials, and of fewer.
 
     iteration: of training; without_zero_start_error: of the trials that do not start with correct
-    vergence; authors_test_set: of those that the authors' code has, too.
+    vergence; authors_test_set: of those that the authors' code has, too; fixations: of eyes that
+    make saccades.
     """
 
     iteration: int
     without_zero_start_error: SetSummary
     authors_test_set: SetSummary
+    fixations: FixationMeasures | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return the entries of results.json."""
         return {
             "iteration": self.iteration,
             **super().to_json(),
+            **(self.fixations.to_json() if self.fixations else {}),
             "without_zero_start_error": self.without_zero_start_error.to_json(),
             "authors_test_set": self.authors_test_set.to_json(),
         }
@@ -161,6 +165,9 @@ class Summary(SetSummary):
             iteration=int(document["iteration"]),
             without_zero_start_error=SetSummary.from_json(document["without_zero_start_error"]),
             authors_test_set=SetSummary.from_json(document["authors_test_set"]),
+            fixations=(
+                FixationMeasures.from_json(document) if "saccade_error_deg" in document else None
+            ),
         )
 
 

@@ -15,6 +15,7 @@ from experiment_manager.node.parameters import NodeParameters, Parameters
 from experiment_manager.node.presence import Presence
 from experiment_manager.node.recorder import Recorder
 from experiment_manager.node.requests import LEARNERS, PLANT, Requests
+from experiment_manager.run.episode_record import small_topics
 from experiment_manager.run.run_directory import Run
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, FAULT_TEXT
@@ -57,8 +58,9 @@ class ExperimentManagerNode(Node):
         self.diagnostics = Diagnostics(self, self._state_of_run)
         self._changes = self.create_publisher(JointState, PARAMETER_CHANGES, LOCKSTEP_QOS)
         self._plant_settings: Arguments = {}
-        self._presence = Presence(self)
-        self._parameters = NodeParameters(self, self._guarded)
+        topics = small_topics(self.config)
+        self._presence = Presence(self, topics)
+        self._parameters = NodeParameters(self, topics, self._guarded)
         self._requests = Requests(self, self.run.run_id, self._guarded, self._fault)
         self._recorder = Recorder(self, self.run, self.config, self._guarded, self._end_episode)
         if self.config.supervised:

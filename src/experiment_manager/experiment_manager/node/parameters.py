@@ -1,7 +1,7 @@
 """With which parameters the nodes of the graph run: each is asked, with ROS's own services."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -11,7 +11,6 @@ from rclpy.node import Node
 from rclpy.parameter import parameter_value_to_python
 
 from experiment_manager.node.presence import UNKNOWN_NODE
-from experiment_manager.run.episode_record import SMALL_TOPICS
 from lockstep.node.ros_parameters import OF_RCLPY
 
 # A node without parameter services, as some clients of DDS are, is not waited for any longer.
@@ -25,9 +24,11 @@ Parameters = dict[str, dict[str, Any]]
 class NodeParameters:
     """Asks whoever publishes a topic of the graph for all of its parameters."""
 
-    def __init__(self, node: Node, guard: Callable[[Callable[[], None]], None]) -> None:
-        """guard: calls what follows the last answer."""
-        self._node = node
+    def __init__(
+        self, node: Node, topics: Sequence[str], guard: Callable[[Callable[[], None]], None]
+    ) -> None:
+        """topics: of the graph; guard: calls what follows the last answer."""
+        self._node, self._topics = node, topics
         self._guard = guard
         self._clients: dict[str, Client] = {}
         # What is asked as soon as the service is there: a request before that would be lost.
@@ -80,7 +81,7 @@ class NodeParameters:
         """Return name and full name of each node, but for this one, that publishes a topic."""
         own = self._node.get_fully_qualified_name()
         found = {}
-        for topic in SMALL_TOPICS:
+        for topic in self._topics:
             for endpoint in self._node.get_publishers_info_by_topic(topic):
                 full_name = f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
                 if full_name != own:

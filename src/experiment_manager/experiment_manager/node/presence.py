@@ -1,8 +1,8 @@
 """Who is in the graph: whether each topic has its publisher, and no second one."""
 
-from rclpy.node import Node
+from collections.abc import Sequence
 
-from experiment_manager.run.episode_record import SMALL_TOPICS
+from rclpy.node import Node
 
 # What rclpy calls the node of a publisher that is known a moment before its node's name.
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
@@ -13,9 +13,9 @@ _READ_BY_OTHERS = ("left/image_raw", "features")
 class Presence:
     """Counts the publishers and subscribers of the graph's topics."""
 
-    def __init__(self, node: Node) -> None:
-        """node: through whose eyes the graph is seen."""
-        self._node = node
+    def __init__(self, node: Node, topics: Sequence[str]) -> None:
+        """node: through whose eyes the graph is seen; topics: of which each has a publisher."""
+        self._node, self._topics = node, topics
 
     def unmatched_topics(self) -> list[str]:
         """Return the topics that lack a publisher, or a reader besides the experiment manager."""
@@ -26,8 +26,8 @@ class Presence:
 
     def absent_topics(self) -> list[str]:
         """Return the topics without a publisher."""
-        return [topic for topic in SMALL_TOPICS if not self._node.count_publishers(topic)]
+        return [topic for topic in self._topics if not self._node.count_publishers(topic)]
 
     def doubled_topics(self) -> list[str]:
         """Return the topics with more than one publisher."""
-        return [topic for topic in SMALL_TOPICS if self._node.count_publishers(topic) > 1]
+        return [topic for topic in self._topics if self._node.count_publishers(topic) > 1]

@@ -15,8 +15,8 @@ from experiment_manager.node.fault_detection import LEARNER_OF, check_learning_s
 from experiment_manager.run.episode_record import (
     FREE_TOPICS,
     SAMPLED_TOPICS,
-    SMALL_TOPICS,
     EpisodeRecord,
+    small_topics,
     takes_pictures,
 )
 from experiment_manager.run.run_directory import Run
@@ -61,7 +61,9 @@ class Recorder:
         measured = ("ground_truth", "muscle_activations", *LEARNER_OF)
         self._readers = {name: reader_of(JointState, name) for name in measured}
         self._subscriptions_of_pictures: list[Subscription] = []
-        self._recorded = {topic: self._subscribe(topic) for topic in (*SMALL_TOPICS, *FREE_TOPICS)}
+        self._small_topics = small_topics(config)
+        recorded = (*self._small_topics, *FREE_TOPICS)
+        self._recorded = {topic: self._subscribe(topic) for topic in recorded}
 
     def _subscribe(self, topic: str) -> Subscription:
         package, folder, name = TOPIC_TYPES[topic].split("/")
@@ -95,7 +97,7 @@ class Recorder:
 
     def begin(self, episode: Episode) -> None:
         """Expect the messages of an episode."""
-        self.record = EpisodeRecord(episode, self._period_ns)
+        self.record = EpisodeRecord(episode, self._period_ns, self._small_topics)
         self._records.appendleft(self.record)
         # A picture of the last episode may still come, of those before nothing does.
         self._run.writer.release(self._records[-1].first_ns)
@@ -145,12 +147,12 @@ class Recorder:
             return
         if topic in SAMPLED_TOPICS and not takes_pictures(self._config, record.episode):
             return
-        if topic in SMALL_TOPICS and not record.expects(topic, stamp_ns):
+        if topic in self._small_topics and not record.expects(topic, stamp_ns):
             return
         if not self._run.writer.write(topic, message, stamp_ns):
             return
         self._hear()
-        if topic in SMALL_TOPICS:
+        if topic in self._small_topics:
             self._count(topic, message, record, stamp_ns)
 
     def _count(self, topic: str, message: bytes, record: EpisodeRecord, stamp_ns: int) -> None:

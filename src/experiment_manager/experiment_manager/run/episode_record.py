@@ -1,9 +1,12 @@
 """Which messages an episode must bring, and when all of them have been recorded. No ROS."""
 
+from collections.abc import Sequence
+
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from eye_plant.episode import Episode
 from lockstep.wire.topics import (
     CODER_VECTORS,
+    GAZE,
     LEARNER_VECTORS,
     PARAMETER_CHANGES,
     PLANT_VECTORS,
@@ -13,28 +16,33 @@ from lockstep.wire.topics import (
 
 # Always recorded, exactly one of each per observation ...
 SMALL_TOPICS = (*PLANT_VECTORS, *CODER_VECTORS, *LEARNER_VECTORS)
+# ... of eyes that make saccades one more ...
+SMALL_TOPICS_WITH_GAZE = (*SMALL_TOPICS, GAZE)
 # ... recorded whenever they come ...
 FREE_TOPICS = ("/clock", "/diagnostics")
 # ... written by the recorder itself ...
 OWN_TOPICS = (PARAMETER_CHANGES,)
 # ... and recorded for a sample of the episodes, since they are large.
 SAMPLED_TOPICS = tuple(
-    name for name in TOPIC_TYPES if name not in (*SMALL_TOPICS, *FREE_TOPICS, *OWN_TOPICS)
+    name for name in TOPIC_TYPES if name not in (*SMALL_TOPICS_WITH_GAZE, *FREE_TOPICS, *OWN_TOPICS)
 )
 
 
 class EpisodeRecord:
     """Counts the small messages of one episode until each expected one is in the bag."""
 
-    def __init__(self, episode: Episode, period_ns: int) -> None:
-        """period_ns: between the stamps of successive observations."""
+    def __init__(
+        self, episode: Episode, period_ns: int, topics: Sequence[str] = SMALL_TOPICS
+    ) -> None:
+        """period_ns: between the stamps of successive observations; topics: of small messages."""
         self.episode = episode
         self._period_ns = period_ns
         self.first_ns = episode.first_observation * period_ns
         self.last_ns = (episode.first_observation + episode.n_iterations) * period_ns
         n_answers = episode.n_iterations
-        self._missing = dict.fromkeys(PLANT_VECTORS, n_answers + 1)
-        self._missing |= dict.fromkeys((*CODER_VECTORS, *LEARNER_VECTORS), n_answers)
+        self._missing = {
+            topic: n_answers + 1 if topic in PLANT_VECTORS else n_answers for topic in topics
+        }
 
     def holds(self, stamp_ns: int) -> bool:
         """Return whether an observation with that stamp belongs to the episode."""
@@ -63,6 +71,11 @@ class EpisodeRecord:
     def missing(self) -> str:
         """Return what has not come yet, for an error text."""
         return ", ".join(f"{count} of {name}" for name, count in self._missing.items() if count)
+
+
+def small_topics(config: ExperimentManagerConfig) -> tuple[str, ...]:
+    """Return the topics of which each observation of a run has one message."""
+    return SMALL_TOPICS_WITH_GAZE if config.protocol.fixation_iterations else SMALL_TOPICS
 
 
 def takes_pictures(config: ExperimentManagerConfig, episode: Episode) -> bool:

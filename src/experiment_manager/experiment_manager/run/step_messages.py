@@ -6,7 +6,7 @@ from experiment_manager.loop import Step
 from eye_plant.config import EyePlantConfig
 from eye_plant.messages import ObservationMessages
 from lockstep.wire.images import ImageBytes
-from lockstep.wire.topics import REWARD_NAMES, actor_critic_names
+from lockstep.wire.topics import GAZE, GAZE_NAMES, REWARD_NAMES, actor_critic_names
 from lockstep.wire.vectors import VectorBytes
 from sparse_coder.messages import features_message
 from vergence_rl.messages import actor_critic_values
@@ -21,6 +21,7 @@ class StepMessages:
         """Lay out the messages; n_bases: of each scale's dictionary."""
         self._observation = ObservationMessages(plant)
         self._reward = VectorBytes(REWARD_NAMES)
+        self._gaze = VectorBytes(GAZE_NAMES)
         self._command = VectorBytes(plant.space.names)
         self._actor_critic = VectorBytes(actor_critic_names(plant.space))
         self._features = ImageBytes(features_message(n_bases))
@@ -32,6 +33,8 @@ class StepMessages:
         if answer is None:
             return
         yield "reward", self._reward.of(stamp_ns, answer.percept.reward_values())
+        if answer.percept.gaze is not None:
+            yield GAZE, self._gaze.of(stamp_ns, answer.percept.gaze.values())
         yield "muscle_command", self._command.of(stamp_ns, answer.decision.command)
         values = actor_critic_values(answer.decision, answer.agent_learning_steps)
         yield "actor_critic", self._actor_critic.of(stamp_ns, values)

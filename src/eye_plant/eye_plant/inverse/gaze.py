@@ -99,6 +99,12 @@ class GazeInverse:
         self._equilibrium.solve(activations)
         return self._present_deg(distance_m)
 
+    def left_gaze_deg(self, activations: Array) -> tuple[float, float]:
+        """Return azimuth (to the right) and elevation of the left eye at rest."""
+        self._equilibrium.solve(activations)
+        azimuth_deg, elevation_deg = np.degrees(self._eyes.data.qpos[:2]).tolist()
+        return azimuth_deg, elevation_deg
+
     def activations(
         self, wanted_deg: Mapping[str, float], distance_m: float, aside: Array
     ) -> Array:

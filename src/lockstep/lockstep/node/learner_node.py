@@ -41,19 +41,15 @@ L = TypeVar("L", bound=Learner)
 class LearnerNode(Node, Generic[L]):
     """A node that answers each observation once, and whose learner a run can save and load.
 
-    A subclass makes its learner, answers an observation (raising InputError to refuse it), and
-    repeats its last answer.
+    A subclass says what an observation is made of, makes its learner, answers an observation
+    (raising InputError to refuse it), and repeats its last answer.
     """
 
-    def __init__(
-        self, name: str, config_class: type, inputs: Mapping[str, type], **kwargs: Any
-    ) -> None:
-        """inputs: the message type of each topic that makes up an observation, the last one last.
-
-        Which one is published last makes no difference to what is answered, only to its cost.
-        """
+    def __init__(self, name: str, config_class: type, **kwargs: Any) -> None:
+        """Set up the learner; raises InputError for a bad configuration."""
         super().__init__(name, **kwargs)
         self.config: Any = declare_config(self, config_class)
+        inputs = self.inputs()
         self.learner = self.make_learner()
         self.diagnostics = Diagnostics(self, self._state_of_learning)
         self._gather = Gather(tuple(inputs))
@@ -80,6 +76,13 @@ class LearnerNode(Node, Generic[L]):
             },
         )
         self.get_logger().info("ready, untrained")
+
+    @abstractmethod
+    def inputs(self) -> Mapping[str, type]:
+        """Return the message type of each topic that makes up an observation, the last one last.
+
+        Which one is published last makes no difference to what is answered, only to its cost.
+        """
 
     @abstractmethod
     def make_learner(self) -> L:

@@ -16,6 +16,8 @@ EPISODE_NAMES = (
     "training_iteration",
     "observation",
 )
+# Of eyes that make saccades: the gaze target in the left picture when a fixation begins.
+TARGET_NAMES = ("target_sideways_deg", "target_up_deg")
 GROUND_TRUTH_NAMES = (
     *EPISODE_NAMES,
     "stimulus",
@@ -34,6 +36,8 @@ GROUND_TRUTH_NAMES = (
     "metabolic_rate_w",
     "initial_metabolic_rate_w",
     "optimal_metabolic_rate_w",
+    "target_sideways_deg",
+    "target_up_deg",
 )
 EYE_STATE_NAMES = tuple(
     f"{side}_{angle}" for side in SIDES for angle in ("adduction", "elevation", "torsion")
@@ -44,6 +48,11 @@ REWARD_NAMES = (
     "metabolic_rate_w",
     "reward",
     "learning_steps",
+)
+# What saccades need: the target, and how both eyes turned in the last one.
+GAZE_NAMES = (
+    *TARGET_NAMES,
+    *(f"{side}_{turn}_deg" for side in SIDES for turn in ("sideways", "up", "clockwise")),
 )
 
 
@@ -68,6 +77,8 @@ CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
 PLANT_VECTORS = ("episode", "muscle_states", "muscle_activations", "eye_states", "ground_truth")
 # ... and these only for the observations that are answered.
 CODER_VECTORS = ("reward",)
+# ... the second of eyes that make saccades alone.
+GAZE = "gaze"
 LEARNER_VECTORS = ("muscle_command", "actor_critic")
 PICTURES = ("left/image_raw", "right/image_raw")
 CAMERA_INFOS = ("left/camera_info", "right/camera_info")
@@ -80,6 +91,7 @@ TOPIC_TYPES = {
     **dict.fromkeys(PLANT_VECTORS, VECTOR),
     "features": IMAGE,
     **dict.fromkeys(CODER_VECTORS, VECTOR),
+    GAZE: VECTOR,
     **dict.fromkeys(LEARNER_VECTORS, VECTOR),
     PARAMETER_CHANGES: VECTOR,
     "/clock": "rosgraph_msgs/msg/Clock",
@@ -87,5 +99,7 @@ TOPIC_TYPES = {
 }
 
 # For people to look at, an IMAGE and a VECTOR: no part of the protocol, and not recorded.
+# From people and other programs: where the eyes are to look next, with TARGET_NAMES.
+GAZE_TARGET = "gaze_target"
 BASIS_FUNCTIONS = "basis_functions"
 MEAN_METABOLIC_RATES = "mean_metabolic_rates"

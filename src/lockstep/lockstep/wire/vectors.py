@@ -96,13 +96,19 @@ class VectorPublisher:
 
 
 def values_of(
-    message: JointState, names: Sequence[str], topic: str, field: str = "position"
+    message: JointState,
+    names: Sequence[str],
+    topic: str,
+    field: str = "position",
+    *,
+    may_lack: bool = False,
 ) -> np.ndarray:
     """Return the finite values (n_names,) of a message, in the order of names.
 
     field: "position", "velocity" or "effort". Further names in the message are ignored, so that a
-    foreign publisher may add its own. Raises InputError for a missing or doubled name, a length
-    that differs from that of the names (other fields may be empty), or a value that is not finite.
+    foreign publisher may add its own; may_lack: whether NaN may stand for what there is not. Raises
+    InputError for a missing or doubled name, a length that differs from that of the names (other
+    fields may be empty), or a value that is not finite.
     """
     values = np.array(getattr(message, field), dtype=np.float64)
     n_names = len(message.name)
@@ -117,7 +123,7 @@ def values_of(
         )
     if message.name != list(names):
         values = values[_indices(tuple(message.name), tuple(names), topic)]
-    if not np.isfinite(values).all():
+    if np.isinf(values).any() or (not may_lack and np.isnan(values).any()):
         raise InputError(f"{topic}: expected finite values, got {field} {values.tolist()}")
     return values
 

@@ -45,6 +45,12 @@ class HindsightConfig:
         "change of activation at which a target has half its weight in the regression",
         above=0,
     )
+    target_noise_scale: float = setting(
+        0.0,
+        "the same change in standard deviations of the noise, in whose shape lengths are measured;"
+        " 0: target_scale (D22)",
+        least=0,
+    )
     ridge_share: float = setting(
         0.01,
         "ridge penalty as a share of the mean square of an entry of the state",

@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+# Of the mean variance.
+_LEAST_VARIANCE_SHARE = 1e-6
+
 
 @dataclass
 class Sums:
@@ -115,6 +118,12 @@ def residual_covariance(sums: Sums, weights: Floats) -> Floats:
     scatter = sums.targets - explained - explained.T + weights @ sums.squares @ weights.T
     covariance: Floats = scatter / sums.weight
     return (covariance + covariance.T) / 2.0
+
+
+def floored(covariance: Floats) -> Floats:
+    """Return the covariance (n, n) with a little variance in all directions, so that it inverts."""
+    n = len(covariance)
+    return covariance + _LEAST_VARIANCE_SHARE * np.trace(covariance) / n * np.eye(n)
 
 
 def root_of(covariance: Floats) -> Floats:

@@ -14,6 +14,7 @@ from vergence_rl.hindsight.noise import FirstNoise
 from vergence_rl.hindsight.regression import (
     Sums,
     first_sums,
+    floored,
     kept_share,
     nearness,
     regressed_actor,
@@ -51,9 +52,9 @@ class HindsightRule:
         self._config, self._task = config, task
         self._limits = task.lowest, task.highest
         self._rank_weights = weights_of_ranks(config.n_best)
-        # The last entries of the state are the activations and the constant.
+        # The last entries of the state are what is felt and the constant.
         self._ridge_shares = np.ones(task.n_state)
-        self._ridge_shares[-task.n_muscles - 1 :] = config.felt_ridge_share
+        self._ridge_shares[-task.n_felt - 1 :] = config.felt_ridge_share
         self._first = FirstNoise(task.n_muscles, config.exploration_variance, config.starts_share)
         self.learning_steps = 0
         self._weights = np.zeros((task.n_muscles, task.n_state))
@@ -173,7 +174,7 @@ class HindsightRule:
         else:
             aim = self._mean_of_best(order, visited)
             targets = aim - visited
-        weights = nearness((aim - visited) @ self._first.metric, config.target_scale)
+        weights = self._nearness(aim - visited)
         self._sums.add(states, targets - self._drift, weights, kept=kept)
         if config.n_best > 1 or config.drift_rate:
             self._note_noise(order, kept, n_seen)
@@ -186,6 +187,19 @@ class HindsightRule:
                     if config.n_best == 1
                     else self._selected.copy()
                 )
+
+    def _nearness(self, targets: Floats) -> Floats:
+        """Return the weights (n_visits,) of targets (n_visits, n).
+
+        Measured in the noise, a target is far where the reward depends on it, however many other
+        directions there are in which it does not.
+        """
+        config = self._config
+        if not config.target_noise_scale:
+            return nearness(targets @ self._first.metric, config.target_scale)
+        return nearness(
+            targets @ np.linalg.inv(root_of(floored(self._covariance))), config.target_noise_scale
+        )
 
     def _note_noise(self, order: NDArray[np.intp], kept: float, n_seen: int) -> None:
         """Remember which noise led to the best places, and move all actions a little along it.

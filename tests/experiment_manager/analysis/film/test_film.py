@@ -6,6 +6,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 from PIL import Image
 
 from experiment_manager.analysis.film.frames import (
@@ -14,11 +15,12 @@ from experiment_manager.analysis.film.frames import (
     Page,
     shown_part,
 )
-from experiment_manager.analysis.film.scenes import scenes
+from experiment_manager.analysis.film.scenes import Scene, scenes
 from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.commands.inspect_bag import main
 from lockstep.command_space import MUSCLE_NAMES
+from lockstep.figures import VERMILION
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TEST, TRAINING
 from tests.pair import HORIZONTAL_RECTI
 from tests.readable import assert_readable
@@ -204,3 +206,24 @@ def test_a_bag_without_pictures_is_one_error(make_bag, capsys) -> None:
     bag = make_bag({"/ground_truth": (GROUND_TRUTH_NAMES, np.zeros((3, len(GROUND_TRUTH_NAMES))))})
     assert main([str(bag), "--film", str(bag.parent / "film.gif")]) == 2
     assert "expected pictures of both eyes, it has none" in capsys.readouterr().err
+
+
+def test_the_gaze_target_is_ringed_in_the_left_picture() -> None:
+    n, px_deg = 2, 0.25
+    targets_deg = np.array([[5.0 * px_deg, 10.0 * px_deg], [0.0, 0.0]])
+    scene = Scene(
+        "a fixation",
+        np.full((n, 2, HEIGHT, WIDTH), 90, np.uint8),
+        np.zeros((n, 3)),
+        np.ones(n),
+        np.full((n, 12), 0.1),
+        MUSCLE_NAMES,
+        px_deg,
+        targets_deg,
+    )
+    page, colour = Page([scene]), [round(255 * part) for part in to_rgb(VERMILION)]
+    for iteration, (right, up) in enumerate(((10, 20), (0, 0))):
+        frame = page.draw(scene, iteration)
+        rows, columns = np.nonzero((frame[HEADER_PX : HEADER_PX + 2 * HEIGHT] == colour).all(2))
+        assert rows.mean() == pytest.approx(HEIGHT - up, abs=1.0)
+        assert columns.mean() == pytest.approx(WIDTH + right, abs=1.0)

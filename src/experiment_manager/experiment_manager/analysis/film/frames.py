@@ -3,15 +3,17 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+import cv2
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from experiment_manager.anaglyph import anaglyph
-from experiment_manager.analysis.film.scenes import ERRORS, MOST_ITERATIONS, Scene
+from experiment_manager.analysis.film.scenes import ERRORS, Scene
 from lockstep.command_space import MUSCLES, SIDES
 from lockstep.figures import BLUE, GREEN, GREY, LIGHT_GREY, STYLE, VERMILION
 
@@ -27,6 +29,8 @@ _PAIR_LABELS = ("medial rectus", "lateral rectus")
 # these apart.
 _MUSCLE_COLOURS, _MUSCLE_MARKERS = ("black", VERMILION, BLUE), "os^"
 _MUSCLE_STYLES: tuple[dict[str, Any], ...] = ({"ls": "-"}, {"ls": "--", "mfc": "white"})
+_TARGET_COLOUR = tuple(round(255 * part) for part in to_rgb(VERMILION))
+_TARGET_RADIUS_PX = 7
 _ERROR_STYLES = ((BLUE, "-"), ("black", "--"), (VERMILION, "-."))
 
 # A scene ends with its last frame for a while.
@@ -48,13 +52,18 @@ def frames(scenes: Sequence[Scene]) -> Iterator[Frame]:
 
 def shown_part(picture: np.ndarray) -> np.ndarray:
     """Return the middle of a camera's picture (height, width), enlarged to a panel's width."""
-    n_times = -(-PANEL_WIDTH_PX // picture.shape[1])
+    n_times = _times(picture)
     large = picture.repeat(n_times, axis=0).repeat(n_times, axis=1)
     top, left = (
         max(0, (size - most) // 2)
         for size, most in zip(large.shape, (_MOST_HEIGHT_PX, PANEL_WIDTH_PX), strict=True)
     )
     return large[top : top + _MOST_HEIGHT_PX, left : left + PANEL_WIDTH_PX]
+
+
+def _times(picture: np.ndarray) -> int:
+    """Return how many times a camera's picture (height, width) is enlarged."""
+    return -(-PANEL_WIDTH_PX // picture.shape[1])
 
 
 class Page:
@@ -78,9 +87,10 @@ class Page:
         panels = self.figure.subplots(1, len(_TITLES))
         draw = _pair_lines if is_of_pair else _muscle_lines
         self._lines = draw(panels, scenes)
+        n_iterations = max(len(scene.errors_deg) for scene in scenes)
         for axes in panels:
-            axes.set_xlim(-0.3, MOST_ITERATIONS - 0.7)
-            axes.set_xticks(range(0, MOST_ITERATIONS, 3))
+            axes.set_xlim(-0.3, n_iterations - 0.7)
+            axes.set_xticks(range(0, n_iterations, 3))
             axes.set_xlabel("iteration")
         top = (_CURVES_PX + below_px) / height_px
         self.figure.tight_layout(rect=(0.0, below_px / height_px, 1.0, top), w_pad=0.5)
@@ -97,9 +107,20 @@ class Page:
         self._canvas.draw()
         frame = np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
         left, right = (shown_part(picture) for picture in scene.pictures[iteration])
-        eyes = (np.stack([picture] * 3, axis=-1) for picture in (left, right))
+        eyes = [np.stack([picture] * 3, axis=-1) for picture in (left, right)]
+        if scene.targets_deg is not None:
+            _mark(eyes[0], scene.targets_deg[iteration], scene)
         frame[HEADER_PX : HEADER_PX + len(left)] = np.hstack([*eyes, anaglyph(left, right)])
         return frame
+
+
+def _mark(panel: np.ndarray, target_deg: np.ndarray, scene: Scene) -> None:
+    """Draw a ring around a gaze target, (2,) to the right and up, in a panel of an eye."""
+    angle = np.radians(np.linalg.norm(target_deg))
+    aside_px = np.tan(angle) / np.tan(np.radians(scene.px_deg)) * _times(scene.pictures[0, 0])
+    right, up = aside_px * np.radians(target_deg) / angle if angle > 0.0 else (0.0, 0.0)
+    centre = (round(panel.shape[1] / 2.0 + right), round(panel.shape[0] / 2.0 - up))
+    cv2.circle(panel, centre, _TARGET_RADIUS_PX, _TARGET_COLOUR, 2, cv2.LINE_AA)
 
 
 def _errors(scene: Scene, iteration: int) -> str:

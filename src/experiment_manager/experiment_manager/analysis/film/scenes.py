@@ -9,12 +9,12 @@ from experiment_manager.analysis.pictured_episodes import PicturedEpisodes, pict
 from experiment_manager.analysis.recorded_run import commanded, evaluation_settings_of
 from experiment_manager.bag.reader import Bag, VectorTable
 from lockstep.command_space import PAIR
-from lockstep.wire.topics import PICTURES, TEST
+from lockstep.wire.topics import PICTURES, TARGET_NAMES, TEST
 
 SCENES_PER_STAGE = 3
 ERRORS = ("vergence", "vertical", "cyclovergence")
-# What comes later is rest.
-MOST_ITERATIONS = 10
+# What comes later is rest; of eyes that make saccades two fixations are shown.
+_MOST_ITERATIONS, _MOST_FIXATIONS = 10, 2
 _LEAST_START_ERROR_DEG = 0.5
 
 
@@ -24,7 +24,8 @@ class Scene:
 
     pictures: (n, 2, height, width) uint8; errors_deg: (n, 3) vergence, vertical and cyclovergence
     error, of the pair (n, 1) the first; metabolic_rate_w: (n,) of both eyes; activations: (n,
-    n_commands) what commands set, with their names; px_deg: visual angle of a pixel.
+    n_commands) what commands set, with their names; px_deg: visual angle of a pixel; targets_deg:
+    (n, 2) gaze target, to the right and up of the left picture's centre, None without saccades.
     """
 
     caption: str
@@ -34,6 +35,7 @@ class Scene:
     activations: np.ndarray
     names: tuple[str, ...]
     px_deg: float
+    targets_deg: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,9 @@ def _scene(
     truth, settings = pictured.truth, evaluation_settings_of(bag)
     wanted = truth.stamps_ns[pictured.rows[episode.i_episode]]
     pairs = [dict(bag.images(topic, wanted.tolist())) for topic in PICTURES]
-    stamps_ns = [s for s in wanted.tolist() if all(s in pair for pair in pairs)][:MOST_ITERATIONS]
+    fixation = settings.fixation_iterations
+    most = _MOST_FIXATIONS * fixation if fixation else _MOST_ITERATIONS
+    stamps_ns = [s for s in wanted.tolist() if all(s in pair for pair in pairs)][:most]
     rows = truth.at(np.array(stamps_ns))
     errors = ERRORS[: 1 if settings.plant.command_space == PAIR else None]
     return Scene(
@@ -140,4 +144,5 @@ def _scene(
         commanded(muscles, settings.plant.space)[muscles.at(np.array(stamps_ns))],
         settings.plant.space.names,
         settings.criteria(episode.training_iteration).px_deg,
+        np.stack([truth.column(name)[rows] for name in TARGET_NAMES], axis=1) if fixation else None,
     )

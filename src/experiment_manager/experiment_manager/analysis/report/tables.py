@@ -229,6 +229,28 @@ def _eye_and_muscles(names: str) -> tuple[str, str]:
     return muscles[0][0], " and ".join(muscle.replace("_", " ") for _, _, muscle in muscles)
 
 
+def fixations_table(groups: Sequence[Group]) -> str:
+    """Return what saccades reach in each run's last test, and vergence after them."""
+    header = ["runs", "seed", "missed after one saccade, deg", "after two", "gaze moves, deg"]
+    header += ["horizontal error, deg", "vertical", "cyclovergence", "within 1 px"]
+    rows = []
+    for group in groups:
+        for run in group.runs:
+            found = run.summaries[-1].fixations
+            if found is not None:
+                spreads = (
+                    *found.saccade_error_deg.values(),
+                    found.gaze_drift_deg,
+                    found.fixated_horizontal_error_deg,
+                    found.fixated_vertical_error_deg,
+                    found.fixated_cyclovergence_error_deg,
+                )
+                cells = (f"{number(s.median)} / {number(s.p90)}" for s in spreads)
+                share = percent(found.share_fixated_within_1_px)
+                rows.append((group.name, str(run.seed), *cells, share))
+    return report_page.table(header, rows)
+
+
 def yoked_table(groups: Sequence[Group]) -> str:
     """Return how alike yoked muscles are in each group's last test, a line for each two."""
     header = ("runs", "lambda / per W", "yoked muscles", "difference at the start", "at the end")

@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from sparse_coder.movement import angles_deg, movement, rotation
+from sparse_coder.gaze.movement import angles_deg, movement, rotation
 
 FOCAL_PX = 250.0
 

@@ -1,4 +1,4 @@
-"""Saccades of one eye, learned from its own movements.
+"""How changes of activation turn one eye, learned from its own movements.
 
 Each movement changes the activations of the eye's muscles and turns the eye, as its pictures show.
 A regression learns what changes do (a forward model), and a wanted turn is found by inverting it
@@ -6,7 +6,8 @@ A regression learns what changes do (a forward model), and a wanted turn is foun
 products with the activations half-way through the movement, up to the second degree; that is exact
 to the third order. There is no constant: muscles that do not change turn nothing.
 
-Dimensions: n_muscles, n_inputs; n_turns, 3: to the right, up, and clockwise.
+Dimensions: n_muscles; n_places, products of activations of degree 0 to 2; n_turns, 3: to the right,
+up, and clockwise.
 """
 
 from collections.abc import Mapping
@@ -23,10 +24,10 @@ N_TURNS = 3
 # Both are of the order of 1 in these units.
 _ACTIVATION, _CHANGE = 0.1, 0.01
 _RIDGE_SHARE = 1e-5
-_N_STEPS, _DIFFERENCE = 6, 1e-3
+_N_STEPS, _CLOSE_DEG = 8, 1e-4
 
 
-class Saccades:
+class EyeTurns:
     """Owns the sums of the regression."""
 
     def __init__(self, lowest: Floats, highest: Floats) -> None:
@@ -35,11 +36,12 @@ class Saccades:
         lowest, highest: activations (n_muscles,) between which commands stay.
         """
         self._limits = (np.array(lowest), np.array(highest))
-        n_muscles = len(lowest)
+        self._n_muscles = n_muscles = len(lowest)
         self._pairs = np.triu_indices(n_muscles)
         n_inputs = n_muscles * (1 + n_muscles + len(self._pairs[0]))
-        self._n_muscles = n_muscles
         self.n_movements = 0
+        # What fewer movements say of so many inputs would throw the eye about.
+        self._n_needed = 2 * n_inputs
         self._squares = np.zeros((n_inputs, n_inputs))
         self._products = np.zeros((n_inputs, N_TURNS))
         self._weights: Floats | None = None
@@ -52,7 +54,7 @@ class Saccades:
         Raises InputError, and learns nothing, for other shapes or numbers that are not finite.
         """
         a, d = self._scaled(activations, change)
-        x, y = self._inputs(a, d), _checked("turns", turns_deg, N_TURNS)
+        x, y = np.outer(d, _half_way(a, d, self._pairs)).ravel(), _checked("turns", turns_deg, 3)
         self._squares += np.outer(x, x)
         self._products += np.outer(x, y)
         self.n_movements += 1
@@ -61,44 +63,44 @@ class Saccades:
     def turns_deg(self, activations: Floats, change: Floats) -> Floats:
         """Return the turns (n_turns,) that a change is expected to lead to; see `learn`."""
         a, d = self._scaled(activations, change)
-        expected: Floats = self._inputs(a, d) @ self._regressed()
+        expected: Floats = self._slopes(a, d) @ d
         return expected
 
-    def change(self, activations: Floats, wanted_deg: Floats) -> Floats:
-        """Return the change of activations (n_muscles,) for wanted turns (n_turns,).
+    def change(self, activations: Floats, wanted_deg: Floats, near: Floats | None = None) -> Floats:
+        """Return the change of activations (n_muscles,) for wanted turns, the first of n_turns.
 
-        By Newton's method, each step the least that does it, then cut at the limits; see `learn`.
+        The nearest such change to `near`, (n_muscles,), by default to none, within the limits: step
+        by step along the slopes half-way, each the least one of the muscles that are not at a
+        limit. As long as few movements are known, it is `near`.
         """
-        a, d = self._scaled(activations, np.zeros(self._n_muscles))
-        wanted, weights = _checked("turns", wanted_deg, N_TURNS), self._regressed()
-        nearest, farthest = ((limit - activations) / _CHANGE for limit in self._limits)
-        beside = _DIFFERENCE * np.eye(self._n_muscles)
-        for _ in range(_N_STEPS):
-            slopes = [self._inputs(a, d + e) - self._inputs(a, d - e) for e in beside]
-            turned = (np.array(slopes) / (2.0 * _DIFFERENCE)) @ weights
-            left = wanted - self._inputs(a, d) @ weights
-            d = np.clip(d + np.linalg.lstsq(turned.T, left)[0], nearest, farthest)
+        n_muscles = self._n_muscles
+        a, d = self._scaled(activations, np.zeros(n_muscles) if near is None else near)
+        least, most = ((limit - activations) / _CHANGE for limit in self._limits)
+        d = np.clip(d, least, most)
+        for _ in range(_N_STEPS if self.n_movements >= self._n_needed else 0):
+            slopes = self._slopes(a, d)[: len(wanted_deg)]
+            left_deg = wanted_deg - slopes @ d
+            if np.abs(left_deg).max() < _CLOSE_DEG:
+                break
+            d = _stepped(d, slopes, left_deg, least, most)
         return _CHANGE * d
 
-    def _regressed(self) -> Floats:
+    def _slopes(self, a: Floats, d: Floats) -> Floats:
+        """Return the turns per change half-way through a movement, (n_turns, n_muscles)."""
         if self._weights is None:
             n_inputs = len(self._squares)
             penalty = _RIDGE_SHARE * np.trace(self._squares) / n_inputs or 1.0
             squares = self._squares + penalty * np.eye(n_inputs)
-            self._weights = np.asarray(np.linalg.solve(squares, self._products), np.float64)
-        return self._weights
+            weights = np.linalg.solve(squares, self._products).T
+            self._weights = np.ascontiguousarray(weights.reshape(N_TURNS, self._n_muscles, -1))
+        slopes: Floats = self._weights @ _half_way(a, d, self._pairs)
+        return slopes
 
     def _scaled(self, activations: Floats, change: Floats) -> tuple[Floats, Floats]:
         return (
             _checked("activations", activations, self._n_muscles) / _ACTIVATION - 1.0,
             _checked("change", change, self._n_muscles) / _CHANGE,
         )
-
-    def _inputs(self, a: Floats, d: Floats) -> Floats:
-        """Return d and its products with a half-way and with the products of a, (n_inputs,)."""
-        half_way = a + 0.5 * _CHANGE / _ACTIVATION * d
-        squares = np.outer(half_way, half_way)[self._pairs]
-        return np.outer(d, np.concatenate([[1.0], half_way, squares])).ravel()
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all that learning has changed, for restore, as copies."""
@@ -114,6 +116,27 @@ class Saccades:
         self._squares = state["squares"].copy()
         self._products = state["products"].copy()
         self._weights = None
+
+
+def _half_way(a: Floats, d: Floats, pairs: tuple[NDArray[np.intp], ...]) -> Floats:
+    """Return 1, the activations half-way and their products, (n_places,)."""
+    middle = a + 0.5 * _CHANGE / _ACTIVATION * d
+    return np.concatenate([[1.0], middle, np.outer(middle, middle)[pairs]])
+
+
+def _stepped(d: Floats, slopes: Floats, left_deg: Floats, least: Floats, most: Floats) -> Floats:
+    """Return d plus the least step for what is left; muscles at a limit leave it to the others."""
+    free = np.ones(len(d), bool)
+    while free.any():
+        step = np.zeros_like(d)
+        step[free] = np.linalg.lstsq(slopes[:, free], left_deg)[0]
+        stepped = np.clip(d + step, least, most)
+        held = free & (stepped != d + step)
+        left_deg, d = left_deg - slopes @ (stepped - d), stepped
+        if not held.any():
+            break
+        free &= ~held
+    return d
 
 
 def _checked(name: str, values: Floats, n: int) -> Floats:

@@ -39,6 +39,12 @@ class Movement:
     correlation: float
     refused: str = ""
 
+    @property
+    def turns_deg(self) -> Floats:
+        """All three, (3,); NaN where the movement was refused."""
+        turns = (self.sideways_deg, self.up_deg, self.clockwise_deg)
+        return np.full(3, np.nan) if self.refused else np.array(turns)
+
 
 def movement(
     earlier: Picture, later: Picture, focal_length_px: float, least_correlation: float = 0.8
@@ -88,12 +94,17 @@ def rotation(movement_deg: Floats) -> Floats:
 
 def angles_deg(turned: Floats) -> Floats:
     """Return the movement (3,) of a rotation R (3, 3): the inverse of `rotation`."""
-    x, y, z = turned[:, 2]
+    sideways_deg, up_deg = swing_deg(turned[:, 2])
+    roll = rotation(np.array([sideways_deg, up_deg, 0.0])).T @ turned
+    return np.array([sideways_deg, up_deg, math.degrees(math.atan2(roll[1, 0], roll[0, 0]))])
+
+
+def swing_deg(ahead: Floats) -> Floats:
+    """Return the movement (2,), sideways and up, that brings a direction (3,) to the centre."""
+    x, y, z = ahead
     aside = math.hypot(x, y)
-    ratio = math.atan2(aside, z) / aside if aside > 0.0 else 1.0
-    swing = _rotation(np.array([-y * ratio, x * ratio, 0.0]))
-    roll = swing.T @ turned
-    return np.degrees([x * ratio, -y * ratio, math.atan2(roll[1, 0], roll[0, 0])])
+    ratio = math.degrees(math.atan2(aside, z)) / aside if aside > 0.0 else 1.0
+    return np.array([x * ratio, -y * ratio])
 
 
 def _turned(right_px: float, down_px: float, clockwise: float, focal_length_px: float) -> Floats:

@@ -1,0 +1,1 @@
+"""What saccades need of the pictures: where to look, and how the eyes turned (D22)."""

@@ -1,0 +1,119 @@
+"""Where the eyes are to look next, and how they turned: the steps of a fixation.
+
+A fixation begins with a target in the left picture: given, or the place that the code shows worst.
+A saccade leads there; how both eyes turned is measured in their pictures, and a second saccade is
+to make up for what the first one missed. The following iterations are left to vergence, of which
+the first turns the eyes most: how it turned the left one, which is to hold its gaze, is measured.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sparse_coder.encoding import Encoding
+from sparse_coder.gaze.movement import movement, rotation, swing_deg
+from sparse_coder.matching_pursuit import residual_energies
+from sparse_coder.patches import PX_PER_PIXEL, STRIDE_PX
+
+Floats = NDArray[np.float64]
+Pictures = tuple[NDArray[np.uint8], NDArray[np.uint8]]
+
+NOWHERE_DEG, _UNSEEN_DEG = np.full(2, np.nan), np.full((2, 3), np.nan)
+_AHEAD = np.array([0.0, 0.0, 1.0])
+# The scale at which the next place is chosen, and how far looking at a place inhibits return to it.
+_COARSE = 0
+N_SACCADES = 2
+_INHIBITION_DEG = 3.0
+
+
+@dataclass(frozen=True)
+class Gaze:
+    """What saccades need of an observation.
+
+    target_deg: (2,) sideways and up from the left line of sight, NaN when there is no saccade to
+    make; turns_deg: (2, 3) how each eye turned since the observation before, to the right, up and
+    clockwise, NaN where that was not measured or is not clear.
+    """
+
+    target_deg: Floats
+    turns_deg: Floats
+
+    def values(self) -> tuple[float, ...]:
+        """Return the values of lockstep.wire.topics.GAZE_NAMES."""
+        return (*self.target_deg.tolist(), *self.turns_deg.ravel().tolist())
+
+
+class Fixations:
+    """Follows the fixations of one episode after another."""
+
+    def __init__(self, n_iterations: int, focal_length_px: float) -> None:
+        """n_iterations: of a fixation; focal_length_px: of both cameras."""
+        self._n_iterations, self._focal_length_px = n_iterations, focal_length_px
+        self._pictures: Pictures | None = None
+        self._ahead = _AHEAD
+        # Directions (3,) of the places looked at in this episode, in the left eye's camera now.
+        self._visited: list[Floats] = []
+
+    def step(
+        self, iteration: int, pictures: Pictures, encoding: Encoding, given_deg: Floats
+    ) -> Gaze:
+        """Return what an observation says of gaze.
+
+        iteration: within the episode; given_deg: (2,) the target that a fixation begins with, NaN
+        where the eyes choose.
+        """
+        if iteration == 0:
+            self._visited = []
+        of_fixation = iteration % self._n_iterations
+        if of_fixation == 0:
+            self._visited.append(_AHEAD)
+            is_given = bool(np.isfinite(given_deg).all())
+            target_deg = given_deg if is_given else self._worst_deg(encoding)
+            # Copies: a picture lasts until the next one.
+            self._pictures = (pictures[0].copy(), pictures[1].copy())
+            self._ahead = rotation(np.append(target_deg, 0.0))[:, 2]
+            return Gaze(target_deg, _UNSEEN_DEG)
+        if of_fixation == 1 and self._pictures is not None:
+            return self._corrected(pictures)
+        if of_fixation == N_SACCADES:
+            self._pictures = (pictures[0].copy(), pictures[1])
+        turns_deg = _UNSEEN_DEG
+        if of_fixation == N_SACCADES + 1 and self._pictures is not None:
+            turned_deg = movement(self._pictures[0], pictures[0], self._focal_length_px).turns_deg
+            turns_deg = np.stack([turned_deg, _UNSEEN_DEG[1]])
+        return Gaze(NOWHERE_DEG, turns_deg)
+
+    def _corrected(self, pictures: Pictures) -> Gaze:
+        assert self._pictures is not None
+        turns_deg = np.array(
+            [
+                movement(before, now, self._focal_length_px).turns_deg
+                for before, now in zip(self._pictures, pictures, strict=True)
+            ]
+        )
+        self._pictures = None
+        if np.isnan(turns_deg[0]).any():
+            self._visited = []  # where those places are now is not known
+            return Gaze(NOWHERE_DEG, turns_deg)
+        target_deg = swing_deg(rotation(turns_deg[0]).T @ self._ahead)
+        # The second saccade ends at the target.
+        turned = rotation(turns_deg[0]) @ rotation(np.append(target_deg, 0.0))
+        self._visited = [turned.T @ place for place in self._visited]
+        return Gaze(target_deg, turns_deg)
+
+    def _worst_deg(self, encoding: Encoding) -> Floats:
+        """Return the place (2,) whose code leaves most, apart from those looked at before."""
+        patches, selections = encoding.patches[_COARSE], encoding.selections[_COARSE]
+        left = residual_energies(patches, selections).astype(np.float64)
+        n_columns = math.isqrt(len(patches))
+        offsets = (np.arange(n_columns) - (n_columns - 1) / 2.0) * STRIDE_PX * PX_PER_PIXEL[_COARSE]
+        right_px, down_px = np.meshgrid(offsets, offsets)
+        ahead_px = np.full(right_px.shape, self._focal_length_px)
+        places = np.stack([right_px, down_px, ahead_px], axis=2).reshape(-1, 3)
+        places /= np.linalg.norm(places, axis=1, keepdims=True)
+        for visited in self._visited:
+            away_deg = np.degrees(np.arccos(np.clip(places @ visited, -1.0, 1.0)))
+            left *= 1.0 - np.exp(-0.5 * (away_deg / _INHIBITION_DEG) ** 2)
+        return swing_deg(places[int(left.argmax())])

@@ -1,0 +1,105 @@
+import cv2
+import numpy as np
+import pytest
+
+from sparse_coder.coder import SparseCoder
+from sparse_coder.config import SparseCoderConfig
+from sparse_coder.encoding import Encoding
+from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations
+from sparse_coder.matching_pursuit import Selections, residual_energies
+
+FOCAL_PX = 250.0
+SIDE_PX = 192
+TARGET_DEG = np.array([3.0, -2.0])
+
+
+def picture(right_px: float = 0.0, down_px: float = 0.0) -> np.ndarray:
+    """What a camera sees that looks so many pixels aside of the middle of a texture."""
+    noise = np.random.default_rng(5).normal(size=(400, 400)).astype(np.float32)
+    smooth = cv2.GaussianBlur(noise, (0, 0), 3.0)
+    texture = np.asarray(np.clip(128.0 + 50.0 * smooth / smooth.std(), 0, 255), np.uint8)
+    left, top = (round(104.0 + shift_px) for shift_px in (right_px, down_px))
+    return texture[top : top + SIDE_PX, left : left + SIDE_PX]
+
+
+def encoding_with_worst(*i_patches: int) -> Encoding:
+    """A code of unit patches of which it leaves all of some, the first most, and half of others."""
+    patches = np.zeros((49, 128), np.float32)
+    patches[:, 0] = 1.0
+    coefficients = np.full((49, 1), np.sqrt(0.5), np.float32)
+    for rank, i in enumerate(i_patches):
+        coefficients[i] = 0.01 * rank
+    selections = Selections(np.zeros((49, 1), np.int32), coefficients)
+    return Encoding(np.zeros((2, 4), np.float32), np.zeros(2), (patches,) * 2, (selections,) * 2)
+
+
+NOTHING = encoding_with_worst()
+
+
+def test_a_fixation_is_two_saccades_and_vergence() -> None:
+    fixations, still = Fixations(5, FOCAL_PX), (picture(), picture())
+    gazes = [fixations.step(i, still, NOTHING, TARGET_DEG) for i in range(7)]
+    np.testing.assert_array_equal(gazes[0].target_deg, TARGET_DEG)
+    np.testing.assert_allclose(gazes[1].target_deg, TARGET_DEG, atol=0.01)
+    np.testing.assert_allclose(gazes[1].turns_deg, 0.0, atol=0.01)
+    for vergence in gazes[2:5]:
+        assert np.isnan(vergence.target_deg).all()
+    # Of the first movement of vergence that of the left eye is measured.
+    np.testing.assert_allclose(gazes[3].turns_deg[0], 0.0, atol=0.01)
+    unseen = [gazes[2].turns_deg, gazes[4].turns_deg, gazes[3].turns_deg[1]]
+    assert all(np.isnan(turns_deg).all() for turns_deg in unseen)
+    np.testing.assert_array_equal(gazes[5].target_deg, TARGET_DEG)
+    assert np.isfinite(gazes[6].turns_deg).all()
+
+
+def test_the_second_saccade_is_to_what_the_first_has_missed() -> None:
+    fixations = Fixations(5, FOCAL_PX)
+    fixations.step(0, (picture(), picture()), NOTHING, TARGET_DEG)
+    # The left eye turns by 10 px to the right, the right one by 4 px up.
+    gaze = fixations.step(1, (picture(10.0), picture(0.0, -4.0)), NOTHING, TARGET_DEG)
+    ten_px_deg, four_px_deg = np.degrees(np.arctan(np.array([10.0, 4.0]) / FOCAL_PX))
+    np.testing.assert_allclose(gaze.turns_deg[0], [ten_px_deg, 0.0, 0.0], atol=0.05)
+    np.testing.assert_allclose(gaze.turns_deg[1], [0.0, four_px_deg, 0.0], atol=0.05)
+    np.testing.assert_allclose(gaze.target_deg, TARGET_DEG - [ten_px_deg, 0.0], atol=0.05)
+
+
+def test_after_an_unclear_movement_there_is_no_second_saccade() -> None:
+    fixations, flat = Fixations(5, FOCAL_PX), np.full((SIDE_PX, SIDE_PX), 9, np.uint8)
+    fixations.step(0, (picture(), picture()), NOTHING, TARGET_DEG)
+    gaze = fixations.step(1, (flat, picture()), NOTHING, TARGET_DEG)
+    assert np.isnan(gaze.target_deg).all()
+    assert np.isnan(gaze.turns_deg[0]).all()
+    assert np.isfinite(gaze.turns_deg[1]).all()
+
+
+@pytest.mark.parametrize(
+    ("i_patch", "right_px", "down_px"), [(0, -48, -48), (6, 48, -48), (27, 48, 0), (45, 0, 48)]
+)
+def test_eyes_that_may_choose_look_where_the_code_is_worst(i_patch, right_px, down_px) -> None:
+    gaze = Fixations(5, FOCAL_PX).step(
+        0, (picture(), picture()), encoding_with_worst(i_patch), NOWHERE_DEG
+    )
+    angle = np.degrees(np.arctan(np.hypot(right_px, down_px) / FOCAL_PX))
+    direction = np.array([right_px, -down_px]) / np.hypot(right_px, down_px)
+    np.testing.assert_allclose(gaze.target_deg, angle * direction, atol=1e-9)
+
+
+def test_they_do_not_return_to_where_they_have_looked_in_the_episode() -> None:
+    fixations, still = Fixations(5, FOCAL_PX), (picture(), picture())
+    first = fixations.step(0, still, encoding_with_worst(27, 24), NOWHERE_DEG)
+    assert first.target_deg[0] > 10.0
+    # Both saccades lead there: what was 48 px to the right is ahead now, and what was ahead lies
+    # 48 px to the left.
+    fixations.step(1, (picture(48.0), picture(48.0)), NOTHING, NOWHERE_DEG)
+    second = fixations.step(5, still, encoding_with_worst(21, 24, 10), NOWHERE_DEG)
+    np.testing.assert_allclose(second.target_deg, np.degrees(np.arctan([0.0, 32.0 / 250.0])))
+    again = fixations.step(0, still, encoding_with_worst(21, 24, 10), NOWHERE_DEG)
+    assert again.target_deg[0] < -10.0, "another episode is another scene"
+
+
+def test_residual_energies_are_those_of_the_reconstruction_error(stereo_pair) -> None:
+    coder = SparseCoder(SparseCoderConfig(n_bases=32))
+    encoding = coder.encode(*stereo_pair)
+    patches, selections = encoding.patches[0], encoding.selections[0]
+    total = residual_energies(patches, selections).sum() / (patches**2).sum()
+    assert total == pytest.approx(encoding.reconstruction_error[0], abs=1e-5)
