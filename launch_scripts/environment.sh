@@ -72,7 +72,7 @@ run_module() {
   exec "$python" -m "$@"
 }
 
-# run_node PACKAGE ARGUMENTS...: become this node, with the parameters of its YAML file; later arguments win.
+# run_node PACKAGE ARGUMENTS...: become this node, with the parameters of its YAML file; later arguments take precedence.
 run_node() {
   local package=$1
   shift

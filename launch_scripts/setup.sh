@@ -2,7 +2,7 @@
 # Set up all that the project needs, once: a Python environment in .venv with what requirements.lock names, and the
 # OpenGL with which MuJoCo can draw off-screen, if there is one; the renderer "plane" needs none. The other scripts
 # call this by themselves; when all is done it returns at once. As root on Debian or Ubuntu it installs missing system
-# packages with apt, elsewhere it says which.
+# packages with apt, elsewhere it names them.
 #
 # usage: launch_scripts/setup.sh [--again]
 #   --again   make the environment again from nothing

@@ -1,4 +1,4 @@
-"""A coder of one's own: it tells where both eyes' pictures differ, and is glad when they do not."""
+"""An example coder: features are differences of the pictures, the reward their negative sum."""
 
 import numpy as np
 import rclpy

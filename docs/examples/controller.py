@@ -1,4 +1,4 @@
-"""A controller of one's own: it tries a pair of activations, and keeps the one that paid most."""
+"""An example controller: it tries activations and keeps those with the largest reward."""
 
 import random
 
@@ -16,7 +16,7 @@ class Controller(Node):
     """Answers each observation with one command, by its stamp, which draws the noise as well."""
 
     def __init__(self) -> None:
-        """Read features and reward, publish commands and what a critic would think."""
+        """Read features and reward, publish commands and placeholder values of a critic."""
         super().__init__("my_controller")
         self.command = self.create_publisher(JointState, "muscle_command", 64)
         self.thought = self.create_publisher(JointState, "actor_critic", 64)

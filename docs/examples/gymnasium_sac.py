@@ -14,13 +14,20 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium_scores import HEADER, Policy, make_environment, score
+from gymnasium_scores import (
+    CURVE_HEADER,
+    HEADER,
+    RUNNING,
+    WRITTEN_EVERY,
+    Policy,
+    make_environment,
+    score,
+)
 from stable_baselines3 import SAC
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize
 
-RUNNING, WRITTEN_EVERY = 200, 50  # episodes
 ACTION_SCALE = 1 / 32  # an action is at most 5 deg of vergence
 
 
@@ -71,7 +78,7 @@ class Curve(BaseCallback):
         self._errors_deg: list[float] = []
 
     def _on_training_start(self) -> None:
-        self._path.write_text("step,running_median_error_deg\n")
+        self._path.write_text(f"{CURVE_HEADER}\n")
 
     def _on_step(self) -> bool:
         for info in self.locals["infos"]:

@@ -1,4 +1,4 @@
-"""A manager of one's own: ten training episodes, each of which prints the error at its end."""
+"""An example manager: ten training episodes, each of which prints the error at its end."""
 
 import rclpy
 from rcl_interfaces.srv import SetParametersAtomically

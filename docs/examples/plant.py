@@ -1,4 +1,4 @@
-"""A plant of one's own: eyes that jump to their angles, before noise that moves with them.
+"""An example plant: eyes that jump to their angles, in front of noise that moves with them.
 
 It publishes all that a plant publishes, and answers the requests; docs/interfaces.md says why.
 """

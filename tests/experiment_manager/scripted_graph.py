@@ -34,7 +34,7 @@ class Scripted(Node):
     def _handler(self, kind: str) -> Any:
         def handle(arguments: dict[str, Any]) -> None:
             if kind == self.refuses:
-                raise InputError("expected another mood")
+                raise InputError("expected another episode")
             self.asked.append(kind)
             self.do(kind, arguments)
 

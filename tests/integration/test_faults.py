@@ -51,7 +51,7 @@ def test_each_node_killed_once_and_one_stopped_beside_another_run(pictures, tmp_
     ):
         assert output.count(fault) == 1, output
     # Whoever misses the hanging node first says so: the manager, or during a checkpoint we do.
-    hang = ("ended: no message for 8 s; missing: ", "fault: sparse_coder gives no sign of life")
+    hang = ("ended: no message for 8 s; missing: ", "fault: sparse_coder does not respond")
     assert sum(output.count(text) for text in hang) == 1, output
     assert_as_the_loop(directory)
     assert_as_the_loop(other)

@@ -43,7 +43,7 @@ def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, sweep_f
         "the checkpoints of the first two tasks",
     )
     again = finished(start_sweep(directory, "--slurm", **slurm.variables), code=2)
-    assert f"{job} is; scancel {job} takes it away" in again
+    assert f"{job} is; scancel {job} removes it" in again
     # Kills the process, then puts the task back into the queue, as for a node that is needed.
     slurm.call("scontrol", "requeue", f"{job}_0")
     # As Slurm does two minutes before the end of a task's time.

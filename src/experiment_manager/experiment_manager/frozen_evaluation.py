@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.experiment.plant_changes import read_schedule
@@ -20,6 +19,7 @@ from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import TrialTable, only_test
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
+from experiment_manager.run.progress_lines import progress
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.episode import Episode
 from eye_plant.stimuli.stereograms import random_dot_stereograms, read_stereograms
@@ -241,7 +241,7 @@ def _trial_table(loop: InProcessLoop, protocol: Protocol) -> TrialTable:
     n_training = protocol.config.n_training_stimuli
     rows: list[tuple[float, ...]] = []
     numbers = range(test.first, test.first + test.n_episodes)
-    for i in tqdm(numbers, desc="test", unit="trial", file=sys.stderr, dynamic_ncols=True):
+    for i in progress(numbers, file=sys.stderr, desc="test", unit="trial"):
         rows += _trial(loop, protocol.episode(i), n_training)
     return TrialTable(np.array(rows, dtype=np.float64))
 

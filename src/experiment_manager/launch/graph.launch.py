@@ -35,10 +35,12 @@ def generate_launch_description() -> LaunchDescription:
         [
             DeclareLaunchArgument("namespace", default_value="", description="of all nodes"),
             DeclareLaunchArgument(
-                "run_directory", default_value="", description="to be written; default runs/<time>"
+                "run_directory", default_value="", description="of the run; default runs/<time>"
             ),
             DeclareLaunchArgument(
-                "params_file", default_value="", description="for all nodes, above their own files"
+                "params_file",
+                default_value="",
+                description="for all nodes; takes precedence over their own files",
             ),
             *(SetEnvironmentVariable(name, value) for name, value in variables.items()),
             OpaqueFunction(function=_graph),

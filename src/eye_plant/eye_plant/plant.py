@@ -55,7 +55,7 @@ class EyePlant:
         return episode is not None and self._iteration < episode.n_iterations
 
     def reconfigure(self, settings: Mapping[str, Any]) -> None:
-        """Be, from the next episode on, as configured at first but for these settings.
+        """Apply these settings to the first configuration, from the next episode on.
 
         settings: by dotted name, of eye_plant.config.changeable_parameters; {} takes back all
         changes. Nothing is done where nothing changes. Raises InputError, having changed nothing,
@@ -103,8 +103,8 @@ class EyePlant:
     def targets(self, names: Sequence[str], values: np.ndarray) -> np.ndarray:
         """Return the target activations (12,) of a command; see `target_activations`.
 
-        Muscles that it does not name hold what they were last told, at first in an episode its
-        first activations. In lockstep a command of muscles with commands of their own names all of
+        Muscles that it does not name keep their last target, at first the first activation of the
+        episode. In lockstep a command of muscles with commands of their own names all of
         them; raises InputError for another one.
         """
         space = self.config.space

@@ -30,7 +30,9 @@ def generate_launch_description() -> LaunchDescription:
                 "parameter_set", default_value="", description="k17 or anatomical; k17"
             ),
             DeclareLaunchArgument(
-                "params_file", default_value="", description="above the node's own file"
+                "params_file",
+                default_value="",
+                description="takes precedence over the node's own file",
             ),
             *(SetEnvironmentVariable(name, value) for name, value in variables.items()),
             OpaqueFunction(function=_plant),

@@ -1,4 +1,4 @@
-"""Command lines that help who mistypes."""
+"""Command lines that suggest the nearest option."""
 
 import argparse
 from collections.abc import Sequence
@@ -9,7 +9,7 @@ from lockstep.nearest import did_you_mean
 
 
 class CommandLine(argparse.ArgumentParser):
-    """A parser that takes options by their whole names, and tells the nearest to an unknown one."""
+    """A parser that takes options by their whole names and suggests the nearest one."""
 
     def __init__(self, **named: Any) -> None:
         """Take what argparse.ArgumentParser takes, by name."""

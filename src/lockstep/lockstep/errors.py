@@ -1,4 +1,4 @@
-"""The errors with a meaning of their own: of bad input, and of learning that has run away."""
+"""The errors with a meaning of their own: of bad input, and of learning that diverges."""
 
 _LONGEST = 500
 
@@ -17,7 +17,7 @@ class InputError(ValueError):
 
 
 class DivergenceError(ArithmeticError):
-    """A learner's weights or values have left every sane range: the run cannot go on.
+    """A learner's weights or values are beyond what learning reaches; the run cannot continue.
 
     The message names the training iteration and the quantity.
     """

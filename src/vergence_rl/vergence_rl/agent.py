@@ -23,7 +23,7 @@ from vergence_rl.normalizer import (
     updated_statistics,
 )
 
-# Rewards are about -0.2 and activations end at 1: whatever is a hundred times that has run away.
+# Rewards are about -0.2 and activations end at 1: a hundred times that means divergence.
 _SANE = {"value": 100.0, "td_error": 100.0, "action": 100.0}
 _RULES: dict[str, Any] = {"cacla": CaclaRule, "hindsight": HindsightRule}
 _NO_TARGET, _NO_TURNS = np.full(2, np.nan), np.full((2, 3), np.nan)

@@ -82,9 +82,9 @@ def test_results_are_not_written_before_the_run_has_ended(
     directory = Path(shutil.copytree(run_directories["M"], tmp_path / "run"))
     monkeypatch.setattr(RecordedRun, "n_iterations", 500)
     assert main([str(directory)]) == 0
-    assert "the run has not come to its end" in capsys.readouterr().out
+    assert "the run is not complete" in capsys.readouterr().out
     assert main([str(directory), "--write"]) == 2
-    assert "expected a run that has come to its end" in capsys.readouterr().err
+    assert "expected a complete run" in capsys.readouterr().err
     assert not (directory / "results.json").exists()
 
 

@@ -80,7 +80,7 @@ def test_anatomical_eyes_meet_the_protocol() -> None:
                 "eye_plant.mechanics.parameter_set=anatomical",
                 "vergence_rl.highest_activations=[0.6]",
             ),
-            r"expected muscles whose eyes have one rest at each pair of activations",
+            r"expected muscles with one equilibrium for each pair of activations",
         ),
     ],
 )
@@ -92,7 +92,7 @@ def test_what_cannot_be_met_is_refused_with_the_limits(settings, message) -> Non
 
 def test_pairs_between_the_tested_vergences_must_have_one_rest_too() -> None:
     # At all distances of the protocol these do, but not at all vergences between those.
-    with pytest.raises(InputError, match=r"^mechanics: expected muscles whose eyes have one rest"):
+    with pytest.raises(InputError, match=r"^mechanics: expected muscles with one equilibrium"):
         _check(
             "eye_plant.mechanics.parameter_set=anatomical", "vergence_rl.highest_activations=[0.35]"
         )

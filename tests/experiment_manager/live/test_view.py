@@ -94,10 +94,10 @@ def test_what_is_watched_is_sent_as_it_is_and_made_into_pictures(server, vector_
     assert np.stack([left, right, right], axis=-1).tobytes() in got[ANAGLYPH]
     encoding = coder.encode(left, right)
     reconstructed = reconstructed_windows(encoding, coder.atoms(), left, right)
-    for topic, its_seen, its_believed in zip(
+    for topic, input_windows, of_reconstruction in zip(
         RECONSTRUCTIONS, seen_windows(left, right), reconstructed, strict=True
     ):
-        assert compared(its_seen, its_believed).tobytes() in got[topic]
+        assert compared(input_windows, of_reconstruction).tobytes() in got[topic]
     assert json.loads(got[LEARNING]) == dict(zip(LEARNING_NAMES, (10.0, 0.5), strict=True))
 
 
@@ -141,7 +141,7 @@ def test_an_episode_whose_end_was_not_heard_does_not_count() -> None:
     assert running.numbers()[1] == 1.5
 
 
-def test_compared_shows_the_seen_above_the_believed() -> None:
+def test_compared_shows_the_input_above_the_reconstruction() -> None:
     seen = np.stack([np.full((2, 2), 10.0), np.full((2, 2), 20.0)])
     picture = compared(seen, np.stack([np.full((2, 2), -5.0), np.full((2, 2), 300.4)]))
     expected = np.kron([[10, 10, 20, 20]] * 2 + [[0, 0, 255, 255]] * 2, np.ones((4, 4)))

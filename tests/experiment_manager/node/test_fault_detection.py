@@ -63,7 +63,7 @@ def test_a_second_publisher() -> None:
         ([], 6.0, True, Fault("no message for 5 s; missing: 2 of reward")),
         ([], 600.0, False, Wait("no message for 5 s; missing: 2 of reward")),
         (["reward"], 60.0, True, Wait("waiting for reward")),
-        (["reward"], 61.0, True, Fault("nobody to publish reward for 61 s")),
+        (["reward"], 61.0, True, Fault("no publisher of reward for 61 s")),
         (["reward", "actor_critic"], 600.0, False, Wait("waiting for reward, actor_critic")),
     ],
 )

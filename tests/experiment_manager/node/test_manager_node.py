@@ -94,7 +94,7 @@ def test_a_refusal_ends_the_run_with_its_reason(graph, nodes, tmp_path, capfd, r
     name = nodes[who].get_name()
     code = EXIT_UNWRITABLE if kind == "save" else EXIT_FAULT
     assert _finished(graph, _start(graph, tmp_path / "run")) == code
-    assert f"the run cannot continue: {name} refused {kind}: expected another mood" in (
+    assert f"the run cannot continue: {name} refused {kind}: expected another episode" in (
         capfd.readouterr().err
     )
     assert not (tmp_path / "run" / "results.json").exists()

@@ -20,7 +20,7 @@ def test_the_trials_left_are_in_the_bar(monkeypatch: pytest.MonkeyPatch) -> None
     for _ in range(40):
         bar.advance(0.5)
     bar.close()
-    last = shown.getvalue().rpartition("\r")[2]
+    *_, last = shown.getvalue().splitlines()
     assert "training:" in last
     assert "of it 39 test trials" in last
     assert "|error| 0.50 deg" in last

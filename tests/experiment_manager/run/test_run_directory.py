@@ -247,5 +247,5 @@ def test_a_bag_that_lacks_a_file_is_refused(tmp_path: Path, drive: Drive) -> Non
 def test_the_graph_ends_a_run_from_its_last_checkpoint_alone(small_run, tmp_path) -> None:
     directory = _copied_without_bag(small_run, tmp_path / "copy")
     output = finished(start_supervisor(["--resume", str(directory)]))
-    assert "bag: not here; it begins with what comes now" in output
+    assert "bag: not here; a new one begins at this point" in output
     assert (directory / "results.json").read_text() == (small_run / "results.json").read_text()

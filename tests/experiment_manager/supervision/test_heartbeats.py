@@ -60,4 +60,4 @@ def test_its_own_node_may_hang_deaf_to_signals(monkeypatch: pytest.MonkeyPatch) 
     port = Path("/dev/shm/fastrtps_port7000")
     monkeypatch.setattr(heartbeats, "unfinished_ports", lambda: {port: 1})
     with Heartbeats(Shells("trap '' TERM; exec sleep 600"), 1, []) as listening:
-        assert _fault(listening) == f"supervisor gives no sign of life; {port} was left unfinished"
+        assert _fault(listening) == f"supervisor does not respond; {port} was left unfinished"

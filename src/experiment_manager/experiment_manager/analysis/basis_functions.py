@@ -21,11 +21,11 @@ Array = NDArray[np.float64]
 BINOCULARITY_EDGES = np.array([-1.0, -0.85, -0.5, -0.15, 0.15, 0.5, 0.85, 1.0])
 ORIENTATION_STEP_DEG = 22.5
 # Beyond it, measured from the vertical, stripes are so near the horizontal that a shift along the
-# row is hardly told by a phase.
+# row hardly changes the phase.
 _LARGEST_TILT_DEG = 67.5
-# What is left of one eye in an atom of which the other has nearly all tells no disparity.
+# An atom that is nearly all of one eye has no disparity.
 _LARGEST_DOMINANCE = 0.85
-# Beyond half a patch too little of both eyes' halves overlaps to tell a match from chance.
+# Beyond half a patch the overlap of both halves is too small to distinguish a match from chance.
 LARGEST_SHIFT_PX = 4.0
 
 
@@ -41,7 +41,7 @@ class Tuning:
     / (R + L), -1 is left alone, 1 right alone; R and L are the halves' responses to the dominant
     eye's function, as in their public code, so that a shift by a quarter of a wave between the eyes
     counts as monocular. disparity_px: preferred disparity in pixels of the picture, left minus
-    right as eye_plant.geometry.disparity_px has it; nan where an atom tells none.
+    right as eye_plant.geometry.disparity_px has it; nan where an atom has none.
     """
 
     residual: Array
@@ -79,8 +79,8 @@ class Tuning:
 
     def disparities_deg(self, focal_length_px: float) -> Array:
         """Return the preferred disparities of the atoms that have one, as angles at the centre."""
-        told = self.disparity_px[~np.isnan(self.disparity_px)]
-        return told * degrees_per_px(focal_length_px)
+        known_px = self.disparity_px[~np.isnan(self.disparity_px)]
+        return known_px * degrees_per_px(focal_length_px)
 
 
 def tuning(atoms: Array, px_per_pixel: float) -> Tuning:
@@ -144,20 +144,20 @@ def _disparity(common: Gabors, halves: Array) -> Array:
 
     d = (phase_R - phase_L) wavelength / (2 pi cos(theta)), theta the wave's angle and the phase
     difference the one nearest to 0 (Klimmasch et al. 2021, with our sign: positive where the eyes
-    converge too little). nan where an atom (n, 2, 64) tells none.
+    converge too little). nan where an atom (n, 2, 64) has none.
     """
     difference = common.phase_rad[:, 1] - common.phase_rad[:, 0]
     nearest = np.mod(difference + np.pi, 2.0 * np.pi) - np.pi
     is_upright = np.abs(common.wave_angle_deg) <= _LARGEST_TILT_DEG
     cosine = np.cos(np.radians(np.where(is_upright, common.wave_angle_deg, 0.0)))
     shift_px = nearest * common.wavelength_px / (2.0 * np.pi) / cosine
-    told = (
+    is_known = (
         common.is_good
         & is_upright
         & (np.abs(_balance(np.linalg.norm(halves, axis=2))) < _LARGEST_DOMINANCE)
         & (np.abs(shift_px) <= LARGEST_SHIFT_PX)
     )
-    return np.where(told, shift_px, np.nan)
+    return np.where(is_known, shift_px, np.nan)
 
 
 def left_share(features: NDArray[Any], atoms: NDArray[Any]) -> float:

@@ -347,7 +347,7 @@ def _chunk_data(chunk: Chunk) -> bytes:
     stream, size = get_chunk_data_stream(chunk)
     data = stream.read(size) if size else b""
     if len(data) != chunk.uncompressed_size:
-        raise McapError(f"a chunk holds {len(data)} bytes, {chunk.uncompressed_size} announced")
+        raise McapError(f"a chunk has {len(data)} bytes, {chunk.uncompressed_size} announced")
     if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
         raise McapError("a chunk does not fit its checksum")
     return data

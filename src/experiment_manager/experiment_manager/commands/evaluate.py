@@ -183,13 +183,13 @@ def _evaluate(directory: Path, *, write: bool) -> int:
     first = run.measured.first_observation
     if first > 0:
         print(
-            f"\nThe bag begins with observation {first}: the run went on from a "
-            "checkpoint without the bag of what was before."
+            f"\nThe bag begins with observation {first}: the run was continued from a "
+            "checkpoint without its earlier bag."
         )
     if write:
         return _write(run, measured)
     if not path.exists():
-        hint = " (--write makes one)" if _is_whole(run) else ": the run has not come to its end"
+        hint = " (--write makes one)" if _is_whole(run) else ": the run is not complete"
         print(f"\nThere is no {path} to compare with{hint}.")
         return 0
     expected = read_results(path)
@@ -213,8 +213,8 @@ def _write(run: RecordedRun, results: Results) -> int:
         )
     if not _is_whole(run):
         raise InputError(
-            f"{run.directory}: expected a run that has come to its end, to write {path} from its "
-            f"bag; launch_scripts/run_experiment.sh --resume {run.directory} continues it"
+            f"{run.directory}: expected a complete run, to write {path} from its bag; "
+            f" launch_scripts/run_experiment.sh --resume {run.directory} continues it"
         )
     write_trials(run.directory, run.kept_trials())
     write_document(path, results.to_json())

@@ -117,7 +117,7 @@ def _files(bag: Bag) -> str:
     state = "whole"
     n_files = len(bag.files)
     if cut_off:
-        state = f"{', '.join(cut_off)} cut off (--repair makes it whole)"
+        state = f"{', '.join(cut_off)} cut off (--repair completes it)"
     return f"{bag.path}: {n_files} file{'s' * (n_files != 1)}, {n_bytes / 1e6:.1f} MB, {state}"
 
 
@@ -139,8 +139,8 @@ def _topics(bag: Bag) -> str:
     ]
     note = (
         f"Rates and gaps in simulated time. A gap is longer than two periods of {period_ns / 1e9:g}"
-        " s; an episode's last observation is not answered. Pictures are a sample and diagnostics "
-        "come in real time, they have no gaps."
+        " s; an episode's last observation is not answered. Pictures (a sample) and diagnostics "
+        "(in real time) have no gaps."
     )
     return f"{text_table(header, rows, n_left=2)}\n{note}"
 

@@ -37,7 +37,7 @@ REPORT_FILE = "report.html"
 _ABOUT_PAIR = (
     "Our test set has the start errors from -3 deg to the largest whole degree that leaves "
     "a vergence of 0 or more; the authors' code stops at +2 deg and leaves out the trials "
-    "that start at zero error, so its test set is those of our trials that start at -3, "
+    "that start at zero error, so its test set contains only our trials that start at -3, "
     "-2, -1, +1 or +2 deg. The paper gives four interquartile ranges, 0.319 and 1.076 deg, "
     "from a plant and pictures of its own. The antagonist, silent below an "
     "activation of 0.005, is the lateral rectus up to 2 m and the medial one from 4 m on; "
@@ -233,12 +233,12 @@ def _configurations(runs: Sequence[ReportedRun]) -> list[str]:
     parts = [
         report_page.heading("Tests of each run"),
         report_page.paragraph(
-            "Below each run's tests, of what the error that is left is made. A trial rests at the "
-            "mean error of its second half; those that rest within 1 deg count. Bias: median "
-            "of all resting places. SD within: among trials of one picture and distance, which "
+            "Below each run's tests: the parts of the remaining error. A trial ends at the mean "
+            "error of its second half; those that end within 1 deg count. Bias: median of these "
+            "errors. SD within: among trials of one picture and distance, which "
             "start from other errors and activations, median over pairs. SD between: of the "
             "pairs' means. SD over time: in the second half, median over trials. Share left: of a "
-            "distance of 0.03 to 0.3 deg to the resting place, after one more iteration."
+            "distance of 0.03 to 0.3 deg to the end, after one more iteration."
         ),
     ]
     for run in runs:
@@ -247,7 +247,7 @@ def _configurations(runs: Sequence[ReportedRun]) -> list[str]:
             learning_table(run),
             resting_table(run.recorded)
             if run.recorded is not None
-            else report_page.paragraph("Where its trials rest needs a bag."),
+            else report_page.paragraph("The parts of the remaining error need a bag."),
         ]
     parts.append(report_page.heading("Configuration"))
     for run in runs:

@@ -124,8 +124,8 @@ def _change(entry: Any) -> Change:
     at, settings = entry["at"], entry["set"]
     if type(at) is not int or at < 1:
         raise InputError(
-            f"schedule: expected a training iteration of 1 or more as `at` (what holds from the "
-            f"start belongs to the settings), got {at!r}"
+            f"schedule: expected a training iteration of 1 or more as `at` (values from the "
+            f"start belong in the settings), got {at!r}"
         )
     if not isinstance(settings, dict) or not settings:
         raise InputError(

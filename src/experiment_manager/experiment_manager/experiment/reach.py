@@ -116,7 +116,7 @@ def _check_vergence(
     if least_deg > min(asked_deg) + _TOLERANCE_DEG or most_deg < max(asked_deg) - _TOLERANCE_DEG:
         raise InputError(
             f"mechanics: expected muscles that reach vergences from {min(asked_deg):.2f} to "
-            f"{max(asked_deg):.2f} deg, which the protocol's distances and start errors ask for; "
+            f"{max(asked_deg):.2f} deg, as the protocol's distances and start errors require; "
             f"with medial activations in {list(limits[0])} and lateral ones in {list(limits[1])} "
             f"these reach {least_deg:.2f} to {most_deg:.2f} deg"
         )

@@ -1,6 +1,6 @@
 """The node live_view: listens to the graph as a recorder does, and serves it to viewers.
 
-Nobody waits for it. It takes what has come twenty times a second, subscribes to what a client
+It never blocks a run: it samples the topics twenty times a second, subscribes to what a client
 watches, and publishes nothing.
 """
 

@@ -68,7 +68,7 @@ def of_silence(
         return Fault(text) if supervised else Wait(text)
     absent = ", ".join(absent_topics)
     if supervised and silent_s > max(LOST_S, 2.0 * gap_s):
-        return Fault(f"nobody to publish {absent} for {silent_s:.0f} s")
+        return Fault(f"no publisher of {absent} for {silent_s:.0f} s")
     return Wait(f"waiting for {absent}")
 
 

@@ -72,7 +72,7 @@ class NodeParameters:
             if waited_s < (_PATIENCE_S if name in self._unsent else _PATIENCE_WITH_SERVICES_S):
                 continue
             self._node.get_logger().warning(
-                f"{name} does not tell its parameters: config.yaml and bag will lack them"
+                f"{name} does not report its parameters: config.yaml and bag will lack them"
             )
             self._end(name)
         self._go_on()

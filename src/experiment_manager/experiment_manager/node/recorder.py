@@ -115,7 +115,7 @@ class Recorder:
 
     @property
     def silent_s(self) -> float:
-        """For how long no new message has come, or somebody was given time again."""
+        """Seconds since the last new message, or since the wait was restarted."""
         return time.monotonic() - self._message_s
 
     @property

@@ -66,9 +66,9 @@ class Requests:
             if waited_s < PLANT_WAIT_S:
                 return absent
             raise InputError(
-                f"expected a plant with the service {service_name(PLANT)}, by which it is asked for"
-                f" episodes, found none in {PLANT_WAIT_S:g} s; docs/interfaces.md says what a plant"
-                " of your own must answer"
+                f"expected a plant with the service {service_name(PLANT)}, which takes the requests"
+                f" for episodes, found none in {PLANT_WAIT_S:g} s; docs/interfaces.md lists the"
+                " requests that your own plant must answer"
             )
         for name in absent:
             self._node.get_logger().warning(

@@ -5,12 +5,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from tqdm import tqdm
-
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.loop import make_loop
 from experiment_manager.measures.metrics import SHARE_ITERATIONS
+from experiment_manager.run.progress_lines import progress
 from lockstep.configuration import build
 
 Parameters = Mapping[str, Mapping[str, Any]]
@@ -46,7 +45,7 @@ def first_iterations(parameters: Parameters) -> FirstIterations:
     error = cost_w = 0.0
     loop = make_loop(free)
     try:
-        with tqdm(total=n_iterations, desc="E and C", unit="it", file=sys.stderr) as bar:
+        with progress(file=sys.stderr, total=n_iterations, desc="E and C", unit="it") as bar:
             protocol = make_protocol(manager)
             for episode in protocol.training_episodes():
                 if episode.training_iteration >= n_iterations:

@@ -85,5 +85,5 @@ def _about(configuration: str, source: str) -> Mapping[str, Any]:
     needed = {"model", "seed", "n_training_iterations", "metabolic_cost_weight", "commit"}
     missing = sorted(needed - set(about))
     if missing:
-        raise InputError(f"{source}: its configuration does not tell {', '.join(missing)}")
+        raise InputError(f"{source}: its configuration lacks {', '.join(missing)}")
     return dict(about)

@@ -159,7 +159,7 @@ class Progress:
     def restore(
         self, document: dict[str, Any], trials: TrialTable, kept_trials: KeptTrials | None = None
     ) -> None:
-        """Take over what another had to carry; InputError for anything else."""
+        """Restore the progress that a checkpoint has; InputError for anything else."""
         try:
             tests = [Summary.from_json(test) for test in document["tests"]]
             sums = {end: list(document["sums"][end]) for end in self._sums}

@@ -1,4 +1,4 @@
-"""What a person sees of a run while it goes on."""
+"""What a person sees of a run while it is made."""
 
 import os
 import sys
@@ -8,6 +8,7 @@ from tqdm import tqdm
 
 from experiment_manager.experiment.protocol import Protocol
 from experiment_manager.run.lasting_output import lasting
+from experiment_manager.run.progress_lines import progress
 
 # The number of an open file to draw on, from a parent whose standard error is not this process's.
 TERMINAL_VARIABLE = "ABV_TERMINAL_FD"
@@ -19,7 +20,7 @@ def _terminal() -> TextIO:
 
 
 class ProgressBar:
-    """A bar over all iterations with rate, time left and running error, and a line per test."""
+    """All iterations with rate, time left and running error, and a line per test."""
 
     def __init__(self, protocol: Protocol, place: int) -> None:
         """place: episodes already done. The bar appears with the first episode that is done."""
@@ -30,14 +31,11 @@ class ProgressBar:
 
     def _started(self) -> tqdm:
         if self._bar is None:
-            self._bar = tqdm(
+            self._bar = progress(
+                file=self._terminal,
                 total=self._iterations_before(len(self._protocol)),
                 initial=self._iterations_before(self._place),
                 unit="it",
-                file=self._terminal,
-                # Often enough for a person, seldom enough for a log file.
-                mininterval=1.0 if self._terminal.isatty() else 30.0,
-                dynamic_ncols=True,
             )
         return self._bar
 

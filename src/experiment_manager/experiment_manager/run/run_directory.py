@@ -83,7 +83,7 @@ class Run:
         self._checkpoint_s = time.monotonic() if config.resume else -math.inf
         self._bar = ProgressBar(self.protocol, self.place)
         if self._bag_is_elsewhere:
-            self._bar.say(f"{self.directory / 'bag'}: not here; it begins with what comes now")
+            self._bar.say(f"{self.directory / 'bag'}: not here; a new one begins at this point")
 
     # Where the run stands
 
@@ -277,7 +277,7 @@ class Run:
     def close(self) -> None:
         """Close the bag, whole up to the last message; one without any is removed.
 
-        So what was refused before the first episode can be started in the same place once more.
+        So a run that was refused before its first episode can be started again in this directory.
         """
         self._bar.close()
         self.writer.close()

@@ -150,7 +150,7 @@ def _exit_code(run: Callable[[], None]) -> int:
 
 
 def _serve(channel: socket.socket, parent: int, packages: Sequence[str]) -> None:
-    """Start what is asked for and report what ends, until nobody asks any more."""
+    """Start what is asked for and report what ends, until no more requests."""
     os.setsid()  # Ctrl-C in the terminal is for the supervisor alone
     die_with(parent)
     for package in packages:
@@ -183,7 +183,7 @@ def _start_one(channel: socket.socket) -> None:
     """Fork a node as the next message wants it; raises ConnectionError when there is none."""
     message, logs, _, _ = socket.recv_fds(channel, _MAX_MESSAGE_BYTES, 1)
     if not message:
-        raise ConnectionError("nobody asks any more")
+        raise ConnectionError("no more requests")
     package, arguments, variables = json.loads(message)
     (log,) = logs
     fork_server = os.getpid()

@@ -62,7 +62,7 @@ class Heartbeats:
         silent = [name for name, end_s in self._deadline_s.items() if now_s > end_s]
         if not silent:
             return None
-        return f"{silent[0]} gives no sign of life{unfinished_text()}"
+        return f"{silent[0]} does not respond{unfinished_text()}"
 
     def _hear(self, line: str) -> None:
         if not line.strip():

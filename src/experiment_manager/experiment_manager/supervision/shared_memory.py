@@ -21,7 +21,7 @@ _YOUNG_S = 5.0
 def remove_stale_segments(directory: Path = DIRECTORY) -> int:
     """Remove the segments of this user's dead nodes, whatever their domain; return how many.
 
-    Nobody else opens a segment anew, and who still has it open keeps it.
+    No new process can open a removed segment; those that have it mapped keep it.
     """
     found = {match[1] for path in _files(directory) if (match := _SEGMENT.match(path.name))}
     n_removed = 0

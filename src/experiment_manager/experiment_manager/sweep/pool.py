@@ -65,5 +65,5 @@ def _said(run: CellRun, code: int | None) -> str:
     if run.is_done:
         return "done"
     if code is None:
-        return "another process is at it"
+        return "another process is making it"
     return f"ended with exit code {code}"

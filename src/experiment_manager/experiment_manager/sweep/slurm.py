@@ -95,7 +95,7 @@ def refuse_queued(directory: Path) -> None:
     if found.returncode == 0 and found.stdout.strip():
         raise InputError(
             f"{directory}: expected no job of this sweep in the queue, {job} is; "
-            f"scancel {job} takes it away"
+            f"scancel {job} removes it"
         )
 
 
@@ -107,7 +107,7 @@ def run_task(run: CellRun) -> int:
     task = _Task()
     code = run.run(task.started)
     if code is None:
-        raise InputError(f"{run.directory}: another process is at it")
+        raise InputError(f"{run.directory}: another process is making it")
     if task.is_warned and not run.is_done and code == EXIT_INTERRUPTED:
         environment = os.environ
         number = f"{environment['SLURM_ARRAY_JOB_ID']}_{environment['SLURM_ARRAY_TASK_ID']}"

@@ -105,9 +105,9 @@ class Inverse:
             )
         if abs(self.vergence_deg(medial, lateral) - vergence_deg) > _ACCEPTED_DEG:
             raise InputError(
-                f"expected muscles whose eyes have one rest at each pair of activations; to a "
-                f"vergence of {vergence_deg:g} deg with medial {medial:.3g} and lateral "
-                f"{lateral:.3g} those from straight ahead do not come"
+                f"expected muscles with one equilibrium for each pair of activations; with "
+                f"medial {medial:.3g} and lateral {lateral:.3g} eyes that start straight ahead do "
+                f"not reach a vergence of {vergence_deg:g} deg"
             )
         return medial, lateral
 

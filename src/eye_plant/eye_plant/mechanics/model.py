@@ -70,7 +70,7 @@ class MechanicsConfig:
     )
     rest_adduction_deg: tuple[float, ...] = setting(
         (0.0, 0.0),
-        "change of the adduction at which the orbital tissue holds each eye",
+        "change of the resting adduction that the orbital tissue gives each eye",
         "deg",
         least=-30,
         most=30,
@@ -78,7 +78,7 @@ class MechanicsConfig:
     )
     rest_elevation_deg: tuple[float, ...] = setting(
         (0.0, 0.0),
-        "change of the elevation at which the orbital tissue holds each eye",
+        "change of the resting elevation that the orbital tissue gives each eye",
         "deg",
         least=-30,
         most=30,

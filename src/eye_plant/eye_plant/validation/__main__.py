@@ -44,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Measure, print, write; return 1 when a bound fails."""
     parser = CommandLine(
         prog="validate_plant.sh",
-        description="Hold the simulated eyes against physiology.",
+        description="Compare the simulated eyes with physiology.",
         epilog=f"{MAPS_VARIABLE} may name OpenEyeSim's maps; the rows that need them are "
         "reported as not measured otherwise.",
     )

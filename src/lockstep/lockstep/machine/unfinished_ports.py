@@ -70,7 +70,7 @@ def unfinished_ports(directory: Path = DIRECTORY) -> dict[Path, int]:
 
 def _complaint(path: Path, reason: str) -> str:
     return (
-        f"{path}: expected a port of Fast DDS that is finished, got one whose maker died; every "
+        f"{path}: expected a port of Fast DDS that is finished, got one whose process died; every "
         f"node on this machine would wait for it, but {reason}"
     )
 

@@ -54,8 +54,8 @@ def make_executor(context: Context | None = None) -> SingleThreadedExecutor:
     missing = _missing_names(executor)
     if missing:
         _LOGGER.warning(
-            f"expected rclpy to have {', '.join(missing)}, as in its version 7.1: going on with"
-            " its own executor, which is slower"
+            f"expected rclpy to have {', '.join(missing)}, as in its version 7.1: using its"
+            " own executor, which is slower"
         )
         return executor
     executor.shutdown()

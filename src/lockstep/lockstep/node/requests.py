@@ -62,7 +62,7 @@ class RequestServer:
             response.result = SetParametersResult(successful=False, reason=str(error))
         except ValueError as error:
             # Not of the request's making; the executor would take it for one.
-            raise RuntimeError(f"a request failed in its making: {error}") from error
+            raise RuntimeError(f"an error in the handling of a request: {error}") from error
         return response
 
     def _handle(self, arguments: Arguments) -> None:

@@ -90,6 +90,7 @@ class Page:
         n_iterations = max(len(scene.errors_deg) for scene in scenes)
         for axes in panels:
             axes.set_xlim(-0.3, n_iterations - 0.7)
+            axes.set_xticks(range(0, n_iterations, 3))
             axes.set_xlabel("iteration")
         top = (_CURVES_PX + below_px) / height_px
         self.figure.tight_layout(rect=(0.0, below_px / height_px, 1.0, top), w_pad=0.5)
@@ -143,7 +144,7 @@ def _pair_lines(panels: Sequence[Axes], scenes: Sequence[Scene]) -> list[Line2D]
     lines += _error_lines(error, scenes)
     lines += rate.plot([], [], marker=".", color=GREEN)
     highest_w = max(float(scene.metabolic_rate_w.max()) for scene in scenes)
-    rate.set(ylabel="metabolic rate / W", ylim=(0.0, 1.1 * highest_w or 1.0))
+    rate.set(ylabel="metabolic\nrate / W", ylim=(0.0, 1.1 * highest_w or 1.0))
     return lines
 
 
@@ -185,8 +186,8 @@ def _error_lines(axes: Axes, scenes: Sequence[Scene]) -> list[Line2D]:
     ]
     # NaN: the left eye does not look towards the plane.
     limit_deg = 1.1 * max(float(np.nanmax(np.abs(s.errors_deg))) for s in scenes) + px_deg
-    axes.set(ylabel="error / deg" if n_errors > 1 else "vergence error / deg")
+    axes.set(ylabel="error / deg")
     axes.set_ylim(-limit_deg, limit_deg)
-    last = max(len(scene.errors_deg) for scene in scenes) - 0.8
-    axes.text(last, -px_deg, "±1 px", ha="right", va="top", color=GREY)
+    corner = axes.transAxes
+    axes.text(1.0, 1.0, "grey: ±1 px", transform=corner, ha="right", va="top", color=GREY)
     return lines

@@ -37,7 +37,7 @@ _N_COLUMNS = 4
 _SIDE_PX = 8
 _LARGEST_DISPARITY_DEG = 4.0
 _N_DISPARITY_BINS = 33  # odd: one is centred on 0
-_LONGEST_ROW_NAME = 14  # characters of a line
+_LONGEST_ROW_NAME = 15  # characters of a line
 _YARDSTICK = "normal"
 
 
@@ -58,18 +58,22 @@ def curves_figure(conditions: Sequence[Condition]) -> Figure:
                 axes.plot(first, run.right_after_deg, "o", ms=6, mfc="none", mec="black", zorder=5)
         for at in runs[0].changed_at:
             axes.axvline(at, color="black", lw=0.8, ls="--")
-        axes.xaxis.set_major_formatter(lambda value, _: f"{value / 1000:g}k")
+        axes.xaxis.set_major_formatter(lambda value, _: f"{value / 1000:g}k" if value else "0")
     for axes in panels:
         scale_errors(axes, degrees_per_px(conditions[0][1][0].focal_length_px))
     handles = [
         Line2D([], [], color=BLUE, marker="o", ms=2.5, label="the condition, each seed"),
         Line2D([], [], color=GREY, lw=0.8, label="normal, each seed"),
     ]
-    if any(run.changed_at for _, runs in conditions for run in runs):
-        handles += [
-            Line2D([], [], color="black", lw=0.8, ls="--", label="change of the eyes or input"),
-            Line2D([], [], ls="", marker="o", ms=6, mfc="none", mec="black", label="right after"),
-        ]
+    shown = [run for _, runs in conditions for run in runs]
+    if any(run.changed_at for run in shown):
+        handles.append(
+            Line2D([], [], color="black", lw=0.8, ls="--", label="change of the eyes or input")
+        )
+    if any(run.right_after_deg is not None for run in shown):
+        ring = Line2D([], [], ls="", marker="o", ms=6, mfc="none", mec="black")
+        ring.set_label("right after the change")
+        handles.append(ring)
     _label(panels, conditions, "training iterations", ERROR_LABEL)
     legend_below(figure, handles)
     return figure

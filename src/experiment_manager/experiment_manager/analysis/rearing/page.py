@@ -1,6 +1,7 @@
 """The page of conditions: what became of eyes that were reared differently."""
 
 import os
+import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -9,7 +10,6 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
-from tqdm import tqdm
 
 from experiment_manager.analysis.rearing.conditions import PUBLISHED
 from experiment_manager.analysis.rearing.figures import (
@@ -26,6 +26,7 @@ from experiment_manager.analysis.report import page as report_page
 from experiment_manager.analysis.report.performance_figures import FIGURES
 from experiment_manager.measures.results import RESULTS_FILE, Summary
 from experiment_manager.measures.tables import number
+from experiment_manager.run.progress_lines import progress
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
@@ -86,11 +87,11 @@ def write_rearing_page(directories: Sequence[Path], out: Path) -> Path:
         report_page.paragraph(
             "Error: median and interquartile range of |vergence error| after 20 iterations of the "
             "last test, in deg, and the share of trials within one pixel; with a camera rotated by "
-            "3 deg pictures match at an error of 3 deg. Depth: what the best "
-            "vergence saves of the mean reconstruction error. Gabor: basis functions, coarse and "
-            "fine, of whose dominant half a Gabor function leaves at most 0.2 of all; by use: "
-            "their share in the code of the landscape's pictures; common: those of which one "
-            "function for both eyes leaves as little. Binocular: of the Gabor functions those with "
+            "3 deg pictures match at an error of 3 deg. Depth: 1 - least / mean reconstruction "
+            "error over vergence. Gabor: coarse and fine basis functions whose dominant half is "
+            "fitted by a Gabor function with at most 20 % of the squares of both halves left; by "
+            "use: their share in the code of the landscape's pictures; common: those that one "
+            "function for both eyes fits as well. Binocular: Gabor functions with "
             "|(R - L) / (R + L)| below 0.5. Left: the left eye's share of the code. c and delta C: "
             "energy saved (K17 eq. 8) and energy above the least, medians. Published: Klimmasch et "
             "al. (2021), after 500,000 iterations, mean and standard deviation."
@@ -130,7 +131,10 @@ def _measured(directories: Sequence[Path]) -> list[RearedRun]:
     n_processes = min(len(directories), len(os.sched_getaffinity(0)))
     with ProcessPoolExecutor(n_processes, get_context("spawn")) as processes:
         measured = processes.map(read_reared_run, directories)
-        return list(tqdm(measured, desc="measuring", unit="run", total=len(directories)))
+        shown = progress(
+            measured, file=sys.stderr, desc="measuring", unit="run", total=len(directories)
+        )
+        return list(shown)
 
 
 def _conditions(runs: Sequence[RearedRun]) -> list[Condition]:

@@ -42,10 +42,14 @@ _ERRORS = {
 _LOOKS = ((VERMILION, "o"), (BLUE, "s"), (GREEN, "^"))
 # Lambda 0 has a place on a logarithmic axis so many times below the least price.
 _ZERO_BELOW = 3.0
-# Of the range of metabolic rates, so far apart are points with labels.
-_LEAST_APART = 0.09
+# Of the panel of error against rate, roughly: its size, and the width of a character.
+_TRADE_PT, _CHARACTER_PT = (128.0, 182.0), 4.8
+_LABEL_OFFSETS_PT = tuple(
+    (dx, dy) for dy in (3.0, -3.0, 11.0, -11.0, 19.0, -19.0) for dx in (3.0, -3.0)
+)
 
 Values = Callable[[Trials], np.ndarray]
+Box = tuple[float, float, float, float]
 
 
 def _reductions_percent(trials: Trials) -> np.ndarray:
@@ -93,7 +97,6 @@ def price_figure(groups: Sequence[Group]) -> Figure:
     mark_level(reduction, 100.0, "all")
     reduction.set_ylabel("$c$ / %")
     _draw_trade(trade, groups)
-    scale_errors(trade, px_deg)
     trade.set(xlabel="metabolic rate $C$ / W", ylabel=ERROR_LABEL)
     title_panels(
         (error, reduction, trade), ("accuracy", "energy saved", r"their trade, by $\lambda$ in 1/W")
@@ -159,17 +162,54 @@ def _draw_trade(axes: Axes, groups: Sequence[Group]) -> None:
     """Draw the median error against the median metabolic rate, a point per lambda."""
     rate_w = [float(np.median(_rates_w(group.last_trials))) for group in groups]
     error_deg = [float(np.median(final_errors_deg(group.last_trials))) for group in groups]
+    axes.margins(x=0.12)
     axes.plot(rate_w, error_deg, color=VERMILION, marker="o", ms=4, lw=0.8)
-    labelled_w = np.inf
-    for i, (group, w, deg) in enumerate(zip(groups, rate_w, error_deg, strict=True)):
-        # Where energy is nearly all saved, points are close: not all have a label.
-        if abs(labelled_w - w) < _LEAST_APART * np.ptp(rate_w) and group is not groups[-1]:
-            continue
+    scale_errors(axes, px_deg_of(groups))
+    weights = [group.common.weight for group in groups]
+    for weight, w, deg, place in zip(
+        weights, rate_w, error_deg, _label_places(axes, weights, rate_w, error_deg), strict=True
+    ):
+        dx, dy = place
         axes.annotate(
-            f"{group.common.weight:g}",
+            f"{weight:g}",
             (w, deg),
-            (4, (5, -12)[i % 2]),
+            place,
             textcoords="offset points",
+            ha="left" if dx > 0 else "right",
+            va="bottom" if dy > 0 else "top",
             fontsize=SMALLEST_PT,
         )
-        labelled_w = w
+
+
+def _label_places(
+    axes: Axes, weights: Sequence[float], rate_w: Sequence[float], error_deg: Sequence[float]
+) -> list[tuple[float, float]]:
+    """Return for each point the offset of its label in pt: the first that covers nothing."""
+    low, high = np.log(axes.get_ylim())
+    left, right = axes.get_xlim()
+    x_pt = (np.asarray(rate_w) - left) / (right - left) * _TRADE_PT[0]
+    y_pt = (np.log(error_deg) - low) / (high - low) * _TRADE_PT[1]
+    along = np.linspace(0.0, len(weights) - 1.0, 50 * len(weights))
+    line = np.column_stack([np.interp(along, range(len(weights)), pt) for pt in (x_pt, y_pt)])
+    covered = [(x - 1.5, y - 1.5, x + 1.5, y + 1.5) for x, y in line]
+    chosen = []
+    for weight, x, y in zip(weights, x_pt, y_pt, strict=True):
+        width = _CHARACTER_PT * len(f"{weight:g}")
+        boxes = {
+            (dx, dy): (
+                x + dx - (width if dx < 0 else 0),
+                y + dy - (SMALLEST_PT if dy < 0 else 0),
+                x + dx + (width if dx > 0 else 0),
+                y + dy + (SMALLEST_PT if dy > 0 else 0),
+            )
+            for dx, dy in _LABEL_OFFSETS_PT
+        }
+        free = [place for place, box in boxes.items() if not _covers(box, covered)]
+        chosen.append(free[0] if free else _LABEL_OFFSETS_PT[0])
+        covered.append(boxes[chosen[-1]])
+    return chosen
+
+
+def _covers(box: Box, others: Sequence[Box]) -> bool:
+    left, low, right, high = box
+    return any(x0 < right and left < x1 and y0 < high and low < y1 for x0, y0, x1, y1 in others)

@@ -312,7 +312,7 @@ def learning_table(run: ReportedRun) -> str:
 
 def resting_table(run: RecordedRun) -> str:
     """Return where the trials of a run's tests come to rest."""
-    header = ["iteration", "trials at rest", "bias / deg", "SD / deg"]
+    header = ["iteration", "trials counted", "bias / deg", "SD / deg"]
     header += ["SD within picture and distance / deg", "SD between them / deg"]
     header += ["SD over time / deg", "share left by an iteration"]
     rows = []

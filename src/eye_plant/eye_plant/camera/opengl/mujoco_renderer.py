@@ -197,8 +197,8 @@ def _context(model: mujoco.MjModel, buffer_size_px: tuple[int, int]) -> mujoco.M
         return mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)
     except mujoco.FatalError as error:
         raise GraphicsError(
-            f"camera: expected pictures that OpenGL here can draw, both in a buffer; of "
-            f"{buffer_size_px[0]} x {buffer_size_px[1]} pixels it says: {error}"
+            f"camera: expected pictures that fit into one buffer of OpenGL here; for "
+            f"{buffer_size_px[0]} x {buffer_size_px[1]} pixels it reports: {error}"
         ) from error
 
 
