@@ -51,6 +51,22 @@ def test_what_own_commands_cannot_meet_is_refused(settings: tuple[str, ...], mes
         configuration_of(request_of(arguments(words)), "")
 
 
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ("vergence_rl.highest_activations=[0.02]", r"reach an elevation of 5\.00 deg with a"),
+        ("vergence_rl.highest_activations=[0.01]", r"reach a torsional error of -4\.00 deg with a"),
+        (
+            _strength(**dict.fromkeys(MUSCLE_NAMES[:6], 0.0)),
+            r"reach a version of -5\.00 deg with a",
+        ),
+    ],
+)
+def test_gazes_that_own_commands_do_not_reach_are_named(setting: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        configuration_of(request_of(arguments(["--profile", "twelve", "--set", setting])), "")
+
+
 def test_anatomical_eyes_meet_the_protocol() -> None:
     _check("eye_plant.mechanics.parameter_set=anatomical")
 

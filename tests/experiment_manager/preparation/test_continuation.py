@@ -200,6 +200,10 @@ def test_a_branch_goes_on_from_the_learners_of_another_run(run: Path, tmp_path: 
             ("--branch", "RUN", "--set", "sparse_coder.n_bases=7"),
             "atoms: expected float32 of shape (2, 7, 128)",
         ),
+        (
+            ("--branch", "RUN", "--set", "vergence_rl.command_space=horizontal_recti"),
+            "=horizontal_recti: expected pair, with which the learners of RUN were trained",
+        ),
         (("--branch", "RUN", "--profile", "paper"), "expected the settings of RUN and single ones"),
     ],
 )

@@ -29,6 +29,7 @@ from lockstep.errors import InputError
 from lockstep.state_file import read_state, write_state
 from sparse_coder.coder import SparseCoder
 from vergence_rl.agent import Agent
+from vergence_rl.config import VergenceRlConfig
 
 # What a run decides for itself, whoever it begins from.
 _OF_ONE_RUN = tuple(
@@ -164,6 +165,7 @@ def branch(text: str, request: RunRequest, commit: str) -> Branch:
     before = read_configuration(source / CONFIG_FILE)
     protocol = make_protocol(build(ExperimentManagerConfig, before["experiment_manager"]))
     trained, states = _chosen(source, protocol, iteration)
+    _check_command_space(source, before, request)
     settings = {key: value for key, value in by_key(before).items() if key not in _OF_ONE_RUN}
     settings["experiment_manager.commit"] = commit
     configuration = configuration_with(settings, request)
@@ -175,6 +177,16 @@ def branch(text: str, request: RunRequest, commit: str) -> Branch:
         config: Any = build(CONFIG_CLASSES[node], configuration[node])
         learner(config).restore(read_state(states / f"{node}.npz", node))
     return Branch(source, trained, configuration, states)
+
+
+def _check_command_space(source: Path, before: Configuration, request: RunRequest) -> None:
+    """Raise InputError for a branch whose learners have commanded other muscles."""
+    space = build(VergenceRlConfig, before["vergence_rl"]).command_space
+    for key, given in request.settings().items():
+        if key.endswith("command_space") and given.value != space:
+            raise InputError(
+                f"{given.by}: expected {space}, with which the learners of {source} were trained"
+            )
 
 
 def _check_end(end: int, trained: int, request: RunRequest) -> None:
