@@ -82,6 +82,8 @@ class Plant(Node):
             "metabolic_rate_w": sum(rates),
             "initial_metabolic_rate_w": 1.4,
             "optimal_metabolic_rate_w": 0.4,
+            "target_sideways_deg": 0.0,
+            "target_up_deg": 0.0,
         }
         self.send("muscle_states", MUSCLES, [0.04] * 4)
         self.send("muscle_activations", MUSCLES, [medial, lateral] * 2, rates)
