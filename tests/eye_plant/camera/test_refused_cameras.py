@@ -39,5 +39,7 @@ def test_a_configuration_that_cannot_be_drawn_is_refused(changes, message) -> No
 
 def test_pictures_too_large_for_the_graphics_are_refused() -> None:
     grey = np.zeros((8, 8), np.uint8)
-    with pytest.raises(GraphicsError, match="expected pictures that fit into one buffer of OpenGL here"):
+    with pytest.raises(
+        GraphicsError, match="expected pictures that fit into one buffer of OpenGL here"
+    ):
         StereoCamera(CameraConfig(width_px=40_000), StimulusSet((grey,), (grey,)))
