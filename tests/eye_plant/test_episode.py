@@ -4,21 +4,9 @@ import pytest
 
 from eye_plant.episode import Episode
 from lockstep.errors import InputError
-from lockstep.wire.topics import TRAINING
-from tests.pair import pair_activations
+from tests.eye_plant.plant_bench import EPISODE as AN_EPISODE
 
-EPISODE = Episode(
-    phase=TRAINING,
-    test=-1,
-    trial=-1,
-    episode=0,
-    training_iteration=0,
-    stimulus=0,
-    object_distance_m=1.0,
-    activations=pair_activations(0.04, 0.02),
-    n_iterations=6,
-    first_observation=0,
-)
+EPISODE = dataclasses.replace(AN_EPISODE, n_iterations=6)
 WITH_TARGETS = dataclasses.replace(EPISODE, targets_deg=(1.0, 2.0, 3.0, 4.0))
 
 

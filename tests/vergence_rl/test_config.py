@@ -33,7 +33,7 @@ from vergence_rl.config import VergenceRlConfig
         ),
         (
             {"learning_rule": "hindsight", "hindsight.n_best": 10},
-            r"hindsight.n_best: expected less than 10 \(iterations per episode\), got 10",
+            r"hindsight.n_best: expected less than 10 \(iterations of vergence in a row\), got 10",
         ),
         (
             {"learning_rule": "hindsight", "iterations_per_episode": 1},

@@ -89,6 +89,8 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
             iteration=iteration,
             given_deg=given_deg,
         )
+        if given_deg is self._wanted_deg:
+            self._wanted_deg = None  # once it is looked at, not when a picture is refused
         if percept.gaze is not None:
             self._gaze.publish(stamp_ns, percept.gaze.values())
         self._reward.publish(stamp_ns, percept.reward_values())
@@ -114,7 +116,7 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
             given_deg = values_of(episode, TARGET_NAMES, "episode", may_lack=True)
         begins = iteration % self.config.gaze.fixation_iterations == 0
         if begins and phase == TRAINING and self._wanted_deg is not None:
-            given_deg, self._wanted_deg = self._wanted_deg, None
+            return self._wanted_deg
         return given_deg
 
     def _show_basis_functions(self, stamp_ns: int) -> None:

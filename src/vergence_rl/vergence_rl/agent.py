@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from lockstep.errors import DivergenceError, InputError
 from lockstep.randomness import generator
+from lockstep.wire.topics import N_SACCADES
 from vergence_rl.cacla.rule import CaclaRule
 from vergence_rl.config import VergenceRlConfig
-from vergence_rl.gaze.config import N_SACCADES
 from vergence_rl.gaze.control import GazeControl, checked_gaze
 from vergence_rl.hindsight.rule import HindsightRule
 from vergence_rl.learning_rule import Decision, LearningRule, Observation
@@ -127,10 +127,16 @@ class Agent:
             # The second one corrects the first, without noise.
             command = control.saccade(activations, target_deg, None if i_of_fixation else draw)
         else:
-            since = dataclasses.replace(observation, iteration=i_of_fixation - N_SACCADES)
-            decision = self._rule.step(since, learning=learning, draw=draw)
+            # Before, the eyes could not see how the first saccade moved them: nobody's visit.
+            since = i_of_fixation - N_SACCADES
+            decision = self._rule.step(
+                dataclasses.replace(observation, iteration=since),
+                learning=learning and since >= 0,
+                draw=draw,
+            )
             command = control.held(activations, decision.command)
         if learning:
+            # As for all eyes, so that the recorder can check it: saccades count.
             self._rule.learning_steps = n_learned + (observation.iteration > 0)
         return dataclasses.replace(decision, command=command, action=command - activations)
 

@@ -12,8 +12,9 @@ from lockstep.command_space import (
     activation_limits,
 )
 from lockstep.settings import check_settings, setting
+from lockstep.wire.topics import N_SACCADES
 from vergence_rl.cacla.config import CaclaConfig
-from vergence_rl.gaze.config import N_SACCADES, GazeConfig
+from vergence_rl.gaze.config import GazeConfig
 from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.learning_rule import Task
 
@@ -86,7 +87,7 @@ class VergenceRlConfig:
         activation_limits(self.space, self.lowest_activations, self.highest_activations)
         self.gaze.check_fits(self.iterations_per_episode, self.command_space)
         fixation = self.gaze.fixation_iterations
-        self.rule_config.check_fits(fixation or self.iterations_per_episode)
+        self.rule_config.check_fits(fixation or self.iterations_per_episode, self.n_visits)
 
     @property
     def space(self) -> CommandSpace:

@@ -11,8 +11,8 @@ from typing import Any, Self
 import numpy as np
 
 from experiment_manager.measures.trials import Trials
+from lockstep.wire.topics import N_SACCADES, TARGET_NAMES
 
-N_SACCADES = 2
 # Vergence is judged, and gaze with it, so many iterations after the saccades.
 VERGED = 5
 
@@ -76,9 +76,7 @@ def fixation_measures(
     """
     begin = np.arange(0, trials.n_iterations, fixation_iterations)
     verged = begin + min(N_SACCADES + VERGED, fixation_iterations - 1)
-    target_deg = np.stack(
-        [trials.column(name) for name in ("target_sideways_deg", "target_up_deg")], axis=-1
-    )
+    target_deg = np.stack([trials.column(name) for name in TARGET_NAMES], axis=-1)
     horizontal_deg, vertical_deg, torsional_deg = (
         trials.column(name)[:, verged].ravel()
         for name in ("vergence_error_deg", "vertical_error_deg", "cyclovergence_error_deg")

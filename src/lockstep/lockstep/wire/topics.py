@@ -36,8 +36,7 @@ GROUND_TRUTH_NAMES = (
     "metabolic_rate_w",
     "initial_metabolic_rate_w",
     "optimal_metabolic_rate_w",
-    "target_sideways_deg",
-    "target_up_deg",
+    *TARGET_NAMES,
 )
 EYE_STATE_NAMES = tuple(
     f"{side}_{angle}" for side in SIDES for angle in ("adduction", "elevation", "torsion")
@@ -49,7 +48,9 @@ REWARD_NAMES = (
     "reward",
     "learning_steps",
 )
-# What saccades need: the target, and how both eyes turned in the last one.
+# A fixation begins with so many saccades: one to the target, one to what is left.
+N_SACCADES = 2
+# What they need: the target, and how both eyes turned since the observation before.
 GAZE_NAMES = (
     *TARGET_NAMES,
     *(f"{side}_{turn}_deg" for side in SIDES for turn in ("sideways", "up", "clockwise")),
@@ -77,9 +78,9 @@ CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
 PLANT_VECTORS = ("episode", "muscle_states", "muscle_activations", "eye_states", "ground_truth")
 # ... and these only for the observations that are answered.
 CODER_VECTORS = ("reward",)
-# ... the second of eyes that make saccades alone.
-GAZE = "gaze"
 LEARNER_VECTORS = ("muscle_command", "actor_critic")
+# ... and only from eyes that make saccades, by the coder.
+GAZE = "gaze"
 PICTURES = ("left/image_raw", "right/image_raw")
 CAMERA_INFOS = ("left/camera_info", "right/camera_info")
 # One message per change of the plant in the course of a run: its own names each time.
@@ -99,7 +100,7 @@ TOPIC_TYPES = {
 }
 
 # For people to look at, an IMAGE and a VECTOR: no part of the protocol, and not recorded.
-# From people and other programs: where the eyes are to look next, with TARGET_NAMES.
-GAZE_TARGET = "gaze_target"
 BASIS_FUNCTIONS = "basis_functions"
 MEAN_METABOLIC_RATES = "mean_metabolic_rates"
+# From people and other programs, a VECTOR: where the eyes are to look next, with TARGET_NAMES.
+GAZE_TARGET = "gaze_target"

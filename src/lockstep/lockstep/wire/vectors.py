@@ -123,7 +123,7 @@ def values_of(
         )
     if message.name != list(names):
         values = values[_indices(tuple(message.name), tuple(names), topic)]
-    if np.isinf(values).any() or (not may_lack and np.isnan(values).any()):
+    if np.isinf(values).any() if may_lack else not np.isfinite(values).all():
         raise InputError(f"{topic}: expected finite values, got {field} {values.tolist()}")
     return values
 

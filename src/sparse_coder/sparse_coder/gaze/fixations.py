@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lockstep.wire.topics import N_SACCADES
 from sparse_coder.encoding import Encoding
 from sparse_coder.gaze.movement import movement, rotation, swing_deg
 from sparse_coder.matching_pursuit import residual_energies
@@ -24,7 +25,6 @@ NOWHERE_DEG, _UNSEEN_DEG = np.full(2, np.nan), np.full((2, 3), np.nan)
 _AHEAD = np.array([0.0, 0.0, 1.0])
 # The scale at which the next place is chosen, and how far looking at a place inhibits return to it.
 _COARSE = 0
-N_SACCADES = 2
 _INHIBITION_DEG = 3.0
 
 

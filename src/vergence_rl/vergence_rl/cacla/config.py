@@ -50,5 +50,5 @@ class CaclaConfig:
         """Refuse values out of range."""
         check_settings(self)
 
-    def check_fits(self, iterations_per_episode: int) -> None:
+    def check_fits(self, iterations_per_episode: int, n_visits: int) -> None:
         """Accept episodes of any length: each iteration is learned from by itself."""

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from lockstep.command_space import ALL_MUSCLES
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
+from lockstep.wire.topics import N_SACCADES
 
-# A fixation begins with a saccade and one that corrects it; then vergence learns from the rest.
-N_SACCADES = 2
+# Vergence learns from what follows the saccades.
 _LEAST_FIXATION = N_SACCADES + 2
 
 

@@ -83,17 +83,20 @@ class HindsightConfig:
         """Refuse values out of range."""
         check_settings(self)
 
-    def check_fits(self, iterations_per_episode: int) -> None:
-        """Raise InputError unless whole episodes of two iterations or more fit a period."""
+    def check_fits(self, iterations_per_episode: int, n_visits: int) -> None:
+        """Raise InputError unless whole episodes of two iterations or more fit a period.
+
+        iterations_per_episode: or of a fixation; n_visits: those of them that a rule sees.
+        """
         if iterations_per_episode < 2:
             raise InputError(
                 "iterations_per_episode: expected 2 or more, whose rewards hindsight regression "
                 f"compares, got {iterations_per_episode}"
             )
-        if not self.n_best < iterations_per_episode:
+        if not self.n_best < n_visits:
             raise InputError(
-                f"hindsight.n_best: expected less than {iterations_per_episode} (iterations per "
-                f"episode), got {self.n_best}"
+                f"hindsight.n_best: expected less than {n_visits} (iterations of vergence in a "
+                f"row), got {self.n_best}"
             )
         if self.regression_period % iterations_per_episode:
             raise InputError(
