@@ -123,6 +123,21 @@ def test_a_graph_records_what_the_loop_computes(run: Path) -> None:
     assert_as_the_loop(run)
 
 
+def _with_own_commands(pictures: Path, directory: Path, *settings: str) -> Path:
+    """Make a run whose muscles have commands of their own, and check it against the loop."""
+    line = run_line(
+        pictures,
+        "experiment_manager.protocol.n_starts_per_distance=4",
+        "eye_plant.mechanics.parameter_set=anatomical",
+        "eye_plant.mechanics.moves=at_once",
+        *settings,
+        rule="hindsight",
+    )
+    _interrupted_and_resumed(line, directory, begins_in_process=True)
+    assert_as_the_loop(directory)
+    return directory
+
+
 @pytest.mark.parametrize("space", [HORIZONTAL_RECTI, ALL_MUSCLES])
 def test_muscles_with_commands_of_their_own_are_recorded_as_the_loop_has_them(
     pictures, tmp_path, space
@@ -135,14 +150,8 @@ def test_muscles_with_commands_of_their_own_are_recorded_as_the_loop_has_them(
         "vergence_rl.hindsight.drift_rate=0.1",
         "sparse_coder.price_rise_share=0.75",
         "sparse_coder.final_price_share=0.5",
-        "experiment_manager.protocol.n_starts_per_distance=4",
-        "eye_plant.mechanics.parameter_set=anatomical",
-        "eye_plant.mechanics.moves=at_once",
     )
-    directory = tmp_path / "run"
-    line = run_line(pictures, *settings, rule="hindsight")
-    _interrupted_and_resumed(line, directory, begins_in_process=True)
-    assert_as_the_loop(directory)
+    directory = _with_own_commands(pictures, tmp_path / "run", *settings)
     names = COMMAND_SPACES[space].names
     command = Bag(directory / "bag").vectors("muscle_command")["muscle_command"]
     for name in names:
@@ -161,14 +170,8 @@ def test_eyes_that_make_saccades_are_recorded_as_the_loop_has_them(pictures, tmp
         "vergence_rl.products_of_activations=true",
         "vergence_rl.hindsight.n_best=2",
         "experiment_manager.protocol.gives_targets=false",
-        "experiment_manager.protocol.n_starts_per_distance=4",
-        "eye_plant.mechanics.parameter_set=anatomical",
-        "eye_plant.mechanics.moves=at_once",
     )
-    directory = tmp_path / "run"
-    line = run_line(pictures, *settings, rule="hindsight")
-    _interrupted_and_resumed(line, directory, begins_in_process=True)
-    assert_as_the_loop(directory)
+    directory = _with_own_commands(pictures, tmp_path / "run", *settings)
     gaze, truth = Bag(directory / "bag").vectors("gaze", "ground_truth").values()
     # In tests the protocol gives the targets, in training the eyes choose among patches.
     chosen = gaze.column("target_sideways_deg")
