@@ -214,7 +214,7 @@ def _write(run: RecordedRun, results: Results) -> int:
     if not _is_whole(run):
         raise InputError(
             f"{run.directory}: expected a complete run, to write {path} from its bag; "
-            f" launch_scripts/run_experiment.sh --resume {run.directory} continues it"
+            f"launch_scripts/run_experiment.sh --resume {run.directory} continues it"
         )
     write_trials(run.directory, run.kept_trials())
     write_document(path, results.to_json())
