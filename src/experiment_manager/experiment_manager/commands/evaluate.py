@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from experiment_manager.analysis.recorded_run import RecordedRun
-from experiment_manager.frozen_evaluation import FrozenEvaluation
+from experiment_manager.frozen.evaluation import evaluated
+from experiment_manager.frozen.learners import FrozenLearners
+from experiment_manager.frozen.shown import Shown
 from experiment_manager.measures.kept_trials import KEPT_FILE, write_trials
 from experiment_manager.measures.results import RESULTS_FILE, Results, read_results, write_document
 from experiment_manager.measures.tables import number, summaries_table
@@ -147,26 +149,29 @@ def _add_learners(parser: argparse.ArgumentParser) -> None:
 
 
 def _test_frozen(options: argparse.Namespace) -> int:
-    evaluation = FrozenEvaluation(
+    learners = FrozenLearners(
         options.run,
         options.checkpoint,
-        options.stimuli,
-        options.stimuli_per_test,
-        stereograms=options.stereograms,
-        random_dots=options.random_dots,
-        generated=options.generated,
         dictionary=options.dictionary,
         actor=options.actor,
         settings=plant_settings(options.set),
-        start_scale=1.0 if options.start_scale is None else options.start_scale,
     )
-    results = evaluation.results()
+    shown = Shown(
+        options.stimuli,
+        options.stereograms,
+        options.random_dots,
+        options.generated,
+        options.stimuli_per_test,
+    )
+    start_scale = 1.0 if options.start_scale is None else options.start_scale
+    results = evaluated(learners, shown, start_scale)
     if options.json:
         print(json.dumps(results.to_json(), indent=2))
     else:
+        manager = learners.manager
         print(
-            f"model {results.model}, seed {results.seed}, checkpoint after "
-            f"{results.checkpoint} episodes, {results.n_stimuli} pictures of "
+            f"model {manager.model}, seed {manager.seed}, checkpoint after "
+            f"{learners.place} episodes, {results.n_stimuli} pictures of "
             f"{results.stimuli or 'its own test stimuli'}\n\n{summaries_table([results.test])}"
         )
     if options.out is not None:

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import shutil
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -11,7 +12,9 @@ import pytest
 
 from experiment_manager.commands.evaluate import main
 from experiment_manager.commands.run_experiment import main as run_experiment
-from experiment_manager.frozen_evaluation import FrozenEvaluation
+from experiment_manager.frozen.evaluation import FrozenResults, evaluated
+from experiment_manager.frozen.learners import FrozenLearners
+from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.measures.results import Summary, read_results
 from lockstep.errors import InputError
 
@@ -24,12 +27,16 @@ def run(small_run: Path, tmp_path: Path) -> Path:
     return directory
 
 
+def _evaluated(run: Path, shown: Shown = OWN_TEST_STIMULI, **which: Any) -> FrozenResults:
+    return evaluated(FrozenLearners(run, **which), shown)
+
+
 def _tests(run: Path) -> tuple[Summary, ...]:
     return read_results(run / "results.json").tests
 
 
 def test_the_last_checkpoint_on_its_own_stimuli_gives_the_last_test(small_run, run) -> None:
-    assert FrozenEvaluation(run).results().test == _tests(small_run)[-1]
+    assert _evaluated(run).test == _tests(small_run)[-1]
 
 
 def test_own_stimuli_from_their_directory_are_the_same(small_run, run, pictures, tmp_path, capsys):
@@ -49,7 +56,7 @@ def test_the_first_checkpoint_gives_the_first_test(small_run: Path, run: Path) -
     # The one before the first episode: nothing learned, and the test at 0 is what comes next.
     places = sorted(int(path.name) for path in (run / "checkpoints").iterdir())
     assert places[0] == 0
-    assert FrozenEvaluation(run, n_episodes=0).results().test == _tests(small_run)[0]
+    assert _evaluated(run, n_episodes=0).test == _tests(small_run)[0]
 
 
 def test_other_pictures_and_fewer_of_them(run: Path, tmp_path: Path) -> None:
@@ -58,11 +65,11 @@ def test_other_pictures_and_fewer_of_them(run: Path, tmp_path: Path) -> None:
     draw = np.random.default_rng(2)
     for i in range(3):
         cv2.imwrite(str(other / f"{i}.png"), draw.integers(0, 256, (80, 90), dtype=np.uint8))
-    results = FrozenEvaluation(run, stimuli=other, n_stimuli=1).results()
+    results = _evaluated(run, Shown(stimuli=other, n_most=1))
     n_conditions = results.test.n_trials
     assert (results.n_stimuli, n_conditions) == (1, 5)
     # As many as in the run's own tests, of which there were two.
-    assert FrozenEvaluation(run, stimuli=other).results().test.n_trials == 2 * n_conditions
+    assert _evaluated(run, Shown(stimuli=other)).test.n_trials == 2 * n_conditions
 
 
 @pytest.mark.parametrize(
@@ -105,10 +112,10 @@ def test_options_that_do_not_go_together(run, line, capsys) -> None:
 
 
 def test_a_test_with_altered_input_is_another_one(small_run: Path, run: Path) -> None:
-    same = FrozenEvaluation(run, settings={"camera.left_blur_px": 0.0}).results()
+    same = _evaluated(run, settings={"camera.left_blur_px": 0.0})
     assert same.test == _tests(small_run)[-1]
-    blurred = FrozenEvaluation(run, settings={"camera.left_blur_px": 40.0}).results()
-    assert blurred.settings == {"camera.left_blur_px": 40.0}
+    blurred = _evaluated(run, settings={"camera.left_blur_px": 40.0})
+    assert blurred.learners.settings == {"camera.left_blur_px": 40.0}
     assert blurred.test != same.test
 
 
@@ -118,9 +125,9 @@ def test_random_dot_stereograms(run: Path, capsys: pytest.CaptureFixture[str]) -
 
 
 def test_generated_stimuli_of_a_run_that_was_trained_on_others(run: Path) -> None:
-    results = FrozenEvaluation(run, n_stimuli=1, generated=True).results()
+    results = _evaluated(run, Shown(n_most=1, generated=True))
     assert (results.n_stimuli, results.stimuli) == (1, "the generated test stimuli")
-    assert results.test != FrozenEvaluation(run, n_stimuli=1).results().test
+    assert results.test != _evaluated(run, Shown(n_most=1)).test
 
 
 def test_stereograms_of_a_directory(run: Path, tmp_path: Path) -> None:
@@ -130,18 +137,18 @@ def test_stereograms_of_a_directory(run: Path, tmp_path: Path) -> None:
     for side in ("left", "right"):
         picture = draw.integers(0, 256, (80, 80), dtype=np.uint8)
         cv2.imwrite(str(directory / f"a_{side}.png"), picture)
-    results = FrozenEvaluation(run, stereograms=directory).results()
+    results = _evaluated(run, Shown(stereograms=directory))
     assert (results.n_stimuli, results.stimuli) == (1, str(directory))
 
 
 def test_dictionary_and_actor_of_another_age(small_run: Path, run: Path) -> None:
     first, *_ = sorted((run / "checkpoints").iterdir())
-    oldest = FrozenEvaluation(run, n_episodes=int(first.name)).results().test
-    both = FrozenEvaluation(run, dictionary=first, actor=first).results()
-    assert both.dictionary == both.actor == str(first)
+    oldest = _evaluated(run, n_episodes=int(first.name)).test
+    both = _evaluated(run, dictionary=first, actor=first)
+    assert both.to_json()["dictionary"] == both.to_json()["actor"] == str(first)
     # All but its age is that of the first test.
     assert both.test == dataclasses.replace(oldest, iteration=60)
-    mixed = FrozenEvaluation(run, dictionary=first).results().test
+    mixed = _evaluated(run, dictionary=first).test
     assert mixed != [_tests(small_run)[-1]]
     assert mixed != both.test
 
@@ -157,7 +164,7 @@ def test_two_kinds_of_stimuli_are_refused(run: Path, pictures: Path) -> None:
     with pytest.raises(
         InputError, match="expected one of a directory, stereograms, random dots and"
     ):
-        FrozenEvaluation(run, stimuli=pictures, random_dots=True).results()
+        _evaluated(run, Shown(stimuli=pictures, random_dots=True))
 
 
 @pytest.fixture(scope="module")
@@ -180,10 +187,10 @@ def twelve(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
 
 
 def test_twelve_muscles_are_tested_as_in_their_run_and_from_farther_off(twelve: Path) -> None:
-    own = FrozenEvaluation(twelve).results()
+    own = _evaluated(twelve)
     assert own.test == _tests(twelve)[-1]
     # Without learning the eyes stay where the trials begin.
-    farther = FrozenEvaluation(twelve, n_episodes=0, start_scale=1.5).results()
+    farther = evaluated(FrozenLearners(twelve, n_episodes=0), start_scale=1.5)
     near_deg, far_deg = (
         summary.median_abs_cyclovergence_error_deg for summary in (_tests(twelve)[0], farther.test)
     )
@@ -193,11 +200,11 @@ def test_twelve_muscles_are_tested_as_in_their_run_and_from_farther_off(twelve: 
 
 def test_a_muscle_may_be_lost_before_a_test_of_twelve(twelve: Path) -> None:
     strength = [0.0, *[1.0] * 11]
-    lost = FrozenEvaluation(twelve, settings={"mechanics.strength": strength}).results()
+    lost = _evaluated(twelve, settings={"mechanics.strength": strength})
     assert lost.test.n_trials == _tests(twelve)[-1].n_trials
     assert lost.test != _tests(twelve)[-1]
 
 
 def test_the_pair_has_no_ranges_of_first_errors(run: Path) -> None:
     with pytest.raises(InputError, match="start_scale: expected a run with a command for each mus"):
-        FrozenEvaluation(run, start_scale=1.5).results()
+        evaluated(FrozenLearners(run), start_scale=1.5)
