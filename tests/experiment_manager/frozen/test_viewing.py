@@ -16,18 +16,15 @@ def learners(small_run: Path) -> FrozenLearners:
     return FrozenLearners(small_run)
 
 
-def _first_activations(learners: FrozenLearners) -> np.ndarray:
-    activations = np.zeros(12)
-    activations[[0, 6]] = 0.05
-    return activations
+# Both medial recti are active.
+_FIRST = [0.05, *[0.0] * 5] * 2
 
 
 def test_two_parts_are_as_one(learners: FrozenLearners) -> None:
     stimuli = OWN_TEST_STIMULI.load(learners.plant.stimuli, 2)
-    first = _first_activations(learners)
     with learners.loop(stimuli) as loop:
-        whole = Viewing(loop, 1, 1.0, first).look(4)
-        parted = Viewing(loop, 1, 1.0, first)
+        whole = Viewing(loop, 1, 1.0, _FIRST).look(4)
+        parted = Viewing(loop, 1, 1.0, _FIRST)
         parts = [*parted.look(1)[:-1], *parted.look(3)]
     angles = (
         [np.array(o.state.activations) for o in whole],
@@ -40,7 +37,7 @@ def test_two_parts_are_as_one(learners: FrozenLearners) -> None:
 def test_a_part_has_settings_of_its_own(learners: FrozenLearners) -> None:
     stimuli = OWN_TEST_STIMULI.load(learners.plant.stimuli, 2)
     with learners.loop(stimuli) as loop:
-        viewing = Viewing(loop, 0, 1.0, _first_activations(learners))
+        viewing = Viewing(loop, 0, 1.0, _FIRST)
         viewing.look(1, {"camera.left_occluded": True})
         assert loop.plant.config.camera.left_occluded
         with pytest.raises(InputError, match=r"camera\.no_such"):
