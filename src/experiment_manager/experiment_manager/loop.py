@@ -23,6 +23,7 @@ from sparse_coder.perception import Percept, fixations_of, perceive
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
 from vergence_rl.learning_rule import Decision
+from vergence_rl.messages import price_of
 
 
 @dataclass(frozen=True)
@@ -116,6 +117,7 @@ class InProcessLoop:
         if learning:
             self.coder.learn(percept.encoding)
         gaze = percept.gaze
+        coarse, fine = percept.encoding.reconstruction_error.tolist()
         decision = self.agent.observe(
             percept.encoding.features,
             self._space.from_all(observation.state.activations),
@@ -124,6 +126,7 @@ class InProcessLoop:
             observation.training_iteration,
             learning=learning,
             exploration=exploration,
+            price=price_of((coarse, fine), percept.reward),
             **({"target_deg": gaze.target_deg, "turns_deg": gaze.turns_deg} if gaze else {}),
         )
         return Answer(percept, decision, self.agent.learning_steps)

@@ -14,6 +14,7 @@ from lockstep.wire.topics import N_SACCADES
 from vergence_rl.cacla.rule import CaclaRule
 from vergence_rl.config import VergenceRlConfig
 from vergence_rl.gaze.control import GazeControl, checked_gaze
+from vergence_rl.gaze.eye_turns import N_TURNS
 from vergence_rl.hindsight.rule import HindsightRule
 from vergence_rl.learning_rule import Decision, LearningRule, Observation
 from vergence_rl.normalizer import (
@@ -45,12 +46,13 @@ class Agent:
         self._statistics = empty_statistics(
             config.n_features + config.n_felt, config.initial_squared_deviation
         )
-        task = config.task
         self._gaze = (
-            GazeControl(task.lowest, task.highest, config.gaze.saccade_noise)
+            GazeControl(*config.limits, config.gaze.saccade_noise)
             if config.gaze.fixation_iterations
             else None
         )
+        # The sum of what vergence has asked for in this fixation.
+        self._turned_deg = np.zeros(N_TURNS)
 
     @property
     def learning_steps(self) -> int:
@@ -69,6 +71,7 @@ class Agent:
         exploration: bool,
         target_deg: NDArray[np.float64] = _NO_TARGET,
         turns_deg: NDArray[np.float64] = _NO_TURNS,
+        price: float = 0.0,
     ) -> Decision:
         """Learn from what was done so far and answer with what to do next.
 
@@ -77,7 +80,8 @@ class Agent:
         training iterations before this one. There is nothing to learn at an episode's start or
         after a gap, nor from an action that was taken without learning. target_deg: (2,) sideways
         and up from the left line of sight, where there is a place to look at now; turns_deg: (2, 3)
-        how each eye was seen to turn in a saccade just made; NaN otherwise.
+        how each eye was seen to turn since the observation before; NaN otherwise. price: what the
+        activations take from the reward, lambda C, for eyes that make saccades.
         Raises InputError, and changes nothing, for a wrong size or a number that is not finite;
         DivergenceError when value, TD error or action leave every sane range.
         """
@@ -98,7 +102,9 @@ class Agent:
             decision = self._rule.step(observation, learning=learning, draw=draw)
         else:
             gaze = checked_gaze(target_deg, turns_deg)
-            decision = self._fixate(self._gaze, observation, gaze, learning=learning, draw=draw)
+            decision = self._fixate(
+                self._gaze, observation, gaze, price, learning=learning, draw=draw
+            )
         _check_sanity(training_iteration, decision)
         return decision
 
@@ -107,34 +113,46 @@ class Agent:
         control: GazeControl,
         observation: Observation,
         gaze: tuple[NDArray[np.float64], NDArray[np.float64]],
+        price: float,
         *,
         learning: bool,
         draw: np.random.Generator | None,
     ) -> Decision:
         """Make a saccade where there is a target, otherwise verge where the eyes look (D22).
 
-        The rule sees what follows the saccades alone, as an episode of its own.
+        The rule sees what follows the saccades alone, as an episode of its own, in which the place
+        of the eyes is the sum of the turns that it has asked for. The price is not among its
+        rewards: the control lowers it, and leaves the eyes where the rule has turned them (D23).
         """
         n_learned = self._rule.learning_steps
         (target_deg, turns_deg), activations = gaze, observation.activations
         if observation.iteration == 0:
             control.forget_movement()
         if learning:
-            control.learn(activations, turns_deg)
+            control.learn(activations, turns_deg, price)
         i_of_fixation = observation.iteration % self.config.gaze.fixation_iterations
-        if np.isfinite(target_deg).all():
-            decision = self._rule.step(observation, learning=False, draw=None)
+        is_saccade = bool(np.isfinite(target_deg).all())
+        # Before, the eyes could not see how the first saccade moved them: nobody's visit.
+        since = i_of_fixation - N_SACCADES
+        if since <= 0:
+            self._turned_deg = np.zeros(N_TURNS)
+        learns = learning and not is_saccade and since >= 0 and control.is_known
+        decision = self._rule.step(
+            dataclasses.replace(
+                observation,
+                iteration=since,
+                activations=self._turned_deg,
+                reward=observation.reward + price,
+            ),
+            learning=learns,
+            draw=None if is_saccade else draw,
+        )
+        if is_saccade:
             # The second one corrects the first, without noise.
             command = control.saccade(activations, target_deg, None if i_of_fixation else draw)
         else:
-            # Before, the eyes could not see how the first saccade moved them: nobody's visit.
-            since = i_of_fixation - N_SACCADES
-            decision = self._rule.step(
-                dataclasses.replace(observation, iteration=since),
-                learning=learning and since >= 0,
-                draw=draw,
-            )
-            command = control.held(activations, decision.command)
+            self._turned_deg = decision.command
+            command = control.verge(activations, decision.action)
         if learning:
             # As for all eyes, so that the recorder can check it: saccades count.
             self._rule.learning_steps = n_learned + (observation.iteration > 0)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lockstep.command_space import (
     COMMAND_SPACES,
@@ -15,6 +16,7 @@ from lockstep.settings import check_settings, setting
 from lockstep.wire.topics import N_SACCADES
 from vergence_rl.cacla.config import CaclaConfig
 from vergence_rl.gaze.config import GazeConfig
+from vergence_rl.gaze.eye_turns import N_TURNS
 from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.learning_rule import Task
 
@@ -85,7 +87,7 @@ class VergenceRlConfig:
         """Refuse values out of range, and what the chosen rule cannot work with."""
         check_settings(self)
         activation_limits(self.space, self.lowest_activations, self.highest_activations)
-        self.gaze.check_fits(self.iterations_per_episode, self.command_space)
+        self.gaze.check_fits(self.iterations_per_episode, self.command_space, self.learning_rule)
         fixation = self.gaze.fixation_iterations
         self.rule_config.check_fits(fixation or self.iterations_per_episode, self.n_visits)
 
@@ -128,15 +130,23 @@ class VergenceRlConfig:
         return fixation - N_SACCADES if fixation else self.iterations_per_episode
 
     @property
-    def task(self) -> Task:
-        """What a rule must know."""
+    def limits(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Lowest and highest activation of each command, (n_muscles,)."""
         limits = activation_limits(self.space, self.lowest_activations, self.highest_activations)
+        return np.array(limits.lowest), np.array(limits.highest)
+
+    @property
+    def task(self) -> Task:
+        """What a rule must know; with saccades it turns the eyes, which has no limits."""
+        lowest, highest = self.limits
+        if self.gaze.fixation_iterations:
+            lowest, highest = np.full(N_TURNS, -np.inf), np.full(N_TURNS, np.inf)
         return Task(
             self.seed,
             self.n_state,
             self.n_felt,
-            np.array(limits.lowest),
-            np.array(limits.highest),
+            lowest,
+            highest,
             self.n_training_iterations,
             self.n_visits,
             self.initial_td_variance,

@@ -1,5 +1,8 @@
 """What the agent takes from messages, and what it puts into its own."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from sensor_msgs.msg import Image, JointState
 
@@ -10,6 +13,7 @@ from lockstep.wire.vectors import values_of
 from vergence_rl.learning_rule import Decision
 
 _SCALES = 2
+_REWARD = ("reconstruction_error_coarse", "reconstruction_error_fine", "reward")
 
 
 def features_of(message: Image) -> np.ndarray:
@@ -48,13 +52,23 @@ def activations_of(message: JointState, space: CommandSpace) -> np.ndarray:
     return space.from_muscles(values)
 
 
-def gaze_of(message: JointState) -> dict[str, np.ndarray]:
-    """Return target_deg (2,) and turns_deg (2, 3) as Agent.observe takes them.
+def price_of(reconstruction_error: Sequence[float], reward: float) -> float:
+    """Return lambda C of a reward r = -E - lambda C (K17 eq. 5), E the sum of both errors."""
+    return -reward - sum(reconstruction_error)
+
+
+def gaze_of(message: JointState, reward: JointState) -> dict[str, Any]:
+    """Return target_deg (2,), turns_deg (2, 3) and price as Agent.observe takes them.
 
     Raises InputError as `values_of`; NaN stands for what there is not.
     """
     values = values_of(message, GAZE_NAMES, GAZE, may_lack=True)
-    return {"target_deg": values[:2], "turns_deg": values[2:].reshape(len(SIDES), -1)}
+    coarse, fine, reward_t = values_of(reward, _REWARD, "reward").tolist()
+    return {
+        "target_deg": values[:2],
+        "turns_deg": values[2:].reshape(len(SIDES), -1),
+        "price": price_of((coarse, fine), reward_t),
+    }
 
 
 def actor_critic_values(decision: Decision, learning_steps: int) -> tuple[float, ...]:

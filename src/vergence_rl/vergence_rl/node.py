@@ -55,7 +55,7 @@ class VergenceRlNode(LearnerNode[Agent]):
             observation["episode"], _EPISODE, "episode"
         )
         activations = activations_of(observation["muscle_activations"], self.config.space)
-        gaze = gaze_of(observation[GAZE]) if GAZE in observation else {}
+        gaze = gaze_of(observation[GAZE], observation["reward"]) if GAZE in observation else {}
         in_training = phase == TRAINING
         decision = self.learner.observe(
             features,

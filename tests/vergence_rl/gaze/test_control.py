@@ -22,14 +22,17 @@ def turned_deg(change: np.ndarray) -> np.ndarray:
     return np.array([LEFT @ change[:6], RIGHT @ change[6:]])
 
 
-def learned(n: int = 400, *, seen: bool = True) -> GazeControl:
-    """Eyes that turn in proportion to the change, having made n saccades of noise."""
+def learned(n: int = 400, *, seen: bool = True, price: float = 0.0) -> GazeControl:
+    """Eyes that turn in proportion to the change, having made n saccades of noise.
+
+    price: of each unit of activation.
+    """
     draw, control = np.random.default_rng(1), GazeControl(LOWEST, HIGHEST, 0.002)
     for _ in range(n):
         before = draw.uniform(0.08, 0.12, 12)
         after = control.saccade(before, np.zeros(2), draw)
-        turns_deg = turned_deg(after - before)
-        control.learn(after, turns_deg if seen else np.full((2, 3), np.nan))
+        turns_deg = turned_deg(after - before) if seen else np.full((2, 3), np.nan)
+        control.learn(after, turns_deg, price * float(after.sum()))
     return control
 
 
@@ -39,31 +42,43 @@ def test_saccades_turn_both_eyes_alike_without_rotating_them() -> None:
     np.testing.assert_allclose(turned_deg(command - MID), expected, atol=0.02)
 
 
-def test_vergence_leaves_the_left_line_of_sight_and_the_right_eye_alone() -> None:
-    wanted = MID + np.random.default_rng(2).normal(0.0, 0.01, 12)
-    held = learned().held(MID, wanted)
-    np.testing.assert_array_equal(held[6:], wanted[6:])
-    left_deg, _ = turned_deg(held - MID)
-    np.testing.assert_allclose(left_deg[:2], 0.0, atol=0.01)
-    # The nearest such command: what was taken away is what turns the line of sight.
-    np.testing.assert_allclose(left_deg[2], (LEFT @ (held - MID)[:6])[2], atol=1e-9)
-    away = (wanted - held)[:6]
-    assert np.linalg.matrix_rank(np.vstack([LEFT[:2], away]), tol=1e-2) == 2
+TURN = np.array([1.5, -0.5, 0.8])
+# The left line of sight stays; about it each eye turns by half.
+VERGED = [[0.0, 0.0, -0.4], [1.5, -0.5, 0.4]]
+
+
+def test_vergence_turns_the_right_eye_and_both_about_their_lines_of_sight() -> None:
+    command = learned().verge(MID, TURN)
+    np.testing.assert_allclose(turned_deg(command - MID), VERGED, atol=0.02)
+
+
+def test_with_a_price_vergence_relaxes_muscles_that_pull_against_each_other() -> None:
+    control = learned(2500, price=1.0)
+    command = control.verge(MID, TURN)
+    turned = turned_deg(command - MID)
+    np.testing.assert_allclose(turned[:, :2], np.array(VERGED)[:, :2], atol=0.03)
+    # Both eyes may rotate alike.
+    assert turned[1, 2] - turned[0, 2] == pytest.approx(0.8, abs=0.03)
+    assert command.sum() < MID.sum() - 0.1
+    for _ in range(20):
+        command = control.verge(command, np.zeros(3))
+    silent = (command < 1e-6).reshape(2, 3, 2)
+    assert silent.any(axis=2).all(), "one of each pair of antagonists"
 
 
 @pytest.mark.parametrize(("n", "seen"), [(10, True), (400, False)])
 def test_without_enough_movements_seen_eyes_make_no_saccades(n: int, seen: bool) -> None:
     control = learned(n, seen=seen)
     np.testing.assert_array_equal(control.saccade(MID, np.array([6.0, -3.0]), None), MID)
-    np.testing.assert_array_equal(control.held(MID, MID + 0.01), MID + 0.01)
+    np.testing.assert_array_equal(control.verge(MID, TURN), MID)
 
 
 def test_only_what_a_saccade_led_to_is_learned_from() -> None:
     control = GazeControl(LOWEST, HIGHEST, 0.002)
-    control.learn(MID, turned_deg(MID))
+    control.learn(MID, turned_deg(MID), 0.0)
     control.saccade(MID, np.zeros(2), None)
     control.forget_movement()
-    control.learn(MID, turned_deg(MID))
+    control.learn(MID, turned_deg(MID), 0.0)
     assert not control.state()["left_eye_squares"].any()
 
 
@@ -72,7 +87,7 @@ def test_an_eye_that_was_not_seen_clearly_learns_nothing() -> None:
     after = control.saccade(MID, np.zeros(2), np.random.default_rng(3))
     turns_deg = turned_deg(after - MID)
     turns_deg[1] = np.nan
-    control.learn(after, turns_deg)
+    control.learn(after, turns_deg, 0.0)
     state = control.state()
     assert (state["left_eye_n_movements"], state["right_eye_n_movements"]) == (1, 0)
 
@@ -81,16 +96,18 @@ def test_commands_stay_within_their_limits() -> None:
     command = learned().saccade(MID, np.array([60.0, 0.0]), None)
     assert (command >= LOWEST).all()
     assert (command <= HIGHEST).all()
-    assert (learned().held(MID, np.full(12, 0.5)) <= HIGHEST).all()
+    assert (learned().verge(MID, 40.0 * TURN) <= HIGHEST).all()
 
 
 def test_goes_on_from_its_state_bit_for_bit() -> None:
-    whole, part = learned(), GazeControl(LOWEST, HIGHEST, 0.002)
-    part.restore(learned().state())
+    whole, part = learned(2500, price=1.0), GazeControl(LOWEST, HIGHEST, 0.002)
+    part.restore(whole.state())
     target_deg = np.array([4.0, 2.0])
-    assert whole.saccade(MID, target_deg, None).tobytes() == (
-        part.saccade(MID, target_deg, None).tobytes()
-    )
+    for one, other in (
+        (whole.saccade(MID, target_deg, None), part.saccade(MID, target_deg, None)),
+        (whole.verge(MID, TURN), part.verge(MID, TURN)),
+    ):
+        assert one.tobytes() == other.tobytes()
 
 
 @pytest.mark.parametrize(

@@ -29,11 +29,12 @@ MIDDLE = np.full(12, 0.1)
 
 
 def _fixated(
-    agent: Agent, n_episodes: int, first: int = 0, *, is_seen: bool = True
+    agent: Agent, n_episodes: int, first: int = 0, *, is_seen: bool = True, price: float = 0.0
 ) -> list[Decision]:
     """Return the decisions of episodes of two fixations, each with two saccades.
 
-    is_seen: whether the first saccade's movement is; without it there is no second one.
+    is_seen: whether the first saccade's movement is; without it there is no second one. price: in
+    each reward.
     """
     draw, decisions = np.random.default_rng(4), []
     for i in range(first * 10, (first + n_episodes) * 10):
@@ -42,7 +43,7 @@ def _fixated(
             agent.observe(
                 draw.random(6),
                 draw.uniform(0.05, 0.15, 12),
-                -float(draw.random()),
+                -float(draw.random()) - price,
                 i % 10,
                 i,
                 learning=True,
@@ -50,20 +51,47 @@ def _fixated(
                 target_deg=np.array([1.0, 2.0]) * (1.0 if of_fixation < 1 + is_seen else np.nan),
                 turns_deg=draw.normal(0, 1, (2, 3))
                 * (1.0 if is_seen and of_fixation == 1 else np.nan),
+                price=price,
             )
         )
     return decisions
 
 
-def test_a_rule_learns_from_what_follows_the_saccades_alone() -> None:
+@pytest.fixture(scope="module")
+def known() -> dict[str, np.ndarray]:
+    """The state of an agent that knows how its eyes turn, and has learned little else."""
     agent = Agent(GAZE)
-    decisions = _fixated(agent, 2)
+    _fixated(agent, 170)
+    return agent.state()
+
+
+def _knowing(known: dict[str, np.ndarray], **changes: int) -> Agent:
+    agent = Agent(build(VergenceRlConfig, flatten(GAZE) | changes))
+    agent.restore({name: known.get(name, value) for name, value in agent.state().items()})
+    return agent
+
+
+def test_a_rule_learns_from_what_follows_the_saccades_alone(known) -> None:
+    agent = _knowing(known)
+    n_movements, n_steps = agent.state()["left_eye_n_movements"], agent.learning_steps
+    decisions = _fixated(agent, 2, 170)
     # A saccade reports no TD error, and neither does the first iteration of vergence.
     undefined = [math.isnan(d.td_error) for d in decisions]
     assert undefined == [True, True, True, False, False] * 4
-    assert agent.state()["left_eye_n_movements"] == 4
-    assert agent.state()["sum_weight"] > 0.0
+    assert agent.state()["left_eye_n_movements"] == n_movements + 4
+    assert agent.state()["sum_weight"] != known["sum_weight"]
     # As for all eyes: one step for each iteration but the first of an episode.
+    assert agent.learning_steps == n_steps + 18
+
+
+def test_until_movements_are_known_nothing_is_learned_of_vergence_and_the_eyes_stay() -> None:
+    agent = Agent(GAZE)
+    decisions = _fixated(agent, 2)
+    assert all(math.isnan(d.td_error) for d in decisions)
+    assert not agent.state()["actor"].any()
+    moved = [np.abs(d.action).max() > 0.0 for d in decisions]
+    # The first saccade is noise, and the second would correct what is not known.
+    assert moved == [True, False, False, False, False] * 4
     assert agent.learning_steps == 18
 
 
@@ -89,6 +117,7 @@ def test_gaze_goes_on_from_its_state_bit_for_bit() -> None:
     [
         ({"gaze.fixation_iterations": 3}, "expected 0, or 4 or more, of which 2 are saccades"),
         ({"iterations_per_episode": 12}, "iterations_per_episode: expected a multiple of 5"),
+        ({"learning_rule": "cacla"}, "expected 0 with learning_rule cacla"),
         ({"hindsight.n_best": 3}, "hindsight.n_best: expected less than 3"),
         (
             {"command_space": "pair", "products_of_activations": False},
@@ -101,17 +130,26 @@ def test_fixations_that_do_not_fit_are_refused(changes, message: str) -> None:
         build(VergenceRlConfig, flatten(GAZE) | changes)
 
 
-def test_vergence_is_learned_after_a_saccade_that_was_not_seen() -> None:
-    agent = Agent(GAZE)
-    decisions = _fixated(agent, 2, is_seen=False)
-    assert [math.isnan(d.td_error) for d in decisions] == [True, True, True, False, False] * 4
-    assert agent.state()["left_eye_n_movements"] == 0
-    assert agent.state()["actor"].any()
-    assert agent.learning_steps == 18
+def test_vergence_is_learned_after_a_saccade_that_was_not_seen(known) -> None:
+    agent = _knowing(known)
+    decisions = _fixated(agent, 4, 170, is_seen=False)
+    assert [math.isnan(d.td_error) for d in decisions] == [True, True, True, False, False] * 8
+    state = agent.state()
+    assert state["left_eye_n_movements"] == known["left_eye_n_movements"]
+    assert (state["actor"] != known["actor"]).any()
+
+
+def test_the_price_is_lowered_by_the_command_and_hidden_from_the_rule(known) -> None:
+    """The rule's best places are those of most reward without the price."""
+    bare, priced = _knowing(known), _knowing(known)
+    for one, other in zip(_fixated(bare, 2, 170), _fixated(priced, 2, 170, price=0.5), strict=True):
+        assert one.td_error == pytest.approx(other.td_error, nan_ok=True)
+    np.testing.assert_allclose(bare.state()["actor"], priced.state()["actor"])
+    assert (bare.state()["effort_products"] != priced.state()["effort_products"]).any()
 
 
 @pytest.mark.parametrize("n_best", [1, 2])
-def test_as_many_best_places_as_a_fixation_has(n_best: int) -> None:
-    agent = Agent(build(VergenceRlConfig, flatten(GAZE) | {"hindsight.n_best": n_best}))
-    _fixated(agent, 4)
-    assert agent.state()["actor"].any()
+def test_as_many_best_places_as_a_fixation_has(known, n_best: int) -> None:
+    agent = _knowing(known, **{"hindsight.n_best": n_best})
+    _fixated(agent, 4, 170)
+    assert (agent.state()["actor"] != known["actor"]).any()

@@ -78,11 +78,15 @@ class Fixations:
         if of_fixation == 1 and self._pictures is not None:
             return self._corrected(pictures)
         if of_fixation == N_SACCADES:
-            self._pictures = (pictures[0].copy(), pictures[1])
+            self._pictures = (pictures[0].copy(), pictures[1].copy())
         turns_deg = _UNSEEN_DEG
         if of_fixation == N_SACCADES + 1 and self._pictures is not None:
-            turned_deg = movement(self._pictures[0], pictures[0], self._focal_length_px).turns_deg
-            turns_deg = np.stack([turned_deg, _UNSEEN_DEG[1]])
+            turns_deg = np.array(
+                [
+                    movement(before, now, self._focal_length_px).turns_deg
+                    for before, now in zip(self._pictures, pictures, strict=True)
+                ]
+            )
         return Gaze(NOWHERE_DEG, turns_deg)
 
     def _corrected(self, pictures: Pictures) -> Gaze:

@@ -37,8 +37,10 @@ class GazeConfig:
                 f"{N_SACCADES} are saccades, got {self.fixation_iterations}"
             )
 
-    def check_fits(self, iterations_per_episode: int, command_space: str) -> None:
-        """Raise InputError unless episodes are whole fixations and all muscles are commanded."""
+    def check_fits(
+        self, iterations_per_episode: int, command_space: str, learning_rule: str
+    ) -> None:
+        """Raise InputError unless episodes are whole fixations and the eyes can make saccades."""
         if not self.fixation_iterations:
             return
         if iterations_per_episode % self.fixation_iterations:
@@ -50,4 +52,9 @@ class GazeConfig:
             raise InputError(
                 f"gaze.fixation_iterations: expected 0 with command_space {command_space}, since "
                 f"saccades turn each eye about all axes, got {self.fixation_iterations}"
+            )
+        if learning_rule == "cacla":
+            raise InputError(
+                "gaze.fixation_iterations: expected 0 with learning_rule cacla, whose actions are "
+                f"changes of activation and not turns of the eyes, got {self.fixation_iterations}"
             )

@@ -1,4 +1,7 @@
-"""Saccades of both eyes, and commands of vergence that leave the gaze where it is."""
+"""Saccades of both eyes, and vergence that leaves the gaze where it is, for little energy.
+
+Both are turns of the eyes. What saccades have learned makes activations of them (D22, D23).
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -8,17 +11,17 @@ from numpy.typing import NDArray
 
 from lockstep.command_space import SIDES
 from lockstep.errors import InputError
+from vergence_rl.gaze.effort import Effort, lowered
 from vergence_rl.gaze.eye_turns import N_TURNS, EyeTurns
 
 Floats = NDArray[np.float64]
 
-# The target is a place in the left picture, so it is the left eye's line of sight that is held.
-_LEFT = 0
-_SIDEWAYS_AND_UP = np.zeros(2)
+# By which a command changes an activation at most to save energy.
+_LARGEST_SAVING = 0.02
 
 
 class GazeControl:
-    """Owns what is known of both eyes' turns.
+    """Owns what is known of both eyes' turns, and of what activations cost.
 
     Activations are those of twelve muscles, the left eye's six first.
     """
@@ -30,17 +33,25 @@ class GazeControl:
             EyeTurns(low, high)
             for low, high in zip(_of_eyes(lowest), _of_eyes(highest), strict=True)
         ]
+        self._effort = Effort(len(lowest))
         self._before: Floats | None = None
+
+    @property
+    def is_known(self) -> bool:
+        """Whether enough movements of both eyes are known to make turns of them."""
+        return all(eye.is_known for eye in self._eyes)
 
     def forget_movement(self) -> None:
         """Learn nothing from what comes next until there was another command."""
         self._before = None
 
-    def learn(self, activations: Floats, turns_deg: Floats) -> None:
-        """Learn from the last command, which led to these activations (12,).
+    def learn(self, activations: Floats, turns_deg: Floats, price: float) -> None:
+        """Learn from the last command, which led to these activations (12,), and from their price.
 
-        turns_deg: (2, n_turns) of each eye, NaN where it was not seen clearly.
+        turns_deg: (2, n_turns) of each eye, NaN where it was not seen clearly; price: what the
+        activations take from the reward.
         """
+        self._effort.learn(activations, price)
         if self._before is None:
             return
         before, after = _of_eyes(self._before), _of_eyes(activations)
@@ -60,18 +71,61 @@ class GazeControl:
         """
         self._before = activations
         wanted_deg = np.append(target_deg, 0.0)
-        of_eyes = zip(self._eyes, _of_eyes(activations), strict=True)
-        change = np.concatenate([eye.change(a, wanted_deg) for eye, a in of_eyes])
+        change = self._change(activations, np.array([wanted_deg, wanted_deg]))
         if draw is not None:
             change += draw.normal(0.0, self._noise, len(change))
         return np.clip(activations + change, *self._limits)
 
-    def held(self, activations: Floats, command: Floats) -> Floats:
-        """Return the nearest command (12,) that leaves the left eye's line of sight where it is."""
+    def verge(self, activations: Floats, turn_deg: Floats) -> Floats:
+        """Return the command (12,) that turns the eyes against each other, and saves energy.
+
+        turn_deg: (n_turns,) of the right eye against the left one. The left line of sight stays,
+        since the target is a place in the left picture; about their lines of sight both eyes turn,
+        by half of it. As long as few movements are known, nothing is changed.
+        """
         self._before = activations
-        a, c = _of_eyes(activations)[_LEFT], _of_eyes(command)[_LEFT]
-        change = self._eyes[_LEFT].change(a, _SIDEWAYS_AND_UP, c - a)
-        return np.clip(np.concatenate([a + change, _of_eyes(command)[1]]), *self._limits)
+        if not self.is_known:
+            return activations
+        sideways, up, clockwise = turn_deg.tolist()
+        turned = np.array([[0.0, 0.0, -0.5 * clockwise], [sideways, up, 0.5 * clockwise]])
+        command = activations + self._change(activations, turned)
+        slopes = self._effort.slopes(command)
+        if slopes.any():
+            command = command + self._saving(command, slopes)
+        return np.clip(command, *self._limits)
+
+    def _saving(self, command: Floats, slopes: Floats) -> Floats:
+        """Return the change (12,) of a command that lowers its price and leaves both gazes.
+
+        slopes: (12,) of the price. Both eyes may rotate alike about their lines of sight: what
+        they see of one another's picture is the same then.
+        """
+        left, right = (
+            eye.slopes_deg(a) for eye, a in zip(self._eyes, _of_eyes(command), strict=True)
+        )
+        nothing = np.zeros_like(left)
+        angles = np.vstack(
+            [
+                np.hstack([left, nothing])[:-1],
+                np.hstack([nothing, right])[:-1],
+                np.hstack([left[-1], -right[-1]]),
+            ]
+        )
+        change = lowered(command, slopes, angles, self._limits, _LARGEST_SAVING)
+        rotated = np.array([0.0, 0.0, left[-1] @ _of_eyes(change)[0]])
+        # Exactly so: slopes are those of small changes.
+        return self._change(command, np.array([rotated, rotated]), change)
+
+    def _change(self, activations: Floats, turns_deg: Floats, near: Floats | None = None) -> Floats:
+        """Return the change (12,) that turns each eye, (2, n_turns), nearest to `near`, or none."""
+        of_eyes = zip(
+            self._eyes,
+            _of_eyes(activations),
+            turns_deg,
+            _of_eyes(np.zeros_like(activations) if near is None else near),
+            strict=True,
+        )
+        return np.concatenate([eye.change(a, turn, n) for eye, a, turn, n in of_eyes])
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all that learning has changed, as copies."""
@@ -79,12 +133,13 @@ class GazeControl:
             f"{side}_eye_{name}": array
             for side, eye in zip(SIDES, self._eyes, strict=True)
             for name, array in eye.state().items()
-        }
+        } | self._effort.state()
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from what state returned, bit for bit."""
         for side, eye in zip(SIDES, self._eyes, strict=True):
             eye.restore({name: state[f"{side}_eye_{name}"] for name in eye.state()})
+        self._effort.restore(state)
         self._before = None
 
 

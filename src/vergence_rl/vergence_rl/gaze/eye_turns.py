@@ -69,6 +69,16 @@ class EyeTurns:
         expected: Floats = self._slopes(a, d) @ d
         return expected
 
+    @property
+    def is_known(self) -> bool:
+        """Whether enough movements are known to rely on."""
+        return self.n_movements >= self._n_needed
+
+    def slopes_deg(self, activations: Floats) -> Floats:
+        """Return the turns per unit of each activation, (n_turns, n_muscles), of small changes."""
+        a, d = self._scaled(activations, np.zeros(self._n_muscles))
+        return self._slopes(a, d) / _CHANGE
+
     def change(self, activations: Floats, wanted_deg: Floats, near: Floats | None = None) -> Floats:
         """Return the change of activations (n_muscles,) for wanted turns, the first of n_turns.
 
@@ -80,7 +90,7 @@ class EyeTurns:
         a, d = self._scaled(activations, np.zeros(n_muscles) if near is None else near)
         least, most = ((limit - activations) / _CHANGE for limit in self._limits)
         d = np.clip(d, least, most)
-        for _ in range(_N_STEPS if self.n_movements >= self._n_needed else 0):
+        for _ in range(_N_STEPS if self.is_known else 0):
             slopes = self._slopes(a, d)[: len(wanted_deg)]
             left_deg = wanted_deg - slopes @ d
             if np.abs(left_deg).max() < _CLOSE_DEG:
