@@ -10,14 +10,13 @@ from eye_plant.camera.opengl.mujoco_renderer import MujocoRenderer
 from eye_plant.camera.ray_casting.plane_renderer import PlaneRenderer
 from eye_plant.camera.renderer import Renderer, View
 from eye_plant.stimuli.stimulus_set import StimulusSet
+from eye_plant.turns import turned
 from lockstep.errors import InputError
 
 __all__ = ["CameraConfig", "StereoCamera"]
 
 _NEAREST_M = 0.1
 _GAP_TO_LANDSCAPE_M = 0.1
-# Columns of an eye's rotation.
-_FORWARD, _LEFT, _UP = range(3)
 
 
 class StereoCamera:
@@ -98,7 +97,9 @@ class StereoCamera:
         drawn, for those.
         """
         self.check(i_stimulus, distance_m)
-        rotations = _cameras(eye_rotations, self._config.turns_deg)
+        turns_deg = self._config.turns_deg
+        is_turned = any(map(any, turns_deg))
+        rotations = turned(eye_rotations, turns_deg) if is_turned else eye_rotations
         view = View(eye_positions_m, rotations, self._i_textures[i_stimulus], distance_m)
         self._renderer.start(view)
 
@@ -150,32 +151,6 @@ def _make_renderer(
     if config.renderer == MUJOCO:
         return MujocoRenderer(config, drawn_px, eye_height_m, textures)
     return PlaneRenderer(config, drawn_px, eye_height_m, textures)
-
-
-def _cameras(
-    eye_rotations: np.ndarray, turns_deg: tuple[tuple[float, float, float], ...]
-) -> np.ndarray:
-    """Return the rotations (2, 3, 3) of cameras turned in their eyes.
-
-    turns_deg: of each eye's camera rotation toward the nose, elevation and roll, made in that order
-    about the camera's own axes. The nose is right of the left eye and left of the right eye.
-    """
-    if not any(map(any, turns_deg)):
-        return eye_rotations
-    turned = np.array(eye_rotations, dtype=np.float64)
-    for axes, (inward, up, roll), to_left in zip(turned, turns_deg, (-1.0, 1.0), strict=True):
-        _turn(axes, _FORWARD, _LEFT, to_left * inward)
-        _turn(axes, _FORWARD, _UP, up)
-        _turn(axes, _UP, _LEFT, to_left * roll)
-    return turned
-
-
-def _turn(axes: np.ndarray, i_from: int, i_to: int, angle_deg: float) -> None:
-    """Turn the columns of (3, 3) axes, one toward another."""
-    sine, cosine = np.sin(np.radians(angle_deg)), np.cos(np.radians(angle_deg))
-    moved, met = axes[:, i_from].copy(), axes[:, i_to].copy()
-    axes[:, i_from] = cosine * moved + sine * met
-    axes[:, i_to] = cosine * met - sine * moved
 
 
 def _check_picture(i_stimulus: int, picture: np.ndarray) -> None:

@@ -7,6 +7,7 @@ from experiment_manager.loop import InProcessLoop
 from eye_plant.episode import Episode
 from eye_plant.observation import Observation
 from lockstep.wire.topics import TEST
+from sparse_coder.encoding import Encoding
 
 
 class Viewing:
@@ -43,7 +44,23 @@ class Viewing:
         cannot have.
         """
         self._loop.plant.reconfigure(settings or {})
-        episode = Episode(
+        steps = self._loop.run_episode(self._episode(n_iterations, targets_deg), learning=False)
+        observations = [step.observation for step in steps]
+        self._activations = tuple(observations[-1].state.activations.tolist())
+        return observations
+
+    def code(self, settings: Mapping[str, Any] | None = None) -> Encoding:
+        """Return the code of what the eyes see where they are; they do not move.
+
+        settings: as `look` takes them.
+        """
+        self._loop.plant.reconfigure(settings or {})
+        observation = self._loop.plant.begin(self._episode(1, ()))
+        assert observation.pictures is not None
+        return self._loop.coder.encode(*observation.pictures)
+
+    def _episode(self, n_iterations: int, targets_deg: Sequence[float]) -> Episode:
+        return Episode(
             phase=TEST,
             test=0,
             trial=0,
@@ -56,7 +73,3 @@ class Viewing:
             first_observation=0,
             targets_deg=tuple(targets_deg),
         )
-        steps = self._loop.run_episode(episode, learning=False)
-        observations = [step.observation for step in steps]
-        self._activations = tuple(observations[-1].state.activations.tolist())
-        return observations
