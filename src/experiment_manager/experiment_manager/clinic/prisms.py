@@ -1,0 +1,252 @@
+"""Fusion with prisms: the right eye's picture is turned more and more until the eyes lose it.
+
+A prism of growing power is held before the right eye. Break is the first power at which fusion is
+lost, recovery the first one on the way back at which it is regained.
+"""
+
+import math
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from experiment_manager.clinic.quartiles import censored_quartiles_of, in_prism_dioptres
+from experiment_manager.clinic.room import Course, Prism, Room, Sitting, examination_room, is_fused
+from experiment_manager.frozen.learners import FrozenLearners
+from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
+from experiment_manager.measures.tables import number, text_table
+from experiment_manager.run.progress_lines import progress
+
+Array = NDArray[np.float64]
+
+NEAR_M, FAR_M = DISTANCES_M = (0.5, 6.0)
+_N_PICTURES = 3
+_SETTLING_ITERATIONS = 20
+_ITERATIONS_PER_STEP = 10
+# Steps made beyond the break before the prism is taken back.
+_N_BEYOND = 2
+# Cyclovergence has followed if it made up for this share of the demand.
+_LEAST_FOLLOWED = 0.5
+_TORSIONAL = 2
+
+
+@dataclass(frozen=True)
+class Direction:
+    """A way to turn the right eye's picture.
+
+    name: base of the prism, or what the eyes must do about the line of sight; setting: of Prism;
+    sign: of that setting; i_error: the error of the eyes that changes, with a sign of its own where
+    the eyes follow; step_deg, most_deg: of the demand.
+    """
+
+    name: str
+    setting: str
+    sign: float
+    i_error: int
+    error_sign: float
+    step_deg: float
+    most_deg: float
+
+    def prism(self, demand_deg: float) -> Prism:
+        """Return the prism that asks for so much."""
+        return Prism(**{self.setting: self.sign * demand_deg})
+
+    def response_deg(self, eyes_deg: Array, without_deg: Array) -> float:
+        """Return how far eyes with errors (3,) have followed, from their errors without a prism."""
+        return float(self.error_sign * (eyes_deg - without_deg)[self.i_error])
+
+
+# A camera that is turned toward the nose by an angle asks for an error of that angle: the eyes
+# diverge, as with the base in. The right eye behind a prism with the base up turns down.
+DIRECTIONS = (
+    Direction("base out", "rotation_deg", -1.0, 0, -1.0, 0.5, 25.0),
+    Direction("base in", "rotation_deg", 1.0, 0, 1.0, 0.5, 25.0),
+    Direction("base up", "elevation_deg", 1.0, 1, 1.0, 0.25, 10.0),
+    Direction("base down", "elevation_deg", -1.0, 1, -1.0, 0.25, 10.0),
+    Direction("incyclo", "roll_deg", -1.0, _TORSIONAL, 1.0, 0.5, 15.0),
+    Direction("excyclo", "roll_deg", 1.0, _TORSIONAL, -1.0, 0.5, 15.0),
+)
+
+# Break and recovery in prism dioptres. Horizontal: M. W. Morgan (1944), Analysis of clinical data,
+# Am. J. Optom. 21, 477-491; near is 40 cm there. Vertical: K. N. Ogle & A. de H. Prangen (1953),
+# Observations on vertical divergences and hyperphorias, AMA Arch. Ophthalmol. 49, 313-334: most
+# subjects' limits are 2.5 to 3; they state no recovery.
+HUMAN_PRISM_DIOPTRES = {
+    ("base out", FAR_M): "19 / 10",
+    ("base in", FAR_M): "7 / 4",
+    ("base out", NEAR_M): "21 / 11",
+    ("base in", NEAR_M): "21 / 13",
+    ("base up", FAR_M): "2.5 to 3",
+    ("base down", FAR_M): "2.5 to 3",
+}
+
+
+@dataclass(frozen=True)
+class PrismTrial:
+    """One picture, prisms of growing and falling power in one direction.
+
+    demand_deg, response_deg, fused: (n,) of each step in the order in which they were made, the
+    first one without a prism: what the prism asks for, how far the eyes have followed at the end of
+    the step, and whether they fuse then.
+    """
+
+    demand_deg: Array
+    response_deg: Array
+    fused: NDArray[np.bool_]
+
+    @property
+    def i_break(self) -> int | None:
+        """Number of the first step at which fusion is lost; None if it never is."""
+        lost = np.flatnonzero(~self.fused)
+        return int(lost[0]) if len(lost) else None
+
+    @property
+    def i_recovery(self) -> int | None:
+        """Number of the first step on the way back at which fusion is regained, None for none."""
+        back = np.flatnonzero(self.fused & (np.arange(len(self.fused)) > self.i_turn))
+        return int(back[0]) if len(back) else None
+
+    @property
+    def i_turn(self) -> int:
+        """Number of the step with the strongest prism."""
+        return int(np.argmax(self.demand_deg))
+
+
+def prism_trial(room: Room, i_picture: int, distance_m: float, direction: Direction) -> PrismTrial:
+    """Raise the prism until fusion is lost and beyond, then lower it until it is regained."""
+    sitting = room.seat(i_picture, distance_m)
+    without_deg = sitting.look(_SETTLING_ITERATIONS).eyes_deg[-1]
+    steps: list[tuple[float, float, bool]] = []
+
+    def try_step(i_step: int) -> bool:
+        demand_deg = i_step * direction.step_deg
+        course = _looked_through(sitting, direction, demand_deg, without_deg, room.px_deg)
+        steps.append(course)
+        return course[2]
+
+    n_most = round(direction.most_deg / direction.step_deg)
+    i_step, n_lost = 0, 0
+    while i_step <= n_most and n_lost <= _N_BEYOND:
+        # Once lost, fusion may come back as the prism grows: that is no recovery.
+        n_lost += not try_step(i_step) or n_lost > 0
+        i_step += 1
+    if n_lost:
+        for i_back in range(i_step - 2, -1, -1):
+            if try_step(i_back):
+                break
+    demand_deg, response_deg, fused = (np.array(column) for column in zip(*steps, strict=True))
+    return PrismTrial(demand_deg, response_deg, fused)
+
+
+def _looked_through(
+    sitting: Sitting, direction: Direction, demand_deg: float, without_deg: Array, px_deg: float
+) -> tuple[float, float, bool]:
+    """Look through a prism; return the demand, the response, and whether the eyes fuse."""
+    course: Course = sitting.look(_ITERATIONS_PER_STEP, prism=direction.prism(demand_deg))
+    response_deg = direction.response_deg(course.eyes_deg[-1], without_deg)
+    fused = bool(is_fused(course.seen_deg[-1], px_deg))
+    if direction.i_error == _TORSIONAL:
+        fused &= response_deg >= _LEAST_FOLLOWED * demand_deg or demand_deg == 0.0
+    return demand_deg, response_deg, fused
+
+
+@dataclass(frozen=True)
+class PrismResults:
+    """What frozen learners did with prisms.
+
+    stimuli: what was shown, in words, "" for the run's own; trials: by name of the direction and
+    distance, one for each picture.
+    """
+
+    learners: FrozenLearners
+    stimuli: str
+    px_deg: float
+    trials: dict[tuple[str, float], list[PrismTrial]]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what evaluate.sh writes."""
+        most_deg = {direction.name: direction.most_deg for direction in DIRECTIONS}
+        return self.learners.said() | {
+            "examination": "prisms",
+            "stimuli": self.stimuli,
+            "n_stimuli": len(next(iter(self.trials.values()))),
+            "pixel_deg": self.px_deg,
+            "conditions": [
+                {"direction": name, "object_distance_m": distance_m, "most_deg": most_deg[name]}
+                | _condition(trials)
+                | {"human_prism_dioptres": HUMAN_PRISM_DIOPTRES.get((name, distance_m))}
+                for (name, distance_m), trials in self.trials.items()
+            ],
+        }
+
+    def table(self) -> str:
+        """Return the medians as text."""
+        header = ("direction", "distance/m", "break/deg", "recovery/deg", "break/recovery PD")
+        rows = [_row(condition) for condition in self.to_json()["conditions"]]
+        return text_table((*header, "human PD"), rows)
+
+
+def examine(learners: FrozenLearners, shown: Shown = OWN_TEST_STIMULI) -> PrismResults:
+    """Try prisms in each direction at each distance before each picture.
+
+    Raises InputError as the cover test does.
+    """
+    trials: dict[tuple[str, float], list[PrismTrial]] = {}
+    with examination_room(learners, shown, _N_PICTURES) as room:
+        conditions = [(d, distance_m) for d in DIRECTIONS for distance_m in DISTANCES_M]
+        for direction, distance_m in progress(
+            conditions, file=sys.stderr, desc="prisms", unit="part"
+        ):
+            trials[direction.name, distance_m] = [
+                prism_trial(room, i, distance_m, direction) for i in range(room.n_pictures)
+            ]
+        return PrismResults(learners, shown.text, room.px_deg, trials)
+
+
+def break_and_recovery_deg(trials: Sequence[PrismTrial]) -> tuple[list[float], list[float]]:
+    """Return break and recovery of each trial.
+
+    Infinite: fusion was not lost up to the strongest prism; recovery below 0 without limit: it was
+    not regained without a prism.
+    """
+    breaks, recoveries = [], []
+    for trial in trials:
+        lost, regained = trial.i_break, trial.i_recovery
+        breaks.append(math.inf if lost is None else float(trial.demand_deg[lost]))
+        if regained is not None:
+            recoveries.append(float(trial.demand_deg[regained]))
+        else:
+            recoveries.append(math.inf if lost is None else -math.inf)
+    return breaks, recoveries
+
+
+def _condition(trials: Sequence[PrismTrial]) -> dict[str, Any]:
+    breaks_deg, recoveries_deg = break_and_recovery_deg(trials)
+    break_deg, recovery_deg = map(censored_quartiles_of, (breaks_deg, recoveries_deg))
+    return {
+        "break_deg": break_deg,
+        "recovery_deg": recovery_deg,
+        "break_prism_dioptres": in_prism_dioptres(break_deg),
+        "recovery_prism_dioptres": in_prism_dioptres(recovery_deg),
+        "n_broken": int(np.isfinite(breaks_deg).sum()),
+        "n_recovered": int(np.isfinite(recoveries_deg).sum()),
+    }
+
+
+def _row(condition: dict[str, Any]) -> tuple[str, ...]:
+    break_deg = condition["break_deg"]["median"]
+    beyond = f"> {condition['most_deg']:g}" if break_deg is None else number(break_deg, 2)
+    break_pd, recovery_pd = (
+        number(condition[f"{name}_prism_dioptres"]["median"], 1) for name in ("break", "recovery")
+    )
+    return (
+        condition["direction"],
+        f"{condition['object_distance_m']:g}",
+        beyond,
+        number(condition["recovery_deg"]["median"], 2),
+        f"{break_pd} / {recovery_pd}" if condition["direction"].startswith("base") else "",
+        condition["human_prism_dioptres"] or "",
+    )
