@@ -118,8 +118,7 @@ class CoverResults:
             "n_stimuli": len(next(iter(self.trials.values()))),
             "pixel_deg": self.px_deg,
             "conditions": [
-                {"covered": side, "object_distance_m": distance_m}
-                | _condition(trials, self.px_deg)
+                {"covered": side, "object_distance_m": distance_m} | _condition(trials, self.px_deg)
                 for (side, distance_m), trials in self.trials.items()
             ],
         }

@@ -1,7 +1,7 @@
 """Fusion with prisms: the right eye's picture is turned more and more until the eyes lose it.
 
 A prism of growing power is held before the right eye. Break is the first power at which fusion is
-lost, recovery the first one on the way back at which it is regained.
+lost for good, recovery the first one on the way back at which it is regained.
 """
 
 import math
@@ -13,8 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from experiment_manager.clinic.quartiles import censored_quartiles_of, in_prism_dioptres
-from experiment_manager.clinic.room import Course, Prism, Room, Sitting, examination_room, is_fused
+from experiment_manager.clinic.quartiles import (
+    censored_quartiles_of,
+    in_prism_dioptres,
+    quartiles_of,
+)
+from experiment_manager.clinic.room import Prism, Room, examination_room, is_fused
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.measures.tables import number, text_table
@@ -26,8 +30,8 @@ NEAR_M, FAR_M = DISTANCES_M = (0.5, 6.0)
 _N_PICTURES = 3
 _SETTLING_ITERATIONS = 20
 _ITERATIONS_PER_STEP = 10
-# Steps made beyond the break before the prism is taken back.
-_N_BEYOND = 2
+# Fusion is lost for good if it is lost in so many steps one after the other.
+_N_LOST = 3
 # Cyclovergence has followed if it made up for this share of the demand.
 _LEAST_FOLLOWED = 0.5
 _TORSIONAL = 2
@@ -70,17 +74,16 @@ DIRECTIONS = (
     Direction("excyclo", "roll_deg", 1.0, _TORSIONAL, -1.0, 0.5, 15.0),
 )
 
-# Break and recovery in prism dioptres. Horizontal: M. W. Morgan (1944), Analysis of clinical data,
-# Am. J. Optom. 21, 477-491; near is 40 cm there. Vertical: K. N. Ogle & A. de H. Prangen (1953),
-# Observations on vertical divergences and hyperphorias, AMA Arch. Ophthalmol. 49, 313-334: most
-# subjects' limits are 2.5 to 3; they state no recovery.
+# Break and recovery in prism dioptres. Horizontal: Morgan's table of expected findings (Morgan
+# 1944), as Scheiman & Wick, Clinical Management of Binocular Vision, table 2.2, print it; near is
+# 40 cm there. Vertical: the limits of most subjects (Ogle & Prangen 1953, AMA Arch. Ophthalmol. 49,
+# 313-334), who give no recovery and no distance.
 HUMAN_PRISM_DIOPTRES = {
     ("base out", FAR_M): "19 / 10",
     ("base in", FAR_M): "7 / 4",
     ("base out", NEAR_M): "21 / 11",
     ("base in", NEAR_M): "21 / 13",
-    ("base up", FAR_M): "2.5 to 3",
-    ("base down", FAR_M): "2.5 to 3",
+    **{(f"base {way}", m): "2.5 to 3 / -" for way in ("up", "down") for m in DISTANCES_M},
 }
 
 
@@ -98,10 +101,15 @@ class PrismTrial:
     fused: NDArray[np.bool_]
 
     @property
+    def i_turn(self) -> int:
+        """Number of the step with the strongest prism."""
+        return int(np.argmax(self.demand_deg))
+
+    @property
     def i_break(self) -> int | None:
-        """Number of the first step at which fusion is lost; None if it never is."""
-        lost = np.flatnonzero(~self.fused)
-        return int(lost[0]) if len(lost) else None
+        """Number of the first step at which fusion is lost for good; None if it never is."""
+        is_lost = not self.fused[max(0, self.i_turn + 1 - _N_LOST) : self.i_turn + 1].any()
+        return self.i_turn + 1 - _N_LOST if is_lost and self.i_turn + 1 >= _N_LOST else None
 
     @property
     def i_recovery(self) -> int | None:
@@ -110,47 +118,41 @@ class PrismTrial:
         return int(back[0]) if len(back) else None
 
     @property
-    def i_turn(self) -> int:
-        """Number of the step with the strongest prism."""
-        return int(np.argmax(self.demand_deg))
+    def gain(self) -> float:
+        """Slope of the response over a growing demand: least squares through 0."""
+        demand_deg, response_deg = (
+            values[: self.i_turn + 1] for values in (self.demand_deg, self.response_deg)
+        )
+        return float((demand_deg * response_deg).sum() / (demand_deg**2).sum())
 
 
 def prism_trial(room: Room, i_picture: int, distance_m: float, direction: Direction) -> PrismTrial:
-    """Raise the prism until fusion is lost and beyond, then lower it until it is regained."""
+    """Raise the prism until fusion is lost for good, then lower it until it is regained."""
     sitting = room.seat(i_picture, distance_m)
     without_deg = sitting.look(_SETTLING_ITERATIONS).eyes_deg[-1]
     steps: list[tuple[float, float, bool]] = []
 
     def try_step(i_step: int) -> bool:
         demand_deg = i_step * direction.step_deg
-        course = _looked_through(sitting, direction, demand_deg, without_deg, room.px_deg)
-        steps.append(course)
-        return course[2]
+        course = sitting.look(_ITERATIONS_PER_STEP, prism=direction.prism(demand_deg))
+        response_deg = direction.response_deg(course.eyes_deg[-1], without_deg)
+        fused = bool(is_fused(course.seen_deg[-1], room.px_deg))
+        if direction.i_error == _TORSIONAL:
+            fused &= response_deg >= _LEAST_FOLLOWED * demand_deg or demand_deg == 0.0
+        steps.append((demand_deg, response_deg, fused))
+        return fused
 
-    n_most = round(direction.most_deg / direction.step_deg)
-    i_step, n_lost = 0, 0
-    while i_step <= n_most and n_lost <= _N_BEYOND:
-        # Once lost, fusion may come back as the prism grows: that is no recovery.
-        n_lost += not try_step(i_step) or n_lost > 0
-        i_step += 1
-    if n_lost:
-        for i_back in range(i_step - 2, -1, -1):
+    n_lost = 0
+    for i_step in range(round(direction.most_deg / direction.step_deg) + 1):
+        n_lost = 0 if try_step(i_step) else n_lost + 1
+        if n_lost == _N_LOST:
+            break
+    if n_lost == _N_LOST:
+        for i_back in range(i_step - 1, -1, -1):
             if try_step(i_back):
                 break
     demand_deg, response_deg, fused = (np.array(column) for column in zip(*steps, strict=True))
     return PrismTrial(demand_deg, response_deg, fused)
-
-
-def _looked_through(
-    sitting: Sitting, direction: Direction, demand_deg: float, without_deg: Array, px_deg: float
-) -> tuple[float, float, bool]:
-    """Look through a prism; return the demand, the response, and whether the eyes fuse."""
-    course: Course = sitting.look(_ITERATIONS_PER_STEP, prism=direction.prism(demand_deg))
-    response_deg = direction.response_deg(course.eyes_deg[-1], without_deg)
-    fused = bool(is_fused(course.seen_deg[-1], px_deg))
-    if direction.i_error == _TORSIONAL:
-        fused &= response_deg >= _LEAST_FOLLOWED * demand_deg or demand_deg == 0.0
-    return demand_deg, response_deg, fused
 
 
 @dataclass(frozen=True)
@@ -184,7 +186,14 @@ class PrismResults:
 
     def table(self) -> str:
         """Return the medians as text."""
-        header = ("direction", "distance/m", "break/deg", "recovery/deg", "break/recovery PD")
+        header = (
+            "direction",
+            "distance/m",
+            "gain",
+            "break/deg",
+            "recovery/deg",
+            "break/recovery PD",
+        )
         rows = [_row(condition) for condition in self.to_json()["conditions"]]
         return text_table((*header, "human PD"), rows)
 
@@ -231,6 +240,7 @@ def _condition(trials: Sequence[PrismTrial]) -> dict[str, Any]:
         "recovery_deg": recovery_deg,
         "break_prism_dioptres": in_prism_dioptres(break_deg),
         "recovery_prism_dioptres": in_prism_dioptres(recovery_deg),
+        "gain": quartiles_of([trial.gain for trial in trials]),
         "n_broken": int(np.isfinite(breaks_deg).sum()),
         "n_recovered": int(np.isfinite(recoveries_deg).sum()),
     }
@@ -238,14 +248,15 @@ def _condition(trials: Sequence[PrismTrial]) -> dict[str, Any]:
 
 def _row(condition: dict[str, Any]) -> tuple[str, ...]:
     break_deg = condition["break_deg"]["median"]
-    beyond = f"> {condition['most_deg']:g}" if break_deg is None else number(break_deg, 2)
+    lost_at = f"> {condition['most_deg']:g}" if break_deg is None else number(break_deg, 2)
     break_pd, recovery_pd = (
         number(condition[f"{name}_prism_dioptres"]["median"], 1) for name in ("break", "recovery")
     )
     return (
         condition["direction"],
         f"{condition['object_distance_m']:g}",
-        beyond,
+        number(condition["gain"]["median"], 2),
+        lost_at,
         number(condition["recovery_deg"]["median"], 2),
         f"{break_pd} / {recovery_pd}" if condition["direction"].startswith("base") else "",
         condition["human_prism_dioptres"] or "",

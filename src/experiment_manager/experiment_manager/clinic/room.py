@@ -81,12 +81,12 @@ class Sitting:
     """Eyes before one picture at one distance. They begin as CorrectFixation has them."""
 
     def __init__(
-        self, loop: InProcessLoop, viewing: Viewing, parallax_m: float, fixation_iterations: int
+        self, learners: FrozenLearners, loop: InProcessLoop, viewing: Viewing, parallax_m: float
     ) -> None:
-        """parallax_m: of the picture; fixation_iterations: 0 of eyes that make no saccades."""
-        self._loop, self._viewing = loop, viewing
-        self._parallax_m, self._fixation_iterations = parallax_m, fixation_iterations
-        self._own = loop.plant.config.camera
+        """parallax_m: of the picture."""
+        self._loop, self._viewing, self._parallax_m = loop, viewing, parallax_m
+        self._own = learners.plant.camera
+        self._fixation_iterations = learners.manager.protocol.fixation_iterations
 
     def look(self, n_iterations: int, *, covered: str = "", prism: Prism = NO_PRISM) -> Course:
         """Let the eyes go on from where they are, for so many iterations.
@@ -166,7 +166,7 @@ class Room:
             )
         first = self._correct[parallax_m].activations(distance_m, error_deg)
         viewing = Viewing(self.loop, i_picture, distance_m, first)
-        return Sitting(self.loop, viewing, parallax_m, manager.protocol.fixation_iterations)
+        return Sitting(self.learners, self.loop, viewing, parallax_m)
 
     def _parallax_m(self, i_picture: int) -> float:
         i_stereogram = i_picture - len(self._stimuli.all)
