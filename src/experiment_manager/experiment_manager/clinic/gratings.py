@@ -1,0 +1,118 @@
+"""Acuity: how fine a grating the code of one eye's picture still explains.
+
+A grating of full contrast fills the picture of one eye; the other one sees black. Share explained
+is the energy that the fine scale's code explains, of the energy of the patches as they would be
+with the grating in them: a patch that blur has left even counts as not explained. Acuity is the
+highest spatial frequency at which at least half is explained, as far as the pixels of the pictures
+carry one. The code normalizes contrast, so this is a limit of resolution, not of contrast.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eye_plant.camera.blur import Blur
+from eye_plant.camera.config import CameraConfig
+from eye_plant.geometry import degrees_per_px
+from sparse_coder.coder import SparseCoder
+
+Array = NDArray[np.float64]
+
+# Cycles per pixel, up to Nyquist's limit; cycles per degree follow from the camera.
+CYCLES_PER_PX = np.geomspace(0.02, 0.5, 15)
+_ORIENTATIONS_DEG = (0.0, 45.0, 90.0, 135.0)
+# At Nyquist's limit a phase of 0 or 180 deg would show nothing.
+_PHASES_DEG = (45.0, 135.0, 225.0, 315.0)
+_LEAST_EXPLAINED = 0.5
+_FINE = 1
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """What the code explains of the gratings that one eye sees.
+
+    cycles_per_deg: (n,), rising; explained: (n,) shares, means over orientations and phases.
+    """
+
+    cycles_per_deg: Array
+    explained: Array
+
+    @property
+    def acuity(self) -> float | None:
+        """Highest frequency in cycles/deg at which half is explained, None for none.
+
+        Linear over the logarithm of the frequency; at most the highest frequency shown.
+        """
+        return crossing(np.log(self.cycles_per_deg), self.explained, _LEAST_EXPLAINED)
+
+
+def crossing(log_x: Array, share: Array, least: float) -> float | None:
+    """Return the largest x at which a share (n,) over log(x) (n,), rising, reaches a level.
+
+    Linear between two x; None where it reaches it nowhere.
+    """
+    reached = np.flatnonzero(share >= least)
+    if not len(reached):
+        return None
+    last = reached[-1]
+    if last == len(share) - 1:
+        return float(np.exp(log_x[-1]))
+    part = (share[last] - least) / (share[last] - share[last + 1])
+    return float(np.exp(log_x[last] + part * (log_x[last + 1] - log_x[last])))
+
+
+def resolution(
+    coder: SparseCoder,
+    camera: CameraConfig,
+    i_eye: int,
+    cycles_per_px: Sequence[float] | Array = CYCLES_PER_PX,
+) -> Resolution:
+    """Return what the frozen code explains of gratings before one eye, 0 left or 1 right.
+
+    camera: of the eyes; their blur, magnification and cover count. cycles_per_px: (n,), rising.
+    """
+    size_px = (camera.width_px, camera.height_px)
+    blur = Blur(size_px, size_px, camera.blurs_px[i_eye])
+    is_blurred, is_covered = any(camera.blurs_px[i_eye]), camera.occlusions[i_eye]
+    black = np.zeros(size_px[::-1], np.uint8)
+    shares = np.zeros((len(cycles_per_px), len(_ORIENTATIONS_DEG), len(_PHASES_DEG)))
+    for place in np.ndindex(shares.shape):
+        i, i_orientation, i_phase = place
+        picture = grating(
+            size_px, cycles_per_px[i], _ORIENTATIONS_DEG[i_orientation], _PHASES_DEG[i_phase]
+        )
+        seen = black if is_covered else blur(picture) if is_blurred else picture
+        pictures = (seen, black) if i_eye == 0 else (black, seen)
+        shares[place] = explained_share(coder, *pictures)
+    px_deg = degrees_per_px(camera.focal_length_px * camera.magnifications[i_eye])
+    return Resolution(np.asarray(cycles_per_px) / px_deg, shares.mean(axis=(1, 2)))
+
+
+def grating(
+    size_px: tuple[int, int], cycles_per_px: float, orientation_deg: float, phase_deg: float
+) -> NDArray[np.uint8]:
+    """Return a sinusoidal grating (height, width) of full contrast.
+
+    size_px: width, height; orientation_deg: of the stripes, 0 horizontal, 90 vertical; phase_deg:
+    at the top left.
+    """
+    width_px, height_px = size_px
+    row, column = np.mgrid[:height_px, :width_px]
+    angle = np.radians(orientation_deg)
+    across_px = column * np.sin(angle) + row * np.cos(angle)
+    wave = np.sin(2.0 * np.pi * cycles_per_px * across_px + np.radians(phase_deg))
+    return np.rint(127.5 * (1.0 + wave)).astype(np.uint8)
+
+
+def explained_share(
+    coder: SparseCoder, left: NDArray[np.uint8], right: NDArray[np.uint8]
+) -> float:
+    """Return the share of energy that the fine code explains of pictures of which one is even.
+
+    The part of a patch that an eye sees has energy 1 unless it is even, so that of n patches n is
+    the energy there could be.
+    """
+    selections = coder.encode(left, right).selections[_FINE]
+    return float((selections.coefficients.astype(np.float64) ** 2).sum(axis=1).mean())
