@@ -18,6 +18,7 @@ DISTANCES_M = (0.5, 2.0, 6.0)
 _N_PICTURES = 10
 _N_STEREOGRAMS = 10
 _ARCSEC_PER_DEG = 3600.0
+_SIGNS = ("", "_converged_too_much", "_converged_too_little")
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,8 @@ class AcuityResults:
                 else threshold_deg * _ARCSEC_PER_DEG,
                 "disparity_deg": self.stereo.disparity_deg.tolist(),
                 "share_right": self.stereo.right.tolist(),
+                "share_right_converged_too_much": self.stereo.right_by_sign[0].tolist(),
+                "share_right_converged_too_little": self.stereo.right_by_sign[1].tolist(),
                 "n_trials_each": self.stereo.n_trials,
             },
             "share_in_code": dict(
@@ -81,12 +84,14 @@ class AcuityResults:
                 for side, of_eye in document["acuity"].items()
             ],
         )
-        rows = zip(stereo["disparity_deg"], stereo["share_right"], strict=True)
+        names = [f"share_right{which}" for which in _SIGNS]
+        rows = zip(stereo["disparity_deg"], *(stereo[name] for name in names), strict=True)
         curve = text_table(
-            ("disparity/deg", "right"), [(f"{d:g}", percent(share)) for d, share in rows]
+            ("disparity/deg", "right", "eyes converge too much", "too little"),
+            [(f"{size_deg:g}", *map(percent, shares)) for size_deg, *shares in rows],
         )
         threshold = (
-            "no threshold: 75 % are right up to no disparity"
+            "no stereo threshold: fewer than 75 % are right at the largest disparity"
             if stereo["threshold_deg"] is None
             else f"stereo threshold {number(stereo['threshold_deg'])} deg, "
             f"{number(stereo['threshold_arcsec'], 0)} arcsec"

@@ -2,12 +2,11 @@
 
 A grating of full contrast fills the picture of one eye; the other one sees black. Share explained
 is the energy that the fine scale's code explains, of the energy of the patches as they would be
-with the grating in them: a patch that blur has left even counts as not explained. Acuity is the
+with the grating in them: a patch that blur has left uniform counts as not explained. Acuity is the
 highest spatial frequency at which at least half is explained, as far as the pixels of the pictures
 carry one. The code normalizes contrast, so this is a limit of resolution, not of contrast.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,7 +66,7 @@ def resolution(
     coder: SparseCoder,
     camera: CameraConfig,
     i_eye: int,
-    cycles_per_px: Sequence[float] | Array = CYCLES_PER_PX,
+    cycles_per_px: Array = CYCLES_PER_PX,
 ) -> Resolution:
     """Return what the frozen code explains of gratings before one eye, 0 left or 1 right.
 
@@ -81,13 +80,13 @@ def resolution(
     for place in np.ndindex(shares.shape):
         i, i_orientation, i_phase = place
         picture = grating(
-            size_px, cycles_per_px[i], _ORIENTATIONS_DEG[i_orientation], _PHASES_DEG[i_phase]
+            size_px, float(cycles_per_px[i]), _ORIENTATIONS_DEG[i_orientation], _PHASES_DEG[i_phase]
         )
         seen = black if is_covered else blur(picture) if is_blurred else picture
         pictures = (seen, black) if i_eye == 0 else (black, seen)
         shares[place] = explained_share(coder, *pictures)
     px_deg = degrees_per_px(camera.focal_length_px * camera.magnifications[i_eye])
-    return Resolution(np.asarray(cycles_per_px) / px_deg, shares.mean(axis=(1, 2)))
+    return Resolution(cycles_per_px / px_deg, shares.mean(axis=(1, 2)))
 
 
 def grating(
@@ -106,13 +105,11 @@ def grating(
     return np.rint(127.5 * (1.0 + wave)).astype(np.uint8)
 
 
-def explained_share(
-    coder: SparseCoder, left: NDArray[np.uint8], right: NDArray[np.uint8]
-) -> float:
-    """Return the share of energy that the fine code explains of pictures of which one is even.
+def explained_share(coder: SparseCoder, left: NDArray[np.uint8], right: NDArray[np.uint8]) -> float:
+    """Return the share of energy that the fine code explains of pictures of which one is uniform.
 
-    The part of a patch that an eye sees has energy 1 unless it is even, so that of n patches n is
-    the energy there could be.
+    The part of a patch that an eye sees has energy 1 unless it is uniform, so that n patches could
+    have an energy of n.
     """
     selections = coder.encode(left, right).selections[_FINE]
     return float((selections.coefficients.astype(np.float64) ** 2).sum(axis=1).mean())

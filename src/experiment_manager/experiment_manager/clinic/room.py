@@ -22,7 +22,6 @@ from eye_plant.geometry import degrees_per_px
 from eye_plant.observation import Observation
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from eye_plant.turns import eye_rotations, turned
-from lockstep.command_space import SIDES
 from sparse_coder.encoding import Encoding
 
 Array = NDArray[np.float64]
@@ -126,7 +125,9 @@ class Sitting:
         plant = self._loop.plant
         camera: CameraConfig = plant.config.camera
         positions_m = plant.oculomotor.eye_positions_m()
-        eyes_deg, seen_deg, lines_of_sight = [], [], []
+        eyes_deg: list[tuple[float, ...]] = []
+        seen_deg: list[tuple[float, ...]] = []
+        lines_of_sight = []
         for observation in observations:
             rotations = eye_rotations(observation.state.eye_angles_rad)
             cameras = turned(rotations, camera.turns_deg)
@@ -194,10 +195,4 @@ def is_fused(errors_deg: Array, px_deg: float) -> NDArray[np.bool_]:
 
     errors_deg: (..., 3).
     """
-    fused: NDArray[np.bool_] = (np.abs(errors_deg[..., :2]) < px_deg).all(axis=-1)
-    return fused
-
-
-def other_side(side: str) -> str:
-    """Return the other eye's side."""
-    return SIDES[1 - SIDES.index(side)]
+    return np.asarray((np.abs(errors_deg[..., :2]) < px_deg).all(axis=-1))

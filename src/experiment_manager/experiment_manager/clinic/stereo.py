@@ -28,12 +28,29 @@ _HORIZONTAL = 0
 class StereoCurve:
     """How often the first command of vergence is right.
 
-    disparity_deg: (n,) size of the horizontal error, rising; right: (n,) shares of n_trials each.
+    disparity_deg: (n,) size of the horizontal error, rising; right_by_sign: (2, n) shares of right
+    commands of eyes that converge too much, and of eyes that converge too little; n_trials: of each
+    share.
     """
 
     disparity_deg: Array
-    right: Array
+    right_by_sign: Array
     n_trials: int
+
+    @property
+    def right(self) -> Array:
+        """Share (n,) of right commands, both signs together."""
+        return np.asarray(self.right_by_sign.mean(axis=0))
+
+    @property
+    def converging(self) -> tuple[Array, Array]:
+        """Signed disparity (2 n,), rising, and the share of commands that make the eyes converge.
+
+        Above 0 the eyes converge too little, as in GazeError.
+        """
+        too_much, too_little = self.right_by_sign
+        signed_deg = np.concatenate([-self.disparity_deg[::-1], self.disparity_deg])
+        return signed_deg, np.concatenate([1.0 - too_much[::-1], too_little])
 
     @property
     def threshold_deg(self) -> float | None:
@@ -57,18 +74,16 @@ def stereo_curve(room: Room, distances_m: Sequence[float]) -> StereoCurve:
 
     room: with random-dot stereograms. All stereograms and distances count alike.
     """
-    signed_deg = [sign * d for d in DISPARITIES_DEG for sign in (-1.0, 1.0)]
-    right: list[list[bool]] = []
-    for error_deg in progress(signed_deg, file=sys.stderr, desc="stereo vision", unit="part"):
-        right.append(
-            [
-                turns_right(room, i, distance_m, error_deg)
-                for i in range(room.n_pictures)
-                for distance_m in distances_m
-            ]
-        )
-    of_sizes = np.array(right).reshape(len(DISPARITIES_DEG), -1)
-    return StereoCurve(np.array(DISPARITIES_DEG), of_sizes.mean(axis=1), of_sizes.shape[1])
+    sizes_deg = progress(DISPARITIES_DEG, file=sys.stderr, desc="stereo vision", unit="part")
+    places = [(i, distance_m) for i in range(room.n_pictures) for distance_m in distances_m]
+    right = [
+        [
+            np.mean([turns_right(room, i, distance_m, sign * size_deg) for i, distance_m in places])
+            for sign in (-1.0, 1.0)
+        ]
+        for size_deg in sizes_deg
+    ]
+    return StereoCurve(np.array(DISPARITIES_DEG), np.array(right).T, len(places))
 
 
 def turns_right(room: Room, i_picture: int, distance_m: float, error_deg: float) -> bool:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from experiment_manager.analysis.recorded_run import RecordedRun
+from experiment_manager.commands.examinations import EXAMINATIONS, add_examinations, examined
 from experiment_manager.frozen.evaluation import evaluated
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import Shown
@@ -34,8 +35,11 @@ _FROZEN = (
     "actor",
     "set",
     "start_scale",
+    "examination",
 )
-_FROZEN_OPTIONS = ", ".join(f"--{name.replace('_', '-')}" for name in ("checkpoint", *_FROZEN))
+_FROZEN_OPTIONS = ", ".join(
+    f"--{name.replace('_', '-')}" for name in ("checkpoint", *_FROZEN[:-1], *EXAMINATIONS)
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -49,6 +53,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(
             f"--stimuli-per-test, --out and --json: expected with one of {_FROZEN_OPTIONS}"
         )
+    if options.figure is not None and options.examination is None:
+        parser.error(
+            f"--figure: expected with one of {', '.join(map('--{}'.format, EXAMINATIONS))}"
+        )
+    if options.examination is not None and options.start_scale is not None:
+        parser.error("--start-scale: expected without an examination, which has starts of its own")
     if is_frozen and options.write:
         parser.error(f"--write: expected without {_FROZEN_OPTIONS}")
     try:
@@ -70,6 +80,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("run", type=Path, metavar="RUN", help="run directory")
     _add_shown(parser)
     _add_learners(parser)
+    add_examinations(parser)
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="also write the measures of the test as JSON"
     )
@@ -163,19 +174,24 @@ def _test_frozen(options: argparse.Namespace) -> int:
         options.generated,
         options.stimuli_per_test,
     )
-    start_scale = 1.0 if options.start_scale is None else options.start_scale
-    results = evaluated(learners, shown, start_scale)
+    if options.examination is not None:
+        examination = examined(options.examination, learners, shown, options.figure)
+        document, table = examination.to_json(), examination.table()
+    else:
+        start_scale = 1.0 if options.start_scale is None else options.start_scale
+        results = evaluated(learners, shown, start_scale)
+        document, table = results.to_json(), summaries_table([results.test])
     if options.json:
-        print(json.dumps(results.to_json(), indent=2))
+        print(json.dumps(document, indent=2))
     else:
         manager = learners.manager
         print(
             f"model {manager.model}, seed {manager.seed}, checkpoint after "
-            f"{learners.place} episodes, {results.n_stimuli} pictures of "
-            f"{results.stimuli or 'its own test stimuli'}\n\n{summaries_table([results.test])}"
+            f"{learners.place} episodes, {document['n_stimuli']} pictures of "
+            f"{document['stimuli'] or 'its own test stimuli'}\n\n{table}"
         )
     if options.out is not None:
-        write_document(options.out, results.to_json())
+        write_document(options.out, document)
         print(f"written: {options.out}", file=sys.stderr)
     return 0
 

@@ -1,0 +1,154 @@
+"""Figures of the examinations, as a clinician draws them."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from experiment_manager.analysis.report.performance_figures import draw_band
+from experiment_manager.clinic import cover, prisms
+from experiment_manager.clinic.acuity import AcuityResults
+from experiment_manager.clinic.cover import CoverResults
+from experiment_manager.clinic.prisms import PrismResults, PrismTrial
+from experiment_manager.clinic.quartiles import QUARTILES
+from lockstep.command_space import SIDES
+from lockstep.figures import (
+    BLUE,
+    GREY,
+    LIGHT_GREY,
+    VERMILION,
+    WIDTH_IN,
+    legend_below,
+    mark_level,
+    new_figure,
+    title_panels,
+)
+
+# Of left and right eye, and of near and far.
+_COLOURS = (BLUE, VERMILION)
+_DIRECTIONS = (("eso", "exo"), ("hyper", "hypo"))
+
+
+def cover_figure(results: CoverResults) -> Figure:
+    """Return the deviation of the covered eye over the test, a column for each distance."""
+    figure = new_figure(WIDTH_IN, 4.6)
+    rows = figure.subplots(2, len(cover.DISTANCES_M), sharex=True, sharey="row")
+    for axes, distance_m in zip(rows.T, cover.DISTANCES_M, strict=True):
+        for side, colour in zip(SIDES, _COLOURS, strict=True):
+            trials = results.trials[side, distance_m]
+            deviation_deg = np.quantile([t.deviation_deg for t in trials], QUARTILES, axis=0)
+            iterations = np.arange(deviation_deg.shape[1])
+            for i_axis, panel in enumerate(axes):
+                draw_band(panel, iterations, deviation_deg[..., i_axis], colour)
+        for panel in axes:
+            panel.axvspan(trials[0].begin, trials[0].end, color=LIGHT_GREY, alpha=0.5, lw=0)
+            panel.axhline(0.0, color=GREY, lw=0.8, ls=":")
+        axes[-1].set_xlabel("iteration")
+    for axis, (above, below), panel in zip(cover.AXES, _DIRECTIONS, rows[:, 0], strict=False):
+        panel.set_ylabel(f"{axis} deviation / deg\n{below} < 0 < {above}")
+    title_panels(
+        rows.ravel(), [f"{axis}, {m:g} m" for axis in cover.AXES[:2] for m in cover.DISTANCES_M]
+    )
+    handles = [
+        Line2D([], [], color=colour, label=f"{side} eye covered")
+        for side, colour in zip(SIDES, _COLOURS, strict=True)
+    ]
+    legend_below(figure, [*handles, Patch(color=LIGHT_GREY, alpha=0.5, label="cover")])
+    return figure
+
+
+def prisms_figure(results: PrismResults) -> Figure:
+    """Return how far the eyes follow prisms, a panel for each axis; a line for each picture."""
+    figure = new_figure(WIDTH_IN, 3.6)
+    panels = figure.subplots(1, 3)
+    for axes, pair in zip(panels, _opposite_directions(), strict=True):
+        for distance_m, colour in zip(prisms.DISTANCES_M, _COLOURS, strict=True):
+            for sign, direction in zip((1.0, -1.0), pair, strict=True):
+                trials = results.trials[direction.name, distance_m]
+                _draw_prisms(axes, trials, sign, colour)
+        low, high = axes.get_xlim()
+        axes.plot((low, high), (low, high), color=GREY, lw=0.8, ls=":", zorder=1)
+        axes.set(xlim=(low, high), xlabel=f"demand / deg\n{pair[1].name} < 0 < {pair[0].name}")
+    panels[0].set_ylabel("response of the eyes / deg")
+    title_panels(panels, ("horizontal", "vertical", "torsional"))
+    handles = [
+        Line2D([], [], color=colour, label=f"{distance_m:g} m")
+        for distance_m, colour in zip(prisms.DISTANCES_M, _COLOURS, strict=True)
+    ]
+    dots: dict[str, Any] = {"color": "k", "ls": "", "marker": "o", "ms": 5}
+    handles += [
+        Line2D([], [], label="break", **dots),
+        Line2D([], [], label="recovery", mfc="w", **dots),
+        Line2D([], [], color=GREY, lw=0.8, ls=":", label="response = demand"),
+    ]
+    legend_below(figure, handles)
+    return figure
+
+
+def _opposite_directions() -> list[tuple[prisms.Direction, prisms.Direction]]:
+    """Return the directions by axis, the one drawn as positive first."""
+    every = iter(prisms.DIRECTIONS)
+    return list(zip(every, every, strict=True))
+
+
+def _draw_prisms(axes: Axes, trials: Sequence[PrismTrial], sign: float, colour: str) -> None:
+    for trial in trials:
+        rising = slice(0, trial.i_turn + 1)
+        demand_deg, response_deg = sign * trial.demand_deg, sign * trial.response_deg
+        axes.plot(demand_deg[rising], response_deg[rising], color=colour, lw=0.8, alpha=0.7)
+        for i_step, face in ((trial.i_break, colour), (trial.i_recovery, "w")):
+            if i_step is not None:
+                place = demand_deg[i_step], response_deg[i_step]
+                axes.plot(*place, "o", color=colour, mfc=face, ms=5, zorder=3)
+
+
+def acuity_figure(results: AcuityResults) -> Figure:
+    """Return the explained share over spatial frequency, and the psychometric curve."""
+    figure = new_figure(WIDTH_IN, 3.4)
+    panels = figure.subplots(1, 2)
+    styles = zip(SIDES, _COLOURS, ("-", "--"), results.resolutions, strict=True)
+    for side, colour, dashes, seen in styles:
+        panels[0].plot(
+            seen.cycles_per_deg, seen.explained, dashes, color=colour, marker="o", ms=3, label=side
+        )
+        if seen.acuity is not None:
+            panels[0].axvline(seen.acuity, color=colour, ls=dashes, lw=0.8)
+    panels[0].set_xscale("log")
+    panels[0].xaxis.set_major_formatter(mpl.ticker.FormatStrFormatter("%g"))
+    panels[0].set(xlabel="spatial frequency / (cycles/deg)", ylabel="explained share", ylim=(0, 1))
+    mark_level(panels[0], 0.5, "1/2")
+    _draw_psychometric(panels[1], results)
+    title_panels(panels, ("gratings before one eye", "first command of vergence"))
+    legend_below(
+        figure,
+        [
+            Line2D([], [], color=colour, ls=dashes, label=f"{side} eye; thin: its acuity")
+            for side, colour, dashes in zip(SIDES, _COLOURS, ("-", "--"), strict=True)
+        ],
+    )
+    return figure
+
+
+def _draw_psychometric(axes: Axes, results: AcuityResults) -> None:
+    signed_deg, converging = results.stereo.converging
+    axes.plot(signed_deg, converging, color="k", marker="o", ms=3)
+    least_deg = float(results.stereo.disparity_deg[0])
+    axes.set_xscale("symlog", linthresh=least_deg, linscale=0.5)
+    ticks_deg = (0.02, 0.1, 0.5, 2.0)
+    places_deg = [*(-t for t in reversed(ticks_deg)), *ticks_deg]
+    axes.set_xticks(places_deg, [f"{t:g}" for t in places_deg])
+    axes.xaxis.set_minor_locator(mpl.ticker.NullLocator())
+    axes.set(
+        xlabel="disparity / deg\nconverged too much < 0 < too little",
+        ylabel="share of commands that converge",
+        ylim=(-0.03, 1.03),
+    )
+    axes.axhline(0.5, color=GREY, lw=0.8, ls=":")
+    threshold_deg = results.stereo.threshold_deg
+    if threshold_deg is not None:
+        axes.axvspan(-threshold_deg, threshold_deg, color=LIGHT_GREY, alpha=0.5, lw=0)

@@ -1,0 +1,83 @@
+"""The clinic's part of evaluate.sh's command line: which examination, and its figure."""
+
+import argparse
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from experiment_manager.clinic import acuity, cover, figures, prisms
+from experiment_manager.frozen.learners import FrozenLearners
+from experiment_manager.frozen.shown import Shown
+from lockstep.errors import InputError
+from lockstep.figures import STYLE, save
+
+
+class Examined(Protocol):
+    """What an examination found."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the measures as a document."""
+
+    def table(self) -> str:
+        """Return the measures as text."""
+
+
+@dataclass(frozen=True)
+class Examination:
+    """An examination: how it is made, how its figure is drawn, and what --help says of it."""
+
+    examine: Callable[[FrozenLearners, Shown], Any]
+    draw: Callable[[Any], Figure]
+    text: str
+
+
+EXAMINATIONS = {
+    "cover": Examination(
+        cover.examine,
+        figures.cover_figure,
+        "cover one eye, then the other: phoria, and how the eyes fuse again",
+    ),
+    "prisms": Examination(
+        prisms.examine,
+        figures.prisms_figure,
+        "turn the right eye's picture as prisms do, until the eyes no longer fuse",
+    ),
+    "acuity": Examination(
+        acuity.examine,
+        figures.acuity_figure,
+        "measure the acuity of each eye, the stereo threshold, and each eye's share in the code",
+    ),
+}
+
+
+def add_examinations(parser: argparse.ArgumentParser) -> None:
+    """Add the options; they leave `examination`, None or a name, and `figure`."""
+    group = parser.add_argument_group("examinations of the learners, as in an eye clinic")
+    choice = group.add_mutually_exclusive_group()
+    for name, examination in EXAMINATIONS.items():
+        choice.add_argument(
+            f"--{name}",
+            action="store_const",
+            const=name,
+            dest="examination",
+            help=examination.text,
+        )
+    group.add_argument(
+        "--figure", type=Path, metavar="FILE.png", help="also draw what the examination found"
+    )
+
+
+def examined(name: str, learners: FrozenLearners, shown: Shown, figure: Path | None) -> Examined:
+    """Make an examination and draw its figure; raises InputError for what cannot be examined."""
+    if figure is not None and figure.suffix.lower() != ".png":
+        raise InputError(f"--figure: expected a name that ends in .png, got {figure}")
+    examination = EXAMINATIONS[name]
+    results: Examined = examination.examine(learners, shown)
+    if figure is not None:
+        with mpl.rc_context(STYLE):
+            save(examination.draw(results), figure)
+    return results
