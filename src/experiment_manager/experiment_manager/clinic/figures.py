@@ -1,6 +1,5 @@
 """Figures of the examinations, as a clinician draws them."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -14,7 +13,7 @@ from experiment_manager.analysis.report.performance_figures import draw_band
 from experiment_manager.clinic import cover, prisms
 from experiment_manager.clinic.acuity import AcuityResults
 from experiment_manager.clinic.cover import CoverResults
-from experiment_manager.clinic.prisms import PrismResults, PrismTrial
+from experiment_manager.clinic.prisms import Array, PrismResults, PrismTrial
 from experiment_manager.clinic.quartiles import QUARTILES
 from lockstep.command_space import SIDES
 from lockstep.figures import (
@@ -63,31 +62,44 @@ def cover_figure(results: CoverResults) -> Figure:
 
 
 def prisms_figure(results: PrismResults) -> Figure:
-    """Return how far the eyes follow prisms, a panel for each axis; a line for each picture."""
-    figure = new_figure(WIDTH_IN, 3.6)
-    panels = figure.subplots(1, 3)
-    for axes, pair in zip(panels, _opposite_directions(), strict=True):
+    """Return response and fixation disparity over the demand of prisms, a column for each axis.
+
+    A line for each picture, as long as the prism grows.
+    """
+    figure = new_figure(WIDTH_IN, 5.4)
+    rows = figure.subplots(2, 3, sharex="col")
+    for column, pair in zip(rows.T, _opposite_directions(), strict=True):
         for distance_m, colour in zip(prisms.DISTANCES_M, _COLOURS, strict=True):
             for sign, direction in zip((1.0, -1.0), pair, strict=True):
-                trials = results.trials[direction.name, distance_m]
-                _draw_prisms(axes, trials, sign, colour)
-        low, high = axes.get_xlim()
-        axes.plot((low, high), (low, high), color=GREY, lw=0.8, ls=":", zorder=1)
-        axes.set(xlim=(low, high), xlabel=f"demand / deg\n{pair[1].name} < 0 < {pair[0].name}")
-    panels[0].set_ylabel("response of the eyes / deg")
-    title_panels(panels, ("horizontal", "vertical", "torsional"))
-    handles = [
-        Line2D([], [], color=colour, label=f"{distance_m:g} m")
-        for distance_m, colour in zip(prisms.DISTANCES_M, _COLOURS, strict=True)
-    ]
+                for trial in results.trials[direction.name, distance_m]:
+                    for axes, values in zip(
+                        column, (trial.response_deg, trial.lag_deg), strict=True
+                    ):
+                        _draw_prisms(axes, trial, values, sign, colour)
+        low, high = column[0].get_xlim()
+        column[0].plot((low, high), (low, high), color=GREY, lw=0.8, ls=":", zorder=1)
+        column[1].set_xlabel(f"demand / deg\n{pair[1].name} < 0 < {pair[0].name}")
+    for axes in rows[1, :2]:
+        for level_deg in (-results.px_deg, results.px_deg):
+            axes.axhline(level_deg, color=GREY, lw=0.8, ls=":", zorder=1)
+    rows[0, 0].set_ylabel("response of the eyes / deg")
+    rows[1, 0].set_ylabel("fixation disparity / deg")
+    title_panels(rows.ravel(), ("horizontal", "vertical", "torsional") * 2)
+    legend_below(figure, _prism_handles())
+    return figure
+
+
+def _prism_handles() -> list[Line2D]:
     dots: dict[str, Any] = {"color": "k", "ls": "", "marker": "o", "ms": 5}
-    handles += [
+    return [
+        *(
+            Line2D([], [], color=colour, label=f"{distance_m:g} m")
+            for distance_m, colour in zip(prisms.DISTANCES_M, _COLOURS, strict=True)
+        ),
         Line2D([], [], label="break", **dots),
         Line2D([], [], label="recovery", mfc="w", **dots),
-        Line2D([], [], color=GREY, lw=0.8, ls=":", label="response = demand"),
+        Line2D([], [], color=GREY, lw=0.8, ls=":", label="response = demand; 1 px"),
     ]
-    legend_below(figure, handles)
-    return figure
 
 
 def _opposite_directions() -> list[tuple[prisms.Direction, prisms.Direction]]:
@@ -96,15 +108,13 @@ def _opposite_directions() -> list[tuple[prisms.Direction, prisms.Direction]]:
     return list(zip(every, every, strict=True))
 
 
-def _draw_prisms(axes: Axes, trials: Sequence[PrismTrial], sign: float, colour: str) -> None:
-    for trial in trials:
-        rising = slice(0, trial.i_turn + 1)
-        demand_deg, response_deg = sign * trial.demand_deg, sign * trial.response_deg
-        axes.plot(demand_deg[rising], response_deg[rising], color=colour, lw=0.8, alpha=0.7)
-        for i_step, face in ((trial.i_break, colour), (trial.i_recovery, "w")):
-            if i_step is not None:
-                place = demand_deg[i_step], response_deg[i_step]
-                axes.plot(*place, "o", color=colour, mfc=face, ms=5, zorder=3)
+def _draw_prisms(axes: Axes, trial: PrismTrial, values: Array, sign: float, colour: str) -> None:
+    rising = slice(0, trial.i_turn + 1)
+    demand_deg, shown_deg = sign * trial.demand_deg, sign * values
+    axes.plot(demand_deg[rising], shown_deg[rising], color=colour, lw=0.8, alpha=0.7)
+    for i_step, face in ((trial.i_break, colour), (trial.i_recovery, "w")):
+        if i_step is not None:
+            axes.plot(demand_deg[i_step], shown_deg[i_step], "o", color=colour, mfc=face, ms=5)
 
 
 def acuity_figure(results: AcuityResults) -> Figure:
@@ -120,16 +130,18 @@ def acuity_figure(results: AcuityResults) -> Figure:
             panels[0].axvline(seen.acuity, color=colour, ls=dashes, lw=0.8)
     panels[0].set_xscale("log")
     panels[0].xaxis.set_major_formatter(mpl.ticker.FormatStrFormatter("%g"))
-    panels[0].set(xlabel="spatial frequency / (cycles/deg)", ylabel="explained share", ylim=(0, 1))
+    panels[0].set(
+        xlabel="spatial frequency / (cycles/deg)", ylabel="explained share", ylim=(0, 1.03)
+    )
     mark_level(panels[0], 0.5, "1/2")
     _draw_psychometric(panels[1], results)
     title_panels(panels, ("gratings before one eye", "first command of vergence"))
+    handles: list[Any] = [
+        Line2D([], [], color=colour, ls=dashes, label=f"{side} eye; thin: its acuity")
+        for side, colour, dashes in zip(SIDES, _COLOURS, ("-", "--"), strict=True)
+    ]
     legend_below(
-        figure,
-        [
-            Line2D([], [], color=colour, ls=dashes, label=f"{side} eye; thin: its acuity")
-            for side, colour, dashes in zip(SIDES, _COLOURS, ("-", "--"), strict=True)
-        ],
+        figure, [*handles, Patch(color=LIGHT_GREY, alpha=0.5, label="below the stereo threshold")]
     )
     return figure
 
@@ -141,7 +153,7 @@ def _draw_psychometric(axes: Axes, results: AcuityResults) -> None:
     axes.set_xscale("symlog", linthresh=least_deg, linscale=0.5)
     ticks_deg = (0.02, 0.1, 0.5, 2.0)
     places_deg = [*(-t for t in reversed(ticks_deg)), *ticks_deg]
-    axes.set_xticks(places_deg, [f"{t:g}" for t in places_deg])
+    axes.set_xticks(places_deg, [f"{t:g}".replace("-", "−") for t in places_deg])
     axes.xaxis.set_minor_locator(mpl.ticker.NullLocator())
     axes.set(
         xlabel="disparity / deg\nconverged too much < 0 < too little",

@@ -62,6 +62,10 @@ class Direction:
         """Return how far eyes with errors (3,) have followed, from their errors without a prism."""
         return float(self.error_sign * (eyes_deg - without_deg)[self.i_error])
 
+    def lag_deg(self, seen_deg: Array) -> float:
+        """Return how far eyes whose pictures have errors (3,) are behind what the prism asks."""
+        return float(-self.error_sign * seen_deg[self.i_error])
+
 
 # A camera that is turned toward the nose by an angle asks for an error of that angle: the eyes
 # diverge, as with the base in. The right eye behind a prism with the base up turns down.
@@ -91,13 +95,15 @@ HUMAN_PRISM_DIOPTRES = {
 class PrismTrial:
     """One picture, prisms of growing and falling power in one direction.
 
-    demand_deg, response_deg, fused: (n,) of each step in the order in which they were made, the
-    first one without a prism: what the prism asks for, how far the eyes have followed at the end of
-    the step, and whether they fuse then.
+    Arrays are (n,), of each step in the order in which they were made, the first one without a
+    prism. demand_deg: what the prism asks for; response_deg: how far the eyes have followed at the
+    end of the step; lag_deg: the disparity that is left then, the fixation disparity; fused:
+    whether they fuse then.
     """
 
     demand_deg: Array
     response_deg: Array
+    lag_deg: Array
     fused: NDArray[np.bool_]
 
     @property
@@ -130,7 +136,7 @@ def prism_trial(room: Room, i_picture: int, distance_m: float, direction: Direct
     """Raise the prism until fusion is lost for good, then lower it until it is regained."""
     sitting = room.seat(i_picture, distance_m)
     without_deg = sitting.look(_SETTLING_ITERATIONS).eyes_deg[-1]
-    steps: list[tuple[float, float, bool]] = []
+    steps: list[tuple[float, float, float, bool]] = []
 
     def try_step(i_step: int) -> bool:
         demand_deg = i_step * direction.step_deg
@@ -139,7 +145,7 @@ def prism_trial(room: Room, i_picture: int, distance_m: float, direction: Direct
         fused = bool(is_fused(course.seen_deg[-1], room.px_deg))
         if direction.i_error == _TORSIONAL:
             fused &= response_deg >= _LEAST_FOLLOWED * demand_deg or demand_deg == 0.0
-        steps.append((demand_deg, response_deg, fused))
+        steps.append((demand_deg, response_deg, direction.lag_deg(course.seen_deg[-1]), fused))
         return fused
 
     n_lost = 0
@@ -151,8 +157,7 @@ def prism_trial(room: Room, i_picture: int, distance_m: float, direction: Direct
         for i_back in range(i_step - 1, -1, -1):
             if try_step(i_back):
                 break
-    demand_deg, response_deg, fused = (np.array(column) for column in zip(*steps, strict=True))
-    return PrismTrial(demand_deg, response_deg, fused)
+    return PrismTrial(*(np.array(column) for column in zip(*steps, strict=True)))
 
 
 @dataclass(frozen=True)
