@@ -1,10 +1,10 @@
 """Acuity: how fine a grating the code of one eye's picture still explains.
 
-A grating of full contrast fills the picture of one eye; the other one sees black. Share explained
-is the energy that the fine scale's code explains, of the energy of the patches as they would be
-with the grating in them: a patch that blur has left uniform counts as not explained. Acuity is the
-highest spatial frequency at which at least half is explained, as far as the pixels of the pictures
-carry one. The code normalizes contrast, so this is a limit of resolution, not of contrast.
+A grating of full contrast fills the picture of one eye; the other one sees black. Explained is the
+share of the energy of the sharp grating's patches that the fine scale's code of the seen picture
+accounts for. Acuity is the highest spatial frequency at which that is at least half, as far as the
+pixels of the pictures carry one. The code normalizes contrast, so this is a limit of resolution,
+not of contrast.
 """
 
 from dataclasses import dataclass
@@ -16,8 +16,11 @@ from eye_plant.camera.blur import Blur
 from eye_plant.camera.config import CameraConfig
 from eye_plant.geometry import degrees_per_px
 from sparse_coder.coder import SparseCoder
+from sparse_coder.patches import binocular_patches, fine_window
+from sparse_coder.reconstruction import coded_patches
 
 Array = NDArray[np.float64]
+Pictures = tuple[NDArray[np.uint8], NDArray[np.uint8]]
 
 # Cycles per pixel, up to Nyquist's limit; cycles per degree follow from the camera.
 CYCLES_PER_PX = np.geomspace(0.02, 0.5, 15)
@@ -83,8 +86,8 @@ def resolution(
             size_px, float(cycles_per_px[i]), _ORIENTATIONS_DEG[i_orientation], _PHASES_DEG[i_phase]
         )
         seen = black if is_covered else blur(picture) if is_blurred else picture
-        pictures = (seen, black) if i_eye == 0 else (black, seen)
-        shares[place] = explained_share(coder, *pictures)
+        shown, coded = ((p, black) if i_eye == 0 else (black, p) for p in (picture, seen))
+        shares[place] = explained_share(coder, shown, coded)
     px_deg = degrees_per_px(camera.focal_length_px * camera.magnifications[i_eye])
     return Resolution(cycles_per_px / px_deg, shares.mean(axis=(1, 2)))
 
@@ -105,11 +108,14 @@ def grating(
     return np.rint(127.5 * (1.0 + wave)).astype(np.uint8)
 
 
-def explained_share(coder: SparseCoder, left: NDArray[np.uint8], right: NDArray[np.uint8]) -> float:
-    """Return the share of energy that the fine code explains of pictures of which one is uniform.
+def explained_share(coder: SparseCoder, shown: Pictures, seen: Pictures) -> float:
+    """Return the share of the energy of what is shown that the fine code of what is seen explains.
 
-    The part of a patch that an eye sees has energy 1 unless it is uniform, so that n patches could
-    have an energy of n.
+    1 - sum |p - c|^2 / sum |p|^2, at least 0; p: patches of the shown pictures, c: what the code of
+    the seen ones makes of them. Where the eyes see what is shown, it is what the reconstruction
+    error leaves. shown, seen: left and right picture, of which shown is not uniform.
     """
-    selections = coder.encode(left, right).selections[_FINE]
-    return float((selections.coefficients.astype(np.float64) ** 2).sum(axis=1).mean())
+    patches = binocular_patches(*map(fine_window, shown))
+    coded = coded_patches(coder.encode(*seen).selections[_FINE], coder.atoms()[_FINE])
+    left = np.square(patches - coded, dtype=np.float64).sum()
+    return max(0.0, float(1.0 - left / np.square(patches, dtype=np.float64).sum()))
