@@ -26,10 +26,10 @@ def coder() -> SparseCoder:
 
 
 def test_a_grating_has_its_frequency_orientation_and_phase() -> None:
-    # A quarter of a cycle a pixel: 127.5 (1 + sin) of 45, 135, 225, 315 and 405 deg.
+    # A quarter of a cycle a pixel: 128 + 127 sin of 45, 135, 225, 315 and 405 deg.
     vertical = grating((8, 6), 0.25, 90.0, 45.0)
     assert vertical.shape == (6, 8)
-    assert vertical[:, :5].tolist() == [[218, 218, 37, 37, 218]] * 6
+    assert vertical[:, :5].tolist() == [[218, 218, 38, 38, 218]] * 6
     horizontal = grating((8, 6), 0.25, 0.0, 45.0)
     np.testing.assert_array_equal(horizontal[:, 0], vertical[0, :6])
     assert (horizontal == horizontal[:, :1]).all()
@@ -73,12 +73,12 @@ def test_each_eye_has_its_own_blur_cover_and_magnification(coder: SparseCoder) -
         "roi_height_px": 128,
     }
     sharp = resolution(coder, CameraConfig(**size), 0, _FEW)
-    assert (sharp.explained > 0.0).all()
     np.testing.assert_allclose(sharp.cycles_per_deg, _FEW / 0.2226, rtol=1e-3)
 
     blurred = CameraConfig(**size, right_blur_px=60.0)
-    # Rounding leaves some patches with a step of one grey level, which is no grating.
-    assert (resolution(coder, blurred, 1, _FEW).explained < 0.01).all()
+    # Nearly nothing: rounding leaves some patches with a step of one grey level.
+    assert (resolution(coder, blurred, 1, _FEW).explained < 0.05).all()
+    assert (sharp.explained > 0.1).all()
     np.testing.assert_array_equal(resolution(coder, blurred, 0, _FEW).explained, sharp.explained)
 
     covered = resolution(coder, CameraConfig(**size, left_occluded=True), 0, _FEW)

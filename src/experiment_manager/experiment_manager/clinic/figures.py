@@ -46,7 +46,8 @@ def cover_figure(results: CoverResults) -> Figure:
                 draw_band(panel, iterations, deviation_deg[..., i_axis], colour)
         for panel in axes:
             panel.axvspan(trials[0].begin, trials[0].end, color=LIGHT_GREY, alpha=0.5, lw=0)
-            panel.axhline(0.0, color=GREY, lw=0.8, ls=":")
+            for level_deg in (-results.px_deg, results.px_deg):
+                panel.axhline(level_deg, color=GREY, lw=0.8, ls=":", zorder=1)
         axes[-1].set_xlabel("iteration")
     for axis, (above, below), panel in zip(cover.AXES, _DIRECTIONS, rows[:, 0], strict=False):
         panel.set_ylabel(f"{axis} deviation / deg\n{below} < 0 < {above}")
@@ -57,7 +58,8 @@ def cover_figure(results: CoverResults) -> Figure:
         Line2D([], [], color=colour, label=f"{side} eye covered")
         for side, colour in zip(SIDES, _COLOURS, strict=True)
     ]
-    legend_below(figure, [*handles, Patch(color=LIGHT_GREY, alpha=0.5, label="cover")])
+    pixel = Line2D([], [], color=GREY, lw=0.8, ls=":", label="1 px")
+    legend_below(figure, [*handles, Patch(color=LIGHT_GREY, alpha=0.5, label="cover"), pixel])
     return figure
 
 

@@ -105,7 +105,8 @@ def grating(
     angle = np.radians(orientation_deg)
     across_px = column * np.sin(angle) + row * np.cos(angle)
     wave = np.sin(2.0 * np.pi * cycles_per_px * across_px + np.radians(phase_deg))
-    return np.rint(127.5 * (1.0 + wave)).astype(np.uint8)
+    # About a whole grey level: what blur leaves of a mean between two of them rounds to a pattern.
+    return np.rint(128.0 + 127.0 * wave).astype(np.uint8)
 
 
 def explained_share(coder: SparseCoder, shown: Pictures, seen: Pictures) -> float:
