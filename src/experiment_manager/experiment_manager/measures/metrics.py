@@ -121,7 +121,7 @@ def _antagonist_is_silent(trials: Trials, iteration: int, criteria: Criteria) ->
             if names[0].endswith("medial_rectus")
         ]
         lesser = np.concatenate(of_eyes)
-        return lesser[~np.isnan(lesser)] < _silent_below(criteria)
+        return lesser[~np.isnan(lesser)] < silent_below(criteria)
     medial, lateral = _above_floor(trials, iteration, criteria, trials.space.names)
     near = trials.object_distance_m <= criteria.lateral_is_silent_up_to_m
     far = trials.object_distance_m >= criteria.medial_is_silent_from_m
@@ -138,7 +138,7 @@ def _antagonists(trials: Trials, criteria: Criteria) -> dict[str, AntagonistPair
     for names in antagonist_names(trials.space):
         lesser = _above_floor(trials, trials.n_iterations, criteria, names).min(axis=0)
         is_known = ~np.isnan(lesser)
-        is_silent = lesser < _silent_below(criteria)
+        is_silent = lesser < silent_below(criteria)
         found["-".join(names)] = AntagonistPair(
             share_silent=_share(is_silent[is_known]),
             median_co_contraction=_quantile(lesser, 0.5),
@@ -168,7 +168,8 @@ def _above_floor(
     return np.stack([trials.column(name)[:, iteration] - floors[name] for name in names])
 
 
-def _silent_below(criteria: Criteria) -> float:
+def silent_below(criteria: Criteria) -> float:
+    """Return the activation above its floor below which a muscle with a command is silent."""
     return max(criteria.silent_activation, _SILENT)
 
 

@@ -1,0 +1,203 @@
+"""Frozen learners look at the nine positions and at random places; the least energy beside them."""
+
+import dataclasses
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from experiment_manager.frozen.learners import FrozenLearners
+from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
+from experiment_manager.frozen.viewing import Viewing
+from experiment_manager.loop import InProcessLoop
+from experiment_manager.positions.posture import Posture
+from experiment_manager.positions.targets import (
+    DISTANCES_M,
+    N_RANDOM,
+    NINE_POSITIONS_DEG,
+    random_targets_deg,
+    wanted_angles_deg,
+    wanted_gaze_deg,
+)
+from experiment_manager.run.progress_lines import progress
+from eye_plant.inverse.gaze import GazeInverse
+from eye_plant.mechanics.oculomotor import Oculomotor
+from lockstep.errors import InputError
+
+Array = NDArray[np.float64]
+
+_AHEAD_DEG = (0.0, 0.0)
+_N_PICTURES = 5
+# The eye that may be covered: the target is a place in the other one's picture.
+_COVERABLE = "right"
+
+
+@dataclass(frozen=True)
+class Gazes:
+    """Where eyes were to look, and what they did in the end.
+
+    targets_deg: (n, 2) azimuth and elevation from the left eye; pictures: (n, n_pictures) numbers
+    of those that were shown; eyes: (n_distances, n, n_pictures) the learners' own; optimum:
+    (n_distances, n) those with the least energy.
+    """
+
+    targets_deg: Array
+    distances_m: tuple[float, ...]
+    pictures: NDArray[np.int64]
+    eyes: Posture
+    optimum: Posture
+
+    def wanted_gaze_deg(self, positions_m: Array) -> Array:
+        """Return the gaze (n_distances, n, 2, 2) of eyes at positions_m (2, 3) that look there."""
+        return np.array(
+            [
+                [wanted_gaze_deg(positions_m, target_deg, d) for target_deg in self.targets_deg]
+                for d in self.distances_m
+            ]
+        )
+
+
+@dataclass(frozen=True)
+class Examined:
+    """What frozen learners did at the nine positions and at random places.
+
+    stimuli: what was shown, in words, "" for the run's own; covered: side of an eye, "" for none;
+    positions_m: (2, 3) of the eyes; nine: each position with each picture; random: each place with
+    one picture.
+    """
+
+    learners: FrozenLearners
+    stimuli: str
+    n_pictures: int
+    n_iterations: int
+    covered: str
+    positions_m: Array
+    nine: Gazes
+    random: Gazes
+
+
+def examine(
+    learners: FrozenLearners,
+    shown: Shown = OWN_TEST_STIMULI,
+    covered: str = "",
+    *,
+    distances_m: tuple[float, ...] = DISTANCES_M,
+    n_random: int = N_RANDOM,
+) -> Examined:
+    """Let the eyes look; each look is an episode that begins straight ahead.
+
+    covered: the side of an eye that sees black, "" for none. Raises InputError for learners,
+    pictures or a covered eye that cannot be used.
+    """
+    _check(learners, shown, covered)
+    n_pictures = _N_PICTURES if shown.n_most is None else shown.n_most
+    stimuli = dataclasses.replace(shown, n_most=n_pictures).load(learners.plant.stimuli, n_pictures)
+    n_pictures = len(stimuli.all)
+    with learners.loop(stimuli) as loop:
+        looking = _Looking(learners, loop, covered)
+        each = np.tile(np.arange(n_pictures), (len(NINE_POSITIONS_DEG), 1))
+        in_turn = np.arange(n_random)[:, None] % n_pictures
+        nine = looking.at(NINE_POSITIONS_DEG, distances_m, each)
+        random = looking.at(random_targets_deg(n_random), distances_m, in_turn)
+        return Examined(
+            learners,
+            shown.text,
+            n_pictures,
+            looking.n_iterations,
+            covered,
+            looking.positions_m,
+            nine,
+            random,
+        )
+
+
+def _check(learners: FrozenLearners, shown: Shown, covered: str) -> None:
+    if not learners.manager.protocol.fixation_iterations:
+        raise InputError(
+            "--nine-positions: expected eyes that make saccades, as those of profile gaze, got a "
+            "run with protocol.fixation_iterations 0"
+        )
+    if shown.random_dots or shown.stereograms is not None:
+        raise InputError("--nine-positions: expected pictures on a plane, got stereograms")
+    if covered not in ("", _COVERABLE):
+        raise InputError(
+            f"--cover-eye: expected {_COVERABLE}, since the target is a place in the left eye's "
+            f"picture, got {covered}"
+        )
+
+
+class _Looking:
+    """Learners' eyes and eyes with the least energy, before the same targets."""
+
+    def __init__(self, learners: FrozenLearners, loop: InProcessLoop, covered: str) -> None:
+        manager = learners.manager
+        protocol = manager.protocol
+        self.n_iterations = protocol.iterations_per_trial
+        self._n_fixations = self.n_iterations // protocol.fixation_iterations
+        self._loop = loop
+        self._settings = {f"camera.{covered}_occluded": True} if covered else {}
+        self._commanded = protocol.space.indices
+        self._eyes = Oculomotor(manager.mechanics)
+        self.positions_m = self._eyes.eye_positions_m()
+        self._inverse = _inverse(learners)
+        # Eyes with a palsy begin with what healthy ones need to look straight ahead.
+        self._healthy = _inverse(dataclasses.replace(learners, settings={}))
+
+    def at(
+        self,
+        targets_deg: Array,
+        distances_m: tuple[float, ...],
+        pictures: NDArray[np.int64],
+    ) -> Gazes:
+        """Look at all targets (n, 2) from all distances; pictures: (n, n_pictures) for each."""
+        gazes = [
+            (i, target_deg, distance_m)
+            for distance_m in distances_m
+            for i, target_deg in enumerate(targets_deg)
+        ]
+        eyes: list[Posture] = []
+        optimum: list[Posture] = []
+        for i, target_deg, distance_m in progress(
+            gazes, file=sys.stderr, desc="nine positions", unit="gaze"
+        ):
+            eyes += self._looks(target_deg, distance_m, pictures[i].tolist())
+            optimum.append(self._least(target_deg, distance_m))
+        shape = len(distances_m), len(targets_deg)
+        return Gazes(
+            targets_deg,
+            distances_m,
+            pictures,
+            Posture.stacked(eyes, (len(distances_m), *pictures.shape)),
+            Posture.stacked(optimum, shape),
+        )
+
+    def _looks(
+        self, target_deg: Array, distance_m: float, pictures: Sequence[int]
+    ) -> Iterator[Posture]:
+        """Yield where the eyes end before each picture."""
+        wanted_deg = wanted_gaze_deg(self.positions_m, _AHEAD_DEG, distance_m)
+        nowhere_aside = np.zeros(len(self._commanded))
+        first = self._healthy.activations(wanted_angles_deg(wanted_deg), distance_m, nowhere_aside)
+        for i_picture in pictures:
+            viewing = Viewing(self._loop, i_picture, distance_m, first.tolist())
+            viewing.look(self.n_iterations, self._settings, target_deg.tolist() * self._n_fixations)
+            eyes = self._loop.plant.oculomotor
+            yield Posture.of(eyes, self._commanded, target_deg, distance_m)
+
+    def _least(self, target_deg: Array, distance_m: float) -> Posture:
+        """Return the cheapest posture without errors, cycloversion being free."""
+        wanted_deg = wanted_gaze_deg(self.positions_m, target_deg, distance_m)
+        try:
+            least = self._inverse.least(wanted_angles_deg(wanted_deg), distance_m)
+        except InputError:
+            return Posture.unreached()
+        self._eyes.settle(least.activations)
+        return Posture.of(self._eyes, self._commanded, target_deg, distance_m)
+
+
+def _inverse(learners: FrozenLearners) -> GazeInverse:
+    manager = learners.manager
+    limits = manager.protocol.limits
+    return GazeInverse(manager.mechanics, manager.protocol.space, limits.lowest, limits.highest)
