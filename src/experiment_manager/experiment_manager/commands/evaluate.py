@@ -10,7 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from experiment_manager.analysis.recorded_run import RecordedRun
-from experiment_manager.commands.examinations import EXAMINATIONS, add_examinations, examined
+from experiment_manager.commands.examinations import (
+    EXAMINATIONS,
+    NINE_POSITIONS,
+    add_examinations,
+    examined,
+)
 from experiment_manager.frozen.evaluation import evaluated
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import Shown
@@ -57,6 +62,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(
             f"--figure: expected with one of {', '.join(map('--{}'.format, EXAMINATIONS))}"
         )
+    if options.cover_eye is not None and options.examination != NINE_POSITIONS:
+        parser.error(f"--cover-eye: expected with --{NINE_POSITIONS}")
     if options.examination is not None and options.start_scale is not None:
         parser.error("--start-scale: expected without an examination, which has starts of its own")
     if is_frozen and options.write:
@@ -175,7 +182,9 @@ def _test_frozen(options: argparse.Namespace) -> int:
         options.stimuli_per_test,
     )
     if options.examination is not None:
-        examination = examined(options.examination, learners, shown, options.figure)
+        covered = {"covered": options.cover_eye} if options.cover_eye else {}
+        name, figure = options.examination, options.figure
+        examination = examined(name, learners, shown, figure, **covered)
         document, table = examination.to_json(), examination.table()
     else:
         start_scale = 1.0 if options.start_scale is None else options.start_scale

@@ -1,8 +1,8 @@
 """The clinic's part of evaluate.sh's command line: which examination, and its figure."""
 
 import argparse
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -12,6 +12,9 @@ from matplotlib.figure import Figure
 from experiment_manager.clinic import acuity, cover, figures, prisms
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import Shown
+from experiment_manager.positions.figures import activations_figure, hess_chart
+from experiment_manager.positions.results import examine_positions
+from lockstep.command_space import SIDES
 from lockstep.errors import InputError
 from lockstep.figures import STYLE, save
 
@@ -28,11 +31,18 @@ class Examined(Protocol):
 
 @dataclass(frozen=True)
 class Examination:
-    """An examination: how it is made, how its figure is drawn, and what --help says of it."""
+    """An examination: how it is made, how its figure is drawn, and what --help says of it.
 
-    examine: Callable[[FrozenLearners, Shown], Any]
+    further: other figures of it, by what is added to the name of the file.
+    """
+
+    examine: Callable[..., Any]
     draw: Callable[[Any], Figure]
     text: str
+    further: Mapping[str, Callable[[Any], Figure]] = field(default_factory=dict)
+
+
+NINE_POSITIONS = "nine-positions"
 
 
 EXAMINATIONS = {
@@ -50,6 +60,13 @@ EXAMINATIONS = {
         acuity.examine,
         figures.acuity_figure,
         "measure the acuity of each eye, the stereo threshold, and each eye's share in the code",
+    ),
+    NINE_POSITIONS: Examination(
+        examine_positions,
+        lambda results: hess_chart(results.examined),
+        "let eyes that make saccades look at nine targets at three distances: the Hess chart, the"
+        " energy beside the least one, and the laws of Sherrington, Listing and Hering",
+        {"activations": lambda results: activations_figure(results.examined)},
     ),
 }
 
@@ -69,15 +86,28 @@ def add_examinations(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--figure", type=Path, metavar="FILE.png", help="also draw what the examination found"
     )
+    group.add_argument(
+        "--cover-eye",
+        choices=SIDES,
+        help=f"cover an eye in --{NINE_POSITIONS}; only the right one, since the left picture has"
+        " the target",
+    )
 
 
-def examined(name: str, learners: FrozenLearners, shown: Shown, figure: Path | None) -> Examined:
-    """Make an examination and draw its figure; raises InputError for what cannot be examined."""
+def examined(
+    name: str, learners: FrozenLearners, shown: Shown, figure: Path | None, **how: Any
+) -> Examined:
+    """Make an examination and draw its figures; raises InputError for what cannot be examined.
+
+    how: what this examination takes besides.
+    """
     if figure is not None and figure.suffix.lower() != ".png":
         raise InputError(f"--figure: expected a name that ends in .png, got {figure}")
     examination = EXAMINATIONS[name]
-    results: Examined = examination.examine(learners, shown)
+    results: Examined = examination.examine(learners, shown, **how)
     if figure is not None:
         with mpl.rc_context(STYLE):
             save(examination.draw(results), figure)
+            for addition, draw in examination.further.items():
+                save(draw(results), figure.with_stem(f"{figure.stem}_{addition}"))
     return results

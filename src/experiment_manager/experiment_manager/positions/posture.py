@@ -12,8 +12,11 @@ from experiment_manager.positions.listing import rotation_vectors
 from experiment_manager.positions.targets import direction_deg
 from eye_plant.gaze_error import gaze_error, target_place_deg
 from eye_plant.mechanics.oculomotor import Oculomotor
+from lockstep.command_space import MUSCLE_NAMES, SIDES
 
 Array = NDArray[np.float64]
+
+ERROR_AXES = ("horizontal", "vertical", "cyclovergence")
 
 
 @dataclass(frozen=True)
@@ -85,3 +88,17 @@ class Posture:
     def torsion_deg(self) -> Array:
         """Each eye's torsion in Listing's coordinates (..., 2), as listing_torsion_deg has it."""
         return 2.0 * np.degrees(np.arctan(self.rotation_vectors[..., 0]))
+
+    def readings(self) -> dict[str, Array]:
+        """Return what a document has of each posture, (...) by name."""
+        values = {
+            f"{side}_{angle}_deg": self.gaze_deg[..., i_side, i_angle]
+            for i_side, side in enumerate(SIDES)
+            for i_angle, angle in enumerate(("azimuth", "elevation"))
+        }
+        values |= {f"{side}_torsion_deg": self.torsion_deg[..., i] for i, side in enumerate(SIDES)}
+        values |= {
+            f"{axis}_error_deg": self.errors_deg[..., i] for i, axis in enumerate(ERROR_AXES)
+        }
+        values |= {"missed_deg": self.missed_deg, "metabolic_rate_w": self.metabolic_rate_w}
+        return values | {name: self.activations[..., i] for i, name in enumerate(MUSCLE_NAMES)}
