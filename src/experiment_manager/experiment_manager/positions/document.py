@@ -1,7 +1,7 @@
 """The document of the nine positions, with the numbers of all looks."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,21 +16,24 @@ from experiment_manager.positions.measures import (
     silences_of,
     yoked_changes,
 )
+from experiment_manager.positions.posture import ERROR_AXES
 from lockstep.command_space import SIDES
 
-Readings = dict[str, NDArray[np.float64]]
+SUMMARISED = ("missed_deg", *(f"{axis}_error_deg" for axis in ERROR_AXES), "metabolic_rate_w")
 
 
 def document(examined: Examined) -> dict[str, Any]:
     """Return what evaluate.sh writes; docs/gaze.md says what it is."""
     random = examined.random
+    positions = list(gaze_entries(examined.nine, examined.positions_m))
     return examined.learners.said() | {
         "examination": "nine positions",
         "stimuli": examined.stimuli,
         "n_stimuli": examined.n_pictures,
         "n_iterations": examined.n_iterations,
         "covered": examined.covered,
-        "positions": list(gaze_entries(examined.nine, examined.positions_m)),
+        "summary": summary(positions),
+        "positions": positions,
         "random": list(gaze_entries(random, examined.positions_m)),
         "antagonists": {name: s.to_json() for name, s in silences_of(examined).items()},
         "listing": {
@@ -78,6 +81,26 @@ def gaze_entries(gazes: Gazes, positions_m: NDArray[np.float64]) -> Iterator[dic
                     for k, stimulus in enumerate(gazes.pictures[i].tolist())
                 ],
             }
+
+
+def summary(entries: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, float | None]]:
+    """Return medians of absolute values by distance in m, and over "all".
+
+    Errors and C over all looks; the least C and the ratio of both over positions with a least C.
+    """
+    by_distance: dict[str, list[Mapping[str, Any]]] = {}
+    for entry in entries:
+        by_distance.setdefault(f"{entry['object_distance_m']:g}", []).append(entry)
+    return {name: _medians(of) for name, of in (by_distance | {"all": [*entries]}).items()}
+
+
+def _medians(entries: Sequence[Mapping[str, Any]]) -> dict[str, float | None]:
+    looks = [look for entry in entries for look in entry["looks"]]
+    reached = [entry for entry in entries if entry["least"]]
+    values = {name: [abs(look[name]) for look in looks] for name in SUMMARISED}
+    values["least_metabolic_rate_w"] = [entry["least"]["metabolic_rate_w"] for entry in reached]
+    values["cost_ratio"] = [entry["cost_ratio"] for entry in reached]
+    return {name: float(np.median(of)) if of else None for name, of in values.items()}
 
 
 def _listing(planes: Mapping[str, Planes]) -> dict[str, Any]:

@@ -1,5 +1,7 @@
 """The figures of the nine positions: where the eyes look, and what each muscle does there."""
 
+from typing import Any
+
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
@@ -72,7 +74,7 @@ def hess_chart(examined: Examined) -> Figure:
     return figure
 
 
-def _draw_grid(axes: Axes, gaze_deg: Array, colour: str, **marks: object) -> None:
+def _draw_grid(axes: Axes, gaze_deg: Array, colour: str, **marks: Any) -> None:
     """Join the nine gazes (9, 2) along rows and columns."""
     grid = gaze_deg.reshape(_N_SIDE, _N_SIDE, 2)
     for line in (*grid, *grid.swapaxes(0, 1)):

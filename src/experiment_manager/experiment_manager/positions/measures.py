@@ -46,13 +46,6 @@ def silences_of(examined: Examined) -> dict[str, Silence]:
     )
 
 
-def cost_ratios(examined: Examined) -> Array:
-    """Return C over the least (n_distances, 9), of the median over pictures; NaN without least."""
-    nine = examined.nine
-    ratios: Array = np.median(nine.eyes.metabolic_rate_w, axis=-1) / nine.optimum.metabolic_rate_w
-    return ratios
-
-
 @dataclass(frozen=True)
 class Planes:
     """Displacement planes of one eye: by distance in m, None where too few gazes are reached.

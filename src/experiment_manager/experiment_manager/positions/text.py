@@ -3,8 +3,6 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from experiment_manager.measures.tables import number, percent, text_table
 from experiment_manager.positions.posture import ERROR_AXES
 from lockstep.command_space import SIDES
@@ -14,6 +12,7 @@ Json = Mapping[str, Any]
 _NAMES = {"learned": "learned", "least": "least energy"}
 _ERRORS = tuple(f"{axis}_error_deg" for axis in ERROR_AXES)
 _GAZE = tuple(f"{side}_{angle}_deg" for side in SIDES for angle in ("azimuth", "elevation"))
+_YOKED_MEASURES = ("correlation", "slope")
 # Of W and of mW.
 _MILLI = 1000.0
 
@@ -22,9 +21,7 @@ def tables(document: Json) -> str:
     """Return the tables of a `document`."""
     parts = {
         "Medians over pictures (angles in deg, C in mW)": _positions(document["positions"]),
-        "Medians over pictures and positions, of absolute values": _by_distance(
-            document["positions"]
-        ),
+        "Medians over pictures and positions, of absolute values": _summary(document["summary"]),
         "Silent antagonists at the nine positions": _antagonists(document["antagonists"]),
         "Displacement planes of nine positions and random places (deg)": _planes(
             document["listing"]
@@ -57,28 +54,16 @@ def _positions(entries: Sequence[Json]) -> str:
     return text_table(header, rows, n_left=0)
 
 
-def _by_distance(entries: Sequence[Json]) -> str:
+def _summary(medians: Json) -> str:
     header = ["distance/m", "missed", "horizontal", "vertical", "cyclo", "C", "least C", "ratio"]
-    rows = []
-    for distance_m in dict.fromkeys(entry["object_distance_m"] for entry in entries):
-        chosen = [entry for entry in entries if entry["object_distance_m"] == distance_m]
-        looks = [look for entry in chosen for look in entry["looks"]]
-        least_w = [e["least"]["metabolic_rate_w"] for e in chosen if e["least"]]
-        ratios = [e["cost_ratio"] for e in chosen if e["least"]]
-        rows.append(
-            (
-                f"{distance_m:g}",
-                *(
-                    number(_median([abs(look[name]) for look in looks]))
-                    for name in ("missed_deg", *_ERRORS)
-                ),
-                *_costs(
-                    _median([look["metabolic_rate_w"] for look in looks]),
-                    _median(least_w),
-                    _median(ratios),
-                ),
-            )
+    rows = [
+        (
+            distance,
+            *(number(of[name]) for name in ("missed_deg", *_ERRORS)),
+            *_costs(of["metabolic_rate_w"], of["least_metabolic_rate_w"], of["cost_ratio"]),
         )
+        for distance, of in medians.items()
+    ]
     return text_table(header, rows, n_left=0)
 
 
@@ -145,10 +130,3 @@ def _yoked(yoked: Json) -> str:
         for pair in yoked["learned"]
     ]
     return text_table(header, rows)
-
-
-_YOKED_MEASURES = ("correlation", "slope")
-
-
-def _median(values: Sequence[float]) -> float | None:
-    return float(np.median(values)) if len(values) else None
