@@ -11,7 +11,7 @@ from experiment_manager.measures.kept_trials import read_trials, with_test, writ
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import Trials, TrialTable, only_test, trial_names
-from experiment_manager.measures.yoked import yoked_pairs
+from experiment_manager.measures.yoked import shared_change, yoked_pairs
 from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES, PAIR
 from lockstep.wire.topics import TEST
 
@@ -127,3 +127,13 @@ def test_yoked_muscles_that_work_against_each_other() -> None:
     pairs = {pair.names: pair for pair in yoked_pairs(changed)}
     pair = pairs["right_medial_rectus", "left_lateral_rectus"]
     assert pair.correlation == pytest.approx(-1.0)
+
+
+def test_a_change_shared_around_the_mean_at_each_distance() -> None:
+    # Around the means at both distances: -1, 1, -1, 1, and -2, 2, 0, 0.
+    values = np.array([[0.0, 2.0, 10.0, 12.0], [1.0, 5.0, 0.0, 0.0]])
+    change = shared_change(values, np.array([0.5, 0.5, 6.0, 6.0]))
+    assert change.slope == pytest.approx(4.0 / 4.0)
+    assert change.correlation == pytest.approx(4.0 / np.sqrt(4.0 * 8.0))
+    still = shared_change(np.array([[1.0, 1.0], [0.0, 1.0]]), np.array([1.0, 1.0]))
+    assert np.isnan([still.slope, still.correlation]).all()

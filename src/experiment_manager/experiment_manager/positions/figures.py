@@ -33,8 +33,7 @@ _ABBREVIATIONS = ["".join(word[0] for word in muscle.split("_")).upper() for mus
 # Beyond the outermost gaze, and between ticks.
 _MARGIN_DEG = 3.0
 _TICKS_DEG = 5.0
-# Of two panels that are about as high as they are wide.
-_CHART_WIDTH_IN = 6.2
+_PANEL_WIDTH_IN = 3.5
 
 
 def hess_chart(examined: Examined) -> Figure:
@@ -45,15 +44,23 @@ def hess_chart(examined: Examined) -> Figure:
     nine = examined.nine
     wanted_deg = nine.wanted_gaze_deg(examined.positions_m)
     reached_deg = np.median(nine.eyes.gaze_deg, axis=2)
-    figure = new_figure(_CHART_WIDTH_IN, 3.0 * len(nine.distances_m) + 0.4)
-    panels = figure.subplots(len(nine.distances_m), len(SIDES), squeeze=False, sharey=True)
+    low, high = _frame(np.stack([wanted_deg, reached_deg]))
+    width, height = high - low
+    panel_height_in = _PANEL_WIDTH_IN * height / width + 0.4
+    n_distances = len(nine.distances_m)
+    figure = new_figure(WIDTH_IN, panel_height_in * n_distances + 0.6)
+    panels = figure.subplots(n_distances, len(SIDES), squeeze=False, sharex=True, sharey=True)
     for of_distance, wanted, reached in zip(panels, wanted_deg, reached_deg, strict=True):
         for axes, wanted_of_eye, reached_of_eye in zip(
             of_distance, wanted.swapaxes(0, 1), reached.swapaxes(0, 1), strict=True
         ):
             _draw_grid(axes, wanted_of_eye, GREY, marker="o", mfc="white", ms=7)
             _draw_grid(axes, reached_of_eye, BLUE, marker="o", ms=3.5)
-            _frame(axes, np.concatenate([wanted_of_eye, reached_of_eye]))
+            axes.axhline(0.0, color=LIGHT_GREY, lw=0.8, zorder=0)
+            axes.axvline(0.0, color=LIGHT_GREY, lw=0.8, zorder=0)
+            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+            for axis in (axes.xaxis, axes.yaxis):
+                axis.set_major_locator(mpl.ticker.MultipleLocator(_TICKS_DEG))
     titles = [
         f"{side} eye{' (covered)' if side == examined.covered else ''}, {distance_m:g} m"
         for distance_m in nine.distances_m
@@ -81,15 +88,10 @@ def _draw_grid(axes: Axes, gaze_deg: Array, colour: str, **marks: Any) -> None:
         axes.plot(*line.T, color=colour, lw=1.0, **marks)
 
 
-def _frame(axes: Axes, gaze_deg: Array) -> None:
-    low, high = gaze_deg.min(axis=0) - _MARGIN_DEG, gaze_deg.max(axis=0) + _MARGIN_DEG
-    axes.set_xlim(low[0], high[0])
-    axes.set_ylim(low[1], high[1])
-    axes.set_aspect("equal")
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(mpl.ticker.MultipleLocator(_TICKS_DEG))
-    axes.axhline(0.0, color=LIGHT_GREY, lw=0.8, zorder=0)
-    axes.axvline(0.0, color=LIGHT_GREY, lw=0.8, zorder=0)
+def _frame(gaze_deg: Array) -> tuple[Array, Array]:
+    """Return the corners of a frame around gazes (..., 2)."""
+    gazes = gaze_deg.reshape(-1, 2)
+    return gazes.min(axis=0) - _MARGIN_DEG, gazes.max(axis=0) + _MARGIN_DEG
 
 
 def activations_figure(examined: Examined) -> Figure:
