@@ -44,33 +44,20 @@ def hess_chart(examined: Examined) -> Figure:
     nine = examined.nine
     wanted_deg = nine.wanted_gaze_deg(examined.positions_m)
     reached_deg = np.median(nine.eyes.gaze_deg, axis=2)
-    low, high = _frame(np.stack([wanted_deg, reached_deg]))
-    width, height = high - low
-    panel_height_in = _PANEL_WIDTH_IN * height / width + 0.4
-    n_distances = len(nine.distances_m)
-    figure = new_figure(WIDTH_IN, panel_height_in * n_distances + 0.6)
-    panels = figure.subplots(n_distances, len(SIDES), squeeze=False, sharex=True, sharey=True)
+    both_deg = np.stack([wanted_deg, reached_deg])
+    figure, panels = _chart_panels(both_deg.reshape(-1, 2), len(nine.distances_m))
     for of_distance, wanted, reached in zip(panels, wanted_deg, reached_deg, strict=True):
         for axes, wanted_of_eye, reached_of_eye in zip(
             of_distance, wanted.swapaxes(0, 1), reached.swapaxes(0, 1), strict=True
         ):
             _draw_grid(axes, wanted_of_eye, GREY, marker="o", mfc="white", ms=7)
             _draw_grid(axes, reached_of_eye, BLUE, marker="o", ms=3.5)
-            axes.axhline(0.0, color=LIGHT_GREY, lw=0.8, zorder=0)
-            axes.axvline(0.0, color=LIGHT_GREY, lw=0.8, zorder=0)
-            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-            for axis in (axes.xaxis, axes.yaxis):
-                axis.set_major_locator(mpl.ticker.MultipleLocator(_TICKS_DEG))
     titles = [
         f"{side} eye{' (covered)' if side == examined.covered else ''}, {distance_m:g} m"
         for distance_m in nine.distances_m
         for side in SIDES
     ]
     title_panels(panels.ravel(), titles)
-    for axes in panels[:, 0]:
-        axes.set_ylabel("elevation (up) / deg")
-    for axes in panels[-1]:
-        axes.set_xlabel("azimuth (right) / deg")
     legend_below(
         figure,
         [
@@ -88,10 +75,24 @@ def _draw_grid(axes: Axes, gaze_deg: Array, colour: str, **marks: Any) -> None:
         axes.plot(*line.T, color=colour, lw=1.0, **marks)
 
 
-def _frame(gaze_deg: Array) -> tuple[Array, Array]:
-    """Return the corners of a frame around gazes (..., 2)."""
-    gazes = gaze_deg.reshape(-1, 2)
-    return gazes.min(axis=0) - _MARGIN_DEG, gazes.max(axis=0) + _MARGIN_DEG
+def _chart_panels(gazes_deg: Array, n_distances: int) -> tuple[Figure, Any]:
+    """Return a figure and its panels (n_distances, 2), all with a frame around gazes (n, 2)."""
+    low, high = gazes_deg.min(axis=0) - _MARGIN_DEG, gazes_deg.max(axis=0) + _MARGIN_DEG
+    width, height = high - low
+    panel_height_in = _PANEL_WIDTH_IN * height / width + 0.4
+    figure = new_figure(WIDTH_IN, panel_height_in * n_distances + 0.6)
+    panels = figure.subplots(n_distances, len(SIDES), squeeze=False, sharex=True, sharey=True)
+    for axes in panels.ravel():
+        axes.axhline(0.0, color=LIGHT_GREY, lw=0.8, zorder=0)
+        axes.axvline(0.0, color=LIGHT_GREY, lw=0.8, zorder=0)
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(mpl.ticker.MultipleLocator(_TICKS_DEG))
+    for axes in panels[:, 0]:
+        axes.set_ylabel("elevation (up) / deg")
+    for axes in panels[-1]:
+        axes.set_xlabel("azimuth (right) / deg")
+    return figure, panels
 
 
 def activations_figure(examined: Examined) -> Figure:
