@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiment_manager.commands import nine_positions
 from experiment_manager.commands.evaluate import main
 from experiment_manager.commands.run_experiment import main as run_experiment
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.frozen.viewing import Viewing
+from experiment_manager.positions import results
 from experiment_manager.positions.document import document
 from experiment_manager.positions.examination import Examined, examine
 from experiment_manager.positions.measures import yoked_changes
@@ -81,7 +81,7 @@ def examined(run: Path, moving: None) -> Examined:
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the command look at few places."""
     fewer = partial(examine, distances_m=DISTANCES_M[:1], n_random=N_RANDOM)
-    monkeypatch.setattr(nine_positions, "examine", fewer)
+    monkeypatch.setattr(results, "examine", fewer)
 
 
 def test_what_is_looked_at(examined: Examined) -> None:
@@ -179,6 +179,7 @@ def test_the_command_prints_writes_and_draws(run, tmp_path, capsys) -> None:
     assert main([*line, "--out", str(out), "--figure", str(figure)]) == 0
     text = capsys.readouterr().out
     assert "1 pictures of its own test stimuli" in text
+    assert "Medians over pictures after 20 iterations (angles" in text
     for title in ("Silent antagonists", "Displacement planes", "Yoked muscles"):
         assert title in text
     assert figure.exists()
@@ -207,7 +208,7 @@ def test_a_covered_right_eye_ends_elsewhere(run: Path, examined: Examined) -> No
     covered = examine(
         FrozenLearners(run), Shown(n_most=1), "right", distances_m=(0.5,), n_random=N_RANDOM
     )
-    assert covered.covered == "right"
+    assert "after 20 iterations, right eye covered" in results.NinePositions(covered).table()
     seen, unseen = (e.nine.eyes.activations[0, :, 0] for e in (examined, covered))
     assert (np.abs(seen - unseen).max(axis=1) > 1e-6).all()
 
@@ -216,7 +217,7 @@ def test_what_cannot_be_examined_is_one_line(run, small_run, capsys) -> None:
     for line, message in (
         ((str(run), "--cover-eye", "left"), "--cover-eye: expected right, since the target is"),
         ((str(run), "--random-dots"), "--nine-positions: expected pictures on a plane"),
-        ((str(run), "--figure", "chart.jpg"), "--figure: expected a file name that ends with .png"),
+        ((str(run), "--figure", "chart.jpg"), "--figure: expected a name that ends in .png"),
         ((str(small_run),), "expected eyes that make saccades, as those of profile gaze"),
     ):
         assert main([*line, "--nine-positions"]) == 2
@@ -229,8 +230,11 @@ def test_what_cannot_be_examined_is_one_line(run, small_run, capsys) -> None:
     ("line", "message"),
     [
         (("--cover-eye", "right"), "--cover-eye: expected with --nine-positions"),
-        (("--figure", "a.png"), "--figure: expected with --nine-positions"),
-        (("--nine-positions", "--start-scale", "2"), "--start-scale: expected without"),
+        (("--cover", "--cover-eye", "right"), "--cover-eye: expected with --nine-positions"),
+        (
+            ("--figure", "a.png"),
+            "--figure: expected with one of --cover, --prisms, --acuity, --nin",
+        ),
     ],
 )
 def test_options_that_do_not_go_together(run, line, message, capsys) -> None:

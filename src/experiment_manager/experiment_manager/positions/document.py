@@ -27,7 +27,7 @@ def document(examined: Examined) -> dict[str, Any]:
     random = examined.random
     positions = list(gaze_entries(examined.nine, examined.positions_m))
     return examined.learners.said() | {
-        "examination": "nine positions",
+        "examination": "nine-positions",
         "stimuli": examined.stimuli,
         "n_stimuli": examined.n_pictures,
         "n_iterations": examined.n_iterations,

@@ -19,8 +19,10 @@ _MILLI = 1000.0
 
 def tables(document: Json) -> str:
     """Return the tables of a `document`."""
+    covered = f", {document['covered']} eye covered" if document["covered"] else ""
     parts = {
-        "Medians over pictures (angles in deg, C in mW)": _positions(document["positions"]),
+        f"Medians over pictures after {document['n_iterations']} iterations{covered} (angles in "
+        "deg, C in mW)": _positions(document["positions"]),
         "Medians over pictures and positions, of absolute values": _summary(document["summary"]),
         "Silent antagonists at the nine positions": _antagonists(document["antagonists"]),
         "Displacement planes of nine positions and random places (deg)": _planes(
