@@ -19,7 +19,8 @@ from lockstep.wire.topics import TRAINING
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.gaze.fixations import Fixations
-from sparse_coder.perception import Percept, fixations_of, perceive
+from sparse_coder.gaze.turns import Turns
+from sparse_coder.perception import Percept, gaze_watch, perceive
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
 from vergence_rl.learning_rule import Decision
@@ -47,11 +48,11 @@ class Step:
 
 
 def perceived(
-    coder: SparseCoder, observation: Observation, fixations: Fixations | None = None
+    coder: SparseCoder, observation: Observation, watch: Fixations | Turns | None = None
 ) -> Percept:
     """Return what the coder makes of an observation with pictures.
 
-    fixations: of eyes that make saccades.
+    watch: of the gaze, where somebody asks.
     """
     assert observation.pictures is not None
     charged_w = observation.state.metabolic_rate_w[coder.config.space.indices]
@@ -62,7 +63,7 @@ def perceived(
         left,
         right,
         charged_w,
-        fixations=fixations,
+        watch=watch,
         iteration=observation.iteration,
         given_deg=given_deg,
     )
@@ -77,7 +78,7 @@ class InProcessLoop:
         self.coder = coder
         self.agent = agent
         self._space = agent.config.space
-        self._fixations = fixations_of(coder.config)
+        self._watch = gaze_watch(coder.config)
 
     @property
     def learners(self) -> dict[str, SparseCoder | Agent]:
@@ -113,7 +114,7 @@ class InProcessLoop:
         yield Step(observation, None)
 
     def _answer(self, observation: Observation, learning: bool, exploration: bool) -> Answer:
-        percept = perceived(self.coder, observation, self._fixations)
+        percept = perceived(self.coder, observation, self._watch)
         if learning:
             self.coder.learn(percept.encoding)
         gaze = percept.gaze

@@ -27,7 +27,7 @@ from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.gaze.fixations import NOWHERE_DEG
 from sparse_coder.messages import basis_functions_message, features_message, picture_of
-from sparse_coder.perception import fixations_of, perceive
+from sparse_coder.perception import gaze_watch, perceive
 
 # Half a megabyte each time, for people to look at.
 _BASIS_FUNCTIONS_PERIOD_S = 1.0
@@ -51,10 +51,11 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
             self, BASIS_FUNCTIONS, basis_functions_message(self.config.n_bases)
         )
         self._sent_basis_functions_s = 0.0
-        self._fixations = fixations_of(self.config)
+        self._watch = gaze_watch(self.config)
         self._wanted_deg: np.ndarray | None = None
-        if self._fixations:
+        if self._watch:
             self._gaze = VectorPublisher(self, GAZE, GAZE_NAMES)
+        if self.config.gaze.fixation_iterations:
             self.create_subscription(JointState, GAZE_TARGET, self._take_target, _TARGET_DEPTH)
 
     def inputs(self) -> Mapping[str, type]:
@@ -77,15 +78,16 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
             "effort",
         )
         iteration, given_deg = 0, NOWHERE_DEG
-        if self._fixations:
+        if self._watch:
             (iteration,) = whole_values_of(episode, ("iteration",), "episode")
+        if self.config.gaze.fixation_iterations:
             given_deg = self._given_deg(episode, phase, iteration)
         percept = perceive(
             self.learner,
             left,
             right,
             rates_w,
-            fixations=self._fixations,
+            watch=self._watch,
             iteration=iteration,
             given_deg=given_deg,
         )
@@ -129,7 +131,7 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
 
     def repeat(self) -> None:
         """Publish the last features and reward again, and what they say of gaze."""
-        if self._fixations:
+        if self._watch:
             self._gaze.repeat()
         self._reward.repeat()
         self._features.repeat()

@@ -9,6 +9,7 @@ from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.encoding import Encoding
 from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations, Gaze
+from sparse_coder.gaze.turns import Turns
 from sparse_coder.reward import reward
 
 
@@ -17,7 +18,7 @@ class Percept:
     """What the coder makes of an observation.
 
     metabolic_rate_w: C, of the muscles that are charged; learning_steps: of the coder, before it
-    learns from this; gaze: None for eyes that make no saccades.
+    learns from this; gaze: None where nobody asks.
     """
 
     encoding: Encoding
@@ -32,12 +33,12 @@ class Percept:
         return (*errors, self.metabolic_rate_w, self.reward, self.learning_steps)
 
 
-def fixations_of(config: SparseCoderConfig) -> Fixations | None:
-    """Return what follows the fixations of episodes, None for eyes that make no saccades."""
+def gaze_watch(config: SparseCoderConfig) -> Fixations | Turns | None:
+    """Return what follows the gaze through episodes, None where nobody asks."""
     gaze = config.gaze
-    if not gaze.fixation_iterations:
-        return None
-    return Fixations(gaze.fixation_iterations, gaze.focal_length_px)
+    if gaze.fixation_iterations:
+        return Fixations(gaze.fixation_iterations, gaze.focal_length_px)
+    return Turns(gaze.focal_length_px) if gaze.measures_turns else None
 
 
 def perceive(
@@ -46,18 +47,18 @@ def perceive(
     right: NDArray[np.uint8],
     metabolic_rates_w: NDArray[np.float64],
     *,
-    fixations: Fixations | None = None,
+    watch: Fixations | Turns | None = None,
     iteration: int = 0,
     given_deg: NDArray[np.float64] = NOWHERE_DEG,
 ) -> Percept:
     """Encode both pictures and weigh the code's error against the price of energy.
 
     left, right: (height_px, width_px); metabolic_rates_w: (n_muscles,) settled rates of the muscles
-    that are charged; iteration, given_deg: as Fixations.step takes them. Raises InputError for
-    pictures and rates that cannot be.
+    that are charged; watch: of the gaze; iteration, given_deg: as its step takes them. Raises
+    InputError for pictures and rates that cannot be.
     """
     encoding = coder.encode(left, right)
     metabolic_rate_w = float(metabolic_rates_w.sum())
     reward_t = reward(encoding.reconstruction_error, metabolic_rate_w, coder.metabolic_cost_weight)
-    gaze = fixations.step(iteration, (left, right), encoding, given_deg) if fixations else None
+    gaze = watch.step(iteration, (left, right), encoding, given_deg) if watch else None
     return Percept(encoding, metabolic_rate_w, reward_t, coder.learning_steps, gaze)

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from lockstep.errors import DivergenceError, InputError
 from lockstep.randomness import generator
-from lockstep.wire.topics import N_SACCADES
 from vergence_rl.cacla.rule import CaclaRule
 from vergence_rl.config import VergenceRlConfig
 from vergence_rl.gaze.control import GazeControl, checked_gaze
@@ -31,7 +30,7 @@ _NO_TARGET, _NO_TURNS = np.full(2, np.nan), np.full((2, 3), np.nan)
 
 
 class Agent:
-    """Owns the normaliser's statistics, a learning rule, and what saccades need."""
+    """Owns the normaliser's statistics, a learning rule, and what turns of the eyes need."""
 
     def __init__(self, config: VergenceRlConfig) -> None:
         """Start with the weights of the seed."""
@@ -47,8 +46,12 @@ class Agent:
             config.n_features + config.n_felt, config.initial_squared_deviation
         )
         self._gaze = (
-            GazeControl(*config.limits, config.gaze.saccade_noise)
-            if config.gaze.fixation_iterations
+            GazeControl(
+                *config.limits,
+                config.gaze.saccade_noise,
+                holds_gaze=config.gaze.fixation_iterations > 0,
+            )
+            if config.gaze.learns_turns
             else None
         )
         # The sum of what vergence has asked for in this fixation.
@@ -81,7 +84,7 @@ class Agent:
         after a gap, nor from an action that was taken without learning. target_deg: (2,) sideways
         and up from the left line of sight, where there is a place to look at now; turns_deg: (2, 3)
         how each eye was seen to turn since the observation before; NaN otherwise. price: what the
-        activations take from the reward, lambda C, for eyes that make saccades.
+        activations take from the reward, lambda C, where vergence is learned as turns.
         Raises InputError, and changes nothing, for a wrong size or a number that is not finite;
         DivergenceError when value, TD error or action leave every sane range.
         """
@@ -102,13 +105,13 @@ class Agent:
             decision = self._rule.step(observation, learning=learning, draw=draw)
         else:
             gaze = checked_gaze(target_deg, turns_deg)
-            decision = self._fixate(
+            decision = self._turn(
                 self._gaze, observation, gaze, price, learning=learning, draw=draw
             )
         _check_sanity(training_iteration, decision)
         return decision
 
-    def _fixate(
+    def _turn(
         self,
         control: GazeControl,
         observation: Observation,
@@ -118,11 +121,11 @@ class Agent:
         learning: bool,
         draw: np.random.Generator | None,
     ) -> Decision:
-        """Make a saccade where there is a target, otherwise verge where the eyes look (D22).
+        """Make a saccade where there is a target, otherwise verge where the eyes look (D22, D23).
 
-        The rule sees what follows the saccades alone, as an episode of its own, in which the place
-        of the eyes is the sum of the turns that it has asked for. The price is not among its
-        rewards: the control lowers it, and leaves the eyes where the rule has turned them (D23).
+        The rule sees what follows the saccades, or the first command, as an episode of its own, in
+        which the place of the eyes is the sum of the turns that it has asked for. The price is not
+        among its rewards: the control lowers it, and leaves the vergence that the rule has chosen.
         """
         n_learned = self._rule.learning_steps
         (target_deg, turns_deg), activations = gaze, observation.activations
@@ -130,13 +133,14 @@ class Agent:
             control.forget_movement()
         if learning:
             control.learn(activations, turns_deg, price)
-        i_of_fixation = observation.iteration % self.config.gaze.fixation_iterations
+        of_gaze = self.config.gaze
+        per_fixation = of_gaze.fixation_iterations or self.config.iterations_per_episode
+        i_of_fixation = observation.iteration % per_fixation
         is_saccade = bool(np.isfinite(target_deg).all())
-        # Before, the eyes could not see how the first saccade moved them: nobody's visit.
-        since = i_of_fixation - N_SACCADES
+        # Before, the eyes could not see how the first command moved them: nobody's visit.
+        since = i_of_fixation - of_gaze.n_before
         if since <= 0:
             self._turned_deg = np.zeros(N_TURNS)
-        learns = learning and not is_saccade and since >= 0 and control.is_known
         decision = self._rule.step(
             dataclasses.replace(
                 observation,
@@ -144,7 +148,7 @@ class Agent:
                 activations=self._turned_deg,
                 reward=observation.reward + price,
             ),
-            learning=learns,
+            learning=learning and not is_saccade and since >= 0 and control.is_known,
             draw=None if is_saccade else draw,
         )
         if is_saccade:
@@ -153,8 +157,11 @@ class Agent:
         else:
             self._turned_deg = decision.command
             command = control.verge(activations, decision.action)
+            is_shaken = of_gaze.measures_turns and (since < 0 or not control.is_known)
+            if is_shaken and draw is not None:
+                command = control.shaken(command, draw)
         if learning:
-            # As for all eyes, so that the recorder can check it: saccades count.
+            # As for all eyes, so that the recorder can check it: all iterations count.
             self._rule.learning_steps = n_learned + (observation.iteration > 0)
         return dataclasses.replace(decision, command=command, action=command - activations)
 

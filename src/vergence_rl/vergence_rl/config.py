@@ -13,7 +13,6 @@ from lockstep.command_space import (
     activation_limits,
 )
 from lockstep.settings import check_settings, setting
-from lockstep.wire.topics import N_SACCADES
 from vergence_rl.cacla.config import CaclaConfig
 from vergence_rl.gaze.config import GazeConfig
 from vergence_rl.gaze.eye_turns import N_TURNS
@@ -88,8 +87,8 @@ class VergenceRlConfig:
         check_settings(self)
         activation_limits(self.space, self.lowest_activations, self.highest_activations)
         self.gaze.check_fits(self.iterations_per_episode, self.command_space, self.learning_rule)
-        fixation = self.gaze.fixation_iterations
-        self.rule_config.check_fits(fixation or self.iterations_per_episode, self.n_visits)
+        per_fixation = self.gaze.fixation_iterations or self.iterations_per_episode
+        self.rule_config.check_fits(per_fixation, self.n_visits)
 
     @property
     def space(self) -> CommandSpace:
@@ -126,8 +125,8 @@ class VergenceRlConfig:
     @property
     def n_visits(self) -> int:
         """Iterations of one picture from which a rule learns: an episode, or of a fixation."""
-        fixation = self.gaze.fixation_iterations
-        return fixation - N_SACCADES if fixation else self.iterations_per_episode
+        per_fixation = self.gaze.fixation_iterations or self.iterations_per_episode
+        return per_fixation - self.gaze.n_before
 
     @property
     def limits(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -137,9 +136,9 @@ class VergenceRlConfig:
 
     @property
     def task(self) -> Task:
-        """What a rule must know; with saccades it turns the eyes, which has no limits."""
+        """What a rule must know; turns of the eyes have no limits."""
         lowest, highest = self.limits
-        if self.gaze.fixation_iterations:
+        if self.gaze.learns_turns:
             lowest, highest = np.full(N_TURNS, -np.inf), np.full(N_TURNS, np.inf)
         return Task(
             self.seed,

@@ -38,8 +38,8 @@ class VergenceRlNode(LearnerNode[Agent]):
         )
 
     def inputs(self) -> Mapping[str, type]:
-        """Return features, reward and activations, and what saccades need where eyes make them."""
-        if not self.config.gaze.fixation_iterations:
+        """Return features, reward and activations, and what turns of the eyes need."""
+        if not self.config.gaze.learns_turns:
             return INPUTS
         return {GAZE: JointState} | INPUTS
 

@@ -2,10 +2,13 @@ import cv2
 import numpy as np
 import pytest
 
+from lockstep.errors import InputError
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.encoding import Encoding
+from sparse_coder.gaze.config import GazeConfig
 from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations
+from sparse_coder.gaze.turns import Turns
 from sparse_coder.matching_pursuit import Selections, residual_energies
 
 FOCAL_PX = 250.0
@@ -44,10 +47,9 @@ def test_a_fixation_is_two_saccades_and_vergence() -> None:
     np.testing.assert_allclose(gazes[1].turns_deg, 0.0, atol=0.01)
     for vergence in gazes[2:5]:
         assert np.isnan(vergence.target_deg).all()
-    # Of the first movement of vergence that of the left eye is measured.
-    np.testing.assert_allclose(gazes[3].turns_deg[0], 0.0, atol=0.01)
-    unseen = [gazes[2].turns_deg, gazes[4].turns_deg, gazes[3].turns_deg[1]]
-    assert all(np.isnan(turns_deg).all() for turns_deg in unseen)
+    # The first movement of vergence is measured, too.
+    np.testing.assert_allclose(gazes[3].turns_deg, 0.0, atol=0.01)
+    assert all(np.isnan(gazes[i].turns_deg).all() for i in (2, 4))
     np.testing.assert_array_equal(gazes[5].target_deg, TARGET_DEG)
     assert np.isfinite(gazes[6].turns_deg).all()
 
@@ -103,3 +105,20 @@ def test_residual_energies_are_those_of_the_reconstruction_error(stereo_pair) ->
     patches, selections = encoding.patches[0], encoding.selections[0]
     total = residual_energies(patches, selections).sum() / (patches**2).sum()
     assert total == pytest.approx(encoding.reconstruction_error[0], abs=1e-5)
+
+
+def test_without_saccades_the_turns_of_two_commands_are_measured_and_no_target_is_chosen() -> None:
+    turns, ten_px_deg = Turns(FOCAL_PX), np.degrees(np.arctan(10.0 / FOCAL_PX))
+    gazes = [
+        turns.step(i, (picture(10.0 * (i % 2)), picture()), NOTHING, NOWHERE_DEG) for i in range(8)
+    ]
+    # From observation 0 to 1 the left eye turns to the right, from 5 to 6 back.
+    np.testing.assert_allclose(gazes[1].turns_deg, [[ten_px_deg, 0, 0], [0, 0, 0]], atol=0.05)
+    np.testing.assert_allclose(gazes[6].turns_deg, [[-ten_px_deg, 0, 0], [0, 0, 0]], atol=0.05)
+    assert all(np.isnan(gazes[i].turns_deg).all() for i in (0, 2, 3, 4, 5, 7))
+    assert all(np.isnan(gaze.target_deg).all() for gaze in gazes)
+
+
+def test_saccades_measure_turns_anyway() -> None:
+    with pytest.raises(InputError, match=r"gaze\.measures_turns: expected false with saccades"):
+        GazeConfig(fixation_iterations=10, measures_turns=True)

@@ -22,12 +22,15 @@ def turned_deg(change: np.ndarray) -> np.ndarray:
     return np.array([LEFT @ change[:6], RIGHT @ change[6:]])
 
 
-def learned(n: int = 400, *, seen: bool = True, price: float = 0.0) -> GazeControl:
+def learned(
+    n: int = 400, *, seen: bool = True, price: float = 0.0, holds_gaze: bool = True
+) -> GazeControl:
     """Eyes that turn in proportion to the change, having made n saccades of noise.
 
     price: of each unit of activation.
     """
-    draw, control = np.random.default_rng(1), GazeControl(LOWEST, HIGHEST, 0.002)
+    draw = np.random.default_rng(1)
+    control = GazeControl(LOWEST, HIGHEST, 0.002, holds_gaze=holds_gaze)
     for _ in range(n):
         before = draw.uniform(0.08, 0.12, 12)
         after = control.saccade(before, np.zeros(2), draw)
@@ -64,6 +67,24 @@ def test_with_a_price_vergence_relaxes_muscles_that_pull_against_each_other() ->
         command = control.verge(command, np.zeros(3))
     silent = (command < 1e-6).reshape(2, 3, 2)
     assert silent.any(axis=2).all(), "one of each pair of antagonists"
+
+
+def test_without_saccades_each_eye_makes_half_of_the_vergence() -> None:
+    command = learned(holds_gaze=False).verge(MID, TURN)
+    np.testing.assert_allclose(turned_deg(command - MID), [-0.5 * TURN, 0.5 * TURN], atol=0.02)
+
+
+def test_without_saccades_both_eyes_may_turn_alike_to_save_energy() -> None:
+    control, held = (learned(2500, price=1.0, holds_gaze=holds) for holds in (False, True))
+    command, at_gaze = control.verge(MID, TURN), held.verge(MID, TURN)
+    left_deg, right_deg = turned_deg(command - MID)
+    np.testing.assert_allclose(right_deg - left_deg, TURN, atol=0.03)
+    for _ in range(20):
+        command, at_gaze = (
+            control.verge(command, np.zeros(3)),
+            held.verge(at_gaze, np.zeros(3)),
+        )
+    assert command.sum() < at_gaze.sum()
 
 
 @pytest.mark.parametrize(("n", "seen"), [(10, True), (400, False)])

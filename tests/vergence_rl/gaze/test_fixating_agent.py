@@ -118,6 +118,7 @@ def test_gaze_goes_on_from_its_state_bit_for_bit() -> None:
         ({"gaze.fixation_iterations": 3}, "expected 0, or 4 or more, of which 2 are saccades"),
         ({"iterations_per_episode": 12}, "iterations_per_episode: expected a multiple of 5"),
         ({"learning_rule": "cacla"}, "expected 0 with learning_rule cacla"),
+        ({"gaze.measures_turns": True}, "gaze.measures_turns: expected false with saccades"),
         ({"hindsight.n_best": 3}, "hindsight.n_best: expected less than 3"),
         (
             {"command_space": "pair", "products_of_activations": False},
@@ -153,3 +154,33 @@ def test_as_many_best_places_as_a_fixation_has(known, n_best: int) -> None:
     agent = _knowing(known, **{"hindsight.n_best": n_best})
     _fixated(agent, 4, 170)
     assert (agent.state()["actor"] != known["actor"]).any()
+
+
+def _verged(agent: Agent, n_episodes: int) -> list[Decision]:
+    """Return the decisions of episodes without saccades, of which two movements are seen."""
+    draw = np.random.default_rng(5)
+    return [
+        agent.observe(
+            draw.random(6),
+            draw.uniform(0.05, 0.15, 12),
+            -float(draw.random()),
+            i % 10,
+            i,
+            learning=True,
+            exploration=True,
+            turns_deg=draw.normal(0, 1, (2, 3)) * (1.0 if i % 10 in {1, 6} else np.nan),
+        )
+        for i in range(n_episodes * 10)
+    ]
+
+
+def test_without_saccades_vergence_is_learned_from_what_follows_the_first_command() -> None:
+    changes = {"gaze.fixation_iterations": 0, "gaze.measures_turns": True}
+    agent = Agent(build(VergenceRlConfig, flatten(GAZE) | changes))
+    # The eyes are shaken until it is known how they turn: 336 movements, two of an episode.
+    decisions = _verged(agent, 168)
+    assert all(math.isnan(d.td_error) for d in decisions[:-4])
+    assert all(np.abs(d.action).max() > 0.0 for d in decisions)
+    decisions = _verged(agent, 2)
+    assert [math.isnan(d.td_error) for d in decisions] == ([True] * 2 + [False] * 8) * 2
+    assert agent.state()["actor"].any()

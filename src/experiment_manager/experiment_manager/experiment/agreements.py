@@ -62,10 +62,10 @@ AGREEMENTS = (
         Agreement("vergence_rl.command_space", f"{node}.command_space")
         for node in ("eye_plant", "sparse_coder")
     ),
-    Agreement("vergence_rl.gaze.fixation_iterations", "sparse_coder.gaze.fixation_iterations"),
-    Agreement(
-        "vergence_rl.gaze.fixation_iterations",
-        "experiment_manager.protocol.fixation_iterations",
+    *(
+        Agreement(f"vergence_rl.gaze.{name}", other)
+        for name in ("fixation_iterations", "measures_turns")
+        for other in (f"sparse_coder.gaze.{name}", f"experiment_manager.protocol.{name}")
     ),
     Agreement("eye_plant.camera.focal_length_px", "sparse_coder.gaze.focal_length_px"),
     Agreement("vergence_rl.lowest_activations", "eye_plant.lowest_activations"),

@@ -110,6 +110,9 @@ class ProtocolConfig:
     fixation_iterations: int = setting(
         0, "iterations of a fixation; 0: the eyes make no saccades (D22)", least=0
     )
+    measures_turns: bool = setting(
+        False, "whether turns of the eyes are measured without saccades, too (D23)"
+    )
     gives_targets: bool = setting(
         True,
         "whether training gives a gaze target for each fixation, as tests do; otherwise the eyes"

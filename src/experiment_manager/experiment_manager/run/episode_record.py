@@ -75,7 +75,9 @@ class EpisodeRecord:
 
 def small_topics(config: ExperimentManagerConfig) -> tuple[str, ...]:
     """Return the topics of which each observation of a run has one message."""
-    return SMALL_TOPICS_WITH_GAZE if config.protocol.fixation_iterations else SMALL_TOPICS
+    protocol = config.protocol
+    has_gaze = protocol.fixation_iterations or protocol.measures_turns
+    return SMALL_TOPICS_WITH_GAZE if has_gaze else SMALL_TOPICS
 
 
 def takes_pictures(config: ExperimentManagerConfig, episode: Episode) -> bool:

@@ -1,1 +1,1 @@
-"""What saccades need of the pictures: where to look, and how the eyes turned (D22)."""
+"""What turns of the eyes need of the pictures: where to look, how the eyes turned (D22, D23)."""

@@ -3,7 +3,7 @@
 A fixation begins with a target in the left picture: given, or the place that the code shows worst.
 A saccade leads there; how both eyes turned is measured in their pictures, and a second saccade is
 to make up for what the first one missed. The following iterations are left to vergence, of which
-the first turns the eyes most: how it turned the left one, which is to hold its gaze, is measured.
+the first turns the eyes most: how it turned them is measured, too.
 """
 
 import math
@@ -21,7 +21,7 @@ from sparse_coder.patches import PX_PER_PIXEL, STRIDE_PX
 Floats = NDArray[np.float64]
 Pictures = tuple[NDArray[np.uint8], NDArray[np.uint8]]
 
-NOWHERE_DEG, _UNSEEN_DEG = np.full(2, np.nan), np.full((2, 3), np.nan)
+NOWHERE_DEG, UNSEEN_DEG = np.full(2, np.nan), np.full((2, 3), np.nan)
 _AHEAD = np.array([0.0, 0.0, 1.0])
 # The scale at which the next place is chosen, and how far looking at a place inhibits return to it.
 _COARSE = 0
@@ -43,6 +43,13 @@ class Gaze:
     def values(self) -> tuple[float, ...]:
         """Return the values of lockstep.wire.topics.GAZE_NAMES."""
         return (*self.target_deg.tolist(), *self.turns_deg.ravel().tolist())
+
+
+def both_turns_deg(before: Pictures, now: Pictures, focal_length_px: float) -> Floats:
+    """Return how each eye turned between two pairs of pictures, (2, 3) as Gaze has them."""
+    return np.array(
+        [movement(b, n, focal_length_px).turns_deg for b, n in zip(before, now, strict=True)]
+    )
 
 
 class Fixations:
@@ -74,29 +81,19 @@ class Fixations:
             # Copies: a picture lasts until the next one.
             self._pictures = (pictures[0].copy(), pictures[1].copy())
             self._ahead = rotation(np.append(target_deg, 0.0))[:, 2]
-            return Gaze(target_deg, _UNSEEN_DEG)
+            return Gaze(target_deg, UNSEEN_DEG)
         if of_fixation == 1 and self._pictures is not None:
             return self._corrected(pictures)
         if of_fixation == N_SACCADES:
             self._pictures = (pictures[0].copy(), pictures[1].copy())
-        turns_deg = _UNSEEN_DEG
+        turns_deg = UNSEEN_DEG
         if of_fixation == N_SACCADES + 1 and self._pictures is not None:
-            turns_deg = np.array(
-                [
-                    movement(before, now, self._focal_length_px).turns_deg
-                    for before, now in zip(self._pictures, pictures, strict=True)
-                ]
-            )
+            turns_deg = both_turns_deg(self._pictures, pictures, self._focal_length_px)
         return Gaze(NOWHERE_DEG, turns_deg)
 
     def _corrected(self, pictures: Pictures) -> Gaze:
         assert self._pictures is not None
-        turns_deg = np.array(
-            [
-                movement(before, now, self._focal_length_px).turns_deg
-                for before, now in zip(self._pictures, pictures, strict=True)
-            ]
-        )
+        turns_deg = both_turns_deg(self._pictures, pictures, self._focal_length_px)
         self._pictures = None
         if np.isnan(turns_deg[0]).any():
             self._visited = []  # where those places are now is not known

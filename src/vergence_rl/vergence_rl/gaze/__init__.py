@@ -1,1 +1,1 @@
-"""Saccades to a place that is seen, and vergence that leaves the gaze there (D22)."""
+"""Turns of the eyes: saccades to what is seen, and vergence for little energy (D22, D23)."""

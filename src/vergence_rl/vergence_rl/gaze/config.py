@@ -21,40 +21,62 @@ class GazeConfig:
         " make no saccades (D22)",
         least=0,
     )
+    measures_turns: bool = setting(
+        False,
+        "whether vergence is learned as turns of the eyes without saccades, too (D23)",
+    )
     saccade_noise: float = setting(
         0.0015,
-        "standard deviation of the noise on each activation of a first saccade in training, from"
-        " which saccades are learned (D22)",
+        "standard deviation of the noise on each activation of the first saccade, or the first"
+        " command of an episode without saccades, in training; how activations turn the eyes is"
+        " learned from it (D22)",
         least=0,
     )
 
     def __post_init__(self) -> None:
         """Refuse values out of range."""
         check_settings(self)
+        if self.fixation_iterations and self.measures_turns:
+            raise InputError(
+                "gaze.measures_turns: expected false with saccades, whose turns are measured anyway"
+            )
         if 0 < self.fixation_iterations < _LEAST_FIXATION:
             raise InputError(
                 f"gaze.fixation_iterations: expected 0, or {_LEAST_FIXATION} or more, of which "
                 f"{N_SACCADES} are saccades, got {self.fixation_iterations}"
             )
 
+    @property
+    def learns_turns(self) -> bool:
+        """Whether vergence is learned as turns of the eyes, in place of activations."""
+        return self.fixation_iterations > 0 or self.measures_turns
+
+    @property
+    def n_before(self) -> int:
+        """Iterations of a fixation or an episode before vergence learns from what it does."""
+        return N_SACCADES if self.fixation_iterations else int(self.measures_turns)
+
     def check_fits(
         self, iterations_per_episode: int, command_space: str, learning_rule: str
     ) -> None:
-        """Raise InputError unless episodes are whole fixations and the eyes can make saccades."""
-        if not self.fixation_iterations:
-            return
-        if iterations_per_episode % self.fixation_iterations:
+        """Raise InputError unless episodes are whole fixations and the eyes can be turned."""
+        if self.fixation_iterations and iterations_per_episode % self.fixation_iterations:
             raise InputError(
                 f"iterations_per_episode: expected a multiple of {self.fixation_iterations} "
                 f"(gaze.fixation_iterations), got {iterations_per_episode}"
             )
+        if not self.learns_turns:
+            return
+        name, none = (
+            ("measures_turns", "false") if self.measures_turns else ("fixation_iterations", "0")
+        )
         if command_space != ALL_MUSCLES:
             raise InputError(
-                f"gaze.fixation_iterations: expected 0 with command_space {command_space}, since "
-                f"saccades turn each eye about all axes, got {self.fixation_iterations}"
+                f"gaze.{name}: expected {none} with command_space {command_space}, since each eye "
+                "is turned about all axes"
             )
         if learning_rule == "cacla":
             raise InputError(
-                "gaze.fixation_iterations: expected 0 with learning_rule cacla, whose actions are "
-                f"changes of activation and not turns of the eyes, got {self.fixation_iterations}"
+                f"gaze.{name}: expected {none} with learning_rule cacla, whose actions are changes "
+                "of activation and not turns of the eyes"
             )

@@ -1,6 +1,7 @@
-"""Saccades of both eyes, and vergence that leaves the gaze where it is, for little energy.
+"""Saccades of both eyes, and vergence for little energy, which may leave the gaze where it is.
 
-Both are turns of the eyes. What saccades have learned makes activations of them (D22, D23).
+Both are turns of the eyes; what is known of how activations turn them makes activations of both
+(D22, D23).
 """
 
 from collections.abc import Mapping
@@ -26,9 +27,16 @@ class GazeControl:
     Activations are those of twelve muscles, the left eye's six first.
     """
 
-    def __init__(self, lowest: Floats, highest: Floats, saccade_noise: float) -> None:
-        """lowest, highest: (12,) limits of the commands; see GazeConfig."""
-        self._noise, self._limits = saccade_noise, (lowest, highest)
+    def __init__(
+        self, lowest: Floats, highest: Floats, noise: float, *, holds_gaze: bool = True
+    ) -> None:
+        """lowest, highest: (12,) limits of the commands; noise: see GazeConfig.
+
+        holds_gaze: whether vergence leaves the left line of sight where it is, to which saccades
+        have turned it; otherwise both eyes verge, and version is free.
+        """
+        self._holds_gaze = holds_gaze
+        self._noise, self._limits = noise, (lowest, highest)
         self._eyes = [
             EyeTurns(low, high)
             for low, high in zip(_of_eyes(lowest), _of_eyes(highest), strict=True)
@@ -72,22 +80,26 @@ class GazeControl:
         self._before = activations
         wanted_deg = np.append(target_deg, 0.0)
         change = self._change(activations, np.array([wanted_deg, wanted_deg]))
-        if draw is not None:
-            change += draw.normal(0.0, self._noise, len(change))
-        return np.clip(activations + change, *self._limits)
+        command = np.clip(activations + change, *self._limits)
+        return command if draw is None else self.shaken(command, draw)
+
+    def shaken(self, command: Floats, draw: np.random.Generator) -> Floats:
+        """Return a command (12,) with noise, from which turns are learned."""
+        return np.clip(command + draw.normal(0.0, self._noise, len(command)), *self._limits)
 
     def verge(self, activations: Floats, turn_deg: Floats) -> Floats:
         """Return the command (12,) that turns the eyes against each other, and saves energy.
 
-        turn_deg: (n_turns,) of the right eye against the left one. The left line of sight stays,
-        since the target is a place in the left picture; about their lines of sight both eyes turn,
-        by half of it. As long as few movements are known, nothing is changed.
+        turn_deg: (n_turns,) of the right eye against the left one. Each eye makes half of it. Where
+        gaze is held, it is the right eye alone that turns sideways and up, since the target is a
+        place in the left picture. As long as few movements are known, nothing is changed.
         """
         self._before = activations
         if not self.is_known:
             return activations
-        sideways, up, clockwise = turn_deg.tolist()
-        turned = np.array([[0.0, 0.0, -0.5 * clockwise], [sideways, up, 0.5 * clockwise]])
+        turned = np.array([-0.5 * turn_deg, 0.5 * turn_deg])
+        if self._holds_gaze:
+            turned[:, :-1] = np.array([np.zeros_like(turn_deg), turn_deg])[:, :-1]
         command = activations + self._change(activations, turned)
         slopes = self._effort.slopes(command)
         if slopes.any():
@@ -95,26 +107,24 @@ class GazeControl:
         return np.clip(command, *self._limits)
 
     def _saving(self, command: Floats, slopes: Floats) -> Floats:
-        """Return the change (12,) of a command that lowers its price and leaves both gazes.
+        """Return the change (12,) of a command that lowers its price and leaves the vergence.
 
-        slopes: (12,) of the price. Both eyes may rotate alike about their lines of sight: what
-        they see of one another's picture is the same then.
+        slopes: (12,) of the price. What may change is what turns both eyes alike: the rotation
+        about their lines of sight and, unless gaze is held, all turns.
         """
         left, right = (
             eye.slopes_deg(a) for eye, a in zip(self._eyes, _of_eyes(command), strict=True)
         )
-        nothing = np.zeros_like(left)
-        angles = np.vstack(
-            [
-                np.hstack([left, nothing])[:-1],
-                np.hstack([nothing, right])[:-1],
-                np.hstack([left[-1], -right[-1]]),
-            ]
-        )
+        angles = np.hstack([left, -right])
+        if self._holds_gaze:
+            angles = np.vstack([angles, np.hstack([left, np.zeros_like(right)])[:-1]])
         change = lowered(command, slopes, angles, self._limits, _LARGEST_SAVING)
-        rotated = np.array([0.0, 0.0, left[-1] @ _of_eyes(change)[0]])
+        of_left = _of_eyes(change)[0]
+        alike = self._eyes[0].turns_deg(_of_eyes(command)[0], of_left)
+        if self._holds_gaze:
+            alike[:-1] = 0.0
         # Exactly so: slopes are those of small changes.
-        return self._change(command, np.array([rotated, rotated]), change)
+        return self._change(command, np.array([alike, alike]), change)
 
     def _change(self, activations: Floats, turns_deg: Floats, near: Floats | None = None) -> Floats:
         """Return the change (12,) that turns each eye, (2, n_turns), nearest to `near`, or none."""
