@@ -170,6 +170,8 @@ def test_eyes_that_make_saccades_are_recorded_as_the_loop_has_them(pictures, tmp
         "vergence_rl.products_of_activations=true",
         "vergence_rl.hindsight.n_best=2",
         "experiment_manager.protocol.gives_targets=false",
+        "experiment_manager.model=M_C",
+        "sparse_coder.metabolic_cost_weight=0.3",
     )
     directory = _with_own_commands(pictures, tmp_path / "run", *settings)
     gaze, truth = Bag(directory / "bag").vectors("gaze", "ground_truth").values()
@@ -186,6 +188,26 @@ def test_eyes_that_make_saccades_are_recorded_as_the_loop_has_them(pictures, tmp
     (summary, *_) = read_results(directory / RESULTS_FILE).tests
     assert summary.fixations is not None
     assert summary.fixations.saccade_error_deg["after_2"].median > 0.0
+
+
+def test_vergence_by_turns_without_saccades_is_recorded_as_the_loop_has_it(
+    pictures, tmp_path
+) -> None:
+    settings = (
+        f"vergence_rl.command_space={ALL_MUSCLES}",
+        "vergence_rl.lowest_activations=[0.0]",
+        "vergence_rl.highest_activations=[0.2]",
+        "vergence_rl.gaze.measures_turns=true",
+        "experiment_manager.model=M_C",
+        "sparse_coder.metabolic_cost_weight=0.3",
+    )
+    directory = _with_own_commands(pictures, tmp_path / "run", *settings)
+    (gaze,) = Bag(directory / "bag").vectors("gaze").values()
+    assert np.isnan(gaze.column("target_up_deg")).all()
+    # Before they have learned, the eyes do not move in a test.
+    for name in ("left_up_deg", "right_up_deg"):
+        assert gaze.column(name)[[1, 6]] == pytest.approx(0.0, abs=1e-3)
+        assert np.isnan(gaze.column(name)[[0, 2]]).all()
 
 
 def _assert_same_files(one: Path, other: Path) -> None:

@@ -62,3 +62,13 @@ def test_what_is_not_clear_is_refused(texture) -> None:
     assert movement(picture, np.full_like(picture, 9), FOCAL_PX).refused == "a picture is uniform"
     unlike = movement(picture, other, FOCAL_PX)
     assert unlike.refused in ("the pictures differ too much", "the pictures do not align")
+
+
+@pytest.mark.parametrize("side_px", [128, 130, 134])
+def test_a_picture_of_any_size_that_stays_has_not_moved(side_px: int) -> None:
+    # Smooth, so that a wrong first shift is not made up for; 130 would be padded to 135.
+    few = np.random.default_rng(0).uniform(100.0, 230.0, (3, 3))
+    smooth = cv2.resize(few, (side_px, side_px), interpolation=cv2.INTER_CUBIC)
+    picture = np.asarray(np.clip(smooth, 0.0, 255.0), np.uint8)
+    found = movement(picture, picture.copy(), 257.34)
+    np.testing.assert_allclose(found.turns_deg, 0.0, atol=1e-3)

@@ -55,7 +55,7 @@ def movement(
     largest correlation of their centres (Evangelidis & Psarakis 2008), both pictures turned half
     of the way towards each other, so that half of a picture has to be common to both.
     """
-    side_px = min(earlier.shape)
+    side_px = _side_px(min(earlier.shape))
     if earlier.std() == 0.0 or later.std() == 0.0:
         return _refused("a picture is uniform", 0.0)
     window = cv2.createHanningWindow((side_px, side_px), cv2.CV_32F)
@@ -118,6 +118,11 @@ def _rotation(vector: Floats) -> Floats:
 
 def _vector(turned: Floats) -> Floats:
     return np.asarray(cv2.Rodrigues(turned)[0], np.float64)
+
+
+def _side_px(most_px: int) -> int:
+    """Return the largest side that phaseCorrelate does not pad: padding can shift its peak."""
+    return next(n for n in range(most_px, 0, -1) if cv2.getOptimalDFTSize(n) == n)
 
 
 def _centre(picture: Picture, side_px: int) -> NDArray[np.float32]:
