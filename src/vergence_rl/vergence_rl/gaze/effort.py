@@ -1,12 +1,12 @@
 """What activations cost, and which hold the same gaze for less (D23).
 
 Muscles that pull against each other hold the eyes where they are and cost energy. A regression
-learns how the price depends on each activation, and what saccades have learned says which changes
-of activation leave both eyes where they are: along those, the price is lowered.
+learns how the price depends on each activation, and what movements have taught says which changes
+of activation leave the eyes where they are: along those, the price is lowered.
 
-A muscle's rate grows the more slowly the more it is driven already (as activation to the power of
-0.6 in the muscles of K17), so each activation has a term in proportion and one with its square
-root. With such a price few muscles are cheaper than many, and descent ends where most are silent.
+A muscle's rate grows the more slowly the more it is driven already, so each activation has a term
+in proportion and one with its square root. With such a price few muscles are cheaper than many, and
+descent ends where most are silent.
 """
 
 from collections.abc import Mapping
