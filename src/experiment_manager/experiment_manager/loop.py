@@ -23,8 +23,8 @@ from sparse_coder.gaze.turns import Turns
 from sparse_coder.perception import Percept, gaze_watch, perceive
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
+from vergence_rl.gaze.effort import price_of
 from vergence_rl.learning_rule import Decision
-from vergence_rl.messages import price_of
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
 """What the agent takes from messages, and what it puts into its own."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ from lockstep.command_space import SIDES, CommandSpace
 from lockstep.errors import InputError
 from lockstep.wire.topics import GAZE, GAZE_NAMES
 from lockstep.wire.vectors import values_of
+from vergence_rl.gaze.effort import price_of
 from vergence_rl.learning_rule import Decision
 
 _SCALES = 2
@@ -50,11 +50,6 @@ def activations_of(message: JointState, space: CommandSpace) -> np.ndarray:
             f"muscle_activations: expected activations in [0, 1], got {values.tolist()}"
         )
     return space.from_muscles(values)
-
-
-def price_of(reconstruction_error: Sequence[float], reward: float) -> float:
-    """Return lambda C of a reward r = -E - lambda C (K17 eq. 5), E the sum of both errors."""
-    return -reward - sum(reconstruction_error)
 
 
 def gaze_of(message: JointState, reward: JointState) -> dict[str, Any]:

@@ -52,8 +52,7 @@ class Experiment:
     @property
     def activation_limits(self) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest activations, (n_muscles,) each."""
-        task = self._settings.agent.task
-        return task.lowest, task.highest
+        return self._settings.agent.limits
 
     @property
     def space(self) -> CommandSpace:

@@ -9,7 +9,7 @@ in proportion and one with its square root. With such a price few muscles are ch
 descent ends where most are silent.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,11 @@ _RIDGE_SHARE = 1e-6
 # The price of an activation may change in the course of training.
 _LEAST_MEMORY, _MEMORY_SHARE = 2000.0, 0.2
 _LEAST_SLOPE, _LEVEL = 1e-6, 1e-9
+
+
+def price_of(reconstruction_error: Sequence[float], reward: float) -> float:
+    """Return lambda C of a reward r = -E - lambda C (K17 eq. 5), E the sum of both errors."""
+    return -reward - sum(reconstruction_error)
 
 
 class Effort:
