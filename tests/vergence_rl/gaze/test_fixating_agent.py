@@ -104,11 +104,12 @@ def test_products_of_activations_are_of_one_eye() -> None:
     assert 0.005 < means[6:48].min() < means[6:48].max() < 0.02
 
 
-def test_gaze_goes_on_from_its_state_bit_for_bit() -> None:
-    whole, part = Agent(GAZE), Agent(GAZE)
-    _fixated(whole, 3)
+def test_gaze_goes_on_from_its_state_bit_for_bit(known) -> None:
+    whole, part = _knowing(known), _knowing(known)
+    _fixated(whole, 3, 170, price=0.5)
     part.restore(whole.state())
-    for one, other in zip(_fixated(whole, 2, 3), _fixated(part, 2, 3), strict=True):
+    again = (_fixated(agent, 20, 173, price=0.5) for agent in (whole, part))
+    for one, other in zip(*again, strict=True):
         assert one.command.tobytes() == other.command.tobytes()
 
 
