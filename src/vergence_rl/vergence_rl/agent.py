@@ -104,9 +104,10 @@ class Agent:
         if self._gaze is None:
             decision = self._rule.step(observation, learning=learning, draw=draw)
         else:
-            gaze = checked_gaze(target_deg, turns_deg)
+            target_deg, turns_deg = checked_gaze(target_deg, turns_deg)
+            self._gaze.see(observation, turns_deg, price, learning=learning)
             decision = self._turn(
-                self._gaze, observation, gaze, price, learning=learning, draw=draw
+                self._gaze, observation, target_deg, price, learning=learning, draw=draw
             )
         _check_sanity(training_iteration, decision)
         return decision
@@ -115,7 +116,7 @@ class Agent:
         self,
         control: GazeControl,
         observation: Observation,
-        gaze: tuple[NDArray[np.float64], NDArray[np.float64]],
+        target_deg: NDArray[np.float64],
         price: float,
         *,
         learning: bool,
@@ -127,43 +128,45 @@ class Agent:
         which the place of the eyes is the sum of the turns that it has asked for. The price is not
         among its rewards: the control lowers it, and leaves the vergence that the rule has chosen.
         """
-        n_learned = self._rule.learning_steps
-        (target_deg, turns_deg), activations = gaze, observation.activations
-        if observation.iteration == 0:
-            control.forget_movement()
-        if learning:
-            control.learn(activations, turns_deg, price)
-        of_gaze = self.config.gaze
-        per_fixation = of_gaze.fixation_iterations or self.config.iterations_per_episode
-        i_of_fixation = observation.iteration % per_fixation
+        activations = observation.activations
         is_saccade = bool(np.isfinite(target_deg).all())
         # Before, the eyes could not see how the first command moved them: nobody's visit.
-        since = i_of_fixation - of_gaze.n_before
+        n_before = self.config.gaze.n_before
+        since = observation.iteration % self.config.iterations_per_fixation - n_before
         if since <= 0:
             self._turned_deg = np.zeros(N_TURNS)
-        decision = self._rule.step(
-            dataclasses.replace(
-                observation,
-                iteration=since,
-                activations=self._turned_deg,
-                reward=observation.reward + price,
-            ),
-            learning=learning and not is_saccade and since >= 0 and control.is_known,
-            draw=None if is_saccade else draw,
+        seen = dataclasses.replace(
+            observation,
+            iteration=since,
+            activations=self._turned_deg,
+            reward=observation.reward + price,
         )
-        if is_saccade:
-            # The second one corrects the first, without noise.
-            command = control.saccade(activations, target_deg, None if i_of_fixation else draw)
-        else:
-            self._turned_deg = decision.command
-            command = control.verge(activations, decision.action)
-            is_shaken = of_gaze.measures_turns and (since < 0 or not control.is_known)
-            if is_shaken and draw is not None:
-                command = control.shaken(command, draw)
+        n_learned = self._rule.learning_steps
+        learns = learning and not is_saccade and since >= 0 and control.is_known
+        decision = self._rule.step(seen, learning=learns, draw=None if is_saccade else draw)
         if learning:
             # As for all eyes, so that the recorder can check it: all iterations count.
             self._rule.learning_steps = n_learned + (observation.iteration > 0)
+        if is_saccade:
+            # The second one corrects the first, without noise.
+            command = control.saccade(activations, target_deg, draw if since == -n_before else None)
+        else:
+            self._turned_deg = decision.command
+            command = self._verged(control, activations, decision.action, since, draw)
         return dataclasses.replace(decision, command=command, action=command - activations)
+
+    def _verged(
+        self,
+        control: GazeControl,
+        activations: NDArray[np.float64],
+        turn_deg: NDArray[np.float64],
+        since: int,
+        draw: np.random.Generator | None,
+    ) -> NDArray[np.float64]:
+        """Return the command (12,) for a turn (3,), shaken where turns are learned from it."""
+        command = control.verge(activations, turn_deg)
+        is_shaken = self.config.gaze.measures_turns and (since < 0 or not control.is_known)
+        return control.shaken(command, draw) if is_shaken and draw is not None else command
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all that learning has changed, for restore at an episode's start, as copies."""

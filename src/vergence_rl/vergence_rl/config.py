@@ -87,8 +87,7 @@ class VergenceRlConfig:
         check_settings(self)
         activation_limits(self.space, self.lowest_activations, self.highest_activations)
         self.gaze.check_fits(self.iterations_per_episode, self.command_space, self.learning_rule)
-        per_fixation = self.gaze.fixation_iterations or self.iterations_per_episode
-        self.rule_config.check_fits(per_fixation, self.n_visits)
+        self.rule_config.check_fits(self.iterations_per_fixation, self.n_visits)
 
     @property
     def space(self) -> CommandSpace:
@@ -123,10 +122,14 @@ class VergenceRlConfig:
         return self.n_features + self.n_felt + N_BIASES
 
     @property
+    def iterations_per_fixation(self) -> int:
+        """Iterations of a fixation; without saccades an episode is one."""
+        return self.gaze.fixation_iterations or self.iterations_per_episode
+
+    @property
     def n_visits(self) -> int:
         """Iterations of one picture from which a rule learns: an episode, or of a fixation."""
-        per_fixation = self.gaze.fixation_iterations or self.iterations_per_episode
-        return per_fixation - self.gaze.n_before
+        return self.iterations_per_fixation - self.gaze.n_before
 
     @property
     def limits(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -19,9 +19,8 @@ class Task:
     """What a rule must know of the agent that it serves.
 
     n_felt: entries of the state from the muscles, its last ones but for the constant; lowest,
-    highest: (n_muscles,) limits of what is commanded, activations or, where eyes make saccades,
-    turns of the eyes in degrees; iterations_per_episode: of
-    those that a rule sees, where eyes make saccades of a fixation.
+    highest: (n_muscles,) limits of what is commanded: activations or, where vergence is learned as
+    turns, those of the eyes in degrees; iterations_per_episode: of those that the rule sees.
     """
 
     seed: int

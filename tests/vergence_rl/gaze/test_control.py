@@ -3,6 +3,7 @@ import pytest
 
 from lockstep.errors import InputError
 from vergence_rl.gaze.control import GazeControl, checked_gaze
+from vergence_rl.learning_rule import Observation
 
 LOWEST, HIGHEST = np.zeros(12), np.full(12, 0.2)
 MID = np.full(12, 0.1)
@@ -22,6 +23,13 @@ def turned_deg(change: np.ndarray) -> np.ndarray:
     return np.array([LEFT @ change[:6], RIGHT @ change[6:]])
 
 
+def see(
+    control: GazeControl, activations: np.ndarray, turns_deg: np.ndarray, *, iteration: int = 1
+) -> None:
+    observation = Observation(iteration, iteration, np.zeros(0), activations, 0.0)
+    control.see(observation, turns_deg, 0.0, learning=True)
+
+
 def learned(
     n: int = 400, *, seen: bool = True, price: float = 0.0, holds_gaze: bool = True
 ) -> GazeControl:
@@ -35,7 +43,8 @@ def learned(
         before = draw.uniform(0.08, 0.12, 12)
         after = control.saccade(before, np.zeros(2), draw)
         turns_deg = turned_deg(after - before) if seen else np.full((2, 3), np.nan)
-        control.learn(after, turns_deg, price * float(after.sum()))
+        observation = Observation(1, 1, np.zeros(0), after, 0.0)
+        control.see(observation, turns_deg, price * float(after.sum()), learning=True)
     return control
 
 
@@ -96,10 +105,11 @@ def test_without_enough_movements_seen_eyes_make_no_saccades(n: int, seen: bool)
 
 def test_only_what_a_saccade_led_to_is_learned_from() -> None:
     control = GazeControl(LOWEST, HIGHEST, 0.002)
-    control.learn(MID, turned_deg(MID), 0.0)
+    see(control, MID, turned_deg(MID))
     control.saccade(MID, np.zeros(2), None)
-    control.forget_movement()
-    control.learn(MID, turned_deg(MID), 0.0)
+    # An episode begins.
+    see(control, MID, turned_deg(MID), iteration=0)
+    see(control, MID, turned_deg(MID))
     assert not control.state()["left_eye_squares"].any()
 
 
@@ -108,7 +118,7 @@ def test_an_eye_that_was_not_seen_clearly_learns_nothing() -> None:
     after = control.saccade(MID, np.zeros(2), np.random.default_rng(3))
     turns_deg = turned_deg(after - MID)
     turns_deg[1] = np.nan
-    control.learn(after, turns_deg, 0.0)
+    see(control, after, turns_deg)
     state = control.state()
     assert (state["left_eye_n_movements"], state["right_eye_n_movements"]) == (1, 0)
 

@@ -79,7 +79,7 @@ PLANT_VECTORS = ("episode", "muscle_states", "muscle_activations", "eye_states",
 # ... and these only for the observations that are answered.
 CODER_VECTORS = ("reward",)
 LEARNER_VECTORS = ("muscle_command", "actor_critic")
-# ... and only from eyes that make saccades, by the coder.
+# ... and, by the coder, only where vergence is learned as turns.
 GAZE = "gaze"
 PICTURES = ("left/image_raw", "right/image_raw")
 CAMERA_INFOS = ("left/camera_info", "right/camera_info")

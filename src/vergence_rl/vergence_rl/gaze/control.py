@@ -14,6 +14,7 @@ from lockstep.command_space import SIDES
 from lockstep.errors import InputError
 from vergence_rl.gaze.effort import Effort, lowered
 from vergence_rl.gaze.eye_turns import N_TURNS, EyeTurns
+from vergence_rl.learning_rule import Observation
 
 Floats = NDArray[np.float64]
 
@@ -49,24 +50,26 @@ class GazeControl:
         """Whether enough movements of both eyes are known to make turns of them."""
         return all(eye.is_known for eye in self._eyes)
 
-    def forget_movement(self) -> None:
-        """Learn nothing from what comes next until there was another command."""
-        self._before = None
-
-    def learn(self, activations: Floats, turns_deg: Floats, price: float) -> None:
-        """Learn from the last command, which led to these activations (12,), and from their price.
+    def see(
+        self, observation: Observation, turns_deg: Floats, price: float, *, learning: bool
+    ) -> None:
+        """Learn from the last command, which led to this observation, and what its place costs.
 
         turns_deg: (2, n_turns) of each eye, NaN where it was not seen clearly; price: what the
-        activations take from the reward.
+        activations take from the reward, 0 where energy is free. Nothing is learned of a movement
+        from the first observation of an episode.
         """
-        self._effort.learn(activations, price)
-        if self._before is None:
+        before, self._before = self._before, None
+        if not learning:
             return
-        before, after = _of_eyes(self._before), _of_eyes(activations)
-        for eye, a, b, turned_deg in zip(self._eyes, before, after, turns_deg, strict=True):
+        if price:
+            self._effort.learn(observation.activations, price)
+        if before is None or observation.iteration == 0:
+            return
+        places = _of_eyes(before), _of_eyes(observation.activations)
+        for eye, a, b, turned_deg in zip(self._eyes, *places, turns_deg, strict=True):
             if np.isfinite(turned_deg).all():
                 eye.learn(a, b - a, turned_deg)
-        self._before = None
 
     def saccade(
         self, activations: Floats, target_deg: Floats, draw: np.random.Generator | None

@@ -54,10 +54,8 @@ class EyeTurns:
         Raises InputError, and learns nothing, for other shapes or numbers that are not finite.
         """
         a, d = self._scaled(activations, change)
-        x, y = (
-            np.outer(d, _half_way(a, d, self._pairs)).ravel(),
-            _checked("turns", turns_deg, N_TURNS),
-        )
+        y = _checked("turns", turns_deg, N_TURNS)
+        x = np.outer(d, _half_way(a, d, self._pairs)).ravel()
         self._squares += np.outer(x, x)
         self._products += np.outer(x, y)
         self.n_movements += 1
