@@ -12,7 +12,7 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -35,6 +35,14 @@ _GRAPHS: dict[str, list[str]] = {
     "graph_roi": _ROI,
     "graph_plane": _PLANE,
     "graph_roi_plane": _ROI + _PLANE,
+}
+# In one process; all but the first on one core.
+_LOOPS: dict[str, list[str]] = {
+    "in_process": [],
+    "in_process_roi_plane": _ROI + _PLANE,
+    "in_process_pair_at_once": [*_ROI, *_PLANE, "--set", "eye_plant.mechanics.moves=at_once"],
+    "in_process_twelve": ["--profile", "twelve", *_ROI, *_PLANE],
+    "in_process_twelve_m_c": ["--profile", "twelve_m_c", *_ROI, *_PLANE],
 }
 _WARM_UP_ITERATIONS = 300
 
@@ -88,20 +96,11 @@ class GraphTurn:
 class Round:
     """One turn of each party.
 
-    graphs: by name, see _GRAPHS; loop: full pictures, MuJoCo; plane_loop: region of interest, ray
-    caster, one core.
+    By name, see _GRAPHS and _LOOPS.
     """
 
     graphs: dict[str, GraphTurn]
-    loop: LoopWindow
-    plane_loop: LoopWindow
-
-
-class Loops(NamedTuple):
-    """The two loops in this process."""
-
-    mujoco: TimedLoop
-    plane: TimedLoop
+    loops: dict[str, LoopWindow]
 
 
 def _arguments(more: Sequence[str]) -> list[str]:
@@ -114,9 +113,9 @@ def measure(plan: Plan, directory: Path) -> dict[str, Any]:
     directory: for the runs, empty. Raises RuntimeError when a graph does not get going.
     """
     results = _measure_long_runs(plan, directory)
-    loops = Loops(_loop([]), _loop(_ROI + _PLANE))
+    loops = {name: _loop(more) for name, more in _LOOPS.items()}
     try:
-        for loop in loops:
+        for loop in loops.values():
             loop.window(plan.turn_s / 2.0)
         rounds = [_round(plan, loops, directory / f"round_{i}") for i in range(plan.n_rounds)]
         peaks_mb = [r.graphs["graph"].peak_memory_mb for r in rounds]
@@ -131,18 +130,16 @@ def measure(plan: Plan, directory: Path) -> dict[str, Any]:
             "peak_memory_plane_total_mb": sum(highest_plane_mb.values()),
         }
         _say("encoding, messages, recording")
-        encoding_ms = encoding_times_ms(loops.mujoco.coder, loops.mujoco.pictures, plan.n_encodings)
+        loop = loops["in_process"]
+        encoding_ms = encoding_times_ms(loop.coder, loop.pictures, plan.n_encodings)
     finally:
-        for loop in loops:
+        for loop in loops.values():
             loop.close()
     hops_ms = hop_times_ms(plan.n_round_trips)
-    stages_ms = {name: _median([r.loop.stages_ms[name] for r in rounds]) for name in STAGES} | {
+    stages_ms = _stages_ms(rounds, "in_process") | {
         "message_hop": hops_ms["vector"],
         "pictures_hop": hops_ms["pictures"],
         "recording": recording_ms(directory / "round_0" / "graph" / "bag", directory / "copy"),
-    }
-    plane_stages_ms = {
-        name: _median([r.plane_loop.stages_ms[name] for r in rounds]) for name in STAGES
     }
     ours_ms, numpy_ms = encoding_ms["ours"], encoding_ms["numpy"]
     assert ours_ms is not None
@@ -153,11 +150,15 @@ def measure(plan: Plan, directory: Path) -> dict[str, Any]:
         "encode_sklearn_omp_ms": encoding_ms["sklearn"],
         "encode_to_numpy": ours_ms / numpy_ms,
         "stages_ms": stages_ms,
-        "roi_plane_stages_ms": plane_stages_ms,
+        "roi_plane_stages_ms": _stages_ms(rounds, "in_process_roi_plane"),
         "critical_path_ms": critical_path_ms(
             stages_ms, hops_ms, 1e3 / results["graph_iterations_per_s"]
         ),
     }
+
+
+def _stages_ms(rounds: Sequence[Round], loop: str) -> dict[str, float]:
+    return {name: _median([r.loops[loop].stages_ms[name] for r in rounds]) for name in STAGES}
 
 
 def _measure_long_runs(plan: Plan, directory: Path) -> dict[str, Any]:
@@ -196,19 +197,20 @@ def _loop(more: Sequence[str]) -> TimedLoop:
     return TimedLoop(configuration_of(request_of(arguments(_arguments(more))), "benchmark"))
 
 
-def _round(plan: Plan, loops: Loops, directory: Path) -> Round:
+def _round(plan: Plan, loops: dict[str, TimedLoop], directory: Path) -> Round:
     """Return one round: the graphs, then the loops in this process."""
-    _say(f"{directory.name}: {', '.join(_GRAPHS)}, one process with either renderer")
+    _say(f"{directory.name}: {', '.join([*_GRAPHS, *_LOOPS])}")
     directory.mkdir()
     graphs = {name: _turn(plan, more, directory / name) for name, more in _GRAPHS.items()}
     cores = os.sched_getaffinity(0)
-    loop = loops.mujoco.window(plan.turn_s)
-    os.sched_setaffinity(0, {min(cores)})
+    windows = {}
     try:
-        plane_loop = loops.plane.window(plan.turn_s)
+        for name, loop in loops.items():
+            windows[name] = loop.window(plan.turn_s)
+            os.sched_setaffinity(0, {min(cores)})
     finally:
         os.sched_setaffinity(0, cores)
-    return Round(graphs, loop, plane_loop)
+    return Round(graphs, windows)
 
 
 def _turn(plan: Plan, more: Sequence[str], directory: Path) -> GraphTurn:
@@ -223,6 +225,9 @@ def _summary(rounds: Sequence[Round]) -> dict[str, Any]:
     rates = {
         f"{name}_iterations_per_s": _median([rate_hz(r.graphs[name].samples) for r in rounds])
         for name in _GRAPHS
+    } | {
+        f"{name}_iterations_per_s": _median([r.loops[name].rate_hz for r in rounds])
+        for name in _LOOPS
     }
     starts_s = {
         renderer: _median([r.graphs[name].start_s for r in rounds for name in names])
@@ -234,10 +239,8 @@ def _summary(rounds: Sequence[Round]) -> dict[str, Any]:
     return rates | {
         "start_to_first_iteration_s": starts_s[""],
         "start_to_first_iteration_plane_s": starts_s["_plane"],
-        "in_process_iterations_per_s": _median([r.loop.rate_hz for r in rounds]),
-        "in_process_roi_plane_iterations_per_s": _median([r.plane_loop.rate_hz for r in rounds]),
         "graph_to_in_process": _median(
-            [hz / r.loop.rate_hz for hz, r in zip(graph_hz, rounds, strict=True)]
+            [hz / r.loops["in_process"].rate_hz for hz, r in zip(graph_hz, rounds, strict=True)]
         ),
         "cores_busy_elsewhere": _median(
             [cores_elsewhere(r.graphs["graph"].samples) for r in rounds]
