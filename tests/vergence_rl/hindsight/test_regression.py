@@ -11,6 +11,7 @@ from vergence_rl.hindsight.regression import (
     residual_covariance,
     root_of,
     weights_of_ranks,
+    widened,
 )
 
 N_STATE, N_MUSCLES, N_VISITS = 5, 2, 10
@@ -113,6 +114,15 @@ def test_a_root_squared_is_the_covariance(covariance: NDArray[np.float64]) -> No
     root = root_of(covariance)
     np.testing.assert_allclose(root @ root, covariance, atol=1e-12)
     np.testing.assert_allclose(root, root.T, atol=1e-12)
+
+
+def test_a_covariance_is_widened_where_it_has_less() -> None:
+    axes = np.array([[0.6, -0.8], [0.8, 0.6]])
+    narrow = axes @ np.diag([4.0, 0.01]) @ axes.T
+    np.testing.assert_allclose(widened(narrow, np.eye(2)), axes @ np.diag([4.0, 1.0]) @ axes.T)
+    # In the shape of the least one: of its SDs 1 and 3, the narrow one has twice and a third.
+    got = widened(np.diag([4.0, 1.0]), np.diag([1.0, 9.0]))
+    np.testing.assert_allclose(got, np.diag([4.0, 9.0]), atol=1e-12)
 
 
 def test_rounding_below_zero_has_no_root() -> None:

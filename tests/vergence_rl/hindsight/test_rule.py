@@ -38,6 +38,10 @@ MEAN = dataclasses.replace(
 IN_NOISE = dataclasses.replace(
     MEAN, hindsight=dataclasses.replace(MEAN.hindsight, target_noise_scale=3.0)
 )
+# And with noise that never gets much narrower than it was.
+WIDE = dataclasses.replace(
+    IN_NOISE, hindsight=dataclasses.replace(IN_NOISE.hindsight, least_noise_share=0.8)
+)
 HIGHEST = np.array([0.2, 0.1])
 Floats = NDArray[np.float64]
 
@@ -83,6 +87,10 @@ class SlowRule:
             self.solve(0.01 + self.config.hindsight.ridge_visits / memory)
             if is_mean:
                 self.covariance = self.selected
+            variances, axes = np.linalg.eigh(self.covariance)
+            least_sd = self.config.hindsight.least_noise_share
+            least = least_sd**2 * self.config.hindsight.exploration_variance
+            self.covariance = axes @ np.diag(np.maximum(variances, least)) @ axes.T
 
     def weight(self, away: Floats) -> float:
         scale = self.config.hindsight.target_noise_scale
@@ -180,7 +188,7 @@ def train(agent: Agent, first: int, n: int) -> list[Decision]:
     ]
 
 
-@pytest.mark.parametrize("config", [CONFIG, DRIFTING, MEAN, IN_NOISE])
+@pytest.mark.parametrize("config", [CONFIG, DRIFTING, MEAN, IN_NOISE, WIDE])
 def test_agrees_with_a_slow_rule_that_keeps_all_visits(config: VergenceRlConfig) -> None:
     agent, slow = Agent(config), SlowRule(config)
     seen: list[Floats] = []

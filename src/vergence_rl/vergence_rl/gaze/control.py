@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from lockstep.command_space import SIDES
 from lockstep.errors import InputError
-from vergence_rl.gaze.effort import Effort, lowered
+from vergence_rl.gaze.descent import lowered
+from vergence_rl.gaze.effort import Effort
 from vergence_rl.gaze.eye_turns import N_TURNS, EyeTurns
 from vergence_rl.learning_rule import Observation
 

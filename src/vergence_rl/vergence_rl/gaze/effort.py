@@ -1,8 +1,7 @@
-"""What activations cost, and which hold the same gaze for less (D23).
+"""What activations cost (D23).
 
 Muscles that pull against each other hold the eyes where they are and cost energy. A regression
-learns how the price depends on each activation, and what movements have taught says which changes
-of activation leave the eyes where they are: along those, the price is lowered.
+learns how the price depends on each activation. `descent.lowered` lowers it.
 
 A muscle's rate grows the more slowly the more it is driven already, so each activation has a term
 in proportion and one with its square root. With such a price few muscles are cheaper than many, and
@@ -22,7 +21,6 @@ _ACTIVATION, _BEND = 0.1, 0.05
 _RIDGE_SHARE = 1e-6
 # The price of an activation may change in the course of training.
 _LEAST_MEMORY, _MEMORY_SHARE = 2000.0, 0.2
-_LEAST_SLOPE, _LEVEL = 1e-6, 1e-9
 
 
 def price_of(reconstruction_error: Sequence[float], reward: float) -> float:
@@ -79,44 +77,3 @@ class Effort:
         self._squares = state["effort_squares"].copy()
         self._products = state["effort_products"].copy()
         self._weights = None
-
-
-def lowered(
-    activations: Floats,
-    slopes: Floats,
-    held: Floats,
-    limits: tuple[Floats, Floats],
-    largest: float,
-) -> Floats:
-    """Return the change (n,) of activations (n,) that descends a slope while angles are held.
-
-    slopes: (n,) of the price; held: (n_angles, n) slopes of the angles; limits: lowest and highest
-    activations (n,); largest: change of any activation. Straight down as far as the angles let it,
-    until a muscle comes to a limit; then the others go on (gradient projection: Rosen 1960).
-    """
-    lowest, highest = (limit - activations for limit in limits)
-    least, most = np.maximum(lowest, -largest), np.minimum(highest, largest)
-    change = np.zeros_like(activations)
-    free = np.ones(len(activations), bool)
-    while free.any():
-        direction = np.zeros_like(activations)
-        direction[free] = _down(slopes[free], held[:, free])
-        if np.abs(direction).max() <= _LEVEL * np.abs(slopes).max():
-            break
-        ahead = np.where(direction < 0.0, least, most) - change
-        moving = direction != 0.0
-        reach = np.full(len(activations), np.inf)
-        reach[moving] = np.maximum(ahead[moving] / direction[moving], 0.0)
-        first = int(reach.argmin())
-        change = change + reach[first] * direction
-        if abs(change[first]) >= largest:
-            break
-        free[first] = False
-    return change
-
-
-def _down(slopes: Floats, held: Floats) -> Floats:
-    """Return the steepest descent that leaves the held angles, (n,)."""
-    inverse = np.linalg.pinv(held, rcond=_LEAST_SLOPE)
-    down: Floats = inverse @ (held @ slopes) - slopes
-    return down

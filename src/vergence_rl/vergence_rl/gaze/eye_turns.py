@@ -17,14 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lockstep.errors import InputError
+from vergence_rl.gaze.descent import ACTIVATION, CHANGE, HALF, change_for, slopes_half_way
 
 Floats = NDArray[np.float64]
 
 N_TURNS = 3
-# Both are of the order of 1 in these units.
-_ACTIVATION, _CHANGE = 0.1, 0.01
 _RIDGE_SHARE = 1e-5
-_N_STEPS, _CLOSE_DEG = 8, 1e-4
 
 
 class EyeTurns:
@@ -75,7 +73,7 @@ class EyeTurns:
     def slopes_deg(self, activations: Floats) -> Floats:
         """Return the turns per unit of each activation, (n_turns, n_muscles), of small changes."""
         a, d = self._scaled(activations, np.zeros(self._n_muscles))
-        return self._slopes(a, d) / _CHANGE
+        return self._slopes(a, d) / CHANGE
 
     def change(self, activations: Floats, wanted_deg: Floats, near: Floats | None = None) -> Floats:
         """Return the change of activations (n_muscles,) for wanted turns, the first of n_turns.
@@ -86,31 +84,31 @@ class EyeTurns:
         """
         n_muscles = self._n_muscles
         a, d = self._scaled(activations, np.zeros(n_muscles) if near is None else near)
-        least, most = ((limit - activations) / _CHANGE for limit in self._limits)
+        least, most = ((limit - activations) / CHANGE for limit in self._limits)
         d = np.clip(d, least, most)
-        for _ in range(_N_STEPS if self.is_known else 0):
-            slopes = self._slopes(a, d)[: len(wanted_deg)]
-            left_deg = wanted_deg - slopes @ d
-            if np.abs(left_deg).max() < _CLOSE_DEG:
-                break
-            d = _stepped(d, slopes, left_deg, least, most)
-        return _CHANGE * d
+        if self.is_known:
+            weights = self._solved()[: len(wanted_deg)]
+            d = change_for(weights, a, d, wanted_deg, (least, most))
+        return CHANGE * d
 
     def _slopes(self, a: Floats, d: Floats) -> Floats:
         """Return the turns per change half-way through a movement, (n_turns, n_muscles)."""
+        return slopes_half_way(self._solved(), a, HALF * d)
+
+    def _solved(self) -> Floats:
+        """Return the weights of places in the slopes, (n_turns, n_muscles, n_places)."""
         if self._weights is None:
             n_inputs = len(self._squares)
             penalty = _RIDGE_SHARE * np.trace(self._squares) / n_inputs or 1.0
             squares = self._squares + penalty * np.eye(n_inputs)
             weights = np.linalg.solve(squares, self._products).T
             self._weights = np.ascontiguousarray(weights.reshape(N_TURNS, self._n_muscles, -1))
-        slopes: Floats = self._weights @ _half_way(a, d, self._pairs)
-        return slopes
+        return self._weights
 
     def _scaled(self, activations: Floats, change: Floats) -> tuple[Floats, Floats]:
         return (
-            _checked("activations", activations, self._n_muscles) / _ACTIVATION - 1.0,
-            _checked("change", change, self._n_muscles) / _CHANGE,
+            _checked("activations", activations, self._n_muscles) / ACTIVATION - 1.0,
+            _checked("change", change, self._n_muscles) / CHANGE,
         )
 
     def state(self) -> dict[str, NDArray[Any]]:
@@ -131,23 +129,8 @@ class EyeTurns:
 
 def _half_way(a: Floats, d: Floats, pairs: tuple[NDArray[np.intp], ...]) -> Floats:
     """Return 1, the activations half-way and their products, (n_places,)."""
-    middle = a + 0.5 * _CHANGE / _ACTIVATION * d
+    middle = a + HALF * d
     return np.concatenate([[1.0], middle, np.outer(middle, middle)[pairs]])
-
-
-def _stepped(d: Floats, slopes: Floats, left_deg: Floats, least: Floats, most: Floats) -> Floats:
-    """Return d plus the least step for what is left; muscles at a limit leave it to the others."""
-    free = np.ones(len(d), bool)
-    while free.any():
-        step = np.zeros_like(d)
-        step[free] = np.linalg.lstsq(slopes[:, free], left_deg)[0]
-        stepped = np.clip(d + step, least, most)
-        held = free & (stepped != d + step)
-        left_deg, d = left_deg - slopes @ (stepped - d), stepped
-        if not held.any():
-            break
-        free &= ~held
-    return d
 
 
 def _checked(name: str, values: Floats, n: int) -> Floats:

@@ -27,6 +27,12 @@ class HindsightConfig:
         "whether the covariance of the residuals sets the noise and the commands at the limits;"
         " otherwise the noise keeps its initial variance (D16)",
     )
+    least_noise_share: float = setting(
+        0.0,
+        "least SD of the noise, in any direction, as a share of that with which it begins (D22)",
+        least=0,
+        most=1,
+    )
     n_best: int = setting(
         1,
         "number of the best places of an episode whose mean, weighted by rank, is the target, and"

@@ -126,6 +126,18 @@ def floored(covariance: Floats) -> Floats:
     return covariance + _LEAST_VARIANCE_SHARE * np.trace(covariance) / n * np.eye(n)
 
 
+def widened(covariance: Floats, least: Floats) -> Floats:
+    """Return the covariance (n, n) with the variance of `least`, (n, n), where it has less.
+
+    least: of full rank. Directions are the axes of the covariance, seen where `least` is round.
+    """
+    root = root_of(least)
+    inverse = np.linalg.inv(root)
+    ratios, axes = np.linalg.eigh(inverse @ covariance @ inverse)
+    axes = root @ axes
+    return (axes * np.maximum(ratios, 1.0)) @ axes.T
+
+
 def root_of(covariance: Floats) -> Floats:
     """Return the symmetric R with R R = covariance; rounding below zero counts as zero."""
     variances, axes = np.linalg.eigh(covariance)

@@ -21,6 +21,7 @@ from vergence_rl.hindsight.regression import (
     residual_covariance,
     root_of,
     weights_of_ranks,
+    widened,
 )
 from vergence_rl.learning_rule import Decision, Floats, Observation, Task
 from vergence_rl.td import td_variance
@@ -182,10 +183,14 @@ class HindsightRule:
             ridge_share = config.ridge_share + config.ridge_visits / self._memory(n_seen)
             self._weights = regressed_actor(self._sums, ridge_share * self._ridge_shares)
             if config.exploration_follows_residuals:
-                self._covariance = (
+                covariance = (
                     residual_covariance(self._sums, self._weights)
                     if config.n_best == 1
                     else self._selected.copy()
+                )
+                least = config.least_noise_share**2
+                self._covariance = (
+                    widened(covariance, least * self._first.covariance) if least else covariance
                 )
 
     def _nearness(self, targets: Floats) -> Floats:
