@@ -147,9 +147,7 @@ def test_muscles_with_commands_of_their_own_are_recorded_as_the_loop_has_them(
         "vergence_rl.lowest_activations=[0.01]",
         "vergence_rl.highest_activations=[0.2]",
         "vergence_rl.hindsight.n_best=3",
-        "vergence_rl.hindsight.drift_rate=0.1",
         "sparse_coder.price_rise_share=0.75",
-        "sparse_coder.final_price_share=0.5",
     )
     directory = _with_own_commands(pictures, tmp_path / "run", *settings)
     names = COMMAND_SPACES[space].names

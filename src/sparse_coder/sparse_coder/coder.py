@@ -30,7 +30,6 @@ from sparse_coder.patches import (
 
 SCALES = ("coarse", "fine")
 _LARGEST_NORM_ERROR = 1e-4
-_PRICE_FALLS = (0.5, 0.7)  # shares of training between which it does
 
 
 class SparseCoder:
@@ -93,17 +92,14 @@ class SparseCoder:
     def metabolic_cost_weight(self) -> float:
         """Lambda by now, in 1/W (D21).
 
-        Eyes learn what to look at before saving is worth much, and end at a price at which they do
-        not trade gaze for energy.
+        Eyes learn what to look at before saving is worth much.
         """
         config = self.config
         price = config.metabolic_cost_weight
         n_rising = config.price_rise_share * config.n_training_iterations
         if self.learning_steps < n_rising:
             price = price * self.learning_steps / n_rising
-        done = self.learning_steps / config.n_training_iterations
-        fallen = float(np.interp(done, _PRICE_FALLS, (0.0, 1.0)))
-        return price * (1.0 - (1.0 - config.final_price_share) * fallen)
+        return price
 
     def atoms(self) -> NDArray[np.float32]:
         """Return a copy of the basis functions, (n_scales, n_bases, n_pixels)."""

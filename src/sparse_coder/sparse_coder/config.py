@@ -53,13 +53,6 @@ class SparseCoderConfig:
         least=0,
         most=1,
     )
-    final_price_share: float = setting(
-        1.0,
-        "share of that price that is left at the end; it falls linearly between half and 70 % of "
-        "training (D21)",
-        least=0,
-        most=1,
-    )
     gaze: GazeConfig = field(default_factory=GazeConfig)
 
     def __post_init__(self) -> None:

@@ -20,18 +20,13 @@ CONFIG = VergenceRlConfig(
     hindsight=HindsightConfig(regression_period=20, least_memory=60.0),
 )
 # All actions move along the noise that led to the best place.
-DRIFTING = dataclasses.replace(
-    CONFIG,
-    n_training_iterations=800,
-    hindsight=dataclasses.replace(CONFIG.hindsight, drift_rate=0.1),
-)
 # The mean of the three best places, whose noise is tried again, a larger penalty at first, and a
 # small one on activations.
 MEAN = dataclasses.replace(
     CONFIG,
     n_training_iterations=500,
     hindsight=dataclasses.replace(
-        CONFIG.hindsight, n_best=3, ridge_visits=30.0, drift_rate=0.05, felt_ridge_share=0.1
+        CONFIG.hindsight, n_best=3, ridge_visits=30.0, felt_ridge_share=0.1
     ),
 )
 # The same with distances in the shape of the noise.
@@ -56,7 +51,7 @@ class SlowRule:
         self.covariance = config.hindsight.exploration_variance * np.eye(2)
         self.prior = config.hindsight.least_memory
         self.selected = self.covariance.copy()
-        self.asked = self.noise = self.drift = np.zeros(2)
+        self.asked = self.noise = np.zeros(2)
         self.kept: list[tuple[Floats, Floats, float]] = []  # state, target, weight
         # state, place, reward, what was asked for, its noise
         self.episode: list[tuple[Floats, Floats, float, Floats, Floats]] = []
@@ -81,8 +76,8 @@ class SlowRule:
         for state, place, *_ in self.episode:
             weight = self.weight(best - place)
             aim = best if is_mean else self.aim(best, self.wanted(state, place))
-            self.kept.append((state, aim - place - self.drift, weight))
-        self.note_noise(share, n_seen)
+            self.kept.append((state, aim - place, weight))
+        self.note_noise(share)
         if n_seen % 20 == 0:
             self.solve(0.01 + self.config.hindsight.ridge_visits / memory)
             if is_mean:
@@ -100,21 +95,19 @@ class SlowRule:
         return scale**2 / (scale**2 + float(away @ np.linalg.inv(floored) @ away))
 
     def wanted(self, state: Floats, place: Floats) -> Floats:
-        return place + self.actor @ state + self.drift
+        return place + self.actor @ state
 
     def rank_weights(self) -> list[float]:
         n_best = self.config.hindsight.n_best
         raw = [math.log(n_best + 0.5) - math.log(rank + 1) for rank in range(n_best)]
         return [w / sum(raw) for w in raw]
 
-    def note_noise(self, share: float, n_seen: int) -> None:
+    def note_noise(self, share: float) -> None:
         moved = sorted(self.episode[1:], key=lambda visit: -visit[2])
         self.selected = share * self.selected
-        rate = self.config.hindsight.drift_rate * (1.0 - n_seen / self.config.n_training_iterations)
         for w, visit in zip(self.rank_weights(), moved, strict=False):
             carried_out = self.allowed(visit[3]) - self.allowed(visit[3] - visit[4])
             self.selected = self.selected + (1.0 - share) * w * np.outer(carried_out, carried_out)
-            self.drift = self.drift + rate * w * visit[4]
 
     def allowed(self, asked: Floats) -> Floats:
         """Of the places at the limits and between them, the nearest; or what was asked for."""
@@ -188,7 +181,7 @@ def train(agent: Agent, first: int, n: int) -> list[Decision]:
     ]
 
 
-@pytest.mark.parametrize("config", [CONFIG, DRIFTING, MEAN, IN_NOISE, WIDE])
+@pytest.mark.parametrize("config", [CONFIG, MEAN, IN_NOISE, WIDE])
 def test_agrees_with_a_slow_rule_that_keeps_all_visits(config: VergenceRlConfig) -> None:
     agent, slow = Agent(config), SlowRule(config)
     seen: list[Floats] = []
@@ -206,7 +199,7 @@ def test_agrees_with_a_slow_rule_that_keeps_all_visits(config: VergenceRlConfig)
         slow.learn(state, place, reward, now % 5, now)
         noise = generator(1, "exploration", now).normal(0.0, 1.0, 2)
         slow.noise = root_of(slow.covariance) @ noise
-        action = slow.actor @ state + slow.drift + slow.noise
+        action = slow.actor @ state + slow.noise
         slow.asked = place + action
         np.testing.assert_allclose(got.action, action, rtol=1e-6, atol=1e-9)
         wanted = place + action
@@ -311,7 +304,7 @@ def test_what_is_reported() -> None:
     assert decisions[-1].td_variance == pytest.approx(expected)
 
 
-@pytest.mark.parametrize("config", [CONFIG, DRIFTING, MEAN])
+@pytest.mark.parametrize("config", [CONFIG, MEAN])
 def test_a_restored_agent_continues_bit_for_bit(config: VergenceRlConfig) -> None:
     agent = Agent(config)
     train(agent, 0, 130)  # the sums hold episodes that the actor has not been solved for

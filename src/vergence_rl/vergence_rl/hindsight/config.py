@@ -39,13 +39,6 @@ class HindsightConfig:
         " whose noise is tried again; 1: the best place alone (D20)",
         least=1,
     )
-    drift_rate: float = setting(
-        0.0,
-        "share of the mean noise that led to an episode's best places by which all actions move"
-        " (D20)",
-        least=0,
-        most=1,
-    )
     target_scale: float = setting(
         0.005,
         "change of activation at which a target has half its weight in the regression",

@@ -70,7 +70,6 @@ class HindsightRule:
         self._covariance = self._first.covariance
         self._sums = first_sums(n_state, self._covariance, self._config.least_memory)
         self._selected = self._covariance.copy()
-        self._drift = np.zeros(self._task.n_muscles)
 
     def step(
         self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
@@ -81,7 +80,7 @@ class HindsightRule:
             value, delta = self._collect(observation)
         else:
             self._visits.clear()
-        action = self._weights @ observation.state + self._drift
+        action = self._weights @ observation.state
         self._noise = np.zeros_like(action)
         if draw is not None:
             self._noise = root_of(self._covariance) @ draw.normal(0.0, 1.0, len(action))
@@ -127,7 +126,6 @@ class HindsightRule:
             "sum_weight": np.array(self._sums.weight),
             "td_variance": np.array(self._td_variance),
             **({"selected_noise": self._selected.copy()} if self._config.n_best > 1 else {}),
-            **({"drift": self._drift.copy()} if self._config.drift_rate else {}),
             **self._first.state(),
         }
 
@@ -148,8 +146,6 @@ class HindsightRule:
         self._covariance = state["covariance"].copy()
         if self._config.n_best > 1:
             self._selected = state["selected_noise"].copy()
-        if self._config.drift_rate:
-            self._drift = state["drift"].copy()
         self.learning_steps = int(state["learning_steps"])
         self._td_variance = float(state["td_variance"])
         self._visits.clear()
@@ -170,15 +166,15 @@ class HindsightRule:
         kept = self._kept_share(n_seen)
         if config.n_best == 1:
             aim = visited[order[0]]
-            wanted = visited + states @ self._weights.T + self._drift
+            wanted = visited + states @ self._weights.T
             targets = freed_targets(aim, wanted, self._covariance, *self._limits) - visited
         else:
             aim = self._mean_of_best(order, visited)
             targets = aim - visited
         weights = self._nearness(aim - visited)
-        self._sums.add(states, targets - self._drift, weights, kept=kept)
-        if config.n_best > 1 or config.drift_rate:
-            self._note_noise(order, kept, n_seen)
+        self._sums.add(states, targets, weights, kept=kept)
+        if config.n_best > 1:
+            self._note_noise(order, kept)
         if n_seen % config.regression_period == 0:
             ridge_share = config.ridge_share + config.ridge_visits / self._memory(n_seen)
             self._weights = regressed_actor(self._sums, ridge_share * self._ridge_shares)
@@ -206,24 +202,20 @@ class HindsightRule:
             targets @ np.linalg.inv(root_of(floored(self._covariance))), config.target_noise_scale
         )
 
-    def _note_noise(self, order: NDArray[np.intp], kept: float, n_seen: int) -> None:
-        """Remember which noise led to the best places, and move all actions a little along it.
+    def _note_noise(self, order: NDArray[np.intp], kept: float) -> None:
+        """Remember which noise led to the best places.
 
         order: (n_visits,) from the best place to the worst. The first place is nobody's noise.
         Remembered is what the limits left of it, so that it falls where muscles are silent.
-        The steps fall to 0 as training ends, for the regression to catch up with them.
         """
         weights = self._rank_weights
         best = [self._visits[i] for i in order[order > 0][: len(weights)]]
-        noise = np.array([visit.noise for visit in best])
         carried_out = np.array(
             [v.noise + self._cut(v.asked) - self._cut(v.asked - v.noise) for v in best]
         )
         self._selected = (
             kept * self._selected + (1.0 - kept) * (weights * carried_out.T) @ carried_out
         )
-        left = max(0.0, 1.0 - n_seen / self._task.n_training_iterations)
-        self._drift += self._config.drift_rate * left * (weights @ noise)
 
     def _cut(self, asked: Floats) -> Floats:
         """Return what the limits change in a command (n_muscles,)."""
