@@ -78,6 +78,12 @@ def test_with_a_price_vergence_relaxes_muscles_that_pull_against_each_other() ->
     assert silent.any(axis=2).all(), "one of each pair of antagonists"
 
 
+def test_how_high_the_price_is_does_not_matter() -> None:
+    # Four times as much, so that nothing is rounded otherwise.
+    cheap, dear = learned(2500, price=1.0), learned(2500, price=4.0)
+    assert cheap.verge(MID, TURN).tobytes() == dear.verge(MID, TURN).tobytes()
+
+
 def test_without_saccades_each_eye_makes_half_of_the_vergence() -> None:
     command = learned(holds_gaze=False).verge(MID, TURN)
     np.testing.assert_allclose(turned_deg(command - MID), [-0.5 * TURN, 0.5 * TURN], atol=0.02)
