@@ -3,7 +3,7 @@
 import json
 import struct
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import TracebackType
 from typing import Any
@@ -14,7 +14,8 @@ from websockets.sync.client import ClientConnection, connect
 from tests.patience import PATIENCE_S
 
 _HEADER = struct.Struct("<BIQ")  # opcode, subscription, log time
-_MESSAGE_DATA = 1
+_CLIENT_HEADER = struct.Struct("<BI")  # opcode, channel
+_MESSAGE_DATA = 1  # in both directions
 
 
 @dataclass
@@ -24,6 +25,7 @@ class FoxgloveClient:
     port: int
     channels: dict[str, dict[str, Any]] = field(default_factory=dict)
     received: dict[str, list[bytes]] = field(default_factory=dict)
+    _published: list[str] = field(default_factory=list)
 
     def __enter__(self) -> "FoxgloveClient":
         end_s = time.monotonic() + PATIENCE_S
@@ -57,6 +59,20 @@ class FoxgloveClient:
         numbers = [self.channels[topic]["id"] for topic in topics]
         subscriptions = [{"id": number, "channelId": number} for number in numbers]
         self._connection.send(json.dumps({"op": "subscribe", "subscriptions": subscriptions}))
+
+    def publish(self, topic: str, vector: Mapping[str, Any]) -> None:
+        """Publish a JointState as a viewer's Publish panel does, as JSON."""
+        if topic not in self._published:
+            self._published.append(topic)
+            channel = {
+                "id": self._published.index(topic),
+                "topic": topic,
+                "encoding": "json",
+                "schemaName": "sensor_msgs/msg/JointState",
+            }
+            self._connection.send(json.dumps({"op": "advertise", "channels": [channel]}))
+        head = _CLIENT_HEADER.pack(_MESSAGE_DATA, self._published.index(topic))
+        self._connection.send(head + json.dumps(vector).encode())
 
     def receive_of_each(self, topics: Sequence[str], n_messages: int = 1) -> None:
         """Receive until there are so many messages of each topic; fails when the server ends."""

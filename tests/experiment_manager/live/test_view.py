@@ -16,6 +16,7 @@ from experiment_manager.bag.writer import BagWriter
 from experiment_manager.live import server as server_module
 from experiment_manager.live.page import LAYOUT, Page
 from experiment_manager.live.server import ViewServer, why_unavailable
+from experiment_manager.live.steering import Steering
 from experiment_manager.live.view import (
     ANAGLYPH,
     LEARNING,
@@ -32,9 +33,11 @@ from lockstep.errors import InputError
 from lockstep.wire.topics import (
     BASIS_FUNCTIONS,
     EYE_STATE_NAMES,
+    GAZE_TARGET,
     GROUND_TRUTH_NAMES,
     PICTURES,
     REWARD_NAMES,
+    VECTOR,
 )
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
@@ -195,6 +198,14 @@ def test_the_page_has_links_to_open_the_view_and_serves_the_layout() -> None:
     with pytest.raises(urllib.request.HTTPError, match="404"):
         urllib.request.urlopen(f"{address}/../config.py")
     page.close()
+
+
+def test_the_layout_has_a_message_prepared_that_says_where_to_look() -> None:
+    panel = json.loads(LAYOUT.read_text())["configById"]["Publish!gaze_target"]
+    assert (panel["topicName"], panel["datatype"]) == (f"/{GAZE_TARGET}", VECTOR)
+    steering = Steering(focal_length_px=1.0)
+    steering.ask(panel["value"].encode())
+    np.testing.assert_array_equal(np.array(steering.take()), [5.0, 0.0])
 
 
 LAYOUT_OF_BAGS = Path(__file__).parents[3] / "docs" / "foxglove_layout.json"

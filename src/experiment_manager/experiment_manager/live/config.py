@@ -23,6 +23,9 @@ class LiveViewConfig:
     n_selections: int = setting(
         10, "matching pursuit's selections per patch, as sparse_coder has it", least=1
     )
+    focal_length_px: float = setting(
+        257.34, "focal length of the left camera, which says where a click is", "px", above=0
+    )
 
     def __post_init__(self) -> None:
         """Refuse values out of range."""

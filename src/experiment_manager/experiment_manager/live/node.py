@@ -1,7 +1,7 @@
 """The node live_view: listens to the graph as a recorder does, and serves it to viewers.
 
 It never blocks a run: it samples the topics twenty times a second, subscribes to what a client
-watches, and publishes nothing.
+watches, and publishes nothing but the gaze targets that people ask for.
 """
 
 import struct
@@ -18,12 +18,14 @@ from sensor_msgs.msg import Image, JointState
 
 from experiment_manager.live.config import LiveViewConfig
 from experiment_manager.live.page import Page
+from experiment_manager.live.steering import Steering
 from experiment_manager.live.view import VECTORS, View, open_server
 from lockstep.errors import InputError
 from lockstep.node.process import run_node
 from lockstep.node.ros_parameters import declare_config
 from lockstep.wire.cdr import image_array
-from lockstep.wire.topics import BASIS_FUNCTIONS, PICTURES
+from lockstep.wire.topics import BASIS_FUNCTIONS, GAZE_TARGET, PICTURES, TARGET_NAMES
+from lockstep.wire.vectors import VectorPublisher
 
 _HEADER_STAMP = struct.Struct("<iI")
 _HEADER_OFFSET = 4  # behind the CDR encapsulation
@@ -42,10 +44,14 @@ class LiveViewNode(Node):
         """Listen on the configured ports; raises InputError when that cannot be."""
         super().__init__("live_view", **kwargs)
         config = declare_config(self, LiveViewConfig)
-        self._server = open_server("active binocular vision", config.host, config.port)
+        self._steering = Steering(config.focal_length_px)
+        self._gaze_targets = VectorPublisher(self, GAZE_TARGET, TARGET_NAMES)
+        self._server = open_server(
+            "active binocular vision", config.host, config.port, self._steering.ask
+        )
         address = f"ws://{config.host}:{self._server.port}"
         try:
-            self._page = Page(config.host, config.page_port, address)
+            self._page = Page(config.host, config.page_port, address, self._steering)
         except InputError:
             self._server.close()
             raise
@@ -58,6 +64,11 @@ class LiveViewNode(Node):
         page = f"http://{config.host}:{self._page.port}/"
         self.get_logger().info(f"live view at {address}; {page} opens it and has its layout")
 
+    @property
+    def ports(self) -> tuple[int, int]:
+        """Of the WebSocket server and the page."""
+        return self._server.port, self._page.port
+
     def awaited_subscriptions(self) -> list[Subscription]:
         """Return none: no message is worth waking up for, the next look is soon."""
         return []
@@ -65,9 +76,12 @@ class LiveViewNode(Node):
     def _look(self) -> None:
         try:
             self._show_newest()
+            if (target_deg := self._steering.take()) is not None:
+                self._gaze_targets.publish(0, target_deg)
         except InputError as error:
             self.get_logger().warning(str(error), throttle_duration_sec=10.0)
-        self._subscribe(self._view.wanted_topics())
+        of_page = set(PICTURES[:1]) if self._steering.wants_picture else set()
+        self._subscribe(self._view.wanted_topics() | of_page)
 
     def _show_newest(self) -> None:
         heard, self._heard = self._heard, {}
@@ -76,6 +90,8 @@ class LiveViewNode(Node):
         if BASIS_FUNCTIONS in heard:
             self._view.take_basis_functions(image_array(heard.pop(BASIS_FUNCTIONS)[-1]))
         newest = {topic: messages[-1] for topic, messages in heard.items()}
+        if self._steering.wants_picture and PICTURES[0] in newest:
+            self._steering.show(image_array(newest[PICTURES[0]]))
         left, right = ({_stamp_ns(m): m for m in heard.get(t, ())} for t in PICTURES)
         if common := set(left) & set(right):
             newest |= dict(zip(PICTURES, (left[max(common)], right[max(common)]), strict=True))

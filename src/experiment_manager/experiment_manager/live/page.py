@@ -4,8 +4,9 @@ import threading
 from functools import partial
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from urllib.parse import urlencode
+from urllib.parse import parse_qs, urlencode, urlsplit
 
+from experiment_manager.live.steering import Steering
 from lockstep.errors import InputError
 
 LAYOUT = Path(__file__).with_name("layout.json")
@@ -26,23 +27,45 @@ or <a href="https://app.foxglove.dev/?{query}">in Foxglove</a>.</li>
 <em>Import from file</em>.</li>
 </ol>
 """
+_STEERING = """<h2>Where to look</h2>
+<p>What the left eye sees. Eyes that make saccades (profile <code>gaze</code>) look at the place
+that you click, from the next fixation of training on.</p>
+<img id="left" src="left.png" width="640" alt="no picture yet" style="cursor: crosshair">
+<script>
+const left = document.getElementById("left");
+const reload = () => { left.src = "left.png?" + Date.now(); };
+left.onload = () => setTimeout(reload, 100);
+left.onerror = () => setTimeout(reload, 1000);
+left.onclick = (event) => {
+  if (!left.naturalWidth) return;
+  const scale = left.naturalWidth / left.clientWidth;
+  const place = {column_px: event.offsetX * scale, row_px: event.offsetY * scale};
+  fetch("look?" + new URLSearchParams(place), {method: "POST"});
+};
+</script>
+"""
 
 
 class Page:
-    """Serves the page and the layout from a thread of its own."""
+    """Serves the page, the layout and the picture to click in from threads of its own."""
 
-    def __init__(self, host: str, port: int, address: str) -> None:
+    def __init__(
+        self, host: str, port: int, address: str, steering: Steering | None = None
+    ) -> None:
         """Listen on host and port (0: any free one); address: of the WebSocket server.
 
-        Raises InputError when nobody can listen there.
+        steering: takes clicks; None where there is nothing to steer. Raises InputError when nobody
+        can listen there.
         """
         query = urlencode({"ds": "foxglove-websocket", "ds.url": address})
+        text = _PAGE.format(address=address, query=query) + (_STEERING if steering else "")
         documents = {
-            "/": ("text/html; charset=utf-8", _PAGE.format(address=address, query=query).encode()),
+            "/": ("text/html; charset=utf-8", text.encode()),
             "/layout.json": ("application/json", LAYOUT.read_bytes()),
         }
         try:
-            self._server = ThreadingHTTPServer((host, port), partial(_Handler, documents))
+            handler = partial(_Handler, documents, steering)
+            self._server = ThreadingHTTPServer((host, port), handler)
         except OSError as error:
             raise InputError(f"live view: cannot listen on {host}:{port}: {error}") from error
         self.port = int(self._server.server_address[1])
@@ -55,22 +78,45 @@ class Page:
 
 
 class _Handler(BaseHTTPRequestHandler):
-    def __init__(self, documents: dict[str, tuple[str, bytes]], *arguments: object) -> None:
-        self._documents = documents
+    def __init__(
+        self,
+        documents: dict[str, tuple[str, bytes]],
+        steering: Steering | None,
+        *arguments: object,
+    ) -> None:
+        self._documents, self._steering = documents, steering
         super().__init__(*arguments)  # type: ignore[arg-type]
 
     def do_GET(self) -> None:
-        """Answer with one of the documents."""
-        if self.path not in self._documents:
+        """Answer with one of the documents or the picture."""
+        path = urlsplit(self.path).path
+        kind, content = self._documents.get(path, ("image/png", b""))
+        if path == "/left.png" and self._steering is not None:
+            content = self._steering.png()
+        if not content:
             self.send_error(404)
             return
-        kind, content = self._documents[self.path]
         self.send_response(200)
         self.send_header("Content-Type", kind)
         self.send_header("Content-Length", str(len(content)))
         self.send_header("Access-Control-Allow-Origin", "*")
         self.end_headers()
         self.wfile.write(content)
+
+    def do_POST(self) -> None:
+        """Take a click."""
+        address = urlsplit(self.path)
+        if address.path != "/look" or self._steering is None:
+            self.send_error(404)
+            return
+        try:
+            (column,), (row,) = (parse_qs(address.query)[n] for n in ("column_px", "row_px"))
+            self._steering.ask_at(float(column), float(row))
+        except (KeyError, ValueError):
+            self.send_error(400, "expected column_px and row_px of a picture that was shown")
+            return
+        self.send_response(204)
+        self.end_headers()
 
     def log_message(self, *arguments: object) -> None:
         """Say nothing."""

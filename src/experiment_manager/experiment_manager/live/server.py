@@ -4,7 +4,7 @@ foxglove-sdk, which it is made with, is optional; it is imported where it is nee
 """
 
 import importlib.util
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,8 @@ _LOCK_FILE = "requirements-live.lock"
 # Of messages for one client: what a slow one cannot take is dropped, the oldest first.
 _BACKLOG = 64
 _ENCODINGS = {2: "mono8", 3: "rgb8"}
+# Of what clients publish: viewers write it without the message's definition.
+_HEARD_ENCODING = "json"
 
 
 def why_unavailable() -> str:
@@ -43,11 +45,13 @@ class ViewServer:
         topics: Mapping[str, str],
         pictures: Sequence[str],
         tables: Mapping[str, Sequence[str]],
+        heard: Mapping[str, Callable[[bytes], None]],
     ) -> None:
         """Listen on host and port (0: any free one).
 
         topics: ROS message type by topic; pictures: topics of pictures that are made here;
-        tables: names of the numbers by topic, of numbers that are made here.
+        tables: names of the numbers by topic, of numbers that are made here; heard: by topic, what
+        takes the JSON messages that clients publish, in a thread of the server.
         Raises InputError when foxglove-sdk is not installed or nobody can listen there.
         """
         if why := why_unavailable():
@@ -71,12 +75,16 @@ class ViewServer:
             self._channels[topic] = foxglove.Channel(
                 f"/{topic}", schema=numbers, context=self._context
             )
-        self._server = self._listen(name, host, port)
+        self._server = self._listen(name, host, port, heard)
         self.port: int = self._server.port
 
-    def _listen(self, name: str, host: str, port: int) -> Any:
+    def _listen(
+        self, name: str, host: str, port: int, heard: Mapping[str, Callable[[bytes], None]]
+    ) -> Any:
         import foxglove  # noqa: PLC0415 (optional)
+        from foxglove.websocket import Capability  # noqa: PLC0415 (optional)
 
+        listener: Any = _Listener(heard)
         try:
             return foxglove.start_server(
                 name=name,
@@ -84,6 +92,9 @@ class ViewServer:
                 port=port,
                 context=self._context,
                 message_backlog_size=_BACKLOG,
+                capabilities=[Capability.ClientPublish] if heard else [],
+                supported_encodings=[_HEARD_ENCODING] if heard else [],
+                server_listener=listener,
             )
         except RuntimeError as error:
             raise InputError(f"live view: cannot listen on {host}:{port}: {error}") from error
@@ -118,3 +129,33 @@ class ViewServer:
     def close(self) -> None:
         """Stop listening."""
         self._server.stop()
+
+
+class _Listener:
+    """Hands over what clients publish; foxglove-sdk calls the methods, from its threads."""
+
+    def __init__(self, heard: Mapping[str, Callable[[bytes], None]]) -> None:
+        self._heard = heard
+        self._advertised: dict[tuple[int, int], Callable[[bytes], None]] = {}
+
+    def on_client_advertise(self, client: Any, channel: Any) -> None:
+        """Take note of a client's channel whose topic is heard."""
+        take = self._heard.get(channel.topic.removeprefix("/"))
+        if take is not None and channel.encoding == _HEARD_ENCODING:
+            self._advertised[client.id, channel.id] = take
+
+    def on_client_unadvertise(self, client: Any, client_channel_id: int) -> None:
+        """Forget a client's channel."""
+        self._advertised.pop((client.id, client_channel_id), None)
+
+    def on_message_data(self, client: Any, client_channel_id: int, data: bytes) -> None:
+        """Hand over a message."""
+        take = self._advertised.get((client.id, client_channel_id))
+        if take is not None:
+            take(bytes(data))
+
+    def on_subscribe(self, client: Any, channel: Any) -> None:
+        """Do nothing: who subscribes is looked up when it matters."""
+
+    def on_unsubscribe(self, client: Any, channel: Any) -> None:
+        """Do nothing."""

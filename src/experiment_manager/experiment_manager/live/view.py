@@ -1,7 +1,7 @@
 """What a viewer is shown: the graph's topics, and pictures and numbers made of them."""
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from lockstep.wire.cdr import image_array
 from lockstep.wire.topics import (
     BASIS_FUNCTIONS,
     CODER_VECTORS,
+    GAZE_TARGET,
     IMAGE,
     LEARNER_VECTORS,
     PICTURES,
@@ -43,11 +44,22 @@ TRUTH_NAMES = ("phase", "iteration", "training_iteration", "vergence_error_deg")
 Messages = Mapping[str, bytes]
 
 
-def open_server(name: str, host: str, port: int) -> ViewServer:
-    """Return a server with all channels of a view; see `ViewServer`."""
-    pictures = (ANAGLYPH, *RECONSTRUCTIONS)
-    tables = {LEARNING: LEARNING_NAMES}
-    return ViewServer(name, host, port, topics=SHOWN_TOPICS, pictures=pictures, tables=tables)
+def open_server(
+    name: str, host: str, port: int, ask: Callable[[bytes], None] | None = None
+) -> ViewServer:
+    """Return a server with all channels of a view; see `ViewServer`.
+
+    ask: takes what clients publish on gaze_target, in a thread of the server; None to refuse it.
+    """
+    return ViewServer(
+        name,
+        host,
+        port,
+        topics=SHOWN_TOPICS,
+        pictures=(ANAGLYPH, *RECONSTRUCTIONS),
+        tables={LEARNING: LEARNING_NAMES},
+        heard={} if ask is None else {GAZE_TARGET: ask},
+    )
 
 
 class View:

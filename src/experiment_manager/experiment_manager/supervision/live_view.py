@@ -22,12 +22,13 @@ class LiveView(AbstractContextManager["LiveView"]):
         self._process: NodeProcess | None = None
         if address is None:
             return
-        coder = read_configuration(directory / CONFIG_FILE)["sparse_coder"]
+        configuration = read_configuration(directory / CONFIG_FILE)
         given = {
             "host": address.host,
             "port": address.port,
             "page_port": address.port + 1,
-            "n_selections": coder["n_selections"],
+            "n_selections": configuration["sparse_coder"]["n_selections"],
+            "focal_length_px": configuration["eye_plant"]["camera.focal_length_px"],
         }
         arguments = [word for name, value in given.items() for word in ("-p", f"{name}:={value}")]
         with self._log.open("ab") as log:

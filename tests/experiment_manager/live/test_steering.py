@@ -1,0 +1,169 @@
+"""A click in the page's picture and a viewer's message become the topic gaze_target."""
+
+import json
+import math
+import urllib.request
+from collections.abc import Callable
+from urllib.error import HTTPError
+
+import cv2
+import numpy as np
+import pytest
+from rclpy.node import Node
+from sensor_msgs.msg import Image, JointState
+
+from experiment_manager.live.node import LiveViewNode
+from experiment_manager.live.page import Page
+from experiment_manager.live.steering import Steering
+from experiment_manager.live.view import open_server
+from lockstep.errors import InputError
+from lockstep.wire.topics import GAZE_TARGET, PICTURES, TARGET_NAMES
+from tests.foxglove_client import FoxgloveClient
+from tests.node_harness import Graph
+
+F_PX = 100.0
+PICTURE = np.arange(240 * 320, dtype=np.uint32).reshape(240, 320).astype(np.uint8)
+THERE = {"name": ["target_up_deg", "target_sideways_deg"], "position": [-2.0, 5.0]}
+
+
+@pytest.fixture
+def steering() -> Steering:
+    steering = Steering(F_PX)
+    steering.show(PICTURE)
+    return steering
+
+
+def _taken(steering: Steering) -> list[float]:
+    target_deg = steering.take()
+    assert target_deg is not None
+    return [float(angle_deg) for angle_deg in target_deg]
+
+
+@pytest.mark.parametrize(
+    ("column_px", "row_px", "sideways_deg", "up_deg"),
+    [
+        (160.0, 120.0, 0.0, 0.0),
+        (260.0, 120.0, 45.0, 0.0),
+        (160.0, 20.0, 0.0, 45.0),
+        # 30 px and 40 px aside make 50 px; atan(50 / 100), shared as 3 to 4.
+        (130.0, 160.0, -0.6 * math.degrees(math.atan(0.5)), -0.8 * math.degrees(math.atan(0.5))),
+    ],
+)
+def test_a_click_is_an_angle_from_the_centre(
+    steering: Steering, column_px, row_px, sideways_deg, up_deg
+) -> None:
+    steering.ask_at(column_px, row_px)
+    np.testing.assert_allclose(_taken(steering), [sideways_deg, up_deg], atol=1e-12)
+    assert steering.take() is None
+
+
+def test_the_newest_message_counts_and_names_say_which_number_is_which(steering: Steering) -> None:
+    steering.ask_at(0.0, 0.0)
+    steering.ask(json.dumps(THERE).encode())
+    assert _taken(steering) == [5.0, -2.0]
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        b"\xff",
+        b"[]",
+        b"{}",
+        b'{"name": 1, "position": 2}',
+        b'{"name": ["target_up_deg"], "position": [1.0]}',
+        b'{"name": ["target_sideways_deg", "target_up_deg"], "position": ["a", 1.0]}',
+        b'{"name": ["target_sideways_deg", "target_up_deg"], "position": [NaN, 1.0]}',
+    ],
+)
+def test_a_message_that_is_no_target_is_one_error(steering: Steering, message: bytes) -> None:
+    steering.ask(message)
+    with pytest.raises(InputError, match=GAZE_TARGET):
+        steering.take()
+    assert steering.take() is None
+
+
+def _page(steering: Steering | None) -> tuple[Page, str]:
+    page = Page("127.0.0.1", 0, "ws://127.0.0.1:1", steering)
+    return page, f"http://127.0.0.1:{page.port}"
+
+
+def _click(address: str, query: str) -> int:
+    request = urllib.request.Request(f"{address}/look?{query}", method="POST")
+    with urllib.request.urlopen(request) as answer:
+        return int(answer.status)
+
+
+def test_the_page_shows_the_picture_and_takes_clicks(steering: Steering) -> None:
+    page, address = _page(steering)
+    wanted: bool = steering.wants_picture
+    assert not wanted
+    with urllib.request.urlopen(f"{address}/left.png?1") as answer:
+        seen = cv2.imdecode(np.frombuffer(answer.read(), np.uint8), cv2.IMREAD_GRAYSCALE)
+    np.testing.assert_array_equal(seen, PICTURE)
+    wanted = steering.wants_picture
+    assert wanted
+    assert _click(address, "column_px=260&row_px=120") == 204
+    np.testing.assert_allclose(_taken(steering), [45.0, 0.0])
+    for query in ("column_px=1", "column_px=a&row_px=1", ""):
+        with pytest.raises(HTTPError, match="400"):
+            _click(address, query)
+    page.close()
+
+
+def test_before_the_first_picture_there_is_nothing_to_click_in() -> None:
+    page, address = _page(Steering(F_PX))
+    with pytest.raises(HTTPError, match="404"):
+        urllib.request.urlopen(f"{address}/left.png")
+    with pytest.raises(HTTPError, match="400"):
+        _click(address, "column_px=1&row_px=1")
+    page.close()
+
+
+def test_a_page_without_steering_has_no_picture() -> None:
+    page, address = _page(None)
+    with urllib.request.urlopen(f"{address}/") as answer:
+        assert "left.png" not in answer.read().decode()
+    with pytest.raises(HTTPError, match="404"):
+        _click(address, "column_px=1&row_px=1")
+    page.close()
+
+
+def test_a_server_without_anything_to_steer_takes_no_messages() -> None:
+    server = open_server("test", "127.0.0.1", 0)
+    with FoxgloveClient(server.port) as client:
+        assert "clientPublish" not in client.server["capabilities"]
+    server.close()
+
+
+def test_a_viewer_and_the_page_steer_through_the_real_node(
+    graph: Graph, image_bytes: Callable[..., bytes]
+) -> None:
+    live = graph.add(LiveViewNode, port=0, page_port=0, focal_length_px=F_PX)
+    other = graph.add(lambda **kwargs: Node("other", **kwargs))
+    targets: list[JointState] = []
+    other.create_subscription(JointState, GAZE_TARGET, targets.append, 10)
+    pictures = other.create_publisher(Image, PICTURES[0], 10)
+    graph.spin_until(lambda: other.count_publishers(GAZE_TARGET), "the node's publisher")
+    ws_port, page_port = live.ports
+    with FoxgloveClient(ws_port) as client:
+        assert "clientPublish" in client.server["capabilities"]
+        assert "json" in client.server["supportedEncodings"]
+        client.publish("/elsewhere", THERE)
+        client.publish(f"/{GAZE_TARGET}", THERE)
+        graph.spin_until(lambda: targets, "the viewer's target")
+    assert (tuple(targets[0].name), list(targets[0].position)) == (TARGET_NAMES, [5.0, -2.0])
+
+    address = f"http://127.0.0.1:{page_port}"
+
+    def has_picture() -> bool:
+        pictures.publish(image_bytes(PICTURE, 7))
+        try:
+            with urllib.request.urlopen(f"{address}/left.png"):
+                return True
+        except HTTPError:
+            return False
+
+    graph.spin_until(has_picture, "the page's picture")
+    _click(address, "column_px=160&row_px=20")
+    graph.spin_until(lambda: len(targets) > 1, "the click's target")
+    np.testing.assert_allclose(targets[1].position, [0.0, 45.0], atol=1e-12)
