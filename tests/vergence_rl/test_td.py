@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from vergence_rl.td import bounded_rate, critic_step, declining_rate, td_error, td_variance, value
+from vergence_rl.td import bounded_rate, critic_step, td_error, td_variance, value
 
 
 def test_the_rules_by_hand() -> None:
@@ -10,11 +10,6 @@ def test_the_rules_by_hand() -> None:
     assert value(np.array([1.0, -2.0, 0.5]), np.array([3.0, 1.0, 2.0])) == pytest.approx(2.0)
     stepped = critic_step(np.array([1.0, -2.0]), np.array([0.5, 0.0]), 2.0, 0.75)
     np.testing.assert_allclose(stepped, [1.75, -2.0])
-
-
-@pytest.mark.parametrize(("now", "rate"), [(0, 0.5), (250, 0.375), (1000, 0.0), (1001, 0.0)])
-def test_rate_declines_linearly_to_0(now: int, rate: float) -> None:
-    assert declining_rate(0.5, now, 1000) == pytest.approx(rate)
 
 
 def test_a_rate_is_bounded_by_the_energy_of_the_state() -> None:

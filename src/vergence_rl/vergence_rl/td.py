@@ -44,8 +44,3 @@ def bounded_rate(learning_rate: float, state: NDArray[np.float64], limit: float)
     """
     energy = float(state @ state)
     return learning_rate if learning_rate * energy <= limit else limit / energy
-
-
-def declining_rate(initial_rate: float, training_iteration: int, n_iterations: int) -> float:
-    """Return the rate that falls linearly from initial_rate to 0 at n_iterations (K17 II)."""
-    return initial_rate * max(0.0, 1.0 - training_iteration / n_iterations)

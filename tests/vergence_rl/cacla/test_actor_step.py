@@ -2,8 +2,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from vergence_rl.cacla.actor_step import actor_step, n_updates
+from vergence_rl.cacla.actor_step import actor_step, declining_rate, n_updates
 from vergence_rl.cacla.networks import ActorOutput, ActorWeights, actor
+
+
+@pytest.mark.parametrize(("now", "rate"), [(0, 0.5), (250, 0.375), (1000, 0.0), (1001, 0.0)])
+def test_rate_declines_linearly_to_0(now: int, rate: float) -> None:
+    assert declining_rate(0.5, now, 1000) == pytest.approx(rate)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,11 @@ from numpy.typing import NDArray
 from vergence_rl.cacla.networks import ActorOutput, ActorWeights
 
 
+def declining_rate(initial_rate: float, training_iteration: int, n_iterations: int) -> float:
+    """Return the rate that falls linearly from initial_rate to 0 at n_iterations (K17 II)."""
+    return initial_rate * max(0.0, 1.0 - training_iteration / n_iterations)
+
+
 def n_updates(delta_t: float, variance_t: float) -> int:
     """Return ceil(delta / sqrt(var)) for a good surprise, 0 for any other (K17 eq. 4)."""
     if delta_t <= 0.0:

@@ -9,18 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lockstep.randomness import generator
-from vergence_rl.cacla.actor_step import actor_step, n_updates
+from vergence_rl.cacla.actor_step import actor_step, declining_rate, n_updates
 from vergence_rl.cacla.config import CaclaConfig
 from vergence_rl.cacla.networks import ActorOutput, ActorWeights, actor, uniform_weights
 from vergence_rl.learning_rule import Decision, Floats, Observation, Task
-from vergence_rl.td import (
-    bounded_rate,
-    critic_step,
-    declining_rate,
-    td_error,
-    td_variance,
-    value,
-)
+from vergence_rl.td import bounded_rate, critic_step, td_error, td_variance, value
 
 
 @dataclass(frozen=True)
