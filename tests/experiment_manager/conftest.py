@@ -11,6 +11,7 @@ import yaml
 from rosbags.typesys import Stores, get_typestore
 
 from experiment_manager.bag.writer import BagWriter
+from experiment_manager.commands.run_experiment import main as run_experiment
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES
 from tests.made_once import made_once
 from tests.supervisor import finished, start_supervisor
@@ -293,3 +294,23 @@ def small_run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
         finished(start_supervisor([*line, "--out", str(directory / "run")]))
 
     return made_once(tmp_path_factory, "small", make) / "run"
+
+
+@pytest.fixture(scope="session")
+def gazing_run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
+    """Return the directory of a run of eyes that make saccades, hardly trained."""
+    settings = {
+        "eye_plant.camera.renderer": "plane",
+        "eye_plant.stimuli.size_px": 64,
+        "experiment_manager.protocol.test_distances_m": "[2.0]",
+        "experiment_manager.protocol.n_starts_per_distance": 1,
+    }
+    line = ["--in-process", "--profile", "gaze", "--iterations", "40", "--tests", "40"]
+    line += ["--stimuli", str(pictures)]
+    for name, value in settings.items():
+        line += ["--set", f"{name}={value}"]
+
+    def make(directory: Path) -> None:
+        assert run_experiment([*line, "--out", str(directory / "run")]) == 0
+
+    return made_once(tmp_path_factory, "gazing", make) / "run"

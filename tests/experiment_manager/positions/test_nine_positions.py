@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from experiment_manager.commands.evaluate import main
-from experiment_manager.commands.run_experiment import main as run_experiment
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.frozen.viewing import Viewing
@@ -23,7 +22,6 @@ from experiment_manager.positions.targets import wanted_angles_deg, wanted_gaze_
 from eye_plant.inverse.gaze import GazeInverse
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError
-from tests.made_once import made_once
 from vergence_rl.agent import Agent
 from vergence_rl.learning_rule import Decision
 
@@ -34,23 +32,8 @@ UPPER_LEFT, MIDDLE, LOWER_LEFT = 0, 4, 6
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
-    """Return the directory of a run of eyes that make saccades, hardly trained."""
-    settings = {
-        "eye_plant.camera.renderer": "plane",
-        "eye_plant.stimuli.size_px": 64,
-        "experiment_manager.protocol.test_distances_m": "[2.0]",
-        "experiment_manager.protocol.n_starts_per_distance": 1,
-    }
-    line = ["--in-process", "--profile", "gaze", "--iterations", "40", "--tests", "40"]
-    line += ["--stimuli", str(pictures)]
-    for name, value in settings.items():
-        line += ["--set", f"{name}={value}"]
-
-    def make(directory: Path) -> None:
-        assert run_experiment([*line, "--out", str(directory / "run")]) == 0
-
-    return made_once(tmp_path_factory, "gazing", make) / "run"
+def run(gazing_run: Path) -> Path:
+    return gazing_run
 
 
 @pytest.fixture(scope="module", autouse=True)

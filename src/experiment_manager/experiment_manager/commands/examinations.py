@@ -14,6 +14,8 @@ from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import Shown
 from experiment_manager.positions.figures import activations_figure, hess_chart
 from experiment_manager.positions.results import examine_positions
+from experiment_manager.saccades.examination import examine_saccades
+from experiment_manager.saccades.figure import main_sequence_figure
 from lockstep.command_space import SIDES
 from lockstep.errors import InputError
 from lockstep.figures import STYLE, save
@@ -67,6 +69,11 @@ EXAMINATIONS = {
         "let eyes that make saccades look at nine targets at three distances: the Hess chart, the"
         " energy beside the least one, and the laws of Sherrington, Listing and Hering",
         {"activations": lambda results: activations_figure(results.examined)},
+    ),
+    "main-sequence": Examination(
+        examine_saccades,
+        main_sequence_figure,
+        "simulate first saccades of 1 to 20 deg over time: amplitude, peak velocity, duration",
     ),
 }
 

@@ -13,6 +13,11 @@ from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.frozen.viewing import Viewing
 from experiment_manager.loop import InProcessLoop
 from experiment_manager.positions.posture import Posture
+from experiment_manager.positions.start import (
+    activations_ahead,
+    check_looks_at_targets,
+    gaze_inverse,
+)
 from experiment_manager.positions.targets import (
     DISTANCES_M,
     N_RANDOM,
@@ -22,13 +27,11 @@ from experiment_manager.positions.targets import (
     wanted_gaze_deg,
 )
 from experiment_manager.run.progress_lines import progress
-from eye_plant.inverse.gaze import GazeInverse
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep.errors import InputError
 
 Array = NDArray[np.float64]
 
-_AHEAD_DEG = (0.0, 0.0)
 _N_PICTURES = 5
 # The eye that may be covered: the target is a place in the other one's picture.
 _COVERABLE = "right"
@@ -114,13 +117,7 @@ def examine(
 
 
 def _check(learners: FrozenLearners, shown: Shown, covered: str) -> None:
-    if not learners.manager.protocol.fixation_iterations:
-        raise InputError(
-            "--nine-positions: expected eyes that make saccades, as those of profile gaze, got a "
-            "run with protocol.fixation_iterations 0"
-        )
-    if shown.random_dots or shown.stereograms is not None:
-        raise InputError("--nine-positions: expected pictures on a plane, got stereograms")
+    check_looks_at_targets(learners, shown, "--nine-positions")
     if covered not in ("", _COVERABLE):
         raise InputError(
             f"--cover-eye: expected {_COVERABLE}, since the target is a place in the left eye's "
@@ -136,14 +133,12 @@ class _Looking:
         protocol = manager.protocol
         self.n_iterations = protocol.iterations_per_trial
         self._n_fixations = self.n_iterations // protocol.fixation_iterations
-        self._loop = loop
+        self._learners, self._loop = learners, loop
         self._settings = {f"camera.{covered}_occluded": True} if covered else {}
         self._commanded = protocol.space.indices
         self._eyes = Oculomotor(manager.mechanics)
         self.positions_m = self._eyes.eye_positions_m()
-        self._inverse = _inverse(learners)
-        # Eyes with a palsy begin with what healthy ones need to look straight ahead.
-        self._healthy = _inverse(dataclasses.replace(learners, settings={}))
+        self._inverse = gaze_inverse(learners)
 
     def at(
         self,
@@ -177,9 +172,7 @@ class _Looking:
         self, target_deg: Array, distance_m: float, pictures: Sequence[int]
     ) -> Iterator[Posture]:
         """Yield where the eyes end before each picture."""
-        wanted_deg = wanted_gaze_deg(self.positions_m, _AHEAD_DEG, distance_m)
-        nowhere_aside = np.zeros(len(self._commanded))
-        first = self._healthy.activations(wanted_angles_deg(wanted_deg), distance_m, nowhere_aside)
+        first = activations_ahead(self._learners, self.positions_m, distance_m)
         for i_picture in pictures:
             viewing = Viewing(self._loop, i_picture, distance_m, first.tolist())
             viewing.look(self.n_iterations, self._settings, target_deg.tolist() * self._n_fixations)
@@ -195,9 +188,3 @@ class _Looking:
             return Posture.unreached()
         self._eyes.settle(least.activations)
         return Posture.of(self._eyes, self._commanded, target_deg, distance_m)
-
-
-def _inverse(learners: FrozenLearners) -> GazeInverse:
-    manager = learners.manager
-    limits = manager.protocol.limits
-    return GazeInverse(manager.mechanics, manager.protocol.space, limits.lowest, limits.highest)

@@ -1,0 +1,1 @@
+"""Learned saccades simulated over time: amplitude, peak velocity, duration."""
