@@ -79,8 +79,11 @@ def test_a_base_that_is_no_profile_or_has_a_schedule_is_refused() -> None:
             parse_profile("mine", f"{{description: x, settings: {{}}, base: {base}}}")
 
 
-@pytest.mark.parametrize("name", [name for name in profile_names() if name.startswith("rearing/")])
-def test_every_condition_of_rearing_tests_its_end(name: str) -> None:
+CONDITIONS = [name for name in profile_names() if name.startswith(("rearing/", "clinic/"))]
+
+
+@pytest.mark.parametrize("name", CONDITIONS)
+def test_every_condition_tests_its_end(name: str) -> None:
     manager = configuration_of(request_of(arguments(["--profile", name])), "0123abc")[
         "experiment_manager"
     ]
