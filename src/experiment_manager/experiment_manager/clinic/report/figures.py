@@ -1,5 +1,6 @@
 """The sheet of figures: a row for each condition, a column for each measure."""
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -24,8 +25,8 @@ from lockstep.figures import (
 _PERCENT, _ACUITY = (0.0, 50.0, 100.0), (0.0, 1.0, 2.0)
 # Measure, name of the axis, factor, and ticks where the range is known.
 _COLUMNS: tuple[tuple[str, str, float, tuple[float, ...] | None], ...] = (
-    ("horizontal_deviation_pd", "deviation\nPD, eso > 0", 1.0, None),
-    ("vertical_deviation_pd", "deviation\nPD, hyper > 0", 1.0, None),
+    ("horizontal_deviation_pd", "deviation\nPD\neso > 0", 1.0, None),
+    ("vertical_deviation_pd", "deviation\nPD\nhyper > 0", 1.0, None),
     ("share_fused", "fused\n%", 100.0, _PERCENT),
     ("left_acuity_cycles_per_deg", "acuity, left\ncycles/deg", 1.0, _ACUITY),
     ("right_acuity_cycles_per_deg", "acuity, right\ncycles/deg", 1.0, _ACUITY),
@@ -42,12 +43,16 @@ _SIZE_PT = 4.5
 # Marks of a row stand below one another.
 _OFFSETS = dict(zip(AGES, (-0.2, 0.0, 0.2), strict=True))
 _MARGIN_SHARE = 0.15
-_ROW_IN, _OTHER_IN = 0.34, 1.2
+_LONGEST_LINE = 22  # characters of a row's name
+_LINE_IN, _GAP_IN, _OTHER_IN = 0.15, 0.08, 1.4
 
 
 def clinic_figure(rows: Sequence[Row]) -> Figure:
     """Return the measures of all rows: medians over seeds, lines from the least to the greatest."""
-    figure = new_figure(WIDTH_IN, _ROW_IN * len(rows) + _OTHER_IN)
+    names = [textwrap.fill(row.name, _LONGEST_LINE) for row in rows]
+    n_lines = 1 + max(name.count("\n") for name in names)
+    row_in = _LINE_IN * n_lines + _GAP_IN
+    figure = new_figure(WIDTH_IN, row_in * len(rows) + _OTHER_IN)
     panels = figure.subplots(1, len(_COLUMNS), sharey=True)
     for axes, (measure, name, factor, ticks) in zip(panels, _COLUMNS, strict=True):
         for i_row, row in enumerate(rows):
@@ -63,7 +68,7 @@ def clinic_figure(rows: Sequence[Row]) -> Figure:
     for axes in panels[:2]:
         axes.axvline(0.0, color=GREY, lw=0.8, ls=":", zorder=1)
     panels[-1].set_xlim(left=0.0)
-    panels[0].set_yticks(range(len(rows)), [row.name for row in rows])
+    panels[0].set_yticks(range(len(rows)), names)
     panels[0].set_ylim(len(rows) - 0.5, -0.5)
     title_panels(panels, [""] * len(panels))
     shown = [when for when in AGES if any(run.at(when) for row in rows for run in row.runs)]
