@@ -64,3 +64,11 @@ def test_a_trial_has_three_parts_of_twenty_iterations(room_of, kind) -> None:
     # The pair's eyes move alike.
     if kind == "pair":
         assert trial.moved_deg[0] == pytest.approx(trial.moved_deg[1], abs=1e-6)
+
+
+def test_eyes_at_rest_that_have_not_learned_keep_their_deviation(room_of) -> None:
+    trial = cover_trial(room_of("gaze"), 0, 2.0, "right", at_rest=True)
+    # Both look straight ahead, 56 mm apart: exo by what the object at 2 m needs.
+    lines = np.degrees(2.0 * math.atan(0.056 / 2.0 / 2.0))
+    np.testing.assert_allclose(trial.deviation_deg[:, 0], -lines, atol=0.01)
+    assert trial.fused_after(0.2226) == math.inf

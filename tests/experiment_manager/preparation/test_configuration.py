@@ -9,6 +9,7 @@ import yaml
 
 from experiment_manager.experiment.agreements import AGREEMENTS, Agreement, check_agreements
 from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.plant_changes import read_schedule
 from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import (
@@ -217,6 +218,14 @@ def test_what_two_nodes_must_know_is_not_said_in_two_ways(settings, message) -> 
         ),
         (("--set", "vergence=1"), "--set: expected NODE.PARAMETER=VALUE with a node of eye_plant"),
         (("--lambda", "nan"), "--lambda: expected 0 or more"),
+        (
+            ("--profile", "paper", "--schedule-delay", "20"),
+            "--schedule-delay 20: expected a profile that has a schedule, and no other schedule",
+        ),
+        (
+            ("--profile", "clinic/glasses", "--schedule-delay", "-20"),
+            "--schedule-delay -20: expected 0 training iterations or more, got -20",
+        ),
         (("--lambda-share", "1"), "--lambda-share 1: expected a share in [0, 1), got 1.0"),
         (
             ("--lambda-share", "0.2", "--lambda", "0.1"),
@@ -327,3 +336,13 @@ def test_who_cannot_be_elsewhere(text: str, capsys: pytest.CaptureFixture[str]) 
         arguments(["--elsewhere", text])
     error = capsys.readouterr().err
     assert "--elsewhere: expected some of eye_plant, sparse_coder, vergence_rl, got " in error
+
+
+def test_a_profile_s_schedule_may_be_put_off() -> None:
+    line = ("--profile", "rearing/patching", "--schedule-delay", "2e4")
+    schedule = read_schedule(_configuration(*line)["experiment_manager"]["schedule"])
+    assert [change.at for change in schedule.changes] == [120_000, 140_000]
+    assert schedule.changes[0].settings == {
+        "eye_plant.camera.right_blur_px": 0.0,
+        "eye_plant.camera.left_occluded": True,
+    }

@@ -12,8 +12,12 @@ import yaml
 from experiment_manager.analysis.recorded_run import RecordedRun
 from experiment_manager.commands.evaluate import main as evaluate
 from experiment_manager.commands.run_experiment import main as run_experiment
+from experiment_manager.preparation.command_line import arguments, request_of
+from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager.preparation.continuation import check_settings
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import read_configuration
+from lockstep.errors import InputError
 from tests.graph_harness import OracleRun, stacked, vectors
 from tests.supervisor import finished, start_supervisor
 
@@ -78,6 +82,15 @@ def test_a_branch_counts_on_from_its_checkpoint(run: Path, refused: Refused) -> 
         "error: --iterations 30: expected 60 or more, since a branch counts on from its "
         "checkpoint, which has made 60; 90 would train for 30 more"
     )
+
+
+def test_a_run_keeps_the_delay_of_its_schedule() -> None:
+    line = ["--profile", "clinic/glasses", "--schedule-delay"]
+    same, other = (request_of(arguments([*line, n])) for n in ("20000", "50000"))
+    configuration = configuration_of(same, "0123abc")
+    check_settings(same, Path("run"), configuration)
+    with pytest.raises(InputError, match=r"--schedule-delay 50000: .* has schedule .*30000"):
+        check_settings(other, Path("run"), configuration)
 
 
 def test_settings_that_a_run_has_may_be_said_again(run: Path) -> None:

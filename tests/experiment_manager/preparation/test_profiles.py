@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
@@ -17,6 +18,7 @@ from experiment_manager.preparation.profiles import (
     read_profile,
 )
 from eye_plant.config import EyePlantConfig
+from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep.configuration import build
 from lockstep.errors import InputError
 
@@ -79,8 +81,11 @@ def test_a_base_that_is_no_profile_or_has_a_schedule_is_refused() -> None:
             parse_profile("mine", f"{{description: x, settings: {{}}, base: {base}}}")
 
 
-@pytest.mark.parametrize("name", [name for name in profile_names() if name.startswith("rearing/")])
-def test_every_condition_of_rearing_tests_its_end(name: str) -> None:
+CONDITIONS = [name for name in profile_names() if name.startswith(("rearing/", "clinic/"))]
+
+
+@pytest.mark.parametrize("name", CONDITIONS)
+def test_every_condition_tests_its_end(name: str) -> None:
     manager = configuration_of(request_of(arguments(["--profile", name])), "0123abc")[
         "experiment_manager"
     ]
@@ -104,6 +109,22 @@ def test_every_profile_runs_in_each_stage_of_its_schedule(name, tmp_path, pictur
             assert end.observation.iteration == episode.n_iterations
     finally:
         loop.plant.close()
+
+
+@pytest.mark.parametrize(
+    ("name", "inward_deg"),
+    [
+        (f"clinic/{kind}tropia_{size_deg}", sign * size_deg)
+        for kind, sign in (("eso", 1), ("exo", -1))
+        for size_deg in (5, 10, 20)
+    ],
+)
+def test_a_squint_has_its_angle_at_the_tonic_level(name: str, inward_deg: int) -> None:
+    settings = read_profile(name).settings["eye_plant"]
+    eyes = Oculomotor(build(EyePlantConfig, settings).mechanics)
+    eyes.settle(eyes.tonic_activations)
+    left_deg, right_deg = np.degrees(eyes.state().eye_angles_rad)[:, 0]
+    assert (left_deg, right_deg) == pytest.approx((0.0, inward_deg), abs=0.05)
 
 
 def _changes_the_eyes(name: str) -> bool:

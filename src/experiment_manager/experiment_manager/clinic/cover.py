@@ -73,9 +73,15 @@ def first_lasting(holds: NDArray[np.bool_]) -> float:
     return float(first) if first < len(holds) else math.inf
 
 
-def cover_trial(room: Room, i_picture: int, distance_m: float, covered: str) -> CoverTrial:
-    """Make the test before one picture; covered: the side of the eye."""
-    sitting = room.seat(i_picture, distance_m)
+def cover_trial(
+    room: Room, i_picture: int, distance_m: float, covered: str, *, at_rest: bool = False
+) -> CoverTrial:
+    """Make the test before one picture; covered: the side of the eye.
+
+    The eyes begin without errors, or at rest.
+    """
+    seat = room.seat_at_rest if at_rest else room.seat
+    sitting = seat(i_picture, distance_m)
     parts = [sitting.look(_N_ITERATIONS, covered=side) for side in ("", covered, "")]
     begin, end = np.cumsum([part.n_iterations for part in parts[:2]]).tolist()
     course = parts[0].then(*parts[1:])
@@ -131,18 +137,26 @@ class CoverResults:
         return text_table(header, rows)
 
 
-def examine(learners: FrozenLearners, shown: Shown = OWN_TEST_STIMULI) -> CoverResults:
+def examine(
+    learners: FrozenLearners,
+    shown: Shown = OWN_TEST_STIMULI,
+    distances_m: Sequence[float] = DISTANCES_M,
+    *,
+    at_rest: bool = False,
+) -> CoverResults:
     """Make the cover test of each eye at each distance before each picture.
 
-    Raises InputError for learners or pictures that cannot be used, and eyes that cannot look at a
-    plane correctly.
+    at_rest: whether the eyes begin at rest, so that those that do not move show the deviation that
+    they have anyway; otherwise they begin without errors. Raises InputError for learners or
+    pictures that cannot be used, and eyes that cannot look at a plane correctly.
     """
     trials: dict[tuple[str, float], list[CoverTrial]] = {}
     with examination_room(learners, shown, _N_PICTURES) as room:
-        conditions = [(side, distance_m) for side in SIDES for distance_m in DISTANCES_M]
+        conditions = [(side, distance_m) for side in SIDES for distance_m in distances_m]
         for side, distance_m in progress(conditions, file=sys.stderr, desc="cover", unit="part"):
             trials[side, distance_m] = [
-                cover_trial(room, i, distance_m, side) for i in range(room.n_pictures)
+                cover_trial(room, i, distance_m, side, at_rest=at_rest)
+                for i in range(room.n_pictures)
             ]
         return CoverResults(learners, shown.text, room.px_deg, trials)
 

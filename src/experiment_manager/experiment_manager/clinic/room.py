@@ -77,7 +77,7 @@ class Course:
 
 
 class Sitting:
-    """Eyes before one picture at one distance. They begin as CorrectFixation has them."""
+    """Eyes before one picture at one distance."""
 
     def __init__(
         self, learners: FrozenLearners, loop: InProcessLoop, viewing: Viewing, parallax_m: float
@@ -166,8 +166,16 @@ class Room:
                 manager.protocol, manager.mechanics, parallax_m
             )
         first = self._correct[parallax_m].activations(distance_m, error_deg)
+        return self._sitting(i_picture, distance_m, first)
+
+    def seat_at_rest(self, i_picture: int, distance_m: float) -> Sitting:
+        """Return eyes before a picture, all muscles at their tonic level, wherever they look."""
+        first = self.loop.plant.oculomotor.tonic_activations
+        return self._sitting(i_picture, distance_m, first.tolist())
+
+    def _sitting(self, i_picture: int, distance_m: float, first: Sequence[float]) -> Sitting:
         viewing = Viewing(self.loop, i_picture, distance_m, first)
-        return Sitting(self.learners, self.loop, viewing, parallax_m)
+        return Sitting(self.learners, self.loop, viewing, self._parallax_m(i_picture))
 
     def _parallax_m(self, i_picture: int) -> float:
         i_stereogram = i_picture - len(self._stimuli.all)

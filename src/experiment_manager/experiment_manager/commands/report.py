@@ -26,6 +26,7 @@ from experiment_manager.analysis.report.tables import (
     seeds_table,
     yoked_table,
 )
+from experiment_manager.clinic.report.page import write_clinic_page
 from experiment_manager.run.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import replace_file
@@ -58,6 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if options.rearing:
             path = write_rearing_page(options.runs, directory)
+        elif options.clinic:
+            path = write_clinic_page(options.runs, directory)
         else:
             path = write_report(_runs(options.runs), directory)
     except (InputError, OSError) as error:
@@ -77,7 +80,15 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "runs", type=Path, nargs="+", metavar="RUN", help="directory of a run or of a sweep"
     )
-    parser.add_argument(
+    pages = parser.add_mutually_exclusive_group()
+    pages.add_argument(
+        "--clinic",
+        action="store_true",
+        help="write clinic.html instead: conditions of the clinic at birth, before a change and at"
+        " the end, from the checkpoints before the tests (about 15 s per age, one run per core), or"
+        " from each run's clinic.json, which is written then",
+    )
+    pages.add_argument(
         "--rearing",
         action="store_true",
         help="write rearing.html instead: a comparison of rearing conditions, from results.json and"

@@ -8,7 +8,7 @@ after it: a test at that very iteration still finds the plant as it was.
 import itertools
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import yaml
@@ -79,6 +79,10 @@ class Schedule:
             except InputError as error:
                 raise InputError(f"schedule, at {change.at}: {error}") from error
         return found
+
+    def delayed(self, n_iterations: int) -> "Schedule":
+        """Return the same changes, each so many training iterations later, 0 or more."""
+        return Schedule(tuple(replace(c, at=c.at + n_iterations) for c in self.changes))
 
     def text(self) -> str:
         """Return the schedule as one line of JSON, "" for none; for `parse_schedule`."""

@@ -104,6 +104,12 @@ def _add_settings(line: argparse.ArgumentParser) -> None:
         metavar="N",
         help="training iterations, for example 1e6; with --branch, including those of that run",
     )
+    group.add_argument(
+        "--schedule-delay",
+        type=_argument(whole_number),
+        metavar="N",
+        help="training iterations by which the profile's schedule is put off",
+    )
     group.add_argument("--seed", type=_argument(whole_number), metavar="S", help="default: 1")
     group.add_argument(
         "--stimuli",

@@ -10,6 +10,7 @@ from experiment_manager.experiment.agreements import (
     with_partners,
 )
 from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.plant_changes import Schedule
 from experiment_manager.experiment.reach import check_reach
 from experiment_manager.preparation.profiles import Profile, read_profile
 from experiment_manager.preparation.request import (
@@ -45,9 +46,25 @@ def configuration_of(request: RunRequest, commit: str) -> Configuration:
     settings = by_key(profile.settings) | {
         "experiment_manager.profile": profile.name,
         "experiment_manager.commit": commit,
-        SCHEDULE: profile.schedule.text(),
+        SCHEDULE: schedule_of(profile, request).text(),
     }
     return configuration_with(settings, request)
+
+
+def schedule_of(profile: Profile, request: RunRequest) -> Schedule:
+    """Return the profile's schedule, put off as the request asks.
+
+    Raises InputError for a delay below 0, and one without a schedule of the profile's to put off.
+    """
+    delay = request.schedule_delay
+    if delay is None:
+        return profile.schedule
+    by = request.by("schedule_delay")
+    if not profile.schedule.changes or SCHEDULE in request.overrides:
+        raise InputError(f"{by}: expected a profile that has a schedule, and no other schedule")
+    if delay < 0:
+        raise InputError(f"{by}: expected 0 training iterations or more, got {delay}")
+    return profile.schedule.delayed(delay)
 
 
 def configuration_with(settings: Mapping[str, Any], request: RunRequest) -> Configuration:

@@ -9,7 +9,8 @@ from experiment_manager.experiment.agreements import by_key, by_node, with_partn
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.measures.trials import TrialTable
-from experiment_manager.preparation.configuration import configuration_with
+from experiment_manager.preparation.configuration import configuration_with, schedule_of
+from experiment_manager.preparation.profiles import read_profile
 from experiment_manager.preparation.request import ITERATIONS, TESTS, RunRequest
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
@@ -68,6 +69,10 @@ def _check_whole_run(request: RunRequest, directory: Path, configuration: Config
     if request.cost_share is not None:
         weight = configuration["experiment_manager"]["metabolic_cost_weight"]
         raise contradiction(request.by("cost_share"), directory, f"lambda = {weight:g}")
+    if request.schedule_delay is not None:
+        schedule = configuration["experiment_manager"]["schedule"]
+        if schedule_of(read_profile(profile), request).text() != schedule:
+            raise contradiction(request.by("schedule_delay"), directory, f"schedule {schedule}")
 
 
 def contradiction(by: str, directory: Path, has: str) -> InputError:
@@ -154,7 +159,7 @@ def branch(text: str, request: RunRequest, commit: str) -> Branch:
 
     Raises InputError for a run, checkpoint or setting that cannot be used.
     """
-    for name in ("profile", "cost_share"):
+    for name in ("profile", "cost_share", "schedule_delay"):
         if getattr(request, name) is not None:
             raise InputError(
                 f"--branch: expected the settings of {text} and single ones, got {request.by(name)}"

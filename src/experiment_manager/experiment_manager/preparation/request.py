@@ -39,6 +39,7 @@ OPTIONS = {
     "cost_share": "lambda-share",
     "tests": "tests",
     "test_stimuli": "test-stimuli",
+    "schedule_delay": "schedule-delay",
 }
 
 
@@ -62,7 +63,8 @@ class RunRequest:
     demonstration's; model: M or M_C; iterations: of training; stimuli: directory of images, "" for
     generated ones; metabolic_cost_weight: lambda, 1/W; cost_share: share of the reward that energy
     is to have, from which lambda follows; tests: training iterations before each test;
-    test_stimuli: how many a test shows; overrides: {NODE.PARAMETER: value}.
+    test_stimuli: how many a test shows; schedule_delay: training iterations by which the profile's
+    schedule is put off; overrides: {NODE.PARAMETER: value}.
     names: how errors name a field or a key of the overrides, where not by itself.
     Raises InputError for an unknown model or node, and a value that no parameter can have.
     """
@@ -76,6 +78,7 @@ class RunRequest:
     cost_share: float | None = None
     tests: tuple[int, ...] | None = None
     test_stimuli: int | None = None
+    schedule_delay: int | None = None
     overrides: Mapping[str, Any] = field(default_factory=dict)
     names: Mapping[str, str] = field(default_factory=dict)
 

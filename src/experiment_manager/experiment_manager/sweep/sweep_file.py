@@ -27,6 +27,7 @@ _READERS: dict[str, Callable[[str], Any]] = {
     "lambda-share": number,
     "tests": whole_numbers,
     "test-stimuli": whole_number,
+    "schedule-delay": whole_number,
 }
 _DIRECTORIES = ("stimuli", "eye_plant.stimuli.directory")
 _KEYS = ("description", "options", "axes")

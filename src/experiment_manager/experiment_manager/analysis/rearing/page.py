@@ -1,16 +1,13 @@
 """The page of conditions: what became of eyes that were reared differently."""
 
-import os
-import sys
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from experiment_manager.analysis.one_a_core import of_each_run
 from experiment_manager.analysis.rearing.conditions import PUBLISHED
 from experiment_manager.analysis.rearing.figures import (
     Condition,
@@ -26,7 +23,6 @@ from experiment_manager.analysis.report import page as report_page
 from experiment_manager.analysis.report.performance_figures import FIGURES
 from experiment_manager.measures.results import RESULTS_FILE, Summary
 from experiment_manager.measures.tables import number
-from experiment_manager.run.progress_lines import progress
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
@@ -79,7 +75,8 @@ def write_rearing_page(directories: Sequence[Path], out: Path) -> Path:
     and model are one condition, in the order given. Raises InputError for a directory that holds no
     finished run.
     """
-    runs = _measured([run for directory in directories for run in finished_runs(directory)])
+    found = [run for directory in directories for run in finished_runs(directory)]
+    runs = of_each_run(read_reared_run, found, "measuring")
     conditions = _conditions(runs)
     parts = [
         report_page.heading("Conditions"),
@@ -124,17 +121,6 @@ def finished_runs(directory: Path) -> list[Path]:
     if not finished:
         raise InputError(f"{directory}: expected a sweep with a finished run, found none")
     return finished
-
-
-def _measured(directories: Sequence[Path]) -> list[RearedRun]:
-    """Measure runs, one a core."""
-    n_processes = min(len(directories), len(os.sched_getaffinity(0)))
-    with ProcessPoolExecutor(n_processes, get_context("spawn")) as processes:
-        measured = processes.map(read_reared_run, directories)
-        shown = progress(
-            measured, file=sys.stderr, desc="measuring", unit="run", total=len(directories)
-        )
-        return list(shown)
 
 
 def _conditions(runs: Sequence[RearedRun]) -> list[Condition]:

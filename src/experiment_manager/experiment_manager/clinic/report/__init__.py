@@ -1,0 +1,1 @@
+"""What becomes of eyes with a disorder: runs examined at several ages, one page of them."""

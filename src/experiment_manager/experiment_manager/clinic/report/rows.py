@@ -1,0 +1,77 @@
+"""Runs that differ in their seeds alone, as one row of the page."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from experiment_manager.clinic.report.examined_run import ExaminedRun
+
+# By the name of the profile that has the condition.
+_NAMES = {
+    "esotropia_5": "esotropia 5°",
+    "esotropia_10": "esotropia 10°",
+    "esotropia_20": "esotropia 20°",
+    "exotropia_5": "exotropia 5°",
+    "exotropia_10": "exotropia 10°",
+    "exotropia_20": "exotropia 20°",
+    "anisometropia_2": "anisometropia 2 px",
+    "anisometropia_4": "anisometropia 4 px",
+    "anisometropia_8": "anisometropia 8 px",
+    "patching": "glasses, patching",
+    "patching_half": "glasses, patching half",
+}
+
+
+class Range(NamedTuple):
+    """Median, least and greatest over the n seeds that have a value."""
+
+    median: float
+    least: float
+    greatest: float
+    n: int
+
+
+@dataclass(frozen=True)
+class Row:
+    """A condition; runs: its seeds."""
+
+    name: str
+    runs: tuple[ExaminedRun, ...]
+
+    def over_seeds(self, when: str, measure: str) -> Range | None:
+        """Return a measure of ExaminedAge at an age over the seeds, None where no seed has it."""
+        ages = [age for run in self.runs if (age := run.at(when)) is not None]
+        values = [value for age in ages if (value := getattr(age, measure)) is not None]
+        if not values:
+            return None
+        return Range(float(np.median(values)), min(values), max(values), len(values))
+
+
+def rows_of(runs: Sequence[ExaminedRun]) -> list[Row]:
+    """Return the rows of runs, in the order of their first runs.
+
+    A name says what other rows differ in: the age of the change and the dictionaries, if that is
+    not the same in all rows of the condition, and the model, if there are two.
+    """
+    by_key: dict[tuple[str, str, int | None, float, int], list[ExaminedRun]] = {}
+    for run in runs:
+        key = (run.condition, run.model, run.changed_at, run.final_learning_rate, run.iterations)
+        by_key.setdefault(key, []).append(run)
+    firsts = [of_key[0] for of_key in by_key.values()]
+    return [Row(_name(of_key[0], firsts), tuple(of_key)) for of_key in by_key.values()]
+
+
+def _name(run: ExaminedRun, others: Sequence[ExaminedRun]) -> str:
+    alike = [other for other in others if other.condition == run.condition]
+    parts = [_NAMES.get(run.condition, run.condition.replace("_", " "))]
+    if len({other.iterations for other in alike}) > 1:
+        parts.append(f"{run.iterations:,} iterations")
+    if run.changed_at is not None and len({other.changed_at for other in alike}) > 1:
+        parts.append(f"at {100.0 * run.changed_at / run.iterations:.0f}\N{NO-BREAK SPACE}%")
+    if len({other.final_learning_rate for other in alike}) > 1:
+        parts.append("plastic" if run.final_learning_rate else "resting")
+    if len({other.model for other in others}) > 1:
+        parts.append(run.model)
+    return ", ".join(parts)
