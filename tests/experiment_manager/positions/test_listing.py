@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from experiment_manager.positions.listing import (
+    DisplacementPlane,
     displacement_plane,
     rotation_vectors,
     tilt_per_vergence,
@@ -71,6 +72,17 @@ def test_a_displacement_plane_turns_half_as_far_as_the_primary_position(temporal
         assert plane.offset_deg == pytest.approx(0.0, abs=1e-10)
         assert plane.temporal_tilt_deg == pytest.approx(temporal_deg / 2.0, abs=1e-10)
         assert plane.upward_tilt_deg == pytest.approx(up_deg / 2.0, abs=1e-10)
+
+
+def test_torsion_in_a_plane_by_hand_and_of_eyes_in_it() -> None:
+    plane = DisplacementPlane(1.0, temporal_tilt_deg=4.0, upward_tilt_deg=0.0, thickness_deg=0.0)
+    # r_x = tan(0.5 deg) + tan(4 deg) tan(5 deg) = 0.014845; twice its arctangent.
+    np.testing.assert_allclose(plane.torsion_deg(np.array([0.0, 10.0]), 0.0), [1.0, 1.70095], 1e-4)
+    vectors = rotation_vectors(listing_eyes(8.0, -6.0))[:, 0]
+    torsion_deg, down_deg, temple_deg = 2.0 * np.degrees(np.arctan(vectors.T))
+    found = displacement_plane(vectors)
+    for torsion, down, temple in zip(torsion_deg, down_deg, temple_deg, strict=True):
+        assert found.torsion_deg(np.array([-down]), temple) == pytest.approx([torsion], abs=1e-9)
 
 
 def test_eyes_of_ficks_order_leave_the_plane() -> None:

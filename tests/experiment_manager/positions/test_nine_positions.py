@@ -17,10 +17,11 @@ from experiment_manager.frozen.viewing import Viewing
 from experiment_manager.positions import results
 from experiment_manager.positions.document import document
 from experiment_manager.positions.examination import Examined, examine
-from experiment_manager.positions.measures import yoked_changes
+from experiment_manager.positions.listing_figure import listing_figure
+from experiment_manager.positions.measures import planes_of_eyes, yoked_changes
 from experiment_manager.positions.targets import wanted_angles_deg, wanted_gaze_deg
 from eye_plant.inverse.gaze import GazeInverse
-from lockstep.command_space import MUSCLE_NAMES
+from lockstep.command_space import MUSCLE_NAMES, SIDES
 from lockstep.errors import InputError
 from vergence_rl.agent import Agent
 from vergence_rl.learning_rule import Decision
@@ -155,6 +156,24 @@ def test_yoked_changes_are_around_each_distance(examined: Examined) -> None:
     assert change.slope == pytest.approx((first * second).sum() / (second**2).sum())
 
 
+def test_the_figure_of_listings_law_has_each_gaze_once_and_the_planes(examined: Examined) -> None:
+    figure = listing_figure(examined)
+    planes = planes_of_eyes(examined)
+    panels = iter(figure.axes)
+    for i, distance_m in enumerate(DISTANCES_M):
+        for i_side, side in enumerate(SIDES):
+            axes = next(panels)
+            dots = [line for line in axes.lines if line.get_linestyle() == "None"]
+            shown_deg = np.concatenate([np.asarray(line.get_ydata()) for line in dots])
+            of_nine = examined.nine.eyes.rotation_vectors[i, :, :, i_side, 0].mean(axis=1)
+            of_random = examined.random.eyes.rotation_vectors[i, :, 0, i_side, 0]
+            expected_deg = 2.0 * np.degrees(np.arctan([*of_nine, *of_random]))
+            np.testing.assert_allclose(np.sort(shown_deg), np.sort(expected_deg), atol=1e-9)
+            plane = planes[side].by_distance[distance_m]
+            assert plane is not None
+            assert axes.get_title(loc="left").endswith(f"thickness {plane.thickness_deg:.2f} deg")
+
+
 @pytest.mark.usefixtures("few")
 def test_the_command_prints_writes_and_draws(run, tmp_path, capsys) -> None:
     out, figure = tmp_path / "out.json", tmp_path / "chart.png"
@@ -167,6 +186,7 @@ def test_the_command_prints_writes_and_draws(run, tmp_path, capsys) -> None:
         assert title in text
     assert figure.exists()
     assert (tmp_path / "chart_activations.png").exists()
+    assert (tmp_path / "chart_listing.png").exists()
     medians = json.loads(out.read_text())["summary"]["all"]
     assert f"{medians['missed_deg']:.3f}" in text
 

@@ -13,6 +13,7 @@ from experiment_manager.clinic import acuity, cover, figures, prisms
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import Shown
 from experiment_manager.positions.figures import activations_figure, hess_chart
+from experiment_manager.positions.listing_figure import listing_figure
 from experiment_manager.positions.results import examine_positions
 from experiment_manager.saccades.examination import examine_saccades
 from experiment_manager.saccades.figure import main_sequence_figure
@@ -68,7 +69,10 @@ EXAMINATIONS = {
         lambda results: hess_chart(results.examined),
         "let eyes that make saccades look at nine targets at three distances: the Hess chart, the"
         " energy beside the least one, and the laws of Sherrington, Listing and Hering",
-        {"activations": lambda results: activations_figure(results.examined)},
+        {
+            "activations": lambda results: activations_figure(results.examined),
+            "listing": lambda results: listing_figure(results.examined),
+        },
     ),
     "main-sequence": Examination(
         examine_saccades,

@@ -31,6 +31,18 @@ class DisplacementPlane:
     upward_tilt_deg: float
     thickness_deg: float
 
+    def torsion_deg(self, up_deg: Array, temple_deg: float) -> Array:
+        """Return the torsion of eyes in the plane, 2 atan(r_x), at gazes in Listing's coordinates.
+
+        up_deg (...), temple_deg: angles 2 atan of the rotation vector's components up and to the
+        temple.
+        """
+        of_down, of_temple = -np.tan(np.radians([self.temporal_tilt_deg, self.upward_tilt_deg]))
+        down, temple = -np.tan(np.radians(up_deg) / 2.0), np.tan(np.radians(temple_deg) / 2.0)
+        offset = np.tan(np.radians(self.offset_deg) / 2.0)
+        torsion: Array = offset + of_down * down + of_temple * temple
+        return 2.0 * np.degrees(np.arctan(torsion))
+
 
 def rotation_vectors(rotations: Array) -> Array:
     """Return rotation vectors (..., 2, 3) of left and right eyes from straight ahead.
