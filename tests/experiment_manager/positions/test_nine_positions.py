@@ -2,10 +2,8 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -23,8 +21,7 @@ from experiment_manager.positions.targets import wanted_angles_deg, wanted_gaze_
 from eye_plant.inverse.gaze import GazeInverse
 from lockstep.command_space import MUSCLE_NAMES, SIDES
 from lockstep.errors import InputError
-from vergence_rl.agent import Agent
-from vergence_rl.learning_rule import Decision
+from tests.experiment_manager.moved_eyes import moved_eyes
 
 DISTANCES_M = (0.5, 6.0)
 N_RANDOM = 5
@@ -40,19 +37,14 @@ def run(gazing_run: Path) -> Path:
 @pytest.fixture(scope="module", autouse=True)
 def moving(run: Path) -> Iterator[None]:
     """Let eyes that have not learned move: by what they see, and by where a target is."""
-    observe = Agent.observe
 
-    def moved(
-        agent: Agent, features: Any, activations: Any, *others: Any, **named: Any
-    ) -> Decision:
-        decision = observe(agent, features, activations, *others, **named)
-        seen = [part.sum() for part in np.array_split(np.ravel(features), len(activations))]
-        change = 0.005 * (np.array(seen) - np.mean(seen))
-        change[0] += 0.001 * np.nan_to_num(named["target_deg"]).sum()
-        return replace(decision, command=np.clip(activations + change, 0.0, 0.2))
+    def change(features: np.ndarray, target_deg: np.ndarray) -> np.ndarray:
+        seen = np.array([part.sum() for part in np.array_split(np.ravel(features), 12)])
+        found = 0.005 * (seen - seen.mean())
+        found[0] += 0.001 * np.nan_to_num(target_deg).sum()
+        return found
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Agent, "observe", moved)
+    with moved_eyes(change):
         yield
 
 

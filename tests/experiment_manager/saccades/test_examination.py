@@ -2,9 +2,7 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -19,8 +17,7 @@ from experiment_manager.saccades.figure import main_sequence_figure
 from eye_plant.gaze_error import target_place_deg
 from lockstep.errors import InputError
 from lockstep.figures import STYLE
-from vergence_rl.agent import Agent
-from vergence_rl.learning_rule import Decision
+from tests.experiment_manager.moved_eyes import moved_eyes
 
 AMPLITUDES_DEG = (2.0, 10.0)
 DIRECTIONS_DEG = (0.0, 90.0)
@@ -29,17 +26,8 @@ DIRECTIONS_DEG = (0.0, 90.0)
 @pytest.fixture(scope="module", autouse=True)
 def few_that_move(gazing_run: Path) -> Iterator[None]:
     """Make few saccades, sideways alone, by eyes that have not learned any."""
-    observe = Agent.observe
-
-    def moved(
-        agent: Agent, features: Any, activations: Any, *others: Any, **named: Any
-    ) -> Decision:
-        command = np.array(activations)
-        command[0] += 0.004 * named["target_deg"][0]  # the left medial rectus
-        return replace(observe(agent, features, activations, *others, **named), command=command)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Agent, "observe", moved)
+    left_medial = np.eye(12)[0]
+    with moved_eyes(lambda _, target_deg: 0.004 * target_deg[0] * left_medial) as patch:
         patch.setattr(examination, "AMPLITUDES_DEG", AMPLITUDES_DEG)
         patch.setattr(examination, "DIRECTIONS_DEG", DIRECTIONS_DEG)
         yield
@@ -101,15 +89,11 @@ def test_the_command_prints_writes_and_draws(
     assert len(json.loads(out.read_text())["saccades"]) == 4
 
 
-def test_eyes_that_have_not_learned_to_move_are_refused(
-    gazing_run: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def rest(agent: Agent, features: Any, activations: Any, *_: Any, **__: Any) -> Decision:
-        return replace(observed(agent, features, activations, *_, **__), command=activations)
-
-    observed = Agent.observe
-    monkeypatch.setattr(Agent, "observe", rest)
-    with pytest.raises(InputError, match="expected learners that have learned saccades"):
+def test_eyes_that_have_not_learned_to_move_are_refused(gazing_run: Path) -> None:
+    with (
+        moved_eyes(lambda *_: np.zeros(12)),
+        pytest.raises(InputError, match="expected learners that have learned saccades"),
+    ):
         examine_saccades(FrozenLearners(gazing_run))
 
 

@@ -23,21 +23,29 @@ _LEAST_SLOPE, _LEVEL = 1e-6, 1e-9
 _ROUNDING = 1e-12
 
 
-@njit(float64[:, ::1](float64[:, :, ::1], float64[::1], float64[::1]), cache=True, nogil=True)
-def slopes_half_way(weights: Floats, a: Floats, half: Floats) -> Floats:
-    """Return slopes (n_turns, n): weights (n_turns, n, n_places) of the products of a + half.
+@njit(float64[::1](float64[::1], float64[::1]), cache=True, nogil=True)
+def places_half_way(a: Floats, half: Floats) -> Floats:
+    """Return 1, the entries of a + half and their products, (n_places,), half of the change (n,).
 
-    The places are 1, the entries of a + half and their products, row by row of the upper triangle.
+    Products are in the order of the upper triangle, row by row.
     """
-    n_turns, n, n_places = weights.shape
-    places = np.ones(n_places)
+    n = len(a)
     middle = a + half
+    places = np.ones(1 + n + n * (n + 1) // 2)
     places[1 : n + 1] = middle
     k = n + 1
     for i in range(n):
         for j in range(i, n):
             places[k] = middle[i] * middle[j]
             k += 1
+    return places
+
+
+@njit(float64[:, ::1](float64[:, :, ::1], float64[::1], float64[::1]), cache=True, nogil=True)
+def slopes_half_way(weights: Floats, a: Floats, half: Floats) -> Floats:
+    """Return slopes (n_turns, n) of a change from a: weights (n_turns, n, n_places) of places."""
+    n_turns, n, n_places = weights.shape
+    places = places_half_way(a, half)
     slopes = np.zeros((n_turns, n))
     for t in range(n_turns):
         for i in range(n):

@@ -17,7 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lockstep.errors import InputError
-from vergence_rl.gaze.descent import ACTIVATION, CHANGE, HALF, change_for, slopes_half_way
+from vergence_rl.gaze.descent import (
+    ACTIVATION,
+    CHANGE,
+    HALF,
+    change_for,
+    places_half_way,
+    slopes_half_way,
+)
 
 Floats = NDArray[np.float64]
 
@@ -33,10 +40,9 @@ class EyeTurns:
 
         lowest, highest: activations (n_muscles,) between which commands stay.
         """
-        self._limits = (np.array(lowest), np.array(highest))
+        self._limits = (np.array(lowest, np.float64), np.array(highest, np.float64))
         self._n_muscles = n_muscles = len(lowest)
-        self._pairs = np.triu_indices(n_muscles)
-        n_inputs = n_muscles * (1 + n_muscles + len(self._pairs[0]))
+        n_inputs = n_muscles * len(places_half_way(*self._limits))
         self.n_movements = 0
         # What fewer movements say of so many inputs would throw the eye about.
         self._n_needed = 2 * n_inputs
@@ -53,7 +59,7 @@ class EyeTurns:
         """
         a, d = self._scaled(activations, change)
         y = _checked("turns", turns_deg, N_TURNS)
-        x = np.outer(d, _half_way(a, d, self._pairs)).ravel()
+        x = np.outer(d, places_half_way(a, HALF * d)).ravel()
         self._squares += np.outer(x, x)
         self._products += np.outer(x, y)
         self.n_movements += 1
@@ -125,12 +131,6 @@ class EyeTurns:
         self._squares = state["squares"].copy()
         self._products = state["products"].copy()
         self._weights = None
-
-
-def _half_way(a: Floats, d: Floats, pairs: tuple[NDArray[np.intp], ...]) -> Floats:
-    """Return 1, the activations half-way and their products, (n_places,)."""
-    middle = a + HALF * d
-    return np.concatenate([[1.0], middle, np.outer(middle, middle)[pairs]])
 
 
 def _checked(name: str, values: Floats, n: int) -> Floats:
