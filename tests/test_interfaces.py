@@ -82,4 +82,4 @@ def test_every_argument_of_an_episode_with_its_type() -> None:
 def test_the_times() -> None:
     assert f"every {RequestClient.REPEAT_AFTER_S:g} s until it is answered" in PAGE
     assert f"the manager stops after {PLANT_WAIT_S:g} s" in PAGE
-    assert f"is waited for {SERVICE_WAIT_S:g} s" in PAGE
+    assert f"The manager waits {SERVICE_WAIT_S:g} s for a coder or controller" in PAGE

@@ -1,4 +1,4 @@
-"""How much the state of eyes with twelve muscles tells of their three errors.
+"""How much the state of eyes with twelve muscles shows of their three errors.
 
 Takes the first observations of training episodes, which are drawn at random, and regresses the
 errors on features of a run's dictionaries, pooled over each whole window as the learner gets them

@@ -44,8 +44,8 @@ class VergenceRlConfig:
     )
     state_entries: str = setting(
         "all",
-        "what the learner knows: all; features, what is seen; or activations, what is felt. The"
-        " other entries of the state are 0",
+        "entries of the state that the learner uses: all, features (what is seen), or activations"
+        " (what is felt); the others are 0",
         choices=("all", "features", "activations"),
     )
     products_of_activations: bool = setting(

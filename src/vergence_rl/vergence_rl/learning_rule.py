@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 class Task:
     """What a rule must know of the agent that it serves.
 
-    n_felt: entries of the state from the muscles, its last ones but for the constant; lowest,
+    n_felt: entries of the state from the muscles, its last ones except the constant; lowest,
     highest: (n_muscles,) limits of what is commanded: activations or, where vergence is learned as
     turns, those of the eyes in degrees; iterations_per_episode: of those that the rule sees.
     """

@@ -83,8 +83,8 @@ def test_a_schedule_comes_back_from_its_text():
         ([entry(at=0)], "expected a training iteration of 1 or more .* got 0"),
         ([entry(at=1.5)], "got 1.5"),
         ([{"at": 10, "set": {}}], "at 10: expected .* as `set`, got {}"),
-        ([entry(20), entry(10)], "expected iterations that grow, got 10 after 20"),
-        ([entry(20), entry(20)], "expected iterations that grow, got 20 after 20"),
+        ([entry(20), entry(10)], "expected increasing iterations, got 10 after 20"),
+        ([entry(20), entry(20)], "expected increasing iterations, got 20 after 20"),
         (
             [entry(**{"eye_plant.camera.left_blurr_px": 1.0})],
             "at 10: .*got 'eye_plant.camera.left_blurr_px'; did you mean "

@@ -1,4 +1,4 @@
-"""Where the eyes come to rest in a test, and of what the error that is left is made.
+"""Where the eyes rest at the end of a test's trials, and the parts of the error that is left.
 
 A trial rests at the mean error of its second half. Trials of the same picture at the same distance
 start from other errors and activations: what they have in common is a property of the picture.
@@ -18,7 +18,7 @@ _NEAR_DEG = (0.03, 0.3)
 
 @dataclass(frozen=True)
 class RestingPlaces:
-    """The resting places of the trials that have arrived; deg, None where nothing tells.
+    """The resting places of the trials that have arrived; deg, None where not known.
 
     n_trials: that have arrived. bias_deg: their median. spread_deg: their standard deviation.
     within_deg: standard deviation among trials of one stimulus and distance, median over these

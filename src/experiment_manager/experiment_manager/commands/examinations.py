@@ -67,8 +67,8 @@ EXAMINATIONS = {
     NINE_POSITIONS: Examination(
         examine_positions,
         lambda results: hess_chart(results.examined),
-        "let eyes that make saccades look at nine targets at three distances: the Hess chart, the"
-        " energy beside the least one, and the laws of Sherrington, Listing and Hering",
+        "show nine gaze targets at three distances to eyes that make saccades: Hess chart, energy"
+        " beside the least, and the laws of Sherrington, Listing and Hering",
         {
             "activations": lambda results: activations_figure(results.examined),
             "listing": lambda results: listing_figure(results.examined),

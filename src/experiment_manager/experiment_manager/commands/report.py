@@ -248,8 +248,8 @@ def _configurations(runs: Sequence[ReportedRun]) -> list[str]:
             "error of its second half; those that end within 1 deg count. Bias: median of these "
             "errors. SD within: among trials of one picture and distance, which "
             "start from other errors and activations, median over pairs. SD between: of the "
-            "pairs' means. SD over time: in the second half, median over trials. Share left: of a "
-            "distance of 0.03 to 0.3 deg to the end, after one more iteration."
+            "pairs' means. SD over time: in the second half, median over trials. Share left after "
+            "an iteration: of a distance of 0.03 to 0.3 deg from where the trial ends."
         ),
     ]
     for run in runs:

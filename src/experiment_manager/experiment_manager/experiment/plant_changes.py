@@ -115,7 +115,7 @@ def parse_schedule(entries: Any) -> Schedule:
     for before, after in itertools.pairwise(changes):
         if after.at <= before.at:
             raise InputError(
-                f"schedule: expected iterations that grow, got {after.at} after {before.at}"
+                f"schedule: expected increasing iterations, got {after.at} after {before.at}"
             )
     return Schedule(changes)
 

@@ -65,7 +65,7 @@ class FrozenLearners:
 
     @cached_property
     def configuration(self) -> Configuration:
-        """The parameters of all nodes as in a test at that age, but for the settings.
+        """The parameters of all nodes as in a test at that age, except the settings.
 
         Without any schedule. Raises InputError for settings that the plant cannot have.
         """
@@ -79,12 +79,12 @@ class FrozenLearners:
 
     @cached_property
     def manager(self) -> ExperimentManagerConfig:
-        """The experiment, with eyes of that age, but for the settings."""
+        """The experiment, with eyes of that age, except the settings."""
         return build(ExperimentManagerConfig, self.configuration["experiment_manager"])
 
     @cached_property
     def plant(self) -> EyePlantConfig:
-        """The eyes of that age, but for the settings."""
+        """The eyes of that age, except the settings."""
         return build(EyePlantConfig, self.configuration["eye_plant"])
 
     @contextmanager

@@ -34,7 +34,7 @@ def space_of(n_commands: int) -> CommandSpace:
 class TrialTable:
     """Observations with a column for each of `names`, in the order of their stamps.
 
-    rows: (n, len(names)); their number of columns tells the command space.
+    rows: (n, len(names)); their number of columns gives the command space.
     """
 
     rows: np.ndarray

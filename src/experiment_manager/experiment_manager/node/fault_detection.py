@@ -61,7 +61,7 @@ def of_silence(
     whatever was waited for. The plant repeats itself, so a node that comes back can still answer.
     Under supervision a node that is present but silent hangs. One that is absent was not started by
     the supervisor, which would know of its end: it may be behind a broken network. After LOST_S the
-    supervisor's nodes begin anew, and wait for it then: DDS may have lost sight of it for good.
+    supervisor's nodes restart, and wait for it then: DDS may have lost sight of it for good.
     """
     text = f"no message for {gap_s:g} s; missing: {missing}"
     if not absent_topics:

@@ -78,7 +78,7 @@ class NodeParameters:
         self._go_on()
 
     def _publishers(self) -> Mapping[str, str]:
-        """Return name and full name of each node, but for this one, that publishes a topic."""
+        """Return name and full name of each node, except this one, that publishes a topic."""
         own = self._node.get_fully_qualified_name()
         found = {}
         for topic in self._topics:

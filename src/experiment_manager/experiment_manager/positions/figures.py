@@ -61,7 +61,7 @@ def hess_chart(examined: Examined) -> Figure:
     legend_below(
         figure,
         [
-            Line2D([], [], color=GREY, marker="o", mfc="white", ms=7, label="wanted gaze"),
+            Line2D([], [], color=GREY, marker="o", mfc="white", ms=7, label="required gaze"),
             Line2D([], [], color=BLUE, marker="o", ms=3.5, label="gaze, median over pictures"),
         ],
     )

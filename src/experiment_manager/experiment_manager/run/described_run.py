@@ -1,4 +1,4 @@
-"""What a run is, as its configuration tells."""
+"""What a run is, according to its configuration."""
 
 from collections.abc import Mapping
 from functools import cached_property

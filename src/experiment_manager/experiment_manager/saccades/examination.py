@@ -31,7 +31,7 @@ _DISTANCE_M = 2.0
 # The anatomical eyes creep: after two seconds they are where they stay.
 _DURATION_S = 2.0
 _INTERVAL_S = 0.002
-# Eyes that turn less have not been told to.
+# Eyes that turn less got no command to.
 _RESTS_DEG = 1e-6
 
 

@@ -30,7 +30,7 @@ _GONE = "the process that starts the nodes has ended"
 
 
 class ForkServer:
-    """Starts nodes and tells how they ended. All of them die with it, and it with its parent."""
+    """Starts nodes and reports how they ended. All of them die with it, and it with its parent."""
 
     def __init__(self, packages: Sequence[str]) -> None:
         """packages: whose nodes will be asked for; it forks when it is entered."""
@@ -154,7 +154,7 @@ def _serve(channel: socket.socket, parent: int, packages: Sequence[str]) -> None
     os.setsid()  # Ctrl-C in the terminal is for the supervisor alone
     die_with(parent)
     for package in packages:
-        # Where this fails, it fails in the node too, and there its log tells.
+        # Where this fails, it fails in the node too, whose log has the reason.
         with contextlib.suppress(Exception):
             importlib.import_module(f"{package}.node")
     woken, wake = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)

@@ -39,7 +39,7 @@ def addresses() -> frozenset[str]:
 
 
 def refuse_neighbours(domain: int, expected: Collection[str] = ()) -> None:
-    """Raise InputError when somebody in the domain publishes topics of ours.
+    """Raise InputError when somebody in the domain publishes our topics.
 
     expected: nodes that may be there already. Pure listeners are allowed. Takes a few
     seconds, unless nobody else can be in the domain.

@@ -32,7 +32,7 @@ from lockstep.machine.domain import given_domain
 from lockstep.machine.interrupts import Interrupts
 from lockstep.machine.unfinished_ports import remove_unfinished_ports
 
-# For nodes elsewhere, in s: a cut shorter than this is not told from a hang. Longer than Fast DDS
+# For nodes elsewhere, in s: a cut shorter than this looks like a hang. Longer than Fast DDS
 # goes on to count somebody whom it does not hear, 20 s.
 _LEAST_GAP_ELSEWHERE_S = 30.0
 _SAME_FAULT_LIMIT = 3

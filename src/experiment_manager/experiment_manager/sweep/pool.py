@@ -53,7 +53,7 @@ class Pool:
         self._pass_on()
 
     def _pass_on(self) -> None:
-        """Tell each process as often as this one was told."""
+        """Interrupt each process as often as this one was."""
         for process, n_sent in list(self._sent.items()):
             if n_sent < self._interrupts.count:
                 self._sent[process] = self._interrupts.count

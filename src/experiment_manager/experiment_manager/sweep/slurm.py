@@ -116,7 +116,7 @@ def run_task(run: CellRun) -> int:
 
 
 class _Task:
-    """Passes on to a run what Slurm tells its task."""
+    """Passes the signals of Slurm to its task on to a run."""
 
     def __init__(self) -> None:
         self.is_warned = False

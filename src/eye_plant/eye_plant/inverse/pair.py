@@ -86,8 +86,8 @@ class Inverse:
         distances along the line's chord, so a uniform fraction is uniform on the line.
         limits: ((lowest, highest) medial, (lowest, highest) lateral).
         Raises InputError when no pair inside the limits gives the vergence, or when eyes that come
-        from straight ahead come to rest elsewhere with it: muscles that all pull hard, or such as
-        no surgeon leaves, may have two equilibria.
+        from straight ahead settle elsewhere with it: muscles that all pull hard, or such as no
+        surgeon leaves, may have two equilibria.
         """
         if not 0.0 <= fraction <= 1.0:
             raise InputError(f"fraction: expected 0 to 1, got {fraction}")

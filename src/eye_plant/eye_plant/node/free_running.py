@@ -83,7 +83,7 @@ class FreeRunning:
     def _command(self, message: JointState) -> None:
         try:
             values = values_of(message, message.name, "muscle_command")
-            # Of two commands within a period, the second holds what the first has told.
+            # Of two commands within a period, the second keeps the targets of the first.
             self._targets = target_activations(message.name, values, self._targets)
         except InputError as error:
             self._diagnostics.refuse(str(error))

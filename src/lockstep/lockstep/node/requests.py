@@ -2,7 +2,7 @@
 
 A request is a set of named values: `run_id`, `request` (its kind) and its arguments. It either
 takes effect as a whole or is refused with the reason. The same request again is acknowledged again
-without a second effect, but for `start_run`, whose effect twice is that of once; another run's is
+without a second effect, except `start_run`, whose effect twice is that of once; another run's is
 refused. So a requester may repeat itself until it hears an answer.
 """
 
@@ -38,7 +38,7 @@ class RequestServer:
     """Answers the requests of the one run that the node belongs to.
 
     The node belongs to the first run that asks for `start_run`, until that run's `end_run`; both
-    are kinds of every node. `start_run` of the same run again starts it anew: so does a resume.
+    are kinds of every node. `start_run` of the same run starts it again: so does a resume.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class RequestServer:
     def _handle(self, arguments: Arguments) -> None:
         # As text, since True == 1 == 1.0 in Python.
         text = repr(arguments)
-        # A run begins anew however often it is asked for: its requester may itself have done so.
+        # `start_run` takes effect each time: its requester may have restarted too.
         if text == self._last_accepted and arguments["request"] != START_RUN:
             return
         kind, run_id = arguments.get("request"), arguments.get("run_id")

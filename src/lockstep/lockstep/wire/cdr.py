@@ -25,7 +25,7 @@ STAMP = slice(HEADER_BYTES, HEADER_BYTES + 8)  # int32 sec, uint32 nanosec: a he
 _ORDERS = {b"\x00\x01": "<", b"\x00\x00": ">"}
 _DTYPES = {"boolean": "?", "octet": "u1", "char": "u1", "float": "f4", "double": "f8"}
 _DTYPES |= {f"{u}int{8 * n}": f"{u or 'i'}{n}" for u in ("u", "") for n in (1, 2, 4, 8)}
-# As a message's class tells it: sequence<double>, sequence<double, 3>, double[9], std_msgs/Header.
+# As a message's class writes it: sequence<double>, sequence<double, 3>, double[9], std_msgs/Header.
 _SEQUENCE = re.compile(r"^sequence<([^,>]+)")
 _ARRAY = re.compile(r"^(.+)\[\d+\]$")
 

@@ -23,7 +23,7 @@ Reader = Callable[[bytes], Any]
 
 
 def writer_of(message: Any) -> Writer:
-    """Return what serializes messages like this one but for stamp and sequences of numbers."""
+    """Return what serializes messages like this one, except in stamp and number sequences."""
     return plain_writer(message) if is_plain() else FastWriter(message)
 
 

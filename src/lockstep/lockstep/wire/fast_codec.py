@@ -52,7 +52,7 @@ class FastReader:
         self._blocks: list[tuple[str, np.dtype[Any], int, int]] = []
 
     def __call__(self, data: bytes) -> Any:
-        """Return the fields of a message but for its header: numbers as arrays not to write to."""
+        """Return the fields of a message without its header: numbers as arrays not to write to."""
         if len(data) != self._n_bytes or any(data[part] != held for part, held in self._fixed):
             message = deserialized(data, self._kind, self._topic)
             is_next = len(data) == self._n_bytes_of_new

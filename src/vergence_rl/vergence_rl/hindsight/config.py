@@ -62,8 +62,8 @@ class HindsightConfig:
     )
     felt_ridge_share: float = setting(
         1.0,
-        "ridge penalty on the weights of what is felt, activations and constant, as a share of that"
-        " on the weights of features (D20)",
+        "ridge penalty on the weights of activations and the constant, as a share of that on the"
+        " weights of features (D20)",
         above=0,
     )
     memory_share: float = setting(

@@ -28,7 +28,7 @@ def film(path: Path, file: Path) -> int:
     if write is None:
         raise InputError(f"--film: expected a file that ends in .mp4 or .gif, got {file}")
     if file.exists():
-        raise InputError(f"--film: expected a new file, {file} is there")
+        raise InputError(f"--film: expected a new file, {file} exists")
     shown = scenes(Bag(path))
     unfinished = file.with_name(f".unfinished-{file.name}")
     try:

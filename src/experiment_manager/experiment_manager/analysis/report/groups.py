@@ -24,7 +24,7 @@ from experiment_manager.run.config_file import (
 from lockstep.errors import InputError
 from lockstep.figures import BLUE, VERMILION
 
-# Lightness tells further groups of a model apart.
+# Further groups of a model differ in lightness.
 _COLOURS = {"M": (BLUE, "Blues"), "M_C": (VERMILION, "Oranges")}
 _OTHER_COLOURS = ("black", "Greys")
 _DARKEST, _LIGHTEST = 0.9, 0.4
@@ -70,7 +70,7 @@ class Group:
 
     Their pictures are the same, or each run has a seed and pictures of its own.
 
-    name: model, and what tells them from the other groups but lambda, as text; label: for figures.
+    name: model, and how it differs from other groups except in lambda, as text; label: for figures
     """
 
     name: str
@@ -248,12 +248,12 @@ def _label(key: Common, own: Sequence[str], n_runs: int) -> str:
 
 
 def _own_settings(key: Common, same_model: Sequence[Common]) -> list[str]:
-    """Return what tells a group from the others of its model, lambda aside."""
+    """Return how a group differs from the others of its model, lambda aside."""
     lengths = {other.n_iterations for other in same_model}
     length = [f"{key.n_iterations:,} iterations"] if len(lengths) > 1 else []
     common = frozenset.intersection(*(other.settings for other in same_model))
     profile = [setting for setting in key.settings - common if setting[0] == _PROFILE]
-    # A profile says what tells it from others, not what tells its own runs apart.
+    # A profile describes how it differs from others, not how its own runs differ.
     alike = [other for other in same_model if other.settings.issuperset(profile)]
     settings = key.settings - frozenset.intersection(*(other.settings for other in alike))
     stimuli = [setting for setting in key.settings - common if setting[0] == _STIMULI]

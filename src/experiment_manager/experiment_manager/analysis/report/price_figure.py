@@ -1,4 +1,4 @@
-"""What a price of energy does: accuracy and saved energy over lambda, and their trade."""
+"""What a price of energy does: accuracy and saved energy over lambda, and the trade-off."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -99,7 +99,7 @@ def price_figure(groups: Sequence[Group]) -> Figure:
     _draw_trade(trade, groups)
     trade.set(xlabel="metabolic rate $C$ / W", ylabel=ERROR_LABEL)
     title_panels(
-        (error, reduction, trade), ("accuracy", "energy saved", r"their trade, by $\lambda$ in 1/W")
+        (error, reduction, trade), ("accuracy", "energy saved", r"trade-off, by $\lambda$ in 1/W")
     )
     return figure
 

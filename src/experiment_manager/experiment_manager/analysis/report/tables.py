@@ -311,10 +311,10 @@ def learning_table(run: ReportedRun) -> str:
 
 
 def resting_table(run: RecordedRun) -> str:
-    """Return where the trials of a run's tests come to rest."""
+    """Return where the trials of a run's tests end."""
     header = ["iteration", "trials counted", "bias / deg", "SD / deg"]
     header += ["SD within picture and distance / deg", "SD between them / deg"]
-    header += ["SD over time / deg", "share left by an iteration"]
+    header += ["SD over time / deg", "share left after an iteration"]
     rows = []
     for test in run.tests:
         n_trials, *values = astuple(resting_places(test.trials))

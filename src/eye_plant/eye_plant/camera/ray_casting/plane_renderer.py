@@ -15,7 +15,7 @@ from eye_plant.camera.renderer import FAR_M, N_EYES, NEAR_M, View
 class PlaneRenderer:
     """Casts rays at the plane and at the landscape behind it; draws as MuJoCo's renderer does.
 
-    Within one grey level of it on software OpenGL, but for the pixels on the plane's outline and
+    Within one grey level of it on software OpenGL, except for pixels on the plane's outline and
     where two mip-map levels meet.
     """
 
