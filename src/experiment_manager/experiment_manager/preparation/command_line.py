@@ -108,7 +108,7 @@ def _add_settings(line: argparse.ArgumentParser) -> None:
         "--schedule-delay",
         type=_argument(whole_number),
         metavar="N",
-        help="training iterations by which the profile's schedule is put off",
+        help="training iterations by which the profile's schedule is delayed",
     )
     group.add_argument("--seed", type=_argument(whole_number), metavar="S", help="default: 1")
     group.add_argument(

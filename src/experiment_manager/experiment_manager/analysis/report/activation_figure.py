@@ -12,7 +12,7 @@ from experiment_manager.analysis.report.groups import Group
 from experiment_manager.analysis.report.performance_figures import QUARTILES, draw_bars
 from experiment_manager.measures.metrics import antagonist_names
 from lockstep.command_space import SIDES
-from lockstep.figures import BLUE, VERMILION, WIDTH_IN, legend_below, new_figure
+from lockstep.figures import BLUE, VERMILION, WIDTH_IN, legend_below, new_figure, title_panels
 
 # Of the first and the second of two antagonists: hue, and where from a distance's place.
 _COLOURS = (BLUE, VERMILION)
@@ -44,6 +44,7 @@ def activations_figure(group: Group) -> Figure:
                 places = np.arange(len(distances_m)) + direction * offset
                 draw_bars(axes, places, np.array(quartiles).T, colour, ms=4, mfc=face)
         _describe(axes, names)
+    title_panels(rows.ravel(), [""] * len(pairs))
     for side, row in zip(SIDES, rows, strict=True):
         row[0].set_ylabel(f"activation, {side} eye")
     for axes in rows[-1]:
@@ -59,12 +60,14 @@ def activations_figure(group: Group) -> Figure:
 
 def _describe(axes: Axes, names: Sequence[str]) -> None:
     """Write the names of both muscles above their panel, in their colours."""
-    labels = [name.partition("_")[2].replace("_", " ") for name in names]
+    labels = [
+        name.partition("_")[2].replace("_", " ").replace("erior", ".") for name in names
+    ]  # sup., inf.: beside the panel's letter
     handles = [_handle(c, c, label) for c, label in zip(_COLOURS, labels, strict=True)]
     axes.legend(
         handles=handles,
-        loc="lower center",
-        bbox_to_anchor=(0.5, 1.0),
+        loc="lower right",
+        bbox_to_anchor=(1.05, 0.98),
         ncols=2,
         fontsize=8,
         handletextpad=0.1,
