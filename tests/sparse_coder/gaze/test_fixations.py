@@ -40,18 +40,27 @@ NOTHING = encoding_with_worst()
 
 
 def test_a_fixation_is_two_saccades_and_vergence() -> None:
-    fixations, still = Fixations(5, FOCAL_PX), (picture(), picture())
-    gazes = [fixations.step(i, still, NOTHING, TARGET_DEG) for i in range(7)]
+    fixations, still = Fixations(7, FOCAL_PX), (picture(), picture())
+    gazes = [fixations.step(i, still, NOTHING, TARGET_DEG) for i in range(9)]
     np.testing.assert_array_equal(gazes[0].target_deg, TARGET_DEG)
     np.testing.assert_allclose(gazes[1].target_deg, TARGET_DEG, atol=0.01)
     np.testing.assert_allclose(gazes[1].turns_deg, 0.0, atol=0.01)
-    for vergence in gazes[2:5]:
+    for vergence in gazes[2:7]:
         assert np.isnan(vergence.target_deg).all()
-    # The first movement of vergence is measured, too.
-    np.testing.assert_allclose(gazes[3].turns_deg, 0.0, atol=0.01)
-    assert all(np.isnan(gazes[i].turns_deg).all() for i in (2, 4))
-    np.testing.assert_array_equal(gazes[5].target_deg, TARGET_DEG)
-    assert np.isfinite(gazes[6].turns_deg).all()
+    np.testing.assert_array_equal(gazes[7].target_deg, TARGET_DEG)
+    assert np.isfinite(gazes[8].turns_deg).all()
+
+
+def test_every_second_command_of_vergence_is_measured() -> None:
+    fixations, ten_px_deg = Fixations(7, FOCAL_PX), np.degrees(np.arctan(10.0 / FOCAL_PX))
+    # The left eye turns to the right with observation 3, back with 5, and to the right with 6.
+    gazes = [
+        fixations.step(i, (picture(10.0 * (i in (3, 4, 6))), picture()), NOTHING, TARGET_DEG)
+        for i in range(7)
+    ]
+    np.testing.assert_allclose(gazes[3].turns_deg, [[ten_px_deg, 0, 0], [0, 0, 0]], atol=0.05)
+    np.testing.assert_allclose(gazes[5].turns_deg, [[-ten_px_deg, 0, 0], [0, 0, 0]], atol=0.05)
+    assert all(np.isnan(gazes[i].turns_deg).all() for i in (2, 4, 6))
 
 
 def test_the_second_saccade_is_to_what_the_first_has_missed() -> None:
