@@ -9,7 +9,7 @@ import yaml
 from experiment_manager.commands import run_experiment
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.loop import make_loop
+from experiment_manager.in_process.loop import make_loop
 from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.cost_weight import (

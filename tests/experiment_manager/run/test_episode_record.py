@@ -2,18 +2,16 @@
 
 import pytest
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.run.episode_record import (
     FREE_TOPICS,
     OWN_TOPICS,
-    SAMPLED_TOPICS,
     SMALL_TOPICS,
     SMALL_TOPICS_WITH_GAZE,
     EpisodeRecord,
-    takes_pictures,
 )
+from experiment_manager.run.picture_sample import SAMPLED_TOPICS
 from eye_plant.episode import Episode
-from lockstep.wire.topics import TEST, TOPIC_TYPES, TRAINING
+from lockstep.wire.topics import TOPIC_TYPES, TRAINING
 from tests.pair import pair_activations
 
 PERIOD_NS = 100_000_000
@@ -101,19 +99,3 @@ def test_missing_messages_are_named() -> None:
             record.count(topic)
     record.count("reward")
     assert record.missing() == "1 of reward, 2 of muscle_command, 2 of actor_critic"
-
-
-@pytest.mark.parametrize(
-    ("phase", "number", "expected"),
-    [
-        (TRAINING, 0, True),
-        (TRAINING, 49, False),
-        (TRAINING, 50, True),
-        (TEST, 0, True),
-        (TEST, 50, False),
-        (TEST, 14, True),
-    ],
-)
-def test_sampled_episodes(phase: int, number: int, expected: bool) -> None:
-    config = ExperimentManagerConfig(pictures_every_n_episodes=50, pictures_every_n_trials=7)
-    assert takes_pictures(config, _episode(phase, number)) is expected

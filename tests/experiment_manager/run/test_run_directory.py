@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import yaml
 
+from experiment_manager.analysis.figures.learning_curve import learning_curve
 from experiment_manager.analysis.recorded_run import RecordedRun
-from experiment_manager.analysis.report.performance_figures import learning_curve
 from experiment_manager.commands.evaluate import main as evaluate
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.run.config_file import CONFIG_CLASSES

@@ -8,12 +8,10 @@ from pathlib import Path
 import matplotlib as mpl
 import yaml
 
+from experiment_manager.analysis.groups import Group, groups_of, held_back
 from experiment_manager.analysis.rearing.page import write_rearing_page
 from experiment_manager.analysis.report import page as report_page
 from experiment_manager.analysis.report.drawings import drawings
-from experiment_manager.analysis.report.groups import Group, groups_of, held_back
-from experiment_manager.analysis.report.performance_figures import FIGURES
-from experiment_manager.analysis.report.reported_run import ReportedRun, runs_below
 from experiment_manager.analysis.report.tables import (
     antagonists_table,
     bias_table,
@@ -26,6 +24,7 @@ from experiment_manager.analysis.report.tables import (
     seeds_table,
     yoked_table,
 )
+from experiment_manager.analysis.reported_run import FIGURES, ReportedRun, runs_below
 from experiment_manager.clinic.report.page import write_clinic_page
 from experiment_manager.run.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine

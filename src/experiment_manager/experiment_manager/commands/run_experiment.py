@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
+from experiment_manager.in_process.run import run_in_process
 from experiment_manager.live.address import Address
 from experiment_manager.live.server import why_unavailable
 from experiment_manager.measures.criteria import EvaluationSettings
@@ -32,7 +33,6 @@ from experiment_manager.run.config_file import (
     configuration_text,
     read_configuration,
 )
-from experiment_manager.run.in_process import run_in_process
 from experiment_manager.run.lasting_output import ignore_broken_pipes
 from experiment_manager.supervision.fork_server import ForkServer
 from experiment_manager.supervision.heartbeats import LISTENER
@@ -184,7 +184,7 @@ def _refuse_used(directory: Path) -> None:
 def _figure(directory: Path) -> Path | None:
     """Draw the learning curve; None when the bag has nothing to draw it from."""
     # Matplotlib takes a second to import, for which the start of a run need not wait.
-    from experiment_manager.analysis.report.performance_figures import learning_curve  # noqa: PLC0415
+    from experiment_manager.analysis.figures.learning_curve import learning_curve  # noqa: PLC0415
 
     try:
         return learning_curve(directory)

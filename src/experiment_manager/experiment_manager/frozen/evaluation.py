@@ -11,7 +11,7 @@ from experiment_manager.experiment.config import ExperimentManagerConfig, Protoc
 from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
-from experiment_manager.loop import InProcessLoop
+from experiment_manager.in_process.loop import InProcessLoop
 from experiment_manager.measures.criteria import criteria_of
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary

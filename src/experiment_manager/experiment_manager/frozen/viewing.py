@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from experiment_manager.loop import InProcessLoop
+from experiment_manager.in_process.loop import InProcessLoop
 from eye_plant.episode import Episode
 from eye_plant.observation import Observation
 from lockstep.wire.topics import TEST

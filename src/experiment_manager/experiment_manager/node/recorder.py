@@ -14,11 +14,10 @@ from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.node.fault_detection import LEARNER_OF, check_learning_steps
 from experiment_manager.run.episode_record import (
     FREE_TOPICS,
-    SAMPLED_TOPICS,
     EpisodeRecord,
     small_topics,
-    takes_pictures,
 )
+from experiment_manager.run.picture_sample import SAMPLED_TOPICS, takes_pictures
 from experiment_manager.run.run_directory import Run
 from eye_plant.episode import Episode
 from lockstep.wire.cdr import stamp_of

@@ -10,7 +10,6 @@ from lockstep.wire.topics import (
     LEARNER_VECTORS,
     PARAMETER_CHANGES,
     PLANT_VECTORS,
-    TOPIC_TYPES,
     TRAINING,
 )
 
@@ -20,12 +19,8 @@ SMALL_TOPICS = (*PLANT_VECTORS, *CODER_VECTORS, *LEARNER_VECTORS)
 SMALL_TOPICS_WITH_GAZE = (*SMALL_TOPICS, GAZE)
 # ... recorded whenever they come ...
 FREE_TOPICS = ("/clock", "/diagnostics")
-# ... written by the recorder itself ...
+# ... and written by the recorder itself.
 OWN_TOPICS = (PARAMETER_CHANGES,)
-# ... and recorded for a sample of the episodes, since they are large.
-SAMPLED_TOPICS = tuple(
-    name for name in TOPIC_TYPES if name not in (*SMALL_TOPICS_WITH_GAZE, *FREE_TOPICS, *OWN_TOPICS)
-)
 
 
 class EpisodeRecord:
@@ -78,19 +73,6 @@ def small_topics(config: ExperimentManagerConfig) -> tuple[str, ...]:
     protocol = config.protocol
     has_gaze = protocol.fixation_iterations or protocol.measures_turns
     return SMALL_TOPICS_WITH_GAZE if has_gaze else SMALL_TOPICS
-
-
-def takes_pictures(config: ExperimentManagerConfig, episode: Episode) -> bool:
-    """Return whether pictures and features of an episode belong to the recorded sample."""
-    number = episode.episode if episode.phase == TRAINING else episode.trial
-    return is_sampled(config, episode.phase, number)
-
-
-def is_sampled(config: ExperimentManagerConfig, phase: int, number: int) -> bool:
-    """Return whether the training episode or trial of a number belongs to the sample."""
-    in_training = phase == TRAINING
-    every = config.pictures_every_n_episodes if in_training else config.pictures_every_n_trials
-    return every > 0 and number % every == 0
 
 
 def learning_steps(topic: str, episode: Episode, iteration: int) -> int:

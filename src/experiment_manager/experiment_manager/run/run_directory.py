@@ -28,7 +28,7 @@ from experiment_manager.run.config_file import (
     configuration_text,
     parameters_in,
 )
-from experiment_manager.run.episode_record import is_sampled
+from experiment_manager.run.picture_sample import is_sampled
 from experiment_manager.run.progress import Progress
 from experiment_manager.run.progress_bar import ProgressBar
 from eye_plant.config import EyePlantConfig

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from experiment_manager.analysis.basis_functions import left_share
 from eye_plant.episode import Episode
-from eye_plant.geometry import desired_vergence_deg
 from eye_plant.inverse.pair import FULL_RANGE, Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.observation import Observation
 from eye_plant.plant import EyePlant
+from eye_plant.vergence import desired_vergence_deg
 from lockstep.errors import InputError
 from lockstep.wire.topics import TEST
 from sparse_coder.coder import SparseCoder

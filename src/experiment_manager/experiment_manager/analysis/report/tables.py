@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import astuple, dataclass, replace
 from itertools import chain
 
+from experiment_manager.analysis.groups import Group
 from experiment_manager.analysis.recorded_run import RecordedRun
 from experiment_manager.analysis.report import page as report_page
-from experiment_manager.analysis.report.groups import Group
-from experiment_manager.analysis.report.reported_run import ReportedRun
+from experiment_manager.analysis.reported_run import ReportedRun
 from experiment_manager.analysis.resting_places import resting_places
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS, SHARE_ITERATIONS
 from experiment_manager.measures.results import Measures, SetSummary, Summary

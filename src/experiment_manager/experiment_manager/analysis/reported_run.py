@@ -13,6 +13,9 @@ from experiment_manager.sweep.sweep_file import SWEEP_FILE
 from lockstep.command_space import PAIR
 from lockstep.errors import InputError
 
+# The folder of a run or a report for pictures.
+FIGURES = "figures"
+
 
 class ReportedRun(DescribedRun):
     """A run directory: config.yaml and results.json, trials.npz, a bag, or some of these.

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.loop import Step, make_loop
+from experiment_manager.in_process.loop import Step, make_loop
+from experiment_manager.in_process.step_messages import StepMessages
 from experiment_manager.run.attempt import goes_on
 from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
-from experiment_manager.run.episode_record import takes_pictures
+from experiment_manager.run.picture_sample import takes_pictures
 from experiment_manager.run.run_directory import Run
-from experiment_manager.run.step_messages import StepMessages
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from lockstep.configuration import build

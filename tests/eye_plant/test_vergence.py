@@ -5,13 +5,13 @@ import math
 import pytest
 
 from eye_plant.gaze_error import GazeError
-from eye_plant.geometry import (
+from eye_plant.ground_truth import GroundTruth
+from eye_plant.vergence import (
     degrees_per_px,
     desired_vergence_deg,
     disparity_px,
     fixation_distance_m,
 )
-from eye_plant.observation import GroundTruth
 from lockstep.errors import InputError
 
 BASELINE_M = 0.056

@@ -7,7 +7,7 @@ import pytest
 
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.experiment.protocol import Protocol, make_protocol
-from experiment_manager.loop import make_loop
+from experiment_manager.in_process.loop import make_loop
 from eye_plant.stimuli.noise import octaves_noise
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.randomness import generator

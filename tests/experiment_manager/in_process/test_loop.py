@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiment_manager.loop import make_loop
+from experiment_manager.in_process.loop import make_loop
 from eye_plant.episode import Episode
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.wire.topics import TRAINING

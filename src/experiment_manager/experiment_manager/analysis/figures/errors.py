@@ -8,8 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from experiment_manager.analysis.report.groups import Group
-from experiment_manager.analysis.report.performance_figures import (
+from experiment_manager.analysis.figures.quartiles import (
     QUARTILES,
     draw_band,
     draw_quartiles,
@@ -17,6 +16,7 @@ from experiment_manager.analysis.report.performance_figures import (
     px_deg_of,
     scale_errors,
 )
+from experiment_manager.analysis.groups import Group
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS
 from lockstep.figures import WIDTH_IN, legend_below, new_figure, title_panels
 

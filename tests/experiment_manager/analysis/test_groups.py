@@ -5,8 +5,8 @@ import copy
 import pytest
 import yaml
 
-from experiment_manager.analysis.report.groups import groups_of, held_back
-from experiment_manager.analysis.report.reported_run import ReportedRun
+from experiment_manager.analysis.groups import groups_of, held_back
+from experiment_manager.analysis.reported_run import ReportedRun
 from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import configuration_text

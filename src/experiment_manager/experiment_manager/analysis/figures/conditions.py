@@ -9,8 +9,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from experiment_manager.analysis.report.groups import Group
-from experiment_manager.analysis.report.performance_figures import px_deg_of
+from experiment_manager.analysis.figures.quartiles import px_deg_of
+from experiment_manager.analysis.groups import Group
 from lockstep.figures import LIGHT_GREY, SMALLEST_PT, panel_grid, title_panels
 
 # Colours reach from 1/16 px to 16 px; beyond a third of that on either side text is white.

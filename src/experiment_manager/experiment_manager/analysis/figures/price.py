@@ -10,8 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from experiment_manager.analysis.report.groups import Group
-from experiment_manager.analysis.report.performance_figures import (
+from experiment_manager.analysis.figures.quartiles import (
     ERROR_LABEL,
     QUARTILES,
     draw_bars,
@@ -19,6 +18,7 @@ from experiment_manager.analysis.report.performance_figures import (
     px_deg_of,
     scale_errors,
 )
+from experiment_manager.analysis.groups import Group
 from experiment_manager.measures.trials import Trials
 from lockstep.figures import (
     BLUE,

@@ -9,9 +9,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from experiment_manager.anaglyph import anaglyph
+from experiment_manager.analysis.figures.quartiles import draw_band
+from experiment_manager.analysis.groups import Group
 from experiment_manager.analysis.recorded_run import RecordedRun, RecordedTest
-from experiment_manager.analysis.report.groups import Group
-from experiment_manager.analysis.report.performance_figures import draw_band
 from lockstep.figures import GREY, label_decades, legend_below, new_figure, panel_grid, title_panels
 from lockstep.wire.topics import PICTURES
 from sparse_coder.patches import COARSE_WINDOW_PX

@@ -1,4 +1,4 @@
-"""Where two eyes that fixate straight ahead look, and what an error shifts in their pictures.
+"""Vergence of two eyes that look straight ahead, its error, and what that shifts in pictures.
 
 Both eyes lie symmetrically about the midline, baseline_m apart. The vergence angle is the sum of
 both eyes' adduction. These are formulas: they take and return plain floats.
@@ -20,6 +20,11 @@ def desired_vergence_deg(distance_m: float, baseline_m: float, parallax_m: float
     _require_positive("baseline_m", baseline_m)
     _require_positive("baseline_m + parallax_m", baseline_m + parallax_m)
     return math.degrees(2.0 * math.atan((baseline_m + parallax_m) / (2.0 * distance_m)))
+
+
+def vergence_error_deg(desired_deg: float, actual_deg: float) -> float:
+    """Return desired minus actual vergence (K17 eq. 7), positive with too little convergence."""
+    return desired_deg - actual_deg
 
 
 def fixation_distance_m(vergence_deg: float, baseline_m: float) -> float:

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FormatStrFormatter
 
-from experiment_manager.analysis.report.groups import Group
-from experiment_manager.analysis.report.performance_figures import QUARTILES, draw_bars
+from experiment_manager.analysis.figures.quartiles import QUARTILES, draw_bars
+from experiment_manager.analysis.groups import Group
 from experiment_manager.measures.metrics import antagonist_names
 from lockstep.command_space import SIDES
 from lockstep.figures import BLUE, VERMILION, WIDTH_IN, legend_below, new_figure

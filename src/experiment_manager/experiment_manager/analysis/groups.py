@@ -9,7 +9,7 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
 from experiment_manager.analysis.recorded_run import RecordedTest
-from experiment_manager.analysis.report.reported_run import ReportedRun
+from experiment_manager.analysis.reported_run import ReportedRun
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary
