@@ -86,7 +86,7 @@ class InProcessLoop:
         return {"sparse_coder": self.coder, "vergence_rl": self.agent}
 
     def save(self, paths: Mapping[str, Path]) -> None:
-        """Write each learner's state; raises InputError when a place cannot be written."""
+        """Write each learner's state; raises OSError when the disk refuses."""
         for name, path in paths.items():
             write_state(path, name, self.learners[name].state())
 

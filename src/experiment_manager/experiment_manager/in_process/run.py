@@ -134,10 +134,7 @@ class InProcessRun:
 
     def _checkpoint(self) -> None:
         paths = self._run.state_paths([*self._loop.learners])
-        try:
-            self._loop.save(paths)
-        except InputError as error:
-            raise OSError(str(error)) from error
+        self._loop.save(paths)
         self._run.commit(paths)
 
     def close(self) -> None:
