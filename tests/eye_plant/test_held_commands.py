@@ -11,21 +11,9 @@ from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.command_space import ALL_MUSCLES, MUSCLE_NAMES
 from lockstep.errors import InputError
-from lockstep.wire.topics import TRAINING
 from tests.pair import HORIZONTAL_RECTI, pair_activations
 
-EPISODE = Episode(
-    phase=TRAINING,
-    test=-1,
-    trial=-1,
-    episode=0,
-    training_iteration=0,
-    stimulus=0,
-    object_distance_m=2.0,
-    activations=pair_activations(0.05, 0.02),
-    n_iterations=5,
-    first_observation=0,
-)
+EPISODE = Episode.alone(0, 2.0, pair_activations(0.05, 0.02), n_iterations=5)
 
 
 def test_each_command_adds_to_those_before_it() -> None:

@@ -38,18 +38,7 @@ def made(config, stimuli):
 
 
 def seen(plant, stimulus=0):
-    episode = Episode(
-        phase=0,
-        test=-1,
-        trial=-1,
-        episode=0,
-        training_iteration=0,
-        stimulus=stimulus,
-        object_distance_m=1.0,
-        activations=pair_activations(0.04, 0.01),
-        n_iterations=2,
-        first_observation=0,
-    )
+    episode = Episode.alone(stimulus, 1.0, pair_activations(0.04, 0.01), n_iterations=2)
     first = plant.begin(episode)
     second = plant.execute(plant.targets(["medial_rectus", "lateral_rectus"], np.array([0.05, 0])))
     return [

@@ -1,5 +1,6 @@
 """The loop in one process by itself; integration/test_graph.py holds the graph against it."""
 
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -21,16 +22,11 @@ def learned(eye_plant: dict[str, Any]) -> tuple[list[tuple[int, ...]], dict[str,
     )
     sizes = []
     for number, distance_m in enumerate((0.5, 2.0, 6.0)):
-        episode = Episode(
+        episode = dataclasses.replace(
+            Episode.alone(0, distance_m, pair_activations(0.05, 0.02), n_iterations=5),
             phase=TRAINING,
-            test=-1,
-            trial=-1,
             episode=number,
             training_iteration=5 * number,
-            stimulus=0,
-            object_distance_m=distance_m,
-            activations=pair_activations(0.05, 0.02),
-            n_iterations=5,
             first_observation=6 * number,
         )
         for step in loop.run_episode(episode):

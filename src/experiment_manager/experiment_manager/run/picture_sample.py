@@ -1,13 +1,8 @@
-"""Which episodes' pictures and features are recorded: a sample, since they are large. No ROS."""
+"""Which episodes' pictures and features are recorded. No ROS."""
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.run.episode_record import FREE_TOPICS, OWN_TOPICS, SMALL_TOPICS_WITH_GAZE
 from eye_plant.episode import Episode
-from lockstep.wire.topics import TOPIC_TYPES, TRAINING
-
-SAMPLED_TOPICS = tuple(
-    name for name in TOPIC_TYPES if name not in (*SMALL_TOPICS_WITH_GAZE, *FREE_TOPICS, *OWN_TOPICS)
-)
+from lockstep.wire.topics import TRAINING
 
 
 def takes_pictures(config: ExperimentManagerConfig, episode: Episode) -> bool:
