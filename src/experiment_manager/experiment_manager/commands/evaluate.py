@@ -22,7 +22,7 @@ from experiment_manager.frozen.shown import Shown
 from experiment_manager.measures.results import RESULTS_FILE, Results, read_results, write_document
 from experiment_manager.measures.tables import number, summaries_table
 from experiment_manager.preparation.command_line import plant_settings
-from experiment_manager.run.lasting_output import ignore_broken_pipes
+from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIFFERENT

@@ -26,7 +26,7 @@ from experiment_manager.analysis.report.tables import (
 )
 from experiment_manager.analysis.reported_run import FIGURES, ReportedRun, runs_below
 from experiment_manager.clinic.report.page import write_clinic_page
-from experiment_manager.run.lasting_output import ignore_broken_pipes
+from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError

@@ -16,7 +16,7 @@ from experiment_manager.measures.criteria import criteria_of
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import TrialTable, only_test
-from experiment_manager.run.progress_lines import progress
+from experiment_manager.terminal.progress_lines import progress
 from eye_plant.episode import Episode
 from lockstep.command_space import PAIR
 from lockstep.errors import InputError

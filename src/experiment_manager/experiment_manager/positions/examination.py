@@ -26,7 +26,7 @@ from experiment_manager.positions.targets import (
     wanted_angles_deg,
     wanted_gaze_deg,
 )
-from experiment_manager.run.progress_lines import progress
+from experiment_manager.terminal.progress_lines import progress
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep.errors import InputError
 

@@ -30,7 +30,7 @@ from experiment_manager.run.config_file import (
 )
 from experiment_manager.run.picture_sample import is_sampled
 from experiment_manager.run.progress import Progress
-from experiment_manager.run.progress_bar import ProgressBar
+from experiment_manager.terminal.progress_bar import ProgressBar
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from lockstep.configuration import flatten

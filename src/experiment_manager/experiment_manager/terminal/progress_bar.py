@@ -7,8 +7,8 @@ from typing import TextIO
 from tqdm import tqdm
 
 from experiment_manager.experiment.protocol import Protocol
-from experiment_manager.run.lasting_output import lasting
-from experiment_manager.run.progress_lines import progress
+from experiment_manager.terminal.lasting_output import lasting
+from experiment_manager.terminal.progress_lines import progress
 
 # The number of an open file to draw on, from a parent whose standard error is not this process's.
 TERMINAL_VARIABLE = "ABV_TERMINAL_FD"

@@ -1,4 +1,6 @@
-"""A plant that is changed between two episodes is as one that was made so."""
+"""A plant that is changed is as one that was made so, and muscles hold what they were told."""
+
+import dataclasses
 
 import mujoco
 import numpy as np
@@ -10,9 +12,10 @@ from eye_plant.episode import Episode
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stereograms import random_dot_stereograms
 from eye_plant.stimuli.stimulus_set import StimulusSet
+from lockstep.command_space import ALL_MUSCLES, MUSCLE_NAMES
 from lockstep.configuration import build
 from lockstep.errors import InputError
-from tests.pair import pair_activations
+from tests.pair import HORIZONTAL_RECTI, pair_activations
 
 ALTERED = {
     "mechanics.rest_adduction_deg": [0.0, 2.0],
@@ -101,3 +104,44 @@ def test_the_eyes_should_meet_where_a_stereograms_dots_fuse(plain, stimuli):
     desired_deg = seen(plant, stimulus=1)[0][1][10]
     assert desired_deg == pytest.approx(np.degrees(2 * np.arctan((0.056 + parallax_m) / 2.0)))
     plant.close()
+
+
+def test_each_command_adds_to_those_before_it() -> None:
+    picture = np.zeros((64, 64), dtype=np.uint8)
+    plant = EyePlant(EyePlantConfig(), StimulusSet((picture,), (picture,)))
+    episode = Episode.alone(0, 2.0, pair_activations(0.05, 0.02), n_iterations=5)
+    recti = [MUSCLE_NAMES.index(name) for name in HORIZONTAL_RECTI]
+
+    def told(*names: str, values: list[float]) -> list[float]:
+        observation = plant.execute(plant.targets(names, np.array(values)))
+        found: list[float] = observation.state.activations[recti].tolist()
+        return found
+
+    try:
+        plant.begin(episode)
+        # left medial, left lateral, right medial, right lateral
+        expected = [0.1, 0.02, 0.05, 0.02]
+        assert told("left_medial_rectus", values=[0.1]) == pytest.approx(expected)
+        expected = [0.1, 0.02, 0.05, 0.03]
+        assert told("right_lateral_rectus", values=[0.03]) == pytest.approx(expected)
+        plant.begin(dataclasses.replace(episode, first_observation=10))
+        expected = [0.05, 0.02, 0.05, 0.04]
+        assert told("right_lateral_rectus", values=[0.04]) == pytest.approx(expected)
+    finally:
+        plant.close()
+
+
+def test_a_command_of_muscles_with_their_own_names_all_of_them() -> None:
+    picture = np.zeros((64, 64), dtype=np.uint8)
+    config = EyePlantConfig(command_space=ALL_MUSCLES, lowest_activations=(0.0,))
+    plant = EyePlant(config, StimulusSet((picture,), (picture,)))
+    try:
+        with pytest.raises(
+            InputError, match=r"expected left_medial_rectus, .*, as command_space al"
+        ):
+            plant.targets(MUSCLE_NAMES[:6], np.zeros(6))
+        values = np.linspace(0.0, 0.11, 12)
+        in_reverse = plant.targets(MUSCLE_NAMES[::-1], values[::-1])
+        assert in_reverse.tolist() == values.tolist()
+    finally:
+        plant.close()

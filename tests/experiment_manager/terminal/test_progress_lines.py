@@ -4,8 +4,8 @@ import io
 
 import pytest
 
-from experiment_manager.run import progress_lines
-from experiment_manager.run.progress_lines import progress
+from experiment_manager.terminal import progress_lines
+from experiment_manager.terminal.progress_lines import progress
 
 
 class _Terminal(io.StringIO):
