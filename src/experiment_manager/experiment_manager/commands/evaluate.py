@@ -48,23 +48,19 @@ _FROZEN_OPTIONS = ", ".join(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return 0, 1 when the bag has other numbers, 2 for bad input."""
-    parser = _parser()
-    options = parser.parse_args(arguments)
+    line = parser()
+    options = line.parse_args(arguments)
     is_frozen = any(getattr(options, name) for name in _FROZEN) or options.checkpoint is not None
     if not is_frozen and (
         options.stimuli_per_test is not None or options.out is not None or options.json
     ):
-        parser.error(
-            f"--stimuli-per-test, --out and --json: expected with one of {_FROZEN_OPTIONS}"
-        )
+        line.error(f"--stimuli-per-test, --out and --json: expected with one of {_FROZEN_OPTIONS}")
     if options.figure is not None and options.examination is None:
-        parser.error(
-            f"--figure: expected with one of {', '.join(map('--{}'.format, EXAMINATIONS))}"
-        )
+        line.error(f"--figure: expected with one of {', '.join(map('--{}'.format, EXAMINATIONS))}")
     if options.cover_eye is not None and options.examination != NINE_POSITIONS:
-        parser.error(f"--cover-eye: expected with --{NINE_POSITIONS}")
+        line.error(f"--cover-eye: expected with --{NINE_POSITIONS}")
     if options.examination is not None and options.start_scale is not None:
-        parser.error("--start-scale: expected without an examination, which has starts of its own")
+        line.error("--start-scale: expected without an examination, which has starts of its own")
     try:
         if is_frozen:
             return _test_frozen(options)
@@ -74,26 +70,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return EXIT_BAD_INPUT
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = CommandLine(
+def parser() -> argparse.ArgumentParser:
+    """Return the command line of evaluate.sh."""
+    line = CommandLine(
         prog="evaluate.sh",
         description="Recompute the measures of a run from its bag; compare them with results.json."
         f" With any of {_FROZEN_OPTIONS}: test the learners of a checkpoint instead, without"
         " learning; this needs only config.yaml and checkpoints/ of the run.",
     )
-    parser.add_argument("run", type=Path, metavar="RUN", help="run directory")
-    _add_shown(parser)
-    _add_learners(parser)
-    add_examinations(parser)
-    parser.add_argument(
+    line.add_argument("run", type=Path, metavar="RUN", help="run directory")
+    _add_shown(line)
+    _add_learners(line)
+    add_examinations(line)
+    line.add_argument(
         "--out", type=Path, metavar="FILE", help="also write the measures of the test as JSON"
     )
-    parser.add_argument("--json", action="store_true", help="print that JSON in place of the table")
-    return parser
+    line.add_argument("--json", action="store_true", help="print that JSON in place of the table")
+    return line
 
 
-def _add_shown(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("what the learners are tested on")
+def _add_shown(line: argparse.ArgumentParser) -> None:
+    group = line.add_argument_group("what the learners are tested on")
     group.add_argument(
         "--stimuli",
         type=Path,
@@ -128,8 +125,8 @@ def _add_shown(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_learners(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("which learners, with which eyes")
+def _add_learners(line: argparse.ArgumentParser) -> None:
+    group = line.add_argument_group("which learners, with which eyes")
     group.add_argument(
         "--dictionary",
         type=Path,

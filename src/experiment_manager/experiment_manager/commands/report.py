@@ -53,7 +53,7 @@ _ABOUT_OTHERS = (
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit code: 0, or 2 with one line that says what is wrong."""
-    options = _parser().parse_args(arguments)
+    options = parser().parse_args(arguments)
     directory = options.out or (options.runs[0] if len(options.runs) == 1 else Path("report"))
     try:
         if options.rearing:
@@ -69,17 +69,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = CommandLine(
+def parser() -> argparse.ArgumentParser:
+    """Return the command line of report.sh."""
+    line = CommandLine(
         prog="report.sh",
         description="Draw the paper's figures and tables of runs into one report.html, from "
         "results.json, trials.npz, checkpoints and, where they exist, bags. Runs that differ only "
         "in their seed, or in it and the seed of their pictures, are pooled, as in K17.",
     )
-    parser.add_argument(
+    line.add_argument(
         "runs", type=Path, nargs="+", metavar="RUN", help="directory of a run or of a sweep"
     )
-    pages = parser.add_mutually_exclusive_group()
+    pages = line.add_mutually_exclusive_group()
     pages.add_argument(
         "--clinic",
         action="store_true",
@@ -93,13 +94,13 @@ def _parser() -> argparse.ArgumentParser:
         help="write rearing.html instead: a comparison of rearing conditions, from results.json and"
         " the newest checkpoint of each run (30 to 40 s per run, one run per core)",
     )
-    parser.add_argument(
+    line.add_argument(
         "--out",
         type=Path,
         metavar="DIR",
         help="where to write report.html and figures/ (default: RUN, or report/ for several)",
     )
-    return parser
+    return line
 
 
 def _runs(paths: Sequence[Path]) -> list[ReportedRun]:

@@ -108,7 +108,7 @@ def _live(options: argparse.Namespace) -> Address | None:
     return address
 
 
-def _prepare(options: argparse.Namespace) -> Path:
+def prepare(options: argparse.Namespace) -> Path:
     """Return the run directory that the command line asks for, with its config.yaml."""
     request = request_of(options)
     if options.resume is not None:
@@ -213,7 +213,7 @@ def _run(options: argparse.Namespace) -> tuple[Path, int]:
     """Prepare the run and bring it to its end; return its directory and the exit code."""
     _check_in_process(options)
     if options.in_process:
-        return in_one_process(_prepare(options))
+        return in_one_process(prepare(options))
     packages = [LISTENER, *(package for package in PACKAGES if package not in options.elsewhere)]
     if options.live is not None:
         packages.append(LIVE_VIEW)
@@ -222,7 +222,7 @@ def _run(options: argparse.Namespace) -> tuple[Path, int]:
         domain = known_domain(options.elsewhere)
         if domain is not None:
             refuse_neighbours(domain, options.elsewhere)
-        directory = _announced(_prepare(options))
+        directory = _announced(prepare(options))
         _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
         return directory, Supervisor(
             directory, fork_server, options.elsewhere, _live(options)

@@ -108,7 +108,7 @@ def runs_table(groups: Sequence[Group]) -> str:
 
 
 def _share_of_reward(share: float | None, n_iterations: int) -> str:
-    """Return the share; of a run with fewer iterations than it is measured over, over how many."""
+    """Return the share as text; of a run shorter than the window, also over how many iterations."""
     whole = n_iterations >= SHARE_ITERATIONS or share is None
     return percent(share) if whole else f"{percent(share)} (all {n_iterations:,})"
 
