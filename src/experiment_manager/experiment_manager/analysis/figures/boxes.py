@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 
 from experiment_manager.analysis.figures.quartiles import (
     ERROR_LABEL,
-    place_of,
+    offset_of,
     px_deg_of,
     scale_errors,
 )
@@ -34,7 +34,7 @@ def box_figure(groups: Sequence[Group]) -> Figure:
     places = np.arange(len(shown)) + 0.5 * (np.diff(shown, prepend=0) > 1)
     width = 0.7 / len(groups)
     for i, (group, trials) in enumerate(zip(groups, last, strict=True)):
-        at = places + place_of(i, groups) * width
+        at = places + offset_of(i, groups) * width
         errors_deg = [np.abs(trials.vergence_error_deg[:, k]) for k in shown]
         _draw_boxes(errors, errors_deg, at, width, group.colour)
         shares = [100 * trials.cost_reduction(k) for k in shown]

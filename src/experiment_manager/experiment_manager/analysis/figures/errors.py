@@ -12,7 +12,7 @@ from experiment_manager.analysis.figures.quartiles import (
     QUARTILES,
     draw_band,
     draw_quartiles,
-    place_of,
+    offset_of,
     px_deg_of,
     scale_errors,
 )
@@ -38,7 +38,7 @@ def errors_figure(groups: Sequence[Group]) -> Figure:
     for during, over, name in zip(*rows, _ERRORS, strict=True):
         for i, group in enumerate(groups):
             draw_band(during, *_over_a_trial(group, name), group.colour, marker=group.marker, ms=3)
-            draw_quartiles(over, *_over_training(group, name), group, place_of(i, groups))
+            draw_quartiles(over, *_over_training(group, name), group, offset_of(i, groups))
         during.set_xlabel("iteration of the trial")
         over.set_xlabel("training iterations")
         over.xaxis.set_major_formatter(mpl.ticker.EngFormatter(sep=""))

@@ -18,7 +18,7 @@ from experiment_manager.analysis.figures.quartiles import (
     draw_band,
     draw_quartiles,
     final_errors_deg,
-    place_of,
+    offset_of,
     px_deg_of,
     scale_errors,
 )
@@ -64,11 +64,11 @@ def performance_figure(groups: Sequence[Group], training: TrainingCurve | None =
             draw_band(axes, training.iteration, quartiles, GREY, lw=1.0)
         handles.append(Line2D([], [], color=GREY, lw=1.0, label="ends of training episodes"))
     for i, group in enumerate(groups):
-        place = place_of(i, groups)
+        offset = offset_of(i, groups)
         _draw_tests(
-            errors, group, final_errors_deg, lambda t: t.median_abs_vergence_error_deg, place
+            errors, group, final_errors_deg, lambda t: t.median_abs_vergence_error_deg, offset
         )
-        _draw_tests(deltas, group, _final_deltas_w, lambda t: t.median_delta_cost_w, place)
+        _draw_tests(deltas, group, _final_deltas_w, lambda t: t.median_delta_cost_w, offset)
     scale_errors(errors, px_deg_of(groups))
     errors.set_ylabel(ERROR_LABEL)
     mark_level(deltas, 0.0, "")
@@ -94,7 +94,7 @@ def _draw_tests(
     group: Group,
     values: Callable[[Trials], np.ndarray],
     measure: Callable[[Summary], float | None],
-    place: float,
+    offset: float,
 ) -> None:
     """Draw a measure over the tests: pooled median and quartiles, and each seed's median.
 
@@ -106,7 +106,7 @@ def _draw_tests(
         tests = [values(group.trials_at(n)) for n in group.iterations]
         quartiles = np.array([np.quantile(of_test, QUARTILES) for of_test in tests]).T
     at = np.array(group.iterations, dtype=float)
-    draw_quartiles(axes, at, quartiles, group, place)
+    draw_quartiles(axes, at, quartiles, group, offset)
     for of_seed in seeds if len(seeds) > 1 and len(at) >= LEAST_JOINED else ():
         axes.plot(at, of_seed, color=group.colour, lw=0.6, alpha=0.7, zorder=1)
 

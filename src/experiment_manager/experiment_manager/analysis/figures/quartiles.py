@@ -23,7 +23,7 @@ _DODGE = 0.012
 _LEAST_PX = 0.02
 
 
-def place_of(i: int, groups: Sequence[Group]) -> float:
+def offset_of(i: int, groups: Sequence[Group]) -> float:
     """Return how many points beside an iteration the i-th group's point stands."""
     return i - (len(groups) - 1) / 2
 
@@ -40,14 +40,14 @@ def px_deg_of(groups: Sequence[Group]) -> float:
 
 
 def draw_quartiles(
-    axes: Axes, at: np.ndarray, quartiles: np.ndarray, group: Group, place: float
+    axes: Axes, at: np.ndarray, quartiles: np.ndarray, group: Group, offset: float
 ) -> None:
     """Draw quartiles (3, n) over training: of many tests a line with a band, of few points.
 
-    place: how many points beside the iteration, where points are not joined.
+    offset: how many points beside the iteration, where points are not joined.
     """
     if len(at) < LEAST_JOINED:
-        beside = at + place * _DODGE * group.common.n_iterations
+        beside = at + offset * _DODGE * group.common.n_iterations
         draw_bars(axes, beside, quartiles, group.colour, marker=group.marker)
     else:
         draw_band(axes, at, quartiles, group.colour, marker=group.marker, ms=3)
