@@ -10,7 +10,7 @@ import numpy as np
 from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.loop import Step, make_loop
+from experiment_manager.in_process.loop import Step, make_loop
 from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import Configuration, configuration_text

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
 
-from experiment_manager.loop import make_loop
-from experiment_manager.run.step_messages import StepMessages
+from experiment_manager.in_process.loop import make_loop
+from experiment_manager.in_process.step_messages import StepMessages
 from eye_plant.camera.config import CameraConfig
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode

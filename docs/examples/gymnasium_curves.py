@@ -11,7 +11,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 
-from eye_plant.geometry import degrees_per_px
+from eye_plant.vergence import degrees_per_px
 from lockstep.figures import BLUE, STYLE, VERMILION, label_decades, mark_level, new_figure, save
 
 MEASURED = Path(__file__).parents[2] / "results" / "gymnasium"

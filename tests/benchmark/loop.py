@@ -10,7 +10,7 @@ import numpy as np
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.loop import Step, make_loop
+from experiment_manager.in_process.loop import Step, make_loop
 from experiment_manager.run.config_file import Configuration
 from eye_plant.observation import Observation
 from lockstep.configuration import build

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from eye_plant.gaze_error import gaze_error, listing_torsion_deg, target_place_deg
-from eye_plant.geometry import desired_vergence_deg
+from eye_plant.vergence import desired_vergence_deg
 
 BASELINE_M = 0.056
 POSITIONS_M = np.array([[0.0, BASELINE_M / 2, 1.7], [0.0, -BASELINE_M / 2, 1.7]])

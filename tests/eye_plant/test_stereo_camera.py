@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from eye_plant.camera.config import RENDERERS, CameraConfig
-from eye_plant.geometry import desired_vergence_deg, disparity_px
 from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stimulus_set import StimulusSet
+from eye_plant.vergence import desired_vergence_deg, disparity_px
 from lockstep.errors import InputError
 from tests.eye_plant.camera.camera_stimuli import (
     FLAT,

@@ -16,9 +16,9 @@ ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *(p for d in ("docs", "results") for p in (ROOT / d).rglob("*.md"))]
 PARSERS: dict[str, Callable[[], argparse.ArgumentParser]] = {
     "run_experiment": command_line.parser,
-    "evaluate": evaluate._parser,
-    "report": report._parser,
-    "inspect_bag": inspect_bag._parser,
+    "evaluate": evaluate.parser,
+    "report": report.parser,
+    "inspect_bag": inspect_bag.parser,
     "sweep": sweep.parser,
 }
 _BLOCK = re.compile(r"^ *```\w*\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)

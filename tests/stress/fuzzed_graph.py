@@ -18,7 +18,7 @@ from sensor_msgs.msg import Image, JointState
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.loop import make_loop
+from experiment_manager.in_process.loop import make_loop
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.supervision.domains import own_domain
 from experiment_manager.supervision.processes import MANAGER, PACKAGES

@@ -14,7 +14,7 @@ import psutil
 from experiment_manager.bag.reader import Bag
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.run import checkpoint
-from experiment_manager.run.episode_record import SMALL_TOPICS
+from experiment_manager.run.recorded_topics import SMALL_TOPICS
 from experiment_manager.supervision.processes import PACKAGES
 from tests.patience import PATIENCE_S
 from tests.supervisor import start_supervisor

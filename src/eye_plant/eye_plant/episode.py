@@ -2,7 +2,7 @@
 
 import dataclasses
 import typing
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -59,6 +59,30 @@ class Episode:
                 f"targets_deg: expected azimuth and elevation of {self.n_iterations} targets or "
                 f"less, got {len(self.targets_deg)} numbers"
             )
+
+    @classmethod
+    def alone(
+        cls,
+        stimulus: int,
+        object_distance_m: float,
+        activations: Sequence[float],
+        n_iterations: int,
+        targets_deg: Sequence[float] = (),
+    ) -> "Episode":
+        """Return an episode of no run, in which nothing is to be learned; raises InputError."""
+        return cls(
+            phase=TEST,
+            test=-1,
+            trial=-1,
+            episode=0,
+            training_iteration=0,
+            stimulus=stimulus,
+            object_distance_m=object_distance_m,
+            activations=tuple(activations),
+            n_iterations=n_iterations,
+            first_observation=0,
+            targets_deg=tuple(targets_deg),
+        )
 
     @property
     def n_targets(self) -> int:

@@ -10,11 +10,12 @@ from eye_plant.commands import target_activations
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.episode import Episode
 from eye_plant.gaze_error import gaze_error, listing_torsion_deg, target_place_deg
-from eye_plant.geometry import desired_vergence_deg
+from eye_plant.ground_truth import GroundTruth
 from eye_plant.mechanics.oculomotor import Oculomotor, OculomotorState
-from eye_plant.observation import GroundTruth, Observation
+from eye_plant.observation import Observation
 from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli
+from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import PAIR
 from lockstep.errors import InputError
 

@@ -16,15 +16,12 @@ _KIND, _FORMAT = "__kind__", "__version__"
 def write_state(path: Path, kind: str, state: Mapping[str, np.ndarray]) -> None:
     """Write named arrays; kind says whose state it is. The file appears when it is complete.
 
-    Raises InputError when the place cannot be written.
+    Raises OSError when the disk refuses; then an older file is untouched.
     """
     content = io.BytesIO()
     arrays = {_KIND: np.array(kind), _FORMAT: np.array(_VERSION), **state}
     np.savez_compressed(content, allow_pickle=False, **arrays)
-    try:
-        replace_file(path, content.getvalue())
-    except OSError as error:
-        raise InputError(f"state file {path}: cannot be written: {error}") from error
+    replace_file(path, content.getvalue())
 
 
 def read_state(path: Path, kind: str) -> dict[str, np.ndarray]:

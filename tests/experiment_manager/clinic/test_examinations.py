@@ -63,7 +63,6 @@ def test_a_blurred_eye_has_a_lower_acuity_and_less_of_the_code(run_of, capsys) -
         (("--cover", "--prisms"), "not allowed with argument"),
         (("--figure", "a.png"), "--figure: expected with one of --cover, --prisms, --acuity"),
         (("--cover", "--start-scale", "2"), "--start-scale: expected without an examination"),
-        (("--cover", "--write"), "--write: expected without --checkpoint"),
     ],
 )
 def test_options_that_do_not_go_together(run_of, line, message, capsys) -> None:

@@ -76,24 +76,12 @@ def test_the_share_of_the_cost_is_that_of_the_first_and_the_last_training_iterat
     )
 
 
-def test_results_are_not_written_before_the_run_has_ended(
-    run_directories, tmp_path, monkeypatch, capsys
-) -> None:
-    directory = Path(shutil.copytree(run_directories["M"], tmp_path / "run"))
-    monkeypatch.setattr(RecordedRun, "n_iterations", 500)
-    assert main([str(directory)]) == 0
-    assert "the run is not complete" in capsys.readouterr().out
-    assert main([str(directory), "--write"]) == 2
-    assert "expected a complete run" in capsys.readouterr().err
-    assert not (directory / "results.json").exists()
-
-
 def test_results_from_the_bag_agree_with_themselves(run_directories, tmp_path, capsys) -> None:
     directory = Path(shutil.copytree(run_directories["M_C"], tmp_path / "run"))
     path = directory / "results.json"
     assert main([str(directory)]) == 0
     assert "There is no" in capsys.readouterr().out
-    assert main([str(directory), "--write"]) == 0
+    write_document(path, RecordedRun(directory).results().to_json())
     assert main([str(directory)]) == 0
     assert f"of {path} follow from the bag" in capsys.readouterr().out
     document = json.loads(path.read_text())
@@ -107,16 +95,6 @@ def test_results_from_the_bag_agree_with_themselves(run_directories, tmp_path, c
     assert "different: tests[1].after_2.median_delta_cost_w: results.json has" in error
     assert "different: lambda_share.last_5000: results.json has None, the bag gives" in error
     assert error.count("different:") == 2
-
-
-def test_the_trials_kept_from_the_bag_are_those_of_the_run(small_run: Path, tmp_path: Path) -> None:
-    directory = Path(shutil.copytree(small_run, tmp_path / "run"))
-    results, trials = (directory / name for name in ("results.json", "trials.npz"))
-    before = results.read_bytes(), trials.read_bytes()
-    results.unlink()
-    trials.unlink()
-    assert main([str(directory), "--write"]) == 0
-    assert (results.read_bytes(), trials.read_bytes()) == before
 
 
 def test_what_is_no_run_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

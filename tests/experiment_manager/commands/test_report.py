@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from experiment_manager.analysis.recorded_run import RecordedRun
-from experiment_manager.commands import evaluate
 from experiment_manager.commands.report import main
+from experiment_manager.measures.kept_trials import with_test, write_trials
+from experiment_manager.measures.results import write_document
 from experiment_manager.measures.tables import percent
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
@@ -107,8 +108,13 @@ def kept(run_directories: dict[str, Path], tmp_path_factory: pytest.TempPathFact
     sweep = tmp_path_factory.mktemp("kept") / "sweep"
     for model, directory in run_directories.items():
         copy = Path(shutil.copytree(directory, sweep / f"{model}_1"))
-        (copy / "config.yaml").write_text(RecordedRun(copy).configuration)
-        assert evaluate.main([str(copy), "--write"]) == 0
+        run = RecordedRun(copy)
+        (copy / "config.yaml").write_text(run.configuration)
+        write_document(copy / "results.json", run.results().to_json())
+        kept = None
+        for test in run.tests:
+            kept = with_test(kept, test.trials)
+        write_trials(copy, kept)
         shutil.rmtree(copy / "bag")
         other = Path(shutil.copytree(copy, sweep / f"{model}_2"))
         text = (other / "config.yaml").read_text()

@@ -17,7 +17,7 @@ import experiment_manager.environments  # noqa: F401 (registers them)
 from experiment_manager.environments.active_vergence import VergenceEnvironment
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.loop import make_loop
+from experiment_manager.in_process.loop import make_loop
 from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import Configuration

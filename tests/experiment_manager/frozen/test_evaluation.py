@@ -101,9 +101,7 @@ def test_a_run_without_checkpoints_is_one_line(run, capsys) -> None:
     assert "expected a checkpoint, found none" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    "line", [("--out", "x.json"), ("--json",), ("--checkpoint", "0", "--write")]
-)
+@pytest.mark.parametrize("line", [("--out", "x.json"), ("--json",)])
 def test_options_that_do_not_go_together(run, line, capsys) -> None:
     with pytest.raises(SystemExit) as exit_info:
         main([str(run), *line])

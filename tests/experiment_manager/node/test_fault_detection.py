@@ -1,5 +1,6 @@
 """What ends a run, with which exit code, and what is waited for instead."""
 
+import dataclasses
 from pathlib import Path
 
 import pytest
@@ -25,16 +26,11 @@ PERIOD_NS = 200_000_000
 
 def _record(phase: int) -> EpisodeRecord:
     """Return the fourth training episode of 10 iterations, or a trial just before it."""
-    episode = Episode(
+    episode = dataclasses.replace(
+        Episode.alone(0, 1.0, pair_activations(0.0, 0.0), n_iterations=10),
         phase=phase,
-        test=-1,
-        trial=-1,
         episode=3,
         training_iteration=30,
-        stimulus=0,
-        object_distance_m=1.0,
-        activations=pair_activations(0.0, 0.0),
-        n_iterations=10,
         first_observation=100,
     )
     return EpisodeRecord(episode, PERIOD_NS)

@@ -8,7 +8,7 @@ from rclpy.parameter import Parameter
 
 from experiment_manager.node.parameters import NodeParameters, Parameters
 from experiment_manager.node.presence import UNKNOWN_NODE
-from experiment_manager.run.episode_record import SMALL_TOPICS
+from experiment_manager.run.recorded_topics import SMALL_TOPICS
 
 
 class Client:

@@ -9,7 +9,7 @@ import yaml
 from experiment_manager.commands import run_experiment
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.loop import make_loop
+from experiment_manager.in_process.loop import make_loop
 from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.cost_weight import (
@@ -70,7 +70,7 @@ def test_a_run_stores_it_and_a_resume_does_not_measure_again(
 ) -> None:
     out = tmp_path / "run"
     line = _line(pictures, "--lambda-share", "0.3", "--out", str(out))
-    assert run_experiment._prepare(arguments(line)) == out
+    assert run_experiment.prepare(arguments(line)) == out
     expected = first_iterations(_configuration(pictures)).weight_for(0.3)
     configuration = read_configuration(out / "config.yaml")
     for node in ("sparse_coder", "experiment_manager"):
@@ -81,4 +81,4 @@ def test_a_run_stores_it_and_a_resume_does_not_measure_again(
     assert f"lambda {expected:.6g} per W makes lambda C 0.3 of E + lambda C" in text
 
     monkeypatch.setattr(run_experiment, "first_iterations", pytest.fail)
-    assert run_experiment._prepare(arguments(["--resume", str(out)])) == out
+    assert run_experiment.prepare(arguments(["--resume", str(out)])) == out

@@ -8,7 +8,7 @@ import pytest
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import Change, Schedule
 from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.loop import make_loop
+from experiment_manager.in_process.loop import make_loop
 from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.profiles import (

@@ -13,7 +13,7 @@ from lockstep.errors import InputError
 PARAMETERS = {"vergence_rl": {"cacla.discount": 0.1 + 0.2, "highest_activations": [0.2, 0.1]}}
 
 
-def _commit(checkpoints: Path, place: int, **changes: Any) -> Path:
+def _commit(checkpoints: Path, place: int, lasting: tuple[int, ...] = (), **changes: Any) -> Path:
     directory = checkpoint.place_directory(checkpoints, place)
     directory.mkdir(parents=True, exist_ok=True)
     state = directory / "coder.npz"
@@ -25,7 +25,7 @@ def _commit(checkpoints: Path, place: int, **changes: Any) -> Path:
         "state_hashes": {state.name: checkpoint.hash_of(state)},
         "progress": {"tests": [], "sum": 0.1},
     }
-    checkpoint.commit(checkpoints, Manifest(**(values | changes)))
+    checkpoint.commit(checkpoints, Manifest(**(values | changes)), lasting)
     return directory
 
 
@@ -157,3 +157,9 @@ def test_another_version_is_an_error(tmp_path: Path) -> None:
     manifest.write_text(json.dumps(document | {"version": 99}))
     with pytest.raises(InputError, match="expected version 2, got 99"):
         checkpoint.newest(tmp_path)
+
+
+def test_the_last_two_and_those_that_are_to_stay(tmp_path: Path) -> None:
+    for place in (0, 10, 20, 30, 40, 50):
+        _commit(tmp_path, place, lasting=(10, 30))
+    assert [int(path.name) for path in sorted(tmp_path.iterdir())] == [10, 30, 40, 50]

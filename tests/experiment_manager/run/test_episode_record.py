@@ -1,19 +1,11 @@
 """An episode is over when each of its messages has been recorded, and not before."""
 
+import dataclasses
+
 import pytest
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.run.episode_record import (
-    FREE_TOPICS,
-    OWN_TOPICS,
-    SAMPLED_TOPICS,
-    SMALL_TOPICS,
-    SMALL_TOPICS_WITH_GAZE,
-    EpisodeRecord,
-    takes_pictures,
-)
+from experiment_manager.run.episode_record import EpisodeRecord
 from eye_plant.episode import Episode
-from lockstep.wire.topics import TEST, TOPIC_TYPES, TRAINING
 from tests.pair import pair_activations
 
 PERIOD_NS = 100_000_000
@@ -21,33 +13,9 @@ PLANT = ("episode", "muscle_states", "muscle_activations", "eye_states", "ground
 ANSWERS = ("reward", "muscle_command", "actor_critic")
 
 
-def _episode(phase: int = TRAINING, number: int = 3, n_iterations: int = 2) -> Episode:
-    return Episode(
-        phase=phase,
-        test=-1 if phase == TRAINING else 0,
-        trial=-1 if phase == TRAINING else number,
-        episode=number,
-        training_iteration=30,
-        stimulus=0,
-        object_distance_m=1.0,
-        activations=pair_activations(0.1, 0.0),
-        n_iterations=n_iterations,
-        first_observation=40,
-    )
-
-
-def test_each_topic_is_recorded_in_one_way() -> None:
-    assert sorted((*SMALL_TOPICS_WITH_GAZE, *FREE_TOPICS, *OWN_TOPICS, *SAMPLED_TOPICS)) == sorted(
-        TOPIC_TYPES
-    )
-    assert set(SMALL_TOPICS) == {*PLANT, *ANSWERS}
-    assert set(SAMPLED_TOPICS) == {
-        "left/image_raw",
-        "right/image_raw",
-        "left/camera_info",
-        "right/camera_info",
-        "features",
-    }
+EPISODE = dataclasses.replace(
+    Episode.alone(0, 1.0, pair_activations(0.1, 0.0), n_iterations=2), first_observation=40
+)
 
 
 @pytest.mark.parametrize(
@@ -63,12 +31,12 @@ def test_each_topic_is_recorded_in_one_way() -> None:
     ],
 )
 def test_stamps_of_the_episode(observation: int, offset_ns: int, expected: bool) -> None:
-    record = EpisodeRecord(_episode(), PERIOD_NS)
+    record = EpisodeRecord(EPISODE, PERIOD_NS)
     assert record.holds(observation * PERIOD_NS + offset_ns) is expected
 
 
 def test_complete_with_the_very_last_message() -> None:
-    record = EpisodeRecord(_episode(), PERIOD_NS)
+    record = EpisodeRecord(EPISODE, PERIOD_NS)
     expected = [topic for topic in PLANT for _ in range(3)]
     expected += [topic for topic in ANSWERS for _ in range(2)]
     for topic in expected:
@@ -79,7 +47,7 @@ def test_complete_with_the_very_last_message() -> None:
 
 
 def test_nobody_is_to_answer_the_last_observation() -> None:
-    record = EpisodeRecord(_episode(), PERIOD_NS)
+    record = EpisodeRecord(EPISODE, PERIOD_NS)
     for topic in PLANT:
         assert record.expects(topic, 42 * PERIOD_NS)
     for topic in ANSWERS:
@@ -88,32 +56,16 @@ def test_nobody_is_to_answer_the_last_observation() -> None:
 
 
 def test_one_message_too_many_does_not_stand_for_a_missing_one() -> None:
-    record = EpisodeRecord(_episode(), PERIOD_NS)
+    record = EpisodeRecord(EPISODE, PERIOD_NS)
     for topic in (*[t for t in PLANT for _ in range(3)], *[t for t in ANSWERS for _ in range(2)]):
         record.count("reward" if topic == "eye_states" else topic)
     assert not record.is_complete
 
 
 def test_missing_messages_are_named() -> None:
-    record = EpisodeRecord(_episode(), PERIOD_NS)
+    record = EpisodeRecord(EPISODE, PERIOD_NS)
     for topic in PLANT:
         for _ in range(3):
             record.count(topic)
     record.count("reward")
     assert record.missing() == "1 of reward, 2 of muscle_command, 2 of actor_critic"
-
-
-@pytest.mark.parametrize(
-    ("phase", "number", "expected"),
-    [
-        (TRAINING, 0, True),
-        (TRAINING, 49, False),
-        (TRAINING, 50, True),
-        (TEST, 0, True),
-        (TEST, 50, False),
-        (TEST, 14, True),
-    ],
-)
-def test_sampled_episodes(phase: int, number: int, expected: bool) -> None:
-    config = ExperimentManagerConfig(pictures_every_n_episodes=50, pictures_every_n_trials=7)
-    assert takes_pictures(config, _episode(phase, number)) is expected

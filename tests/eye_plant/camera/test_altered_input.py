@@ -8,10 +8,10 @@ import pytest
 
 from eye_plant.camera.blur import Blur
 from eye_plant.camera.config import RENDERERS, CameraConfig
-from eye_plant.geometry import desired_vergence_deg
 from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stereograms import Stereogram
 from eye_plant.stimuli.stimulus_set import StimulusSet
+from eye_plant.vergence import desired_vergence_deg
 from lockstep.errors import InputError
 
 POSITIONS_M = np.array([[0.0, 0.028, 1.7], [0.0, -0.028, 1.7]])

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from eye_plant.geometry import desired_vergence_deg
 from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.oculomotor import MechanicsConfig, Oculomotor
+from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError
 

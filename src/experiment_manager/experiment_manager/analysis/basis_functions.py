@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiment_manager.analysis.gabor import GOOD_RESIDUAL, Gabors, fit_gabors
-from eye_plant.geometry import degrees_per_px
+from eye_plant.vergence import degrees_per_px
 from lockstep.errors import InputError
 from sparse_coder.patches import N_PIXELS
 
@@ -41,7 +41,7 @@ class Tuning:
     / (R + L), -1 is left alone, 1 right alone; R and L are the halves' responses to the dominant
     eye's function, as in their public code, so that a shift by a quarter of a wave between the eyes
     counts as monocular. disparity_px: preferred disparity in pixels of the picture, left minus
-    right as eye_plant.geometry.disparity_px has it; nan where an atom has none.
+    right as eye_plant.vergence.disparity_px has it; nan where an atom has none.
     """
 
     residual: Array

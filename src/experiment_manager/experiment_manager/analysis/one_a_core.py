@@ -8,7 +8,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import TypeVar
 
-from experiment_manager.run.progress_lines import progress
+from experiment_manager.terminal.progress_lines import progress
 
 T = TypeVar("T")
 

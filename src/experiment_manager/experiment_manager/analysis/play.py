@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from experiment_manager.analysis.pictured_episodes import pictured_episodes
+from experiment_manager.analysis.recorded_pictures import pictured_episodes
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
 from experiment_manager.bag.reader import Bag
 from experiment_manager.live.page import Page

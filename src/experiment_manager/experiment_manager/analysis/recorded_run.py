@@ -9,7 +9,6 @@ import numpy as np
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
 from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.measures.criteria import EvaluationSettings
-from experiment_manager.measures.kept_trials import KeptTrials, with_test
 from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, summary_of
 from experiment_manager.measures.results import Results, Summary
 from experiment_manager.measures.trials import Trials, TrialTable, split_tests
@@ -99,13 +98,6 @@ class RecordedRun(DescribedRun):
         criteria = self.evaluation_settings.criteria
         trials_of_tests = [test.trials for test in self.tests]
         return tuple(summary_of(t, criteria(t.training_iteration)) for t in trials_of_tests)
-
-    def kept_trials(self) -> KeptTrials | None:
-        """Return what trials.npz holds, from the bag alone; None without a test."""
-        kept = None
-        for test in self.tests:
-            kept = with_test(kept, test.trials)
-        return kept
 
     @cached_property
     def measured(self) -> Measured:

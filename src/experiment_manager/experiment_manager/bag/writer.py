@@ -6,8 +6,7 @@ import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import BinaryIO, Self
+from typing import BinaryIO
 
 import yaml
 from mcap.writer import Writer
@@ -36,7 +35,7 @@ _MOST_EXEMPT_HELD = 1000
 _FILE_NAME = re.compile(r"^bag_(\d+)\.mcap$")
 
 
-class BagWriter:
+class BagWriter(contextlib.AbstractContextManager["BagWriter"]):
     """A rosbag2 directory under construction: metadata.yaml, bag_0.mcap, bag_1.mcap, ...
 
     Each commit ends a file; what was committed is never touched again. A file begins with the first
@@ -150,16 +149,7 @@ class BagWriter:
         """Names of the committed files, in order."""
         return [file.name for file in self._committed]
 
-    def __enter__(self) -> Self:
-        """Return the writer; leaving the block closes it."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         """Close."""
         self.close()
 

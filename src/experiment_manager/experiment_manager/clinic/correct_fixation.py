@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from experiment_manager.experiment.config import ProtocolConfig
-from eye_plant.geometry import desired_vergence_deg
 from eye_plant.inverse.gaze import TURNED_ANGLES, GazeInverse
 from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import PAIR
 
 Activations = tuple[float, ...]

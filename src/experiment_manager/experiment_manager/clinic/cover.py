@@ -22,7 +22,7 @@ from experiment_manager.clinic.room import Course, Room, examination_room, is_fu
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.measures.tables import number, percent, text_table
-from experiment_manager.run.progress_lines import progress
+from experiment_manager.terminal.progress_lines import progress
 from lockstep.command_space import SIDES
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from experiment_manager.analysis.report.performance_figures import draw_band
+from experiment_manager.analysis.figures.quartiles import draw_band
 from experiment_manager.clinic import cover, prisms
 from experiment_manager.clinic.acuity import AcuityResults
 from experiment_manager.clinic.cover import CoverResults

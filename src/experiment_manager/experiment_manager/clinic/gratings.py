@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from eye_plant.camera.blur import Blur
 from eye_plant.camera.config import CameraConfig
-from eye_plant.geometry import degrees_per_px
+from eye_plant.vergence import degrees_per_px
 from sparse_coder.coder import SparseCoder
 from sparse_coder.patches import binocular_patches, fine_window
 from sparse_coder.reconstruction import coded_patches

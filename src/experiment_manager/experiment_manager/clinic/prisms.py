@@ -22,7 +22,7 @@ from experiment_manager.clinic.room import Prism, Room, examination_room, is_fus
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.measures.tables import number, text_table
-from experiment_manager.run.progress_lines import progress
+from experiment_manager.terminal.progress_lines import progress
 
 Array = NDArray[np.float64]
 

@@ -15,13 +15,13 @@ from experiment_manager.clinic.correct_fixation import CorrectFixation
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import Shown
 from experiment_manager.frozen.viewing import Viewing
-from experiment_manager.loop import InProcessLoop
+from experiment_manager.in_process.loop import InProcessLoop
 from eye_plant.camera.config import CameraConfig
 from eye_plant.gaze_error import gaze_error
-from eye_plant.geometry import degrees_per_px
 from eye_plant.observation import Observation
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from eye_plant.turns import eye_rotations, turned
+from eye_plant.vergence import degrees_per_px
 from sparse_coder.encoding import Encoding
 
 Array = NDArray[np.float64]

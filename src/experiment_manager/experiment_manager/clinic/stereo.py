@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from experiment_manager.clinic.gratings import crossing
 from experiment_manager.clinic.room import Room
-from experiment_manager.run.progress_lines import progress
+from experiment_manager.terminal.progress_lines import progress
 from lockstep.wire.topics import N_SACCADES
 
 Array = NDArray[np.float64]

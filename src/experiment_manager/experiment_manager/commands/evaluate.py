@@ -19,11 +19,10 @@ from experiment_manager.commands.examinations import (
 from experiment_manager.frozen.evaluation import evaluated
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import Shown
-from experiment_manager.measures.kept_trials import KEPT_FILE, write_trials
 from experiment_manager.measures.results import RESULTS_FILE, Results, read_results, write_document
 from experiment_manager.measures.tables import number, summaries_table
 from experiment_manager.preparation.command_line import plant_settings
-from experiment_manager.run.lasting_output import ignore_broken_pipes
+from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIFFERENT
@@ -49,59 +48,49 @@ _FROZEN_OPTIONS = ", ".join(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return 0, 1 when the bag has other numbers, 2 for bad input."""
-    parser = _parser()
-    options = parser.parse_args(arguments)
+    line = parser()
+    options = line.parse_args(arguments)
     is_frozen = any(getattr(options, name) for name in _FROZEN) or options.checkpoint is not None
     if not is_frozen and (
         options.stimuli_per_test is not None or options.out is not None or options.json
     ):
-        parser.error(
-            f"--stimuli-per-test, --out and --json: expected with one of {_FROZEN_OPTIONS}"
-        )
+        line.error(f"--stimuli-per-test, --out and --json: expected with one of {_FROZEN_OPTIONS}")
     if options.figure is not None and options.examination is None:
-        parser.error(
-            f"--figure: expected with one of {', '.join(map('--{}'.format, EXAMINATIONS))}"
-        )
+        line.error(f"--figure: expected with one of {', '.join(map('--{}'.format, EXAMINATIONS))}")
     if options.cover_eye is not None and options.examination != NINE_POSITIONS:
-        parser.error(f"--cover-eye: expected with --{NINE_POSITIONS}")
+        line.error(f"--cover-eye: expected with --{NINE_POSITIONS}")
     if options.examination is not None and options.start_scale is not None:
-        parser.error("--start-scale: expected without an examination, which has starts of its own")
-    if is_frozen and options.write:
-        parser.error(f"--write: expected without {_FROZEN_OPTIONS}")
+        line.error("--start-scale: expected without an examination, which has starts of its own")
     try:
         if is_frozen:
             return _test_frozen(options)
-        return _evaluate(options.run, write=options.write)
+        return _evaluate(options.run)
     except (InputError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = CommandLine(
+def parser() -> argparse.ArgumentParser:
+    """Return the command line of evaluate.sh."""
+    line = CommandLine(
         prog="evaluate.sh",
         description="Recompute the measures of a run from its bag; compare them with results.json."
         f" With any of {_FROZEN_OPTIONS}: test the learners of a checkpoint instead, without"
         " learning; this needs only config.yaml and checkpoints/ of the run.",
     )
-    parser.add_argument("run", type=Path, metavar="RUN", help="run directory")
-    _add_shown(parser)
-    _add_learners(parser)
-    add_examinations(parser)
-    parser.add_argument(
+    line.add_argument("run", type=Path, metavar="RUN", help="run directory")
+    _add_shown(line)
+    _add_learners(line)
+    add_examinations(line)
+    line.add_argument(
         "--out", type=Path, metavar="FILE", help="also write the measures of the test as JSON"
     )
-    parser.add_argument("--json", action="store_true", help="print that JSON in place of the table")
-    parser.add_argument(
-        "--write",
-        action="store_true",
-        help="write results.json and trials.npz from the bag, without a comparison",
-    )
-    return parser
+    line.add_argument("--json", action="store_true", help="print that JSON in place of the table")
+    return line
 
 
-def _add_shown(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("what the learners are tested on")
+def _add_shown(line: argparse.ArgumentParser) -> None:
+    group = line.add_argument_group("what the learners are tested on")
     group.add_argument(
         "--stimuli",
         type=Path,
@@ -136,8 +125,8 @@ def _add_shown(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_learners(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group("which learners, with which eyes")
+def _add_learners(line: argparse.ArgumentParser) -> None:
+    group = line.add_argument_group("which learners, with which eyes")
     group.add_argument(
         "--dictionary",
         type=Path,
@@ -205,7 +194,7 @@ def _test_frozen(options: argparse.Namespace) -> int:
     return 0
 
 
-def _evaluate(directory: Path, *, write: bool) -> int:
+def _evaluate(directory: Path) -> int:
     run = RecordedRun(directory)
     measured = run.results()
     print(_text(measured))
@@ -216,11 +205,8 @@ def _evaluate(directory: Path, *, write: bool) -> int:
             f"\nThe bag begins with observation {first}: the run was continued from a "
             "checkpoint without its earlier bag."
         )
-    if write:
-        return _write(run, measured)
     if not path.exists():
-        hint = " (--write makes one)" if _is_whole(run) else ": the run is not complete"
-        print(f"\nThere is no {path} to compare with{hint}.")
+        print(f"\nThere is no {path} to compare with.")
         return 0
     expected = read_results(path)
     differences = different_entries(
@@ -233,29 +219,6 @@ def _evaluate(directory: Path, *, write: bool) -> int:
     n_entries = len(dict(_entries(measured.to_json())))
     print(f"\nAll {n_entries} entries of {path} follow from the bag.")
     return 0
-
-
-def _write(run: RecordedRun, results: Results) -> int:
-    path = run.directory / RESULTS_FILE
-    if run.measured.first_observation > 0:
-        raise InputError(
-            f"{run.directory}: expected the whole run in its bag, to write {path} from it"
-        )
-    if not _is_whole(run):
-        raise InputError(
-            f"{run.directory}: expected a complete run, to write {path} from its bag; "
-            f"launch_scripts/run_experiment.sh --resume {run.directory} continues it"
-        )
-    write_trials(run.directory, run.kept_trials())
-    write_document(path, results.to_json())
-    print(f"\nwritten: {path} and {KEPT_FILE} beside it")
-    return 0
-
-
-def _is_whole(run: RecordedRun) -> bool:
-    """Return whether the test at the end of training is in the bag, as long as the others."""
-    n_trials = {test.trials.training_iteration: len(test.trials.trial) for test in run.tests}
-    return n_trials.get(run.n_iterations, -1) == max(n_trials.values(), default=0)
 
 
 def _text(results: Results) -> str:

@@ -19,7 +19,7 @@ from experiment_manager.live.address import Address
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.tables import summaries_table, text_table
 from experiment_manager.measures.trials import split_tests
-from experiment_manager.run.lasting_output import ignore_broken_pipes
+from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import is_free
 from lockstep.errors import InputError
@@ -32,7 +32,7 @@ _NS_PER_S = 1e9
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit code: 0, or 2 with one line that says what is wrong."""
-    options = _parser().parse_args(arguments)
+    options = parser().parse_args(arguments)
     path = options.bag / "bag" if (options.bag / "bag").is_dir() else options.bag
     try:
         if options.repair:
@@ -56,45 +56,46 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = CommandLine(
+def parser() -> argparse.ArgumentParser:
+    """Return the command line of inspect_bag.sh."""
+    line = CommandLine(
         prog="inspect_bag.sh",
         description="Print the run, its learning curve, and topics with counts, rates and gaps.",
     )
-    parser.add_argument("bag", type=Path, help="bag directory, run directory or .mcap file")
-    parser.add_argument(
+    line.add_argument("bag", type=Path, help="bag directory, run directory or .mcap file")
+    line.add_argument(
         "--configuration", action="store_true", help="also print config.yaml of the run"
     )
-    parser.add_argument(
+    line.add_argument(
         "--repair", action="store_true", help="complete a bag that was cut off or damaged"
     )
-    parser.add_argument(
+    line.add_argument(
         "--extract", type=Path, metavar="DIR", help="write all pictures into DIR as PNG files"
     )
-    parser.add_argument(
+    line.add_argument(
         "--film",
         type=Path,
         metavar="FILE",
         help="write a film of episodes before, during and after learning, .mp4 or .gif",
     )
-    parser.add_argument(
+    line.add_argument(
         "--play", action="store_true", help="show the sampled episodes in Lichtblick or Foxglove"
     )
-    parser.add_argument(
+    line.add_argument(
         "--rate",
         type=float,
         default=1.0,
         metavar="X",
         help="simulated seconds per second of --play (default: 1)",
     )
-    parser.add_argument(
+    line.add_argument(
         "--at",
         type=Address.of,
         default=Address(),
         metavar="HOST:PORT",
         help=f"address on which --play listens (default: {Address()}, this machine only)",
     )
-    return parser
+    return line
 
 
 def _rate(rate: float) -> float:

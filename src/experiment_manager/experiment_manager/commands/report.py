@@ -8,12 +8,10 @@ from pathlib import Path
 import matplotlib as mpl
 import yaml
 
+from experiment_manager.analysis.groups import Group, groups_of, held_back
 from experiment_manager.analysis.rearing.page import write_rearing_page
 from experiment_manager.analysis.report import page as report_page
 from experiment_manager.analysis.report.drawings import drawings
-from experiment_manager.analysis.report.groups import Group, groups_of, held_back
-from experiment_manager.analysis.report.performance_figures import FIGURES
-from experiment_manager.analysis.report.reported_run import ReportedRun, runs_below
 from experiment_manager.analysis.report.tables import (
     antagonists_table,
     bias_table,
@@ -26,8 +24,9 @@ from experiment_manager.analysis.report.tables import (
     seeds_table,
     yoked_table,
 )
+from experiment_manager.analysis.reported_run import FIGURES, ReportedRun, runs_below
 from experiment_manager.clinic.report.page import write_clinic_page
-from experiment_manager.run.lasting_output import ignore_broken_pipes
+from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
@@ -54,7 +53,7 @@ _ABOUT_OTHERS = (
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit code: 0, or 2 with one line that says what is wrong."""
-    options = _parser().parse_args(arguments)
+    options = parser().parse_args(arguments)
     directory = options.out or (options.runs[0] if len(options.runs) == 1 else Path("report"))
     try:
         if options.rearing:
@@ -70,17 +69,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = CommandLine(
+def parser() -> argparse.ArgumentParser:
+    """Return the command line of report.sh."""
+    line = CommandLine(
         prog="report.sh",
         description="Draw the paper's figures and tables of runs into one report.html, from "
         "results.json, trials.npz, checkpoints and, where they exist, bags. Runs that differ only "
         "in their seed, or in it and the seed of their pictures, are pooled, as in K17.",
     )
-    parser.add_argument(
+    line.add_argument(
         "runs", type=Path, nargs="+", metavar="RUN", help="directory of a run or of a sweep"
     )
-    pages = parser.add_mutually_exclusive_group()
+    pages = line.add_mutually_exclusive_group()
     pages.add_argument(
         "--clinic",
         action="store_true",
@@ -94,13 +94,13 @@ def _parser() -> argparse.ArgumentParser:
         help="write rearing.html instead: a comparison of rearing conditions, from results.json and"
         " the newest checkpoint of each run (30 to 40 s per run, one run per core)",
     )
-    parser.add_argument(
+    line.add_argument(
         "--out",
         type=Path,
         metavar="DIR",
         help="where to write report.html and figures/ (default: RUN, or report/ for several)",
     )
-    return parser
+    return line
 
 
 def _runs(paths: Sequence[Path]) -> list[ReportedRun]:

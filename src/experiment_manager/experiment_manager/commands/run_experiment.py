@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
+from experiment_manager.in_process.run import run_in_process
 from experiment_manager.live.address import Address
 from experiment_manager.live.server import why_unavailable
 from experiment_manager.measures.criteria import EvaluationSettings
@@ -32,14 +33,13 @@ from experiment_manager.run.config_file import (
     configuration_text,
     read_configuration,
 )
-from experiment_manager.run.in_process import run_in_process
-from experiment_manager.run.lasting_output import ignore_broken_pipes
 from experiment_manager.supervision.fork_server import ForkServer
 from experiment_manager.supervision.heartbeats import LISTENER
 from experiment_manager.supervision.live_view import PACKAGE as LIVE_VIEW
 from experiment_manager.supervision.node_neighbours import refuse_neighbours
 from experiment_manager.supervision.processes import PACKAGES
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
+from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import load_stimuli
 from lockstep.configuration import build
@@ -108,7 +108,7 @@ def _live(options: argparse.Namespace) -> Address | None:
     return address
 
 
-def _prepare(options: argparse.Namespace) -> Path:
+def prepare(options: argparse.Namespace) -> Path:
     """Return the run directory that the command line asks for, with its config.yaml."""
     request = request_of(options)
     if options.resume is not None:
@@ -184,7 +184,7 @@ def _refuse_used(directory: Path) -> None:
 def _figure(directory: Path) -> Path | None:
     """Draw the learning curve; None when the bag has nothing to draw it from."""
     # Matplotlib takes a second to import, for which the start of a run need not wait.
-    from experiment_manager.analysis.report.performance_figures import learning_curve  # noqa: PLC0415
+    from experiment_manager.analysis.figures.learning_curve import learning_curve  # noqa: PLC0415
 
     try:
         return learning_curve(directory)
@@ -213,7 +213,7 @@ def _run(options: argparse.Namespace) -> tuple[Path, int]:
     """Prepare the run and bring it to its end; return its directory and the exit code."""
     _check_in_process(options)
     if options.in_process:
-        return in_one_process(_prepare(options))
+        return in_one_process(prepare(options))
     packages = [LISTENER, *(package for package in PACKAGES if package not in options.elsewhere)]
     if options.live is not None:
         packages.append(LIVE_VIEW)
@@ -222,7 +222,7 @@ def _run(options: argparse.Namespace) -> tuple[Path, int]:
         domain = known_domain(options.elsewhere)
         if domain is not None:
             refuse_neighbours(domain, options.elsewhere)
-        directory = _announced(_prepare(options))
+        directory = _announced(prepare(options))
         _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
         return directory, Supervisor(
             directory, fork_server, options.elsewhere, _live(options)

@@ -11,13 +11,13 @@ from experiment_manager.commands.run_experiment import source_commit
 from experiment_manager.preparation.continuation import check_settings
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.described_run import DescribedRun
-from experiment_manager.run.lasting_output import ignore_broken_pipes
 from experiment_manager.sweep import slurm
 from experiment_manager.sweep.cell_run import CellRun
 from experiment_manager.sweep.pool import Pool
 from experiment_manager.sweep.slurm import Resources
 from experiment_manager.sweep.status import status_of, table
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, Sweep, read_sweep
+from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig, load_stimuli
 from lockstep.command_line import CommandLine

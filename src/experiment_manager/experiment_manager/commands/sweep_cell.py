@@ -15,7 +15,7 @@ from experiment_manager.commands.run_experiment import (
 )
 from experiment_manager.preparation.request import RunRequest
 from experiment_manager.run.config_file import CONFIG_FILE
-from experiment_manager.run.lasting_output import ignore_broken_pipes
+from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from lockstep.machine.own_process import die_with
 
 

@@ -15,7 +15,7 @@ from gymnasium.spaces import Box, Dict, Space
 
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.environments.experiment import Experiment, make_experiment
-from experiment_manager.loop import perceived
+from experiment_manager.in_process.loop import perceived
 from experiment_manager.preparation.request import RunRequest
 from eye_plant.episode import Episode
 from eye_plant.observation import Observation

@@ -13,11 +13,11 @@ from experiment_manager.experiment.config import ExperimentManagerConfig, Protoc
 from experiment_manager.experiment.plant_changes import read_schedule, stages_of
 from experiment_manager.experiment.starts import Condition, conditions, largest_angles_deg
 from eye_plant.config import EyePlantConfig
-from eye_plant.geometry import desired_vergence_deg
 from eye_plant.inverse.gaze import GazeInverse
 from eye_plant.inverse.least_cost import check_tabled
 from eye_plant.inverse.pair import Inverse, Limits
 from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import PAIR
 from lockstep.configuration import build
 from lockstep.errors import InputError

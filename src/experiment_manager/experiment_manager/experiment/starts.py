@@ -13,11 +13,11 @@ from typing import Protocol
 import numpy as np
 
 from experiment_manager.experiment.config import ProtocolConfig, bounds
-from eye_plant.geometry import desired_vergence_deg
-from eye_plant.geometry import fixation_distance_m as distance_of_vergence_m
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, GazeInverse
 from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.vergence import desired_vergence_deg
+from eye_plant.vergence import fixation_distance_m as distance_of_vergence_m
 from lockstep.command_space import PAIR
 from lockstep.randomness import generator
 

@@ -11,12 +11,12 @@ from experiment_manager.experiment.config import ExperimentManagerConfig, Protoc
 from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
-from experiment_manager.loop import InProcessLoop
+from experiment_manager.in_process.loop import InProcessLoop
 from experiment_manager.measures.criteria import criteria_of
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import TrialTable, only_test
-from experiment_manager.run.progress_lines import progress
+from experiment_manager.terminal.progress_lines import progress
 from eye_plant.episode import Episode
 from lockstep.command_space import PAIR
 from lockstep.errors import InputError

@@ -10,7 +10,7 @@ from typing import Any
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import read_schedule
 from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.loop import InProcessLoop, make_loop
+from experiment_manager.in_process.loop import InProcessLoop, make_loop
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
 from eye_plant.config import EyePlantConfig, changed

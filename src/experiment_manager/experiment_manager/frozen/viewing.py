@@ -3,10 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from experiment_manager.loop import InProcessLoop
+from experiment_manager.in_process.loop import InProcessLoop
 from eye_plant.episode import Episode
 from eye_plant.observation import Observation
-from lockstep.wire.topics import TEST
 from sparse_coder.encoding import Encoding
 
 
@@ -60,16 +59,6 @@ class Viewing:
         return self._loop.coder.encode(*observation.pictures)
 
     def _episode(self, n_iterations: int, targets_deg: Sequence[float]) -> Episode:
-        return Episode(
-            phase=TEST,
-            test=0,
-            trial=0,
-            episode=0,
-            training_iteration=0,
-            stimulus=self._stimulus,
-            object_distance_m=self._distance_m,
-            activations=self._activations,
-            n_iterations=n_iterations,
-            first_observation=0,
-            targets_deg=tuple(targets_deg),
+        return Episode.alone(
+            self._stimulus, self._distance_m, self._activations, n_iterations, targets_deg
         )

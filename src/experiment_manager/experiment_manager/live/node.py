@@ -4,7 +4,6 @@ It never blocks a run: it samples the topics twenty times a second, subscribes t
 watches, and publishes nothing but the gaze targets that people ask for.
 """
 
-import struct
 import sys
 from collections import deque
 from functools import partial
@@ -23,12 +22,10 @@ from experiment_manager.live.view import VECTORS, View, open_server
 from lockstep.errors import InputError
 from lockstep.node.process import run_node
 from lockstep.node.ros_parameters import declare_config
-from lockstep.wire.cdr import image_array
+from lockstep.wire.cdr import image_array, stamp_ns_of
 from lockstep.wire.topics import BASIS_FUNCTIONS, GAZE_TARGET, PICTURES, TARGET_NAMES
 from lockstep.wire.vectors import VectorPublisher
 
-_HEADER_STAMP = struct.Struct("<iI")
-_HEADER_OFFSET = 4  # behind the CDR encapsulation
 # Of the ground truth each message counts; of the rest the newest is shown.
 _DEPTHS = {"ground_truth": 64}
 # Between two looks left and right come a moment apart: the newest that both have is shown.
@@ -92,7 +89,7 @@ class LiveViewNode(Node):
         newest = {topic: messages[-1] for topic, messages in heard.items()}
         if self._steering.wants_picture and PICTURES[0] in newest:
             self._steering.show(image_array(newest[PICTURES[0]]))
-        left, right = ({_stamp_ns(m): m for m in heard.get(t, ())} for t in PICTURES)
+        left, right = ({stamp_ns_of(m): m for m in heard.get(t, ())} for t in PICTURES)
         if common := set(left) & set(right):
             newest |= dict(zip(PICTURES, (left[max(common)], right[max(common)]), strict=True))
         elif left and right:
@@ -127,11 +124,6 @@ def _best_effort(depth: int) -> QoSProfile:
         reliability=ReliabilityPolicy.BEST_EFFORT,
         durability=DurabilityPolicy.VOLATILE,
     )
-
-
-def _stamp_ns(message: bytes) -> int:
-    seconds, rest_ns = _HEADER_STAMP.unpack_from(message, _HEADER_OFFSET)
-    return int(seconds) * 1_000_000_000 + int(rest_ns)
 
 
 def main() -> None:

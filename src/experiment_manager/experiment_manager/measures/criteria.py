@@ -11,10 +11,10 @@ import yaml
 from experiment_manager.experiment.config import ProtocolConfig
 from experiment_manager.experiment.plant_changes import Schedule, read_schedule
 from eye_plant.config import EyePlantConfig, changed
-from eye_plant.geometry import degrees_per_px, fixation_distance_m
 from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.metabolics import silent_activation
 from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.vergence import degrees_per_px, fixation_distance_m
 from lockstep.command_space import activation_limits
 from lockstep.configuration import build
 from lockstep.wire.topics import TEST

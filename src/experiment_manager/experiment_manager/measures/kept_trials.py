@@ -218,12 +218,8 @@ def write_trials(directory: Path, kept: KeptTrials | None) -> None:
 
     Raises OSError when the disk refuses; then an older file is untouched.
     """
-    if kept is None:
-        return
-    try:
+    if kept is not None:
         write_state(directory / KEPT_FILE, _KIND, arrays_of(kept))
-    except InputError as error:
-        raise OSError(str(error)) from error
 
 
 def read_trials(directory: Path) -> list[Trials]:

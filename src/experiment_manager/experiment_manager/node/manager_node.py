@@ -15,7 +15,7 @@ from experiment_manager.node.parameters import NodeParameters, Parameters
 from experiment_manager.node.presence import Presence
 from experiment_manager.node.recorder import Recorder
 from experiment_manager.node.requests import LEARNERS, PLANT, Requests
-from experiment_manager.run.episode_record import small_topics
+from experiment_manager.run.recorded_topics import small_topics
 from experiment_manager.run.run_directory import Run
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, FAULT_TEXT

@@ -12,13 +12,9 @@ from sensor_msgs.msg import JointState
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.node.fault_detection import LEARNER_OF, check_learning_steps
-from experiment_manager.run.episode_record import (
-    FREE_TOPICS,
-    SAMPLED_TOPICS,
-    EpisodeRecord,
-    small_topics,
-    takes_pictures,
-)
+from experiment_manager.run.episode_record import EpisodeRecord
+from experiment_manager.run.picture_sample import takes_pictures
+from experiment_manager.run.recorded_topics import FREE_TOPICS, SAMPLED_TOPICS, small_topics
 from experiment_manager.run.run_directory import Run
 from eye_plant.episode import Episode
 from lockstep.wire.cdr import stamp_of

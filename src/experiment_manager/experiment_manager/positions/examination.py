@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.frozen.viewing import Viewing
-from experiment_manager.loop import InProcessLoop
+from experiment_manager.in_process.loop import InProcessLoop
 from experiment_manager.positions.posture import Posture
 from experiment_manager.positions.start import (
     activations_ahead,
@@ -26,7 +26,7 @@ from experiment_manager.positions.targets import (
     wanted_angles_deg,
     wanted_gaze_deg,
 )
-from experiment_manager.run.progress_lines import progress
+from experiment_manager.terminal.progress_lines import progress
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep.errors import InputError
 

@@ -7,9 +7,9 @@ from typing import Any
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.loop import make_loop
+from experiment_manager.in_process.loop import make_loop
 from experiment_manager.measures.metrics import SHARE_ITERATIONS
-from experiment_manager.run.progress_lines import progress
+from experiment_manager.terminal.progress_lines import progress
 from lockstep.configuration import build
 
 Parameters = Mapping[str, Mapping[str, Any]]

@@ -1,30 +1,12 @@
-"""Which messages an episode must bring, and when all of them have been recorded. No ROS."""
+"""When all messages that an episode must bring have been recorded. No ROS."""
 
 from collections.abc import Sequence
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.run.recorded_topics import SMALL_TOPICS
 from eye_plant.episode import Episode
 from lockstep.wire.topics import (
-    CODER_VECTORS,
-    GAZE,
-    LEARNER_VECTORS,
-    PARAMETER_CHANGES,
     PLANT_VECTORS,
-    TOPIC_TYPES,
     TRAINING,
-)
-
-# Always recorded, exactly one of each per observation ...
-SMALL_TOPICS = (*PLANT_VECTORS, *CODER_VECTORS, *LEARNER_VECTORS)
-# ... of eyes that make saccades one more ...
-SMALL_TOPICS_WITH_GAZE = (*SMALL_TOPICS, GAZE)
-# ... recorded whenever they come ...
-FREE_TOPICS = ("/clock", "/diagnostics")
-# ... written by the recorder itself ...
-OWN_TOPICS = (PARAMETER_CHANGES,)
-# ... and recorded for a sample of the episodes, since they are large.
-SAMPLED_TOPICS = tuple(
-    name for name in TOPIC_TYPES if name not in (*SMALL_TOPICS_WITH_GAZE, *FREE_TOPICS, *OWN_TOPICS)
 )
 
 
@@ -71,26 +53,6 @@ class EpisodeRecord:
     def missing(self) -> str:
         """Return what has not come yet, for an error text."""
         return ", ".join(f"{count} of {name}" for name, count in self._missing.items() if count)
-
-
-def small_topics(config: ExperimentManagerConfig) -> tuple[str, ...]:
-    """Return the topics of which each observation of a run has one message."""
-    protocol = config.protocol
-    has_gaze = protocol.fixation_iterations or protocol.measures_turns
-    return SMALL_TOPICS_WITH_GAZE if has_gaze else SMALL_TOPICS
-
-
-def takes_pictures(config: ExperimentManagerConfig, episode: Episode) -> bool:
-    """Return whether pictures and features of an episode belong to the recorded sample."""
-    number = episode.episode if episode.phase == TRAINING else episode.trial
-    return is_sampled(config, episode.phase, number)
-
-
-def is_sampled(config: ExperimentManagerConfig, phase: int, number: int) -> bool:
-    """Return whether the training episode or trial of a number belongs to the sample."""
-    in_training = phase == TRAINING
-    every = config.pictures_every_n_episodes if in_training else config.pictures_every_n_trials
-    return every > 0 and number % every == 0
 
 
 def learning_steps(topic: str, episode: Episode, iteration: int) -> int:

@@ -28,9 +28,9 @@ from experiment_manager.run.config_file import (
     configuration_text,
     parameters_in,
 )
-from experiment_manager.run.episode_record import is_sampled
+from experiment_manager.run.picture_sample import is_sampled
 from experiment_manager.run.progress import Progress
-from experiment_manager.run.progress_bar import ProgressBar
+from experiment_manager.terminal.progress_bar import ProgressBar
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from lockstep.configuration import flatten

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.frozen.viewing import Viewing
-from experiment_manager.loop import InProcessLoop
+from experiment_manager.in_process.loop import InProcessLoop
 from experiment_manager.measures.tables import number, percent, text_table
 from experiment_manager.positions.start import activations_ahead, check_looks_at_targets
 from experiment_manager.positions.targets import direction_deg as angles_of_direction_deg
-from experiment_manager.run.progress_lines import progress
 from experiment_manager.saccades.main_sequence import MainSequence, fitted
+from experiment_manager.terminal.progress_lines import progress
 from eye_plant.mechanics.movement import Movement, angles_deg, movements
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep.errors import InputError

@@ -21,7 +21,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import IO
 
-from experiment_manager.run.progress_bar import TERMINAL_VARIABLE
+from experiment_manager.terminal.progress_bar import TERMINAL_VARIABLE
 from lockstep.machine.own_process import appear_as, die_with
 
 _MAX_MESSAGE_BYTES = 1 << 16

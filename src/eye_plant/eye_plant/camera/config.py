@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
@@ -15,6 +16,14 @@ _BLURS = tuple(
     for side in ("left", "right")
     for kind in ("", "horizontal_", "vertical_")
 )
+
+
+def _blur_px(text: str) -> Any:
+    return setting(0.0, text, "px", least=0)
+
+
+def _turn_deg(text: str) -> Any:
+    return setting(0.0, text, "deg", least=-45, most=45)
 
 
 @dataclass(frozen=True)
@@ -56,74 +65,40 @@ class CameraConfig:
     landscape_width_m: float = setting(39.0, "width of the landscape", "m", above=0)
     landscape_height_m: float = setting(12.0, "height of the landscape", "m", above=0)
     landscape_seed: int = setting(0, "seed of the generated landscape")
-    left_blur_px: float = setting(
-        0.0, "standard deviation of the Gaussian blur of the left picture", "px", least=0
+    left_blur_px: float = _blur_px("standard deviation of the Gaussian blur of the left picture")
+    right_blur_px: float = _blur_px("standard deviation of the Gaussian blur of the right picture")
+    left_horizontal_blur_px: float = _blur_px(
+        "additional blur of the left picture along its rows; it removes vertical stripes"
     )
-    right_blur_px: float = setting(
-        0.0, "standard deviation of the Gaussian blur of the right picture", "px", least=0
+    right_horizontal_blur_px: float = _blur_px(
+        "additional blur of the right picture along its rows"
     )
-    left_horizontal_blur_px: float = setting(
-        0.0,
-        "additional blur of the left picture along its rows; it removes vertical stripes",
-        "px",
-        least=0,
+    left_vertical_blur_px: float = _blur_px(
+        "additional blur of the left picture along its columns; it removes horizontal stripes"
     )
-    right_horizontal_blur_px: float = setting(
-        0.0, "additional blur of the right picture along its rows", "px", least=0
+    right_vertical_blur_px: float = _blur_px(
+        "additional blur of the right picture along its columns"
     )
-    left_vertical_blur_px: float = setting(
-        0.0,
-        "additional blur of the left picture along its columns; it removes horizontal stripes",
-        "px",
-        least=0,
+    left_rotation_deg: float = _turn_deg(
+        "rotation of the left camera in its eye, positive toward the nose"
     )
-    right_vertical_blur_px: float = setting(
-        0.0, "additional blur of the right picture along its columns", "px", least=0
+    right_rotation_deg: float = _turn_deg(
+        "rotation of the right camera in its eye, positive toward the nose"
     )
-    left_rotation_deg: float = setting(
-        0.0,
-        "rotation of the left camera in its eye, positive toward the nose",
-        "deg",
-        least=-45,
-        most=45,
+    left_elevation_deg: float = _turn_deg(
+        "elevation of the left camera in its eye, turned after left_rotation_deg; positive upwards"
     )
-    right_rotation_deg: float = setting(
-        0.0,
-        "rotation of the right camera in its eye, positive toward the nose",
-        "deg",
-        least=-45,
-        most=45,
-    )
-    left_elevation_deg: float = setting(
-        0.0,
-        "elevation of the left camera in its eye, turned after left_rotation_deg; positive upwards",
-        "deg",
-        least=-45,
-        most=45,
-    )
-    right_elevation_deg: float = setting(
-        0.0,
+    right_elevation_deg: float = _turn_deg(
         "elevation of the right camera in its eye, turned after right_rotation_deg; positive"
-        " upwards",
-        "deg",
-        least=-45,
-        most=45,
+        " upwards"
     )
-    left_roll_deg: float = setting(
-        0.0,
+    left_roll_deg: float = _turn_deg(
         "rotation of the left camera about its line of sight, its upper side toward the nose"
-        " positive",
-        "deg",
-        least=-45,
-        most=45,
+        " positive"
     )
-    right_roll_deg: float = setting(
-        0.0,
+    right_roll_deg: float = _turn_deg(
         "rotation of the right camera about its line of sight, its upper side toward the nose"
-        " positive",
-        "deg",
-        least=-45,
-        most=45,
+        " positive"
     )
     left_magnification: float = setting(
         1.0, "magnification of the left picture about its centre", above=0

@@ -6,10 +6,10 @@ from typing import Protocol
 
 import numpy as np
 
-from eye_plant.geometry import fixation_distance_m
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, GazeInverse, LeastCost
 from eye_plant.inverse.pair import Inverse, Limits, pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.vergence import fixation_distance_m
 from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.errors import InputError
 

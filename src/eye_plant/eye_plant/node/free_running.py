@@ -17,7 +17,6 @@ from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer, expect_none
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import MAX_STAMP_NS, period_ns, stamp_of
-from lockstep.wire.topics import TEST
 from lockstep.wire.vectors import values_of
 
 
@@ -61,17 +60,9 @@ class FreeRunning:
         )
 
     def _endless_episode(self, free: FreeRunningConfig) -> Episode:
-        return Episode(
-            phase=TEST,
-            test=-1,
-            trial=-1,
-            episode=0,
-            training_iteration=0,
-            stimulus=free.stimulus,
-            object_distance_m=free.object_distance_m,
-            activations=tuple(self._targets.tolist()),
-            n_iterations=MAX_STAMP_NS // self._period_ns,
-            first_observation=0,
+        n_iterations = MAX_STAMP_NS // self._period_ns
+        return Episode.alone(
+            free.stimulus, free.object_distance_m, self._targets.tolist(), n_iterations
         )
 
     def _begin(self, arguments: Arguments) -> None:

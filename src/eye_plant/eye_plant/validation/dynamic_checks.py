@@ -8,7 +8,6 @@ import numpy as np
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.opengl.offscreen import GraphicsError
-from eye_plant.geometry import desired_vergence_deg, disparity_px
 from eye_plant.inverse.pair import Inverse, pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
@@ -17,6 +16,7 @@ from eye_plant.stimuli.stimulus_set import StimulusSet
 from eye_plant.validation.passive_energy import passive_energy_j
 from eye_plant.validation.row import Row
 from eye_plant.validation.saccades import PULSES, Saccade, holding_pair, make_saccade
+from eye_plant.vergence import desired_vergence_deg, disparity_px
 from lockstep.command_space import HIGHEST_ACTIVATIONS, LOWEST_ACTIVATIONS
 
 LIMITS = pair_limits(LOWEST_ACTIVATIONS, HIGHEST_ACTIVATIONS)

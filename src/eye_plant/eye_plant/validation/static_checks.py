@@ -6,7 +6,6 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from eye_plant.geometry import desired_vergence_deg
 from eye_plant.inverse.pair import Inverse, pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
@@ -15,6 +14,7 @@ from eye_plant.validation.openeyesim import SINGLE_MUSCLE_POINTS, Maps, power_la
 from eye_plant.validation.row import Row
 from eye_plant.validation.saccades import holding_pair
 from eye_plant.validation.secondary_gaze import worst_torsion_deg
+from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import HIGHEST_ACTIVATIONS, LOWEST_ACTIVATIONS, MUSCLES
 
 LIMITS = pair_limits(LOWEST_ACTIVATIONS, HIGHEST_ACTIVATIONS)

@@ -135,7 +135,11 @@ class LearnerNode(Node, Generic[L]):
         self._answered_ns = -1
 
     def _save(self, arguments: Arguments) -> None:
-        write_state(_path_of(arguments), self.get_name(), self.learner.state())
+        path = _path_of(arguments)
+        try:
+            write_state(path, self.get_name(), self.learner.state())
+        except OSError as error:
+            raise InputError(f"state file {path}: cannot be written: {error}") from error
 
     def _load(self, arguments: Arguments) -> None:
         path = _path_of(arguments)

@@ -1,13 +1,13 @@
 """Which episodes a film shows."""
 
-from experiment_manager.analysis.film.scenes import Episode, chosen_stages
+from experiment_manager.analysis.film.scenes import RecordedEpisode, chosen_stages
 
 
-def _episode(training_iteration: int, trial: int, start_error_deg: float) -> Episode:
-    return Episode(training_iteration, trial >= 0, trial, start_error_deg)
+def _episode(training_iteration: int, trial: int, start_error_deg: float) -> RecordedEpisode:
+    return RecordedEpisode(training_iteration, trial >= 0, trial, start_error_deg)
 
 
-def _chosen(episodes: list[Episode]) -> list[tuple[str, list[int]]]:
+def _chosen(episodes: list[RecordedEpisode]) -> list[tuple[str, list[int]]]:
     return [(caption, [e.trial for e in its]) for caption, its in chosen_stages(episodes)]
 
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from experiment_manager.analysis.report.activation_figure import activations_figure
+from experiment_manager.analysis.figures.activations import activations_figure
+from experiment_manager.analysis.figures.errors import errors_figure
+from experiment_manager.analysis.figures.price import over_prices, price_figure
+from experiment_manager.analysis.groups import Group, groups_of
 from experiment_manager.analysis.report.drawings import drawings
-from experiment_manager.analysis.report.error_figures import errors_figure
-from experiment_manager.analysis.report.groups import Group, groups_of
-from experiment_manager.analysis.report.price_figure import over_prices, price_figure
-from experiment_manager.analysis.report.reported_run import ReportedRun
 from experiment_manager.analysis.report.tables import antagonists_table, comparison_table
+from experiment_manager.analysis.reported_run import ReportedRun
 from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI, PAIR
 from tests.experiment_manager.own_commands import N_ITERATIONS, write_run
 from tests.readable import assert_readable

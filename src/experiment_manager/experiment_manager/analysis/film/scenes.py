@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from experiment_manager.analysis.pictured_episodes import PicturedEpisodes, pictured_episodes
+from experiment_manager.analysis.recorded_pictures import PicturedEpisodes, pictured_episodes
 from experiment_manager.analysis.recorded_run import commanded, evaluation_settings_of
 from experiment_manager.bag.reader import Bag, VectorTable
 from lockstep.command_space import PAIR
@@ -39,7 +39,7 @@ class Scene:
 
 
 @dataclass(frozen=True)
-class Episode:
+class RecordedEpisode:
     """A recorded episode with pictures, number i_episode of them; trial: -1 in training."""
 
     training_iteration: int
@@ -64,7 +64,7 @@ def scenes(bag: Bag) -> list[Scene]:
     ]
 
 
-def _episodes(pictured: PicturedEpisodes) -> list[Episode]:
+def _episodes(pictured: PicturedEpisodes) -> list[RecordedEpisode]:
     column = pictured.truth.column
     firsts = [rows[0] for rows in pictured.rows]
     values = [
@@ -72,12 +72,12 @@ def _episodes(pictured: PicturedEpisodes) -> list[Episode]:
         for name in ("training_iteration", "phase", "trial", "vergence_error_deg")
     ]
     return [
-        Episode(int(training), phase == TEST, int(trial), float(error_deg), i_episode)
+        RecordedEpisode(int(training), phase == TEST, int(trial), float(error_deg), i_episode)
         for i_episode, (training, phase, trial, error_deg) in enumerate(zip(*values, strict=True))
     ]
 
 
-def chosen_stages(episodes: Sequence[Episode]) -> list[tuple[str, list[Episode]]]:
+def chosen_stages(episodes: Sequence[RecordedEpisode]) -> list[tuple[str, list[RecordedEpisode]]]:
     """Return the captions of the stages and their episodes.
 
     Before and after learning the same trials, where there are some in both, of errors as different
@@ -110,23 +110,27 @@ def _after(training_iteration: int) -> str:
     return f"after {training_iteration:,} training iterations"
 
 
-def _trials_first(episodes: Sequence[Episode]) -> list[Episode]:
+def _trials_first(episodes: Sequence[RecordedEpisode]) -> list[RecordedEpisode]:
     trials = [e for e in episodes if e.is_trial]
     return trials or list(episodes)
 
 
-def _by_error(episodes: Sequence[Episode]) -> list[Episode]:
+def _by_error(episodes: Sequence[RecordedEpisode]) -> list[RecordedEpisode]:
     return _spread(sorted(episodes, key=lambda e: (e.start_error_deg, e.trial)))
 
 
-def _spread(episodes: Sequence[Episode]) -> list[Episode]:
+def _spread(episodes: Sequence[RecordedEpisode]) -> list[RecordedEpisode]:
     n_scenes = min(SCENES_PER_STAGE, len(episodes))
     chosen = np.linspace(0, len(episodes) - 1, n_scenes).round().astype(int)
     return [episodes[i] for i in chosen]
 
 
 def _scene(
-    bag: Bag, pictured: PicturedEpisodes, muscles: VectorTable, episode: Episode, caption: str
+    bag: Bag,
+    pictured: PicturedEpisodes,
+    muscles: VectorTable,
+    episode: RecordedEpisode,
+    caption: str,
 ) -> Scene:
     truth, settings = pictured.truth, evaluation_settings_of(bag)
     wanted = truth.stamps_ns[pictured.rows[episode.i_episode]]

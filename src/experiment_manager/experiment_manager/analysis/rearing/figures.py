@@ -14,11 +14,11 @@ from experiment_manager.analysis.basis_functions import (
     BINOCULARITY_EDGES,
     ORIENTATION_STEP_DEG,
 )
+from experiment_manager.analysis.figures.dictionaries import SCALES
+from experiment_manager.analysis.figures.quartiles import ERROR_LABEL, scale_errors
 from experiment_manager.analysis.rearing.conditions import name_of
 from experiment_manager.analysis.rearing.reared_run import RearedRun, ScaleTuning
-from experiment_manager.analysis.report.dictionary_figures import SCALES
-from experiment_manager.analysis.report.performance_figures import ERROR_LABEL, scale_errors
-from eye_plant.geometry import degrees_per_px
+from eye_plant.vergence import degrees_per_px
 from lockstep.figures import (
     BLUE,
     GREY,

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from experiment_manager.analysis.figures.dictionaries import SCALES
 from experiment_manager.analysis.rearing.reared_run import RearedRun, ScaleTuning
 from experiment_manager.analysis.rearing.reward_landscape import RewardLandscape
-from experiment_manager.analysis.report.dictionary_figures import SCALES
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
 

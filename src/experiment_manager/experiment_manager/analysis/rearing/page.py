@@ -20,7 +20,7 @@ from experiment_manager.analysis.rearing.measures_file import MEASURES_FILE, wri
 from experiment_manager.analysis.rearing.measuring import read_reared_run
 from experiment_manager.analysis.rearing.reared_run import RearedRun, ScaleTuning
 from experiment_manager.analysis.report import page as report_page
-from experiment_manager.analysis.report.performance_figures import FIGURES
+from experiment_manager.analysis.reported_run import FIGURES
 from experiment_manager.measures.results import RESULTS_FILE, Summary
 from experiment_manager.measures.tables import number
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep

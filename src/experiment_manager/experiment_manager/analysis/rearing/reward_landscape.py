@@ -8,13 +8,12 @@ from numpy.typing import NDArray
 
 from experiment_manager.analysis.basis_functions import left_share
 from eye_plant.episode import Episode
-from eye_plant.geometry import desired_vergence_deg
 from eye_plant.inverse.pair import FULL_RANGE, Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.observation import Observation
 from eye_plant.plant import EyePlant
+from eye_plant.vergence import desired_vergence_deg
 from lockstep.errors import InputError
-from lockstep.wire.topics import TEST
 from sparse_coder.coder import SparseCoder
 
 Array = NDArray[np.float64]
@@ -97,17 +96,5 @@ def _look(
     plant: EyePlant, stimulus: int, distance_m: float, activations: tuple[float, float]
 ) -> Observation:
     """Return what the eyes see that are held at the activations of (medial, lateral) recti."""
-    return plant.begin(
-        Episode(
-            phase=TEST,
-            test=0,
-            trial=0,
-            episode=0,
-            training_iteration=0,
-            stimulus=stimulus,
-            object_distance_m=distance_m,
-            activations=tuple(plant.oculomotor.activations_from(*activations).tolist()),
-            n_iterations=1,
-            first_observation=0,
-        )
-    )
+    of_all = plant.oculomotor.activations_from(*activations).tolist()
+    return plant.begin(Episode.alone(stimulus, distance_m, of_all, n_iterations=1))

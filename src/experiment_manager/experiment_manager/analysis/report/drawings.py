@@ -7,16 +7,17 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 
-from experiment_manager.analysis.report.activation_figure import activations_figure
-from experiment_manager.analysis.report.condition_figures import conditions_figure
-from experiment_manager.analysis.report.dictionary_figures import dictionary_figure
-from experiment_manager.analysis.report.error_figures import errors_figure
-from experiment_manager.analysis.report.groups import Group
-from experiment_manager.analysis.report.motor_space_figure import motor_space, motor_space_figure
-from experiment_manager.analysis.report.performance_figures import box_figure, performance_figure
-from experiment_manager.analysis.report.picture_figures import anaglyph_figure, encoding_figure
-from experiment_manager.analysis.report.price_figure import over_prices, price_figure
-from experiment_manager.analysis.report.reported_run import ReportedRun
+from experiment_manager.analysis.figures.activations import activations_figure
+from experiment_manager.analysis.figures.boxes import box_figure
+from experiment_manager.analysis.figures.conditions import conditions_figure
+from experiment_manager.analysis.figures.dictionaries import dictionary_figure
+from experiment_manager.analysis.figures.errors import errors_figure
+from experiment_manager.analysis.figures.learning_curve import performance_figure
+from experiment_manager.analysis.figures.motor_space import motor_space, motor_space_figure
+from experiment_manager.analysis.figures.pictures import anaglyph_figure, encoding_figure
+from experiment_manager.analysis.figures.price import over_prices, price_figure
+from experiment_manager.analysis.groups import Group
+from experiment_manager.analysis.reported_run import ReportedRun
 from experiment_manager.run import checkpoint
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.configuration import build

@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import astuple, dataclass, replace
 from itertools import chain
 
+from experiment_manager.analysis.groups import Group
 from experiment_manager.analysis.recorded_run import RecordedRun
 from experiment_manager.analysis.report import page as report_page
-from experiment_manager.analysis.report.groups import Group
-from experiment_manager.analysis.report.reported_run import ReportedRun
+from experiment_manager.analysis.reported_run import ReportedRun
 from experiment_manager.analysis.resting_places import resting_places
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS, SHARE_ITERATIONS
 from experiment_manager.measures.results import Measures, SetSummary, Summary
@@ -108,7 +108,7 @@ def runs_table(groups: Sequence[Group]) -> str:
 
 
 def _share_of_reward(share: float | None, n_iterations: int) -> str:
-    """Return the share; of a run with fewer iterations than it is measured over, over how many."""
+    """Return the share as text; of a run shorter than the window, also over how many iterations."""
     whole = n_iterations >= SHARE_ITERATIONS or share is None
     return percent(share) if whole else f"{percent(share)} (all {n_iterations:,})"
 

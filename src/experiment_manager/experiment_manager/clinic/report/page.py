@@ -11,7 +11,7 @@ import matplotlib as mpl
 from experiment_manager.analysis.one_a_core import of_each_run
 from experiment_manager.analysis.rearing.page import finished_runs
 from experiment_manager.analysis.report import page as report_page
-from experiment_manager.analysis.report.performance_figures import FIGURES
+from experiment_manager.analysis.reported_run import FIGURES
 from experiment_manager.clinic.report.examined_run import AGES, ExaminedRun
 from experiment_manager.clinic.report.examining import examined_run
 from experiment_manager.clinic.report.figures import clinic_figure

@@ -1,0 +1,148 @@
+"""The whole loop in one process, without ROS: the oracle of the graph, and its yardstick."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from eye_plant.config import EyePlantConfig
+from eye_plant.episode import Episode
+from eye_plant.observation import Observation
+from eye_plant.plant import EyePlant
+from eye_plant.stimuli.stimulus_set import StimulusSet
+from lockstep.configuration import build
+from lockstep.errors import InputError
+from lockstep.state_file import read_state, write_state
+from lockstep.wire.topics import TRAINING
+from sparse_coder.coder import SparseCoder
+from sparse_coder.config import SparseCoderConfig
+from sparse_coder.gaze.fixations import Fixations
+from sparse_coder.gaze.turns import Turns
+from sparse_coder.perception import Percept, gaze_watch, perceive
+from vergence_rl.agent import Agent
+from vergence_rl.config import VergenceRlConfig
+from vergence_rl.gaze.effort import price_of
+from vergence_rl.learning_rule import Decision
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the learners made of one observation.
+
+    agent_learning_steps: as the agent counts them in its answer.
+    """
+
+    percept: Percept
+    decision: Decision
+    agent_learning_steps: int
+
+
+@dataclass(frozen=True)
+class Step:
+    """An observation and its answer; the last observation of an episode has none."""
+
+    observation: Observation
+    answer: Answer | None
+
+
+def perceived(
+    coder: SparseCoder, observation: Observation, watch: Fixations | Turns | None = None
+) -> Percept:
+    """Return what the coder makes of an observation with pictures.
+
+    watch: of the gaze, where somebody asks.
+    """
+    assert observation.pictures is not None
+    charged_w = observation.state.metabolic_rate_w[coder.config.space.indices]
+    left, right = observation.pictures
+    given_deg = np.array(observation.given_target_deg)
+    return perceive(
+        coder,
+        left,
+        right,
+        charged_w,
+        watch=watch,
+        iteration=observation.iteration,
+        given_deg=given_deg,
+    )
+
+
+class InProcessLoop:
+    """Plant, coder and agent, called in the order in which the graph's messages call them."""
+
+    def __init__(self, plant: EyePlant, coder: SparseCoder, agent: Agent) -> None:
+        """All three must have the same command space."""
+        self.plant = plant
+        self.coder = coder
+        self.agent = agent
+        self._space = agent.config.space
+        self._watch = gaze_watch(coder.config)
+
+    @property
+    def learners(self) -> dict[str, SparseCoder | Agent]:
+        """The learners by the names of their nodes."""
+        return {"sparse_coder": self.coder, "vergence_rl": self.agent}
+
+    def save(self, paths: Mapping[str, Path]) -> None:
+        """Write each learner's state; raises OSError when the disk refuses."""
+        for name, path in paths.items():
+            write_state(path, name, self.learners[name].state())
+
+    def restore(self, paths: Mapping[str, Path]) -> None:
+        """Take over each learner's state; raises InputError for a file that holds none that fits.
+
+        What was taken over before that stays.
+        """
+        for name, path in paths.items():
+            try:
+                self.learners[name].restore(read_state(path, name))
+            except ValueError as error:
+                raise InputError(f"{path}: {error}") from error
+
+    def run_episode(self, episode: Episode, *, learning: bool = True) -> Iterator[Step]:
+        """Yield the steps of an episode; learners learn in training episodes only."""
+        in_training = episode.phase == TRAINING
+        observation = self.plant.begin(episode)
+        while observation.pictures is not None:
+            answer = self._answer(observation, learning and in_training, in_training)
+            yield Step(observation, answer)
+            observation = self.plant.execute(
+                self.plant.targets(self._space.names, answer.decision.command)
+            )
+        yield Step(observation, None)
+
+    def _answer(self, observation: Observation, learning: bool, exploration: bool) -> Answer:
+        percept = perceived(self.coder, observation, self._watch)
+        if learning:
+            self.coder.learn(percept.encoding)
+        gaze = percept.gaze
+        coarse, fine = percept.encoding.reconstruction_error.tolist()
+        decision = self.agent.observe(
+            percept.encoding.features,
+            self._space.from_all(observation.state.activations),
+            percept.reward,
+            observation.iteration,
+            observation.training_iteration,
+            learning=learning,
+            exploration=exploration,
+            price=price_of((coarse, fine), percept.reward),
+            **({"target_deg": gaze.target_deg, "turns_deg": gaze.turns_deg} if gaze else {}),
+        )
+        return Answer(percept, decision, self.agent.learning_steps)
+
+
+def make_loop(
+    parameters: Mapping[str, Mapping[str, Any]], stimuli: StimulusSet | None = None
+) -> InProcessLoop:
+    """Return the loop of a run, untrained, from all parameters by node.
+
+    stimuli: instead of those that the plant's parameters ask for. Raises InputError for whatever a
+    node would refuse.
+    """
+    return InProcessLoop(
+        EyePlant(build(EyePlantConfig, parameters["eye_plant"]), stimuli),
+        SparseCoder(build(SparseCoderConfig, parameters["sparse_coder"])),
+        Agent(build(VergenceRlConfig, parameters["vergence_rl"])),
+    )

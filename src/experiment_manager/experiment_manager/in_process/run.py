@@ -1,0 +1,150 @@
+"""A whole run in one process, without nodes: the same files, bit for bit, as a graph writes."""
+
+import dataclasses
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.in_process.loop import Step, make_loop
+from experiment_manager.in_process.step_messages import StepMessages
+from experiment_manager.run.attempt import goes_on
+from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
+from experiment_manager.run.picture_sample import takes_pictures
+from experiment_manager.run.run_directory import Run
+from eye_plant.config import EyePlantConfig
+from eye_plant.episode import Episode
+from lockstep.configuration import build
+from lockstep.errors import DivergenceError, InputError
+from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
+from lockstep.machine.interrupts import Interrupts
+from lockstep.wire.stamps import period_ns, stamp_of
+
+
+def run_in_process(directory: Path) -> int:
+    """Bring a run to its end; return the exit code: 0 done, 3 a fault, 130 interrupted.
+
+    directory: holds config.yaml, and whatever the run has done so far. What is wrong here would be
+    so again, so nothing is tried twice. Raises InputError for what cannot be begun.
+    """
+    interrupts = Interrupts()
+    run: InProcessRun | None = None
+    try:
+        configuration = read_configuration(directory / CONFIG_FILE)
+        run = InProcessRun(configuration, directory, interrupts, resume=goes_on(directory))
+        is_over = run.go_on()
+        run.close()
+    except OSError as error:
+        return _fault(f"{directory} cannot be written: {error}; what was saved before is intact")
+    except DivergenceError as error:
+        return _fault(f"{error}; what was saved before is intact")
+    except InputError as error:
+        if run is None:
+            raise
+        return _fault(str(error))
+    return 0 if is_over else EXIT_INTERRUPTED
+
+
+def _fault(reason: str) -> int:
+    print(f"error: {reason}", file=sys.stderr)
+    return EXIT_FAULT
+
+
+class InProcessRun:
+    """Plant, learners and recorder of one run, driven episode by episode."""
+
+    def __init__(
+        self, configuration: Configuration, directory: Path, interrupts: Interrupts, *, resume: bool
+    ) -> None:
+        """directory: of the run, with its config.yaml; resume: go on from its newest checkpoint.
+
+        Raises InputError for whatever a node would refuse, OSError when nothing can be written.
+        """
+        manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
+        self._config = dataclasses.replace(manager, run_directory=str(directory), resume=resume)
+        plant = build(EyePlantConfig, configuration["eye_plant"])
+        self._period_ns = period_ns(plant.mechanics.period_s)
+        self._loop = make_loop(configuration)
+        self._space = plant.space
+        self._messages = StepMessages(plant, self._loop.coder.config.n_bases)
+        self._run = Run(self._config)
+        self._loop.restore(self._run.states_to_load([*self._loop.learners]))
+        self._interrupts = interrupts
+
+    def go_on(self) -> bool:
+        """Bring the run to its end; return whether it came there, or was interrupted before.
+
+        Once interrupted, it stops after the episode under way, with a checkpoint; the second time,
+        at once. Raises InputError for numbers that no learner takes, OSError when the disk refuses.
+        """
+        try:
+            return self._go_on()
+        finally:
+            self._run.leave_bar()
+
+    def _go_on(self) -> bool:
+        run = self._run
+        while not run.is_over and not self._interrupts.count:
+            if run.checkpoint_is_due():
+                self._checkpoint()
+            self._prepare_plant()
+            self._record(run.episode())
+        if self._interrupts.count <= 1:
+            self._checkpoint()
+        if run.is_over:
+            run.finish()
+        return run.is_over
+
+    def _prepare_plant(self) -> None:
+        """Let the plant be as the schedule has it for the next episode, and record a change."""
+        plant = self._loop.plant
+        before = plant.config
+        plant.reconfigure(self._run.plant_settings())
+        if plant.config != before:
+            self._messages = StepMessages(plant.config, self._loop.coder.config.n_bases)
+        self._run.begin_episode()
+
+    def _record(self, episode: Episode) -> None:
+        run, write = self._run, self._run.writer.write
+        stamp_of(episode.first_observation + episode.n_iterations, self._period_ns)
+        is_sampled = takes_pictures(self._config, episode)
+        for step in self._loop.run_episode(episode):
+            if self._interrupts.count > 1:
+                return
+            run.stamp_ns = step.observation.number * self._period_ns
+            if is_sampled:
+                for topic, message in self._messages.large(run.stamp_ns, step):
+                    write(topic, message, run.stamp_ns)
+            for topic, message in self._messages.small(run.stamp_ns, step):
+                write(topic, message, run.stamp_ns)
+            self._measure(episode, step)
+        run.writer.release(run.stamp_ns + 1)
+        run.end_episode()
+
+    def _measure(self, episode: Episode, step: Step) -> None:
+        observation, answer, progress = step.observation, step.answer, self._run.progress
+        truth = _finite("ground_truth", observation.ground_truth_values())
+        progress.add_truth(truth, is_last=answer is None)
+        progress.add_activations(episode.phase, observation.state.activations[self._space.indices])
+        if answer is not None:
+            values = _finite("reward", answer.percept.reward_values())
+            progress.add_reward(episode.phase, observation.training_iteration, values)
+
+    def _checkpoint(self) -> None:
+        paths = self._run.state_paths([*self._loop.learners])
+        self._loop.save(paths)
+        self._run.commit(paths)
+
+    def close(self) -> None:
+        """Close the bag, whole up to the last message, and release the graphics context."""
+        self._loop.plant.close()
+        self._run.close()
+
+
+def _finite(topic: str, values: Sequence[float]) -> np.ndarray:
+    array = np.array(values, dtype=np.float64)
+    if not np.isfinite(array).all():
+        raise InputError(f"{topic}: expected finite values, got {array.tolist()}")
+    return array

@@ -1,0 +1,57 @@
+"""The messages that a graph would have sent of a step of the loop, by the same functions."""
+
+from collections.abc import Iterator
+
+from experiment_manager.in_process.loop import Step
+from eye_plant.config import EyePlantConfig
+from eye_plant.messages import ObservationMessages
+from lockstep.wire.images import ImageBytes
+from lockstep.wire.topics import GAZE, GAZE_NAMES, REWARD_NAMES, actor_critic_names
+from lockstep.wire.vectors import VectorBytes
+from sparse_coder.messages import features_message
+from vergence_rl.messages import actor_critic_values
+
+_WORD_BYTES = 4
+
+
+class StepMessages:
+    """Serializes steps: (topic, message) by (topic, message)."""
+
+    def __init__(self, plant: EyePlantConfig, n_bases: int) -> None:
+        """Lay out the messages; n_bases: of each scale's dictionary."""
+        self._observation = ObservationMessages(plant)
+        self._reward = VectorBytes(REWARD_NAMES)
+        self._gaze = VectorBytes(GAZE_NAMES)
+        self._command = VectorBytes(plant.space.names)
+        self._actor_critic = VectorBytes(actor_critic_names(plant.space))
+        self._features = ImageBytes(features_message(n_bases))
+
+    def small(self, stamp_ns: int, step: Step) -> Iterator[tuple[str, bytes]]:
+        """Yield what is recorded of each step."""
+        yield from self._observation.vectors(stamp_ns, step.observation)
+        answer = step.answer
+        if answer is None:
+            return
+        yield "reward", self._reward.of(stamp_ns, answer.percept.reward_values())
+        if answer.percept.gaze is not None:
+            yield GAZE, self._gaze.of(stamp_ns, answer.percept.gaze.values())
+        yield "muscle_command", self._command.of(stamp_ns, answer.decision.command)
+        values = actor_critic_values(answer.decision, answer.agent_learning_steps)
+        yield "actor_critic", self._actor_critic.of(stamp_ns, values)
+
+    def large(self, stamp_ns: int, step: Step) -> Iterator[tuple[str, bytes]]:
+        """Yield what is recorded of a sample of the episodes."""
+        pictures, answer = step.observation.pictures, step.answer
+        if pictures is None or answer is None:
+            return
+        messages = self._observation
+        for topic, message in messages.pictures(stamp_ns, pictures):
+            yield topic, _as_received(message)
+        for topic, message in messages.camera_infos(stamp_ns):
+            yield topic, _as_received(message)
+        yield "features", self._features.of(stamp_ns, answer.percept.encoding.features)
+
+
+def _as_received(message: bytes) -> bytes:
+    """Return the message with the zeros that RTPS fills up its last word with."""
+    return message + bytes(-len(message) % _WORD_BYTES)

@@ -1,0 +1,147 @@
+"""A plant that is changed is as one that was made so, and muscles hold what they were told."""
+
+import dataclasses
+
+import mujoco
+import numpy as np
+import pytest
+
+from eye_plant.camera.opengl.offscreen import GraphicsError
+from eye_plant.config import EyePlantConfig, changed
+from eye_plant.episode import Episode
+from eye_plant.plant import EyePlant
+from eye_plant.stimuli.stereograms import random_dot_stereograms
+from eye_plant.stimuli.stimulus_set import StimulusSet
+from lockstep.command_space import ALL_MUSCLES, MUSCLE_NAMES
+from lockstep.configuration import build
+from lockstep.errors import InputError
+from tests.pair import HORIZONTAL_RECTI, pair_activations
+
+ALTERED = {
+    "mechanics.rest_adduction_deg": [0.0, 2.0],
+    "mechanics.baseline_m": 0.062,
+    "camera.left_blur_px": 3.0,
+    "camera.right_magnification": 1.1,
+}
+
+
+@pytest.fixture(scope="module")
+def stimuli():
+    noise = np.random.default_rng(0).integers(0, 256, (300, 300), dtype=np.uint8)
+    return StimulusSet((noise,), (), random_dot_stereograms(seed=2, n=1, size_px=300))
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return build(EyePlantConfig, {"camera.renderer": "plane"})
+
+
+def made(config, stimuli):
+    return EyePlant(config, stimuli)
+
+
+def seen(plant, stimulus=0):
+    episode = Episode.alone(stimulus, 1.0, pair_activations(0.04, 0.01), n_iterations=2)
+    first = plant.begin(episode)
+    second = plant.execute(plant.targets(["medial_rectus", "lateral_rectus"], np.array([0.05, 0])))
+    return [
+        (o.pictures.tobytes(), o.ground_truth_values(), o.state.eye_angles_rad.tobytes())
+        for o in (first, second)
+    ]
+
+
+def test_a_changed_plant_is_as_one_made_so_and_back(plain, stimuli):
+    plant, anew = made(plain, stimuli), made(changed(plain, ALTERED), stimuli)
+    before, expected = seen(plant), seen(anew)
+    assert before != expected
+    plant.reconfigure(ALTERED)
+    assert seen(plant) == expected
+    plant.reconfigure({})
+    assert seen(plant) == before
+    plant.close()
+    anew.close()
+
+
+def test_a_refused_change_leaves_the_plant_as_it_was(plain, stimuli):
+    plant = made(plain, stimuli)
+    before = seen(plant)
+    for settings, message in (
+        ({"camera.left_blur_px": -1.0}, "left_blur_px: expected 0 px or more"),
+        ({"camera.width_px": 64}, "camera.width_px: expected the same for a whole run"),
+        ({"mechanics.control_period_s": 0.1}, "control_period_s: expected the same"),
+        ({"camera.blur": 1.0}, "unknown parameter camera.blur"),
+    ):
+        with pytest.raises(InputError, match=message):
+            plant.reconfigure(settings)
+    assert seen(plant) == before
+    plant.close()
+
+
+@pytest.mark.parametrize("mechanics", [{}, {"mechanics.baseline_m": 0.062}])
+def test_a_change_that_cannot_be_drawn_leaves_the_plant_as_it_was(stimuli, mechanics, monkeypatch):
+    plant = made(build(EyePlantConfig, {"camera.renderer": "mujoco"}), stimuli)
+    before = seen(plant)
+
+    def refuse(*_: object) -> None:
+        raise mujoco.FatalError("out of memory")
+
+    with monkeypatch.context() as broken:
+        broken.setattr(mujoco, "MjrContext", refuse)
+        with pytest.raises(GraphicsError, match="out of memory"):
+            plant.reconfigure({**mechanics, "camera.left_magnification": 1.1})
+    plant.reconfigure({})
+    assert seen(plant) == before
+    plant.reconfigure(ALTERED)
+    assert seen(plant) != before
+    plant.close()
+
+
+def test_the_eyes_should_meet_where_a_stereograms_dots_fuse(plain, stimuli):
+    plant = made(plain, stimuli)
+    (shown,) = stimuli.stereograms
+    parallax_m = shown.parallax * 3.0
+    assert parallax_m != 0.0
+    desired_deg = seen(plant, stimulus=1)[0][1][10]
+    assert desired_deg == pytest.approx(np.degrees(2 * np.arctan((0.056 + parallax_m) / 2.0)))
+    plant.close()
+
+
+def test_each_command_adds_to_those_before_it() -> None:
+    picture = np.zeros((64, 64), dtype=np.uint8)
+    plant = EyePlant(EyePlantConfig(), StimulusSet((picture,), (picture,)))
+    episode = Episode.alone(0, 2.0, pair_activations(0.05, 0.02), n_iterations=5)
+    recti = [MUSCLE_NAMES.index(name) for name in HORIZONTAL_RECTI]
+
+    def told(*names: str, values: list[float]) -> list[float]:
+        observation = plant.execute(plant.targets(names, np.array(values)))
+        found: list[float] = observation.state.activations[recti].tolist()
+        return found
+
+    try:
+        plant.begin(episode)
+        # left medial, left lateral, right medial, right lateral
+        expected = [0.1, 0.02, 0.05, 0.02]
+        assert told("left_medial_rectus", values=[0.1]) == pytest.approx(expected)
+        expected = [0.1, 0.02, 0.05, 0.03]
+        assert told("right_lateral_rectus", values=[0.03]) == pytest.approx(expected)
+        plant.begin(dataclasses.replace(episode, first_observation=10))
+        expected = [0.05, 0.02, 0.05, 0.04]
+        assert told("right_lateral_rectus", values=[0.04]) == pytest.approx(expected)
+    finally:
+        plant.close()
+
+
+def test_a_command_of_muscles_with_their_own_names_all_of_them() -> None:
+    picture = np.zeros((64, 64), dtype=np.uint8)
+    config = EyePlantConfig(command_space=ALL_MUSCLES, lowest_activations=(0.0,))
+    plant = EyePlant(config, StimulusSet((picture,), (picture,)))
+    try:
+        with pytest.raises(
+            InputError, match=r"expected left_medial_rectus, .*, as command_space al"
+        ):
+            plant.targets(MUSCLE_NAMES[:6], np.zeros(6))
+        values = np.linspace(0.0, 0.11, 12)
+        in_reverse = plant.targets(MUSCLE_NAMES[::-1], values[::-1])
+        assert in_reverse.tolist() == values.tolist()
+    finally:
+        plant.close()
