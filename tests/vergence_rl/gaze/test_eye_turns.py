@@ -40,22 +40,22 @@ def test_the_change_for_a_wanted_turn_leads_there() -> None:
     for _ in range(20):
         before, wanted = draw.uniform(0.06, 0.14, 4), draw.uniform(-3.0, 3.0, 3)
         wanted[2] /= 10.0
-        change = eye.change(before, wanted)
+        change = eye.change_for(before, wanted)
         np.testing.assert_allclose(turned_deg(before, change), wanted, atol=0.02)
 
 
 def test_a_muscle_at_its_limit_is_made_up_for_by_the_others() -> None:
     eye, before = learned(2000), np.array([0.1, 0.002, 0.1, 0.1])
     wanted = np.array([4.0, 0.0, 0.0])  # the second muscle would relax
-    change = eye.change(before, wanted)
+    change = eye.change_for(before, wanted)
     assert 0.0 <= before[1] + change[1] < 0.001
     np.testing.assert_allclose(turned_deg(before, change), wanted, atol=0.05)
 
 
 def test_nothing_is_known_at_first_and_nothing_moves_where_nothing_is_wanted() -> None:
     before = np.full(4, 0.1)
-    assert not EyeTurns(LOWEST, HIGHEST).change(before, np.array([1.0, 2.0, 3.0])).any()
-    assert not learned(50).change(before, np.zeros(3)).any()
+    assert not EyeTurns(LOWEST, HIGHEST).change_for(before, np.array([1.0, 2.0, 3.0])).any()
+    assert not learned(50).change_for(before, np.zeros(3)).any()
 
 
 def test_the_regression_is_that_of_all_movements_at_once() -> None:
@@ -82,7 +82,7 @@ def test_goes_on_from_its_state_bit_for_bit() -> None:
         eye.learn(*more)
     assert part.n_movements == 61
     wanted = np.array([2.0, 1.0, 0.0])
-    assert part.change(more[0], wanted).tobytes() == whole.change(more[0], wanted).tobytes()
+    assert part.change_for(more[0], wanted).tobytes() == whole.change_for(more[0], wanted).tobytes()
 
 
 @pytest.mark.parametrize(

@@ -139,7 +139,7 @@ class GazeControl:
             _of_eyes(np.zeros_like(activations) if near is None else near),
             strict=True,
         )
-        return np.concatenate([eye.change(a, turn, n) for eye, a, turn, n in of_eyes])
+        return np.concatenate([eye.change_for(a, turn, n) for eye, a, turn, n in of_eyes])
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all that learning has changed, as copies."""

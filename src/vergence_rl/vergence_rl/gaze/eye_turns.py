@@ -81,7 +81,9 @@ class EyeTurns:
         a, d = self._scaled(activations, np.zeros(self._n_muscles))
         return self._slopes(a, d) / CHANGE
 
-    def change(self, activations: Floats, wanted_deg: Floats, near: Floats | None = None) -> Floats:
+    def change_for(
+        self, activations: Floats, wanted_deg: Floats, near: Floats | None = None
+    ) -> Floats:
         """Return the change of activations (n_muscles,) for wanted turns, the first of n_turns.
 
         The nearest such change to `near`, (n_muscles,), by default to none, within the limits: step
