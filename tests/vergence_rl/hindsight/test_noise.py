@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from vergence_rl.hindsight.noise import FirstNoise
+from vergence_rl.hindsight.noise import FirstNoise, root_of, widened
 
 
 def test_noise_without_a_shape_is_known_at_once() -> None:
@@ -48,3 +49,23 @@ def test_places_that_are_alike_in_a_direction_leave_a_little_noise_there() -> No
     assert np.isfinite(noise.metric).all()
     across = np.array([1.0, -1.0]) / np.sqrt(2.0)
     assert 0.0 < across @ noise.covariance @ across < 1e-9
+
+
+@pytest.mark.parametrize("covariance", [np.array([[4.0, 1.0], [1.0, 2.0]]), np.ones((2, 2))])
+def test_a_root_squared_is_the_covariance(covariance: NDArray[np.float64]) -> None:
+    root = root_of(covariance)
+    np.testing.assert_allclose(root @ root, covariance, atol=1e-12)
+    np.testing.assert_allclose(root, root.T, atol=1e-12)
+
+
+def test_a_covariance_is_widened_where_it_has_less() -> None:
+    axes = np.array([[0.6, -0.8], [0.8, 0.6]])
+    narrow = axes @ np.diag([4.0, 0.01]) @ axes.T
+    np.testing.assert_allclose(widened(narrow, np.eye(2)), axes @ np.diag([4.0, 1.0]) @ axes.T)
+    # In the shape of the least one: of its SDs 1 and 3, the narrow one has twice and a third.
+    got = widened(np.diag([4.0, 1.0]), np.diag([1.0, 9.0]))
+    np.testing.assert_allclose(got, np.diag([4.0, 9.0]), atol=1e-12)
+
+
+def test_rounding_below_zero_has_no_root() -> None:
+    np.testing.assert_array_equal(root_of(np.diag([1.0, -1e-20])), np.diag([1.0, 0.0]))

@@ -9,9 +9,7 @@ from vergence_rl.hindsight.regression import (
     nearness,
     regressed_actor,
     residual_covariance,
-    root_of,
     weights_of_ranks,
-    widened,
 )
 
 N_STATE, N_MUSCLES, N_VISITS = 5, 2, 10
@@ -107,26 +105,6 @@ def test_a_target_at_the_scale_counts_half() -> None:
 def test_an_e_th_is_left_after_as_many_visits_as_are_remembered() -> None:
     assert kept_share(10, 10.0) == pytest.approx(np.exp(-1.0))
     assert kept_share(10, 40.0) ** 4 == pytest.approx(kept_share(10, 10.0))
-
-
-@pytest.mark.parametrize("covariance", [np.array([[4.0, 1.0], [1.0, 2.0]]), np.ones((2, 2))])
-def test_a_root_squared_is_the_covariance(covariance: NDArray[np.float64]) -> None:
-    root = root_of(covariance)
-    np.testing.assert_allclose(root @ root, covariance, atol=1e-12)
-    np.testing.assert_allclose(root, root.T, atol=1e-12)
-
-
-def test_a_covariance_is_widened_where_it_has_less() -> None:
-    axes = np.array([[0.6, -0.8], [0.8, 0.6]])
-    narrow = axes @ np.diag([4.0, 0.01]) @ axes.T
-    np.testing.assert_allclose(widened(narrow, np.eye(2)), axes @ np.diag([4.0, 1.0]) @ axes.T)
-    # In the shape of the least one: of its SDs 1 and 3, the narrow one has twice and a third.
-    got = widened(np.diag([4.0, 1.0]), np.diag([1.0, 9.0]))
-    np.testing.assert_allclose(got, np.diag([4.0, 9.0]), atol=1e-12)
-
-
-def test_rounding_below_zero_has_no_root() -> None:
-    np.testing.assert_array_equal(root_of(np.diag([1.0, -1e-20])), np.diag([1.0, 0.0]))
 
 
 def test_weights_of_ranks_by_hand() -> None:

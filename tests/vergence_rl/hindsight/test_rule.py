@@ -10,7 +10,7 @@ from lockstep.randomness import generator
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
 from vergence_rl.hindsight.config import HindsightConfig
-from vergence_rl.hindsight.regression import root_of
+from vergence_rl.hindsight.noise import root_of
 from vergence_rl.learning_rule import Decision
 
 CONFIG = VergenceRlConfig(

@@ -22,8 +22,8 @@ from experiment_manager.preparation.continuation import (
     contradiction,
     extend,
 )
-from experiment_manager.preparation.cost_weight import first_iterations, with_weight
 from experiment_manager.preparation.graphics import check_graphics, drawable_configuration
+from experiment_manager.preparation.lambda_share import first_iterations, with_weight
 from experiment_manager.preparation.plan import plan, preparation
 from experiment_manager.preparation.request import RunRequest
 from experiment_manager.run import checkpoint

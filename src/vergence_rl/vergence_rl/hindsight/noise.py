@@ -1,4 +1,4 @@
-"""The noise with which hindsight regression begins, in the shape of the places it begins from."""
+"""The noise of hindsight regression: its first shape, that of the first places, and its floor."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vergence_rl.hindsight.regression import root_of
-
 Floats = NDArray[np.float64]
 
 # First places that tell their scatter, for each muscle.
 _PLACES_PER_MUSCLE = 10
 # Of the mean variance, in directions in which first places do not differ.
 _LEAST_SHARE = 1e-6
+# Of the mean variance, so that a covariance inverts.
+_LEAST_VARIANCE_SHARE = 1e-6
 
 
 class FirstNoise:
@@ -75,3 +75,27 @@ class FirstNoise:
             scatter += _LEAST_SHARE * (np.trace(scatter) / n + self._variance) * np.eye(n)
             self.covariance = self._share**2 * scatter
             self.metric = np.sqrt(self._variance) * np.linalg.inv(root_of(self.covariance))
+
+
+def floored(covariance: Floats) -> Floats:
+    """Return the covariance (n, n) with a little variance in all directions, so that it inverts."""
+    n = len(covariance)
+    return covariance + _LEAST_VARIANCE_SHARE * np.trace(covariance) / n * np.eye(n)
+
+
+def widened(covariance: Floats, least: Floats) -> Floats:
+    """Return the covariance (n, n) with the variance of `least`, (n, n), where it has less.
+
+    least: of full rank. Directions are the axes of the covariance, seen where `least` is round.
+    """
+    root = root_of(least)
+    inverse = np.linalg.inv(root)
+    ratios, axes = np.linalg.eigh(inverse @ covariance @ inverse)
+    axes = root @ axes
+    return (axes * np.maximum(ratios, 1.0)) @ axes.T
+
+
+def root_of(covariance: Floats) -> Floats:
+    """Return the symmetric R with R R = covariance; rounding below zero counts as zero."""
+    variances, axes = np.linalg.eigh(covariance)
+    return (axes * np.sqrt(np.maximum(variances, 0.0))) @ axes.T

@@ -16,9 +16,6 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-# Of the mean variance.
-_LEAST_VARIANCE_SHARE = 1e-6
-
 
 @dataclass
 class Sums:
@@ -118,27 +115,3 @@ def residual_covariance(sums: Sums, weights: Floats) -> Floats:
     scatter = sums.targets - explained - explained.T + weights @ sums.squares @ weights.T
     covariance: Floats = scatter / sums.weight
     return (covariance + covariance.T) / 2.0
-
-
-def floored(covariance: Floats) -> Floats:
-    """Return the covariance (n, n) with a little variance in all directions, so that it inverts."""
-    n = len(covariance)
-    return covariance + _LEAST_VARIANCE_SHARE * np.trace(covariance) / n * np.eye(n)
-
-
-def widened(covariance: Floats, least: Floats) -> Floats:
-    """Return the covariance (n, n) with the variance of `least`, (n, n), where it has less.
-
-    least: of full rank. Directions are the axes of the covariance, seen where `least` is round.
-    """
-    root = root_of(least)
-    inverse = np.linalg.inv(root)
-    ratios, axes = np.linalg.eigh(inverse @ covariance @ inverse)
-    axes = root @ axes
-    return (axes * np.maximum(ratios, 1.0)) @ axes.T
-
-
-def root_of(covariance: Floats) -> Floats:
-    """Return the symmetric R with R R = covariance; rounding below zero counts as zero."""
-    variances, axes = np.linalg.eigh(covariance)
-    return (axes * np.sqrt(np.maximum(variances, 0.0))) @ axes.T

@@ -10,18 +10,15 @@ from numpy.typing import NDArray
 
 from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.hindsight.limits import freed_targets, made_up, within_limits
-from vergence_rl.hindsight.noise import FirstNoise
+from vergence_rl.hindsight.noise import FirstNoise, floored, root_of, widened
 from vergence_rl.hindsight.regression import (
     Sums,
     first_sums,
-    floored,
     kept_share,
     nearness,
     regressed_actor,
     residual_covariance,
-    root_of,
     weights_of_ranks,
-    widened,
 )
 from vergence_rl.learning_rule import Decision, Floats, Observation, Task
 from vergence_rl.td import td_variance

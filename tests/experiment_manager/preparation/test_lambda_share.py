@@ -12,7 +12,7 @@ from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
-from experiment_manager.preparation.cost_weight import (
+from experiment_manager.preparation.lambda_share import (
     FirstIterations,
     first_iterations,
     with_weight,
