@@ -142,6 +142,6 @@ def test_ctrl_c_before_the_run_begins(tmp_path, monkeypatch, capsys) -> None:
     def interrupted(argv: object) -> Path:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(run_experiment, "_prepare", interrupted)
+    monkeypatch.setattr(run_experiment, "prepare", interrupted)
     assert run_experiment.main([]) == 130
     assert "Traceback" not in capsys.readouterr().err
