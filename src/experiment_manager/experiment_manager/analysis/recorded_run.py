@@ -9,7 +9,7 @@ import numpy as np
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
 from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.measures.criteria import EvaluationSettings
-from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, summary_of
+from experiment_manager.measures.metrics import QUARTILES, SHARE_ITERATIONS, cost_share, summary_of
 from experiment_manager.measures.results import Results, Summary
 from experiment_manager.measures.trials import Trials, TrialTable, split_tests
 from experiment_manager.run.described_run import DescribedRun
@@ -209,7 +209,7 @@ def _training_curve(truth: VectorTable) -> TrainingCurve:
     at = truth.column("training_iteration")
 
     def quartiles(values: np.ndarray) -> np.ndarray:
-        of_bins = [np.quantile(values[part], (0.25, 0.5, 0.75)) for part in bins]
+        of_bins = [np.quantile(values[part], QUARTILES) for part in bins]
         return np.array(of_bins).reshape(len(bins), 3).T
 
     return TrainingCurve(

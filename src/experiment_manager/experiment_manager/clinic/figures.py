@@ -14,7 +14,7 @@ from experiment_manager.clinic import cover, prisms
 from experiment_manager.clinic.acuity import AcuityResults
 from experiment_manager.clinic.cover import CoverResults
 from experiment_manager.clinic.prisms import Array, PrismResults, PrismTrial
-from experiment_manager.clinic.quartiles import QUARTILES
+from experiment_manager.measures.metrics import QUARTILES
 from lockstep.command_space import SIDES
 from lockstep.figures import (
     BLUE,

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-QUARTILES = (0.25, 0.5, 0.75)
+from experiment_manager.measures.metrics import QUARTILES
+
 _NAMES = ("lower_quartile", "median", "upper_quartile")
 
 

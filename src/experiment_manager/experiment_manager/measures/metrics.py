@@ -15,6 +15,7 @@ from lockstep.command_space import MUSCLES, SIDES, CommandSpace
 
 # K17 Fig. 3 shows these; the last one is what all tables report.
 REPORTED_ITERATIONS = (1, 2, 3, 20)
+QUARTILES = (0.25, 0.5, 0.75)
 # The cost's share in the reward is measured over so many iterations at either end of training.
 SHARE_ITERATIONS = 5000
 # A trial that ends farther off has not arrived.

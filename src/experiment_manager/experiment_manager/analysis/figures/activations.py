@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FormatStrFormatter
 
-from experiment_manager.analysis.figures.quartiles import QUARTILES, draw_bars
+from experiment_manager.analysis.figures.quartiles import draw_bars
 from experiment_manager.analysis.groups import Group
-from experiment_manager.measures.metrics import antagonist_names
+from experiment_manager.measures.metrics import QUARTILES, antagonist_names
 from lockstep.command_space import SIDES
 from lockstep.figures import BLUE, VERMILION, WIDTH_IN, legend_below, new_figure, title_panels
 

@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from experiment_manager.analysis.figures.quartiles import (
-    QUARTILES,
     draw_band,
     draw_quartiles,
     offset_of,
@@ -17,7 +16,7 @@ from experiment_manager.analysis.figures.quartiles import (
     scale_errors,
 )
 from experiment_manager.analysis.groups import Group
-from experiment_manager.measures.metrics import REPORTED_ITERATIONS
+from experiment_manager.measures.metrics import QUARTILES, REPORTED_ITERATIONS
 from lockstep.figures import WIDTH_IN, legend_below, new_figure, title_panels
 
 _ERRORS = {

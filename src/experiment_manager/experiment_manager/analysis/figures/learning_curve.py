@@ -14,7 +14,6 @@ from experiment_manager.analysis.figures.quartiles import (
     DELTA_LABEL,
     ERROR_LABEL,
     LEAST_JOINED,
-    QUARTILES,
     draw_band,
     draw_quartiles,
     final_errors_deg,
@@ -25,6 +24,7 @@ from experiment_manager.analysis.figures.quartiles import (
 from experiment_manager.analysis.groups import Group, groups_of
 from experiment_manager.analysis.recorded_run import TrainingCurve
 from experiment_manager.analysis.reported_run import FIGURES, ReportedRun
+from experiment_manager.measures.metrics import QUARTILES
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import Trials
 from lockstep.figures import (

@@ -12,6 +12,7 @@ from experiment_manager.anaglyph import anaglyph
 from experiment_manager.analysis.figures.quartiles import draw_band
 from experiment_manager.analysis.groups import Group
 from experiment_manager.analysis.recorded_run import RecordedRun, RecordedTest
+from experiment_manager.measures.metrics import QUARTILES
 from lockstep.figures import GREY, label_decades, legend_below, new_figure, panel_grid, title_panels
 from lockstep.wire.topics import PICTURES
 from sparse_coder.patches import COARSE_WINDOW_PX
@@ -68,7 +69,7 @@ def _draw_binned(axes: Axes, tests: Sequence[RecordedTest], colour: str) -> bool
     quartiles = np.full((len(bins), 3), np.nan)
     for i, k in enumerate(bins):
         if (number == k).sum() >= _LEAST_PER_BIN:
-            quartiles[i] = np.quantile(encoding[number == k], (0.25, 0.5, 0.75))
+            quartiles[i] = np.quantile(encoding[number == k], QUARTILES)
     # Before learning trials stay at their whole degrees: the bins between are empty.
     filled = ~np.isnan(quartiles[:, 1])
     at_deg, quartiles = bins[filled] * _BIN_DEG, quartiles[filled]

@@ -12,13 +12,13 @@ from matplotlib.lines import Line2D
 
 from experiment_manager.analysis.figures.quartiles import (
     ERROR_LABEL,
-    QUARTILES,
     draw_bars,
     final_errors_deg,
     px_deg_of,
     scale_errors,
 )
 from experiment_manager.analysis.groups import Group
+from experiment_manager.measures.metrics import QUARTILES
 from experiment_manager.measures.trials import Trials
 from lockstep.figures import (
     BLUE,

@@ -14,7 +14,6 @@ from lockstep.figures import BAND_ALPHA, label_decades, mark_level
 # One name for each, in figures as in tables.
 ERROR_LABEL = "|vergence error| / deg"
 DELTA_LABEL = r"$\Delta C$ / W"
-QUARTILES = (0.25, 0.5, 0.75)
 # Fewer tests are points: a line between them would show a course that nobody has measured.
 LEAST_JOINED = 5
 # Shares of the width between the points of two groups.
