@@ -9,7 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from experiment_manager.analysis.film.film import FRAMES_PER_S, film
+from experiment_manager.analysis.film.film import film
 from experiment_manager.analysis.play import play
 from experiment_manager.analysis.recorded_run import evaluation_settings_of, trial_table
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT, RUN_METADATA
@@ -38,10 +38,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.repair:
             _print_repairs(path)
         if options.play:
-            play(path, options.at.host, options.at.port, _rate(options.rate))
+            play(path, options.at.host, options.at.port, _rate(options.rate) or 1.0)
             return 0
         if options.film is not None:
-            duration_s = film(path, options.film) / FRAMES_PER_S
+            duration_s = film(path, options.film, _rate(options.rate))
             print(f"wrote {options.film}, {duration_s:.0f} s")
             return 0
         bag = Bag(path)
@@ -84,9 +84,8 @@ def parser() -> argparse.ArgumentParser:
     line.add_argument(
         "--rate",
         type=float,
-        default=1.0,
         metavar="X",
-        help="simulated seconds per second of --play (default: 1)",
+        help="simulated seconds per second (default of --play: 1; --film: 5 iterations a second)",
     )
     line.add_argument(
         "--at",
@@ -98,8 +97,8 @@ def parser() -> argparse.ArgumentParser:
     return line
 
 
-def _rate(rate: float) -> float:
-    if not 0.0 < rate < math.inf:
+def _rate(rate: float | None) -> float | None:
+    if rate is not None and not 0.0 < rate < math.inf:
         raise InputError(f"--rate: expected more than 0, got {rate:g}")
     return rate
 

@@ -173,16 +173,18 @@ def test_the_middle_of_a_picture_fills_a_panel() -> None:
     )
 
 
-def test_a_gif_has_the_last_of_each_scene_for_a_while(bag: Path) -> None:
+@pytest.mark.parametrize(("rate", "frame_ms"), [((), 200), (("--rate", "0.25"), 400)])
+def test_a_gif_has_the_last_of_each_scene_for_a_while(bag, rate, frame_ms, capsys) -> None:
     file = bag.parent / "film.gif"
-    assert main([str(bag), "--film", str(file)]) == 0
+    assert main([str(bag), "--film", str(file), *rate]) == 0
+    assert f", {N_FRAMES * frame_ms / 1000:.0f} s" in capsys.readouterr().out
     with Image.open(file) as gif:
         assert gif.width == 3 * PANEL_WIDTH_PX
         durations_ms = []
         for i_frame in range(gif.n_frames):  # type: ignore[attr-defined]
             gif.seek(i_frame)
             durations_ms.append(gif.info["duration"])
-    assert durations_ms == ([200] * 9 + [800]) * 3
+    assert durations_ms == ([frame_ms] * 9 + [4 * frame_ms]) * 3
 
 
 @pytest.mark.parametrize(

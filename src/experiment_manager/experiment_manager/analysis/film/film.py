@@ -12,40 +12,49 @@ from experiment_manager.analysis.film.scenes import scenes
 from experiment_manager.bag.reader import Bag
 from lockstep.errors import InputError
 
-FRAMES_PER_S = 5
+_ITERATIONS_PER_S = 5
+_NS_PER_S = 1e9
 _GIF_COLOURS = 96
 
 Frames = Iterable[Frame]
 
 
-def film(path: Path, file: Path) -> int:
-    """Write the film of a bag; return its duration in frames.
+def film(path: Path, file: Path, rate: float | None = None) -> float:
+    """Write the film of a bag; return its duration in seconds.
 
-    Raises InputError for another ending than .mp4 or .gif, a file that is there, and a bag without
-    pictures; OSError when the file cannot be written. Nothing half-written is left.
+    rate: simulated seconds per second; None for five iterations per second. Raises InputError for
+    another ending than .mp4 or .gif, a file that is there, and a bag without pictures; OSError when
+    the file cannot be written. Nothing half-written is left.
     """
     write = _WRITERS.get(file.suffix)
     if write is None:
         raise InputError(f"--film: expected a file that ends in .mp4 or .gif, got {file}")
     if file.exists():
         raise InputError(f"--film: expected a new file, {file} exists")
-    shown = scenes(Bag(path))
+    bag = Bag(path)
+    shown = scenes(bag)
+    iterations_per_s = rate / _period_s(bag) if rate is not None else _ITERATIONS_PER_S
     unfinished = file.with_name(f".unfinished-{file.name}")
     try:
-        n_frames = write(unfinished, frames(shown))
+        n_periods = write(unfinished, frames(shown), iterations_per_s)
         unfinished.rename(file)
     finally:
         unfinished.unlink(missing_ok=True)
-    return n_frames
+    return n_periods / iterations_per_s
 
 
-def _write_mp4(file: Path, shown: Frames) -> int:
+def _period_s(bag: Bag) -> float:
+    """Return the simulated time between two iterations."""
+    return float(np.diff(bag.vectors("ground_truth")["ground_truth"].stamps_ns).min()) / _NS_PER_S
+
+
+def _write_mp4(file: Path, shown: Frames, frames_per_s: float) -> int:
     writer, n_frames = None, 0
     for picture, n_periods in shown:
         if writer is None:
             height_px, width_px = picture.shape[:2]
             code = cv2.VideoWriter.fourcc(*"vp09")
-            writer = cv2.VideoWriter(str(file), code, FRAMES_PER_S, (width_px, height_px))
+            writer = cv2.VideoWriter(str(file), code, frames_per_s, (width_px, height_px))
             if not writer.isOpened():
                 raise OSError(f"{file}: cannot be written as a VP9 film")
         for _ in range(n_periods):
@@ -56,11 +65,11 @@ def _write_mp4(file: Path, shown: Frames) -> int:
     return n_frames
 
 
-def _write_gif(file: Path, shown: Frames) -> int:
+def _write_gif(file: Path, shown: Frames, frames_per_s: float) -> int:
     pictures, periods = zip(*((Image.fromarray(p), n) for p, n in shown), strict=True)
     palette = _common_palette(pictures)
     first, *rest = (p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures)
-    durations_ms = [n_periods * 1000 // FRAMES_PER_S for n_periods in periods]
+    durations_ms = [round(n_periods * 1000 / frames_per_s) for n_periods in periods]
     first.save(file, "GIF", save_all=True, append_images=rest, duration=durations_ms, loop=0)
     return sum(periods)
 
@@ -72,4 +81,5 @@ def _common_palette(pictures: Sequence[Image.Image]) -> Image.Image:
     return strip.quantize(_GIF_COLOURS)
 
 
-_WRITERS: Mapping[str, Callable[[Path, Frames], int]] = {".mp4": _write_mp4, ".gif": _write_gif}
+_Writer = Callable[[Path, Frames, float], int]
+_WRITERS: Mapping[str, _Writer] = {".mp4": _write_mp4, ".gif": _write_gif}

@@ -11,6 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.analysis.film.scenes import ERRORS, Scene
@@ -90,7 +91,7 @@ class Page:
         n_iterations = max(len(scene.errors_deg) for scene in scenes)
         for axes in panels:
             axes.set_xlim(-0.3, n_iterations - 0.7)
-            axes.set_xticks(range(0, n_iterations, 3))
+            axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
             axes.set_xlabel("iteration")
         top = (_CURVES_PX + below_px) / height_px
         self.figure.tight_layout(rect=(0.0, below_px / height_px, 1.0, top), w_pad=0.5)

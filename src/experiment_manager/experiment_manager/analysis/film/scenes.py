@@ -14,7 +14,7 @@ from lockstep.wire.topics import PICTURES, TARGET_NAMES, TEST
 SCENES_PER_STAGE = 3
 ERRORS = ("vergence", "vertical", "cyclovergence")
 # What comes later is rest; of eyes that make saccades two fixations are shown.
-_MOST_ITERATIONS, _MOST_FIXATIONS = 10, 2
+_MOST_ITERATIONS, _MOST_FIXATIONS = 10, 5
 _LEAST_START_ERROR_DEG = 0.5
 
 
