@@ -86,10 +86,10 @@ def test_a_branch_counts_on_from_its_checkpoint(run: Path, refused: Refused) -> 
 
 def test_a_run_keeps_the_delay_of_its_schedule() -> None:
     line = ["--profile", "clinic/glasses", "--schedule-delay"]
-    same, other = (request_of(arguments([*line, n])) for n in ("20000", "50000"))
+    same, other = (request_of(arguments([*line, n])) for n in ("10000", "25000"))
     configuration = configuration_of(same, "0123abc")
     check_settings(same, Path("run"), configuration)
-    with pytest.raises(InputError, match=r"--schedule-delay 50000: .* has schedule .*30000"):
+    with pytest.raises(InputError, match=r"--schedule-delay 25000: .* has schedule .*15000"):
         check_settings(other, Path("run"), configuration)
 
 
