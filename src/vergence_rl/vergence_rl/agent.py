@@ -49,6 +49,7 @@ class Agent:
             GazeControl(
                 *config.limits,
                 config.gaze.saccade_noise,
+                memory_share=config.gaze.memory_share,
                 holds_gaze=config.gaze.fixation_iterations > 0,
             )
             if config.gaze.learns_turns

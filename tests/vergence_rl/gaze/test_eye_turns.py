@@ -19,8 +19,8 @@ def turned_deg(before, change):
     return place(before + change) - place(before)
 
 
-def learned(n: int) -> EyeTurns:
-    draw, eye = np.random.default_rng(1), EyeTurns(LOWEST, HIGHEST)
+def learned(n: int, memory_share: float = 0.0) -> EyeTurns:
+    draw, eye = np.random.default_rng(1), EyeTurns(LOWEST, HIGHEST, memory_share)
     for _ in range(n):
         before, change = draw.uniform(0.02, 0.18, 4), draw.normal(0.0, 0.01, 4)
         eye.learn(before, change, turned_deg(before, change))
@@ -58,20 +58,41 @@ def test_nothing_is_known_at_first_and_nothing_moves_where_nothing_is_wanted() -
     assert not learned(50).change_for(before, np.zeros(3)).any()
 
 
-def test_the_regression_is_that_of_all_movements_at_once() -> None:
-    draw, eye = np.random.default_rng(4), EyeTurns(LOWEST[:1], HIGHEST[:1])
+def lost_a_muscle_deg(before, change):
+    """Return what a change does to the same eye once its first muscle has no strength."""
+    return turned_deg(np.append(0.1, before[1:]), np.append(0.0, change[1:]))
+
+
+@pytest.mark.parametrize("memory_share", [0.0, 0.15])
+def test_an_eye_that_has_changed_is_known_again_by_a_memory_that_ends(memory_share) -> None:
+    eye, draw = learned(3000, memory_share), np.random.default_rng(5)
+    for _ in range(12000):
+        before, change = draw.uniform(0.02, 0.18, 4), draw.normal(0.0, 0.01, 4)
+        eye.learn(before, change, lost_a_muscle_deg(before, change))
+    before, change = np.full(4, 0.1), np.array([0.02, 0.0, 0.0, 0.0])
+    error = np.abs(eye.turns_deg(before, change) - lost_a_muscle_deg(before, change)).max()
+    # A fifth of all movements were those of the healthy eye, which this turns by 9 deg.
+    assert error < 0.1 if memory_share else error > 1.0
+
+
+@pytest.mark.parametrize(("memory_share", "memory"), [(0.0, np.inf), (0.5, 2000.0), (500.0, None)])
+def test_the_regression_is_that_of_all_movements_at_once(memory_share, memory) -> None:
+    draw, eye = np.random.default_rng(4), EyeTurns(LOWEST[:1], HIGHEST[:1], memory_share)
     rows, turns = [], []
-    for _ in range(30):
+    weights: list[float] = []
+    for n in range(30):
+        kept = np.exp(-1.0 / (memory or max(2000.0, memory_share * n)))
+        weights = [kept * weight for weight in weights] + [1.0]
         before, change, turn = draw.uniform(0, 0.2, 1), draw.normal(0, 0.01, 1), draw.normal(size=3)
         eye.learn(before, change, turn)
         half_way = (before[0] + change[0] / 2.0) / 0.1 - 1.0
         rows.append(change[0] / 0.01 * np.array([1.0, half_way, half_way**2]))
         turns.append(turn)
-    x, y = np.array(rows), np.array(turns)
-    penalty = 1e-5 * np.mean(np.sum(x**2, axis=0)) * np.eye(3)
-    weights = np.linalg.inv(x.T @ x + penalty) @ x.T @ y
+    x, y, w = np.array(rows), np.array(turns), np.diag(weights)
+    penalty = 1e-5 * np.mean(np.diag(x.T @ w @ x)) * np.eye(3)
+    solved = np.linalg.inv(x.T @ w @ x + penalty) @ x.T @ w @ y
     got = eye.turns_deg(np.array([0.1]), np.array([0.02]))
-    np.testing.assert_allclose(got, 2.0 * np.array([1.0, 0.1, 0.01]) @ weights, rtol=1e-9)
+    np.testing.assert_allclose(got, 2.0 * np.array([1.0, 0.1, 0.01]) @ solved, rtol=1e-9)
 
 
 def test_goes_on_from_its_state_bit_for_bit() -> None:

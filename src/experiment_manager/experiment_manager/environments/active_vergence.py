@@ -62,9 +62,9 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         """Set up plant and coder.
 
         profile: by name, as --profile of run_experiment.sh; model: M, or M_C with a price on
-        energy, None for the profile's; settings: {"NODE.PARAMETER": value}, as
-        its --set; coder_state: sparse_coder.npz of a checkpoint, to begin with;
-        action_scale: change of either activation that an action of 1 makes.
+        energy, None for the profile's; settings: {"NODE.PARAMETER": value}, as its --set;
+        coder_state: sparse_coder.npz of a checkpoint, to begin with; action_scale: change of either
+        activation that an action of 1 makes.
         Raises InputError for whatever run_experiment.sh would refuse.
         """
         if render_mode not in (None, *self.metadata["render_modes"]):
@@ -88,17 +88,20 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         whole = 2.0 ** np.ceil(np.log2(self._highest - self._lowest))
         self.action_scale = whole if action_scale is None else np.full_like(whole, action_scale)
         self.action_space = Box(-1.0, 1.0, (len(self._space.names),), np.float64)
-        activations = Box(self._lowest, self._highest, dtype=np.float64)
-        senses: dict[str, Space[Any]] = {**self._senses(), "activations": activations}
-        if self._experiment.has_targets:
-            senses["gaze_target"] = Box(-180.0, 180.0, (2,), np.float64)
-        self.observation_space = Dict(senses)
+        self.observation_space = Dict(self._all_senses())
         self._coder: SparseCoder | None = None
         self._episode: Episode | None = None
         self._is_closed = False
         self._next_episode = 0
         self._pictures: Pictures | None = None
         self._activations = np.full(len(self._space.names), math.nan)
+
+    def _all_senses(self) -> dict[str, Space[Any]]:
+        activations = Box(self._lowest, self._highest, dtype=np.float64)
+        senses: dict[str, Space[Any]] = {**self._senses(), "activations": activations}
+        if self._experiment.has_targets:
+            senses["gaze_target"] = Box(-180.0, 180.0, (2,), np.float64)
+        return senses
 
     def _senses(self) -> dict[str, Box]:
         """Return the spaces of what an agent is given of the pictures."""

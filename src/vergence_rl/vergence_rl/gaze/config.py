@@ -32,6 +32,12 @@ class GazeConfig:
         " learned from it (D22)",
         least=0,
     )
+    memory_share: float = setting(
+        0.0,
+        "movements after which one has 1 / e of its weight in what is known of how activations turn"
+        " an eye, as a share of all so far; 0: all have the same weight (D22)",
+        least=0,
+    )
 
     def __post_init__(self) -> None:
         """Refuse values out of range."""

@@ -30,9 +30,15 @@ class GazeControl:
     """
 
     def __init__(
-        self, lowest: Floats, highest: Floats, noise: float, *, holds_gaze: bool = True
+        self,
+        lowest: Floats,
+        highest: Floats,
+        noise: float,
+        *,
+        memory_share: float = 0.0,
+        holds_gaze: bool = True,
     ) -> None:
-        """lowest, highest: (12,) limits of the commands; noise: see GazeConfig.
+        """lowest, highest: (12,) limits of the commands; noise, memory_share: see GazeConfig.
 
         holds_gaze: whether vergence leaves the left line of sight where it is, to which saccades
         have turned it; otherwise both eyes verge, and version is free.
@@ -40,7 +46,7 @@ class GazeControl:
         self._holds_gaze = holds_gaze
         self._noise, self._limits = noise, (lowest, highest)
         self._eyes = [
-            EyeTurns(low, high)
+            EyeTurns(low, high, memory_share)
             for low, high in zip(_of_eyes(lowest), _of_eyes(highest), strict=True)
         ]
         self._effort = Effort(len(lowest))

@@ -10,6 +10,7 @@ Dimensions: n_muscles; n_places, products of activations of degree 0 to 2; n_tur
 up, and clockwise.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -30,16 +31,19 @@ Floats = NDArray[np.float64]
 
 N_TURNS = 3
 _RIDGE_SHARE = 1e-5
+_LEAST_MEMORY = 2000.0
 
 
 class EyeTurns:
     """Owns the sums of the regression."""
 
-    def __init__(self, lowest: Floats, highest: Floats) -> None:
+    def __init__(self, lowest: Floats, highest: Floats, memory_share: float = 0.0) -> None:
         """Know nothing: every change is 0.
 
-        lowest, highest: activations (n_muscles,) between which commands stay.
+        lowest, highest: activations (n_muscles,) between which commands stay; memory_share: see
+        GazeConfig.
         """
+        self._memory_share = memory_share
         self._limits = (np.array(lowest, np.float64), np.array(highest, np.float64))
         self._n_muscles = n_muscles = len(lowest)
         n_inputs = n_muscles * len(places_half_way(*self._limits))
@@ -60,6 +64,11 @@ class EyeTurns:
         a, d = self._scaled(activations, change)
         y = _checked("turns", turns_deg, N_TURNS)
         x = np.outer(d, places_half_way(a, HALF * d)).ravel()
+        if self._memory_share:
+            memory = max(_LEAST_MEMORY, self._memory_share * self.n_movements)
+            kept = math.exp(-1.0 / memory)
+            self._squares *= kept
+            self._products *= kept
         self._squares += np.outer(x, x)
         self._products += np.outer(x, y)
         self.n_movements += 1
