@@ -55,6 +55,7 @@ class Agent:
             if config.gaze.learns_turns
             else None
         )
+        self._pairs = np.triu_indices(config.n_muscles // config.space.n_eyes)
         # The sum of what vergence has asked for in this fixation.
         self._turned_deg = np.zeros(N_TURNS)
 
@@ -231,7 +232,7 @@ class Agent:
         if not self.config.products_of_activations:
             return np.zeros(0)
         of_eyes = activations.reshape(self.config.space.n_eyes, -1)
-        first, second = np.triu_indices(of_eyes.shape[1])
+        first, second = self._pairs
         return np.ravel(of_eyes[:, first] * of_eyes[:, second])
 
     def _state_vector(self, entries: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -56,7 +56,7 @@ def movement(
     of the way towards each other, so that half of a picture has to be common to both.
     """
     side_px = _side_px(min(earlier.shape))
-    if earlier.std() == 0.0 or later.std() == 0.0:
+    if earlier.min() == earlier.max() or later.min() == later.max():
         return _refused("a picture is uniform", 0.0)
     window = cv2.createHanningWindow((side_px, side_px), cv2.CV_32F)
     first, second = (_centre(picture, side_px) for picture in (earlier, later))
