@@ -76,7 +76,7 @@ def test_a_base_holds_where_a_profile_has_no_setting_of_its_own() -> None:
 
 
 def test_a_base_that_is_no_profile_or_has_a_schedule_is_refused() -> None:
-    for base, message in (("papper", "did you mean paper"), ("rearing/patching", "a base without")):
+    for base, message in (("papper", "did you mean paper"), ("clinic/patching", "a base without")):
         with pytest.raises(InputError, match=message):
             parse_profile("mine", f"{{description: x, settings: {{}}, base: {base}}}")
 

@@ -12,19 +12,9 @@ _NAMES: Mapping[str, str] = {
     "strabismus_camera_10deg": "camera turned by 10°",
     "strabismus_camera_3deg_still": "camera 3°, still eyes",
     "strabismus_camera_10deg_still": "camera 10°, still eyes",
-    "strabismus_muscle_3deg": "muscle strabismus, 3°",
-    "strabismus_muscle_10deg": "muscle strabismus, 10°",
-    "strabismus_paresis": "lateral rectus paralysed",
     "aniseikonia_10": "right image 10\N{NO-BREAK SPACE}% larger",
     "aniseikonia_15": "right image 15\N{NO-BREAK SPACE}% larger",
     "aniseikonia_25": "right image 25\N{NO-BREAK SPACE}% larger",
-    "anisometropia": "right eye blurred",
-    "sixth_nerve_paresis_30": "paresis of 30\N{NO-BREAK SPACE}%",
-    "sixth_nerve_paresis_60": "paresis of 60\N{NO-BREAK SPACE}%",
-    "sixth_nerve_paresis_100": "paresis of 100\N{NO-BREAK SPACE}%",
-    "surgery_early": "surgery after 50,000",
-    "surgery_middle": "surgery after 100,000",
-    "surgery_late": "surgery after 150,000",
 }
 
 

@@ -44,8 +44,7 @@ _YARDSTICK = "normal"
 def curves_figure(conditions: Sequence[Condition]) -> Figure:
     """Return the median |vergence error| of each test over training, a line for each seed.
 
-    A vertical line stands where the condition's schedule changes the plant, a ring at the error of
-    the same learners right after it.
+    A vertical line stands where the condition's schedule changes the plant.
     """
     figure, panels = panel_grid(len(conditions), _N_COLUMNS, 1.7, share=True)
     for axes, (label, runs) in zip(panels, conditions, strict=True):
@@ -53,9 +52,6 @@ def curves_figure(conditions: Sequence[Condition]) -> Figure:
             _draw_curve(axes, of_yardstick, GREY, lw=0.8)
         for run in runs:
             _draw_curve(axes, run, BLUE, marker="o", ms=2.5)
-            if run.right_after_deg is not None:
-                first = run.changed_at[:1]
-                axes.plot(first, run.right_after_deg, "o", ms=6, mfc="none", mec="black", zorder=5)
         for at in runs[0].changed_at:
             axes.axvline(at, color="black", lw=0.8, ls="--")
         axes.xaxis.set_major_formatter(lambda value, _: f"{value / 1000:g}k" if value else "0")
@@ -65,15 +61,10 @@ def curves_figure(conditions: Sequence[Condition]) -> Figure:
         Line2D([], [], color=BLUE, marker="o", ms=2.5, label="the condition, each seed"),
         Line2D([], [], color=GREY, lw=0.8, label="normal, each seed"),
     ]
-    shown = [run for _, runs in conditions for run in runs]
-    if any(run.changed_at for run in shown):
+    if any(run.changed_at for _, runs in conditions for run in runs):
         handles.append(
             Line2D([], [], color="black", lw=0.8, ls="--", label="change of the eyes or input")
         )
-    if any(run.right_after_deg is not None for run in shown):
-        ring = Line2D([], [], ls="", marker="o", ms=6, mfc="none", mec="black")
-        ring.set_label("right after the change")
-        handles.append(ring)
     _label(panels, conditions, "training iterations", ERROR_LABEL)
     legend_below(figure, handles)
     return figure

@@ -1,6 +1,5 @@
 """Reads runs: from their newest checkpoint, or from what was once measured in it."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -30,10 +29,7 @@ _DISTANCES_M = (0.5, 2.0, 6.0)
 # A quarter of a degree is about a pixel.
 _ERRORS_DEG = np.arange(-16, 17) / 4.0
 
-
 _N_SAMPLED = 12
-# The measures of the learners of that age in the changed eyes, where somebody has kept them.
-_RIGHT_AFTER_FILE = "right_after.json"
 
 
 def read_reared_run(directory: Path) -> RearedRun:
@@ -70,7 +66,6 @@ def read_reared_run(directory: Path) -> RearedRun:
         samples=samples,
         focal_length_px=config.camera.focal_length_px,
         changed_at=tuple(change.at for change in schedule.changes),
-        right_after_deg=_right_after_deg(directory),
     )
 
 
@@ -107,16 +102,6 @@ def scale_tuning(tuned: Tuning, use: NDArray[np.float64], focal_length_px: float
         binocularity_counts=tuned.binocularity_counts(),
         preferred_disparities_deg=np.sort(tuned.disparities_deg(focal_length_px)),
     )
-
-
-def _right_after_deg(directory: Path) -> float | None:
-    file = directory / _RIGHT_AFTER_FILE
-    if not file.is_file():
-        return None
-    try:
-        return float(json.loads(file.read_text())["tests"][0]["median_abs_vergence_error_deg"])
-    except (ValueError, KeyError, IndexError, TypeError) as error:
-        raise InputError(f"{file}: expected what evaluate.sh prints: {error!r}") from error
 
 
 def _plant_at_the_end(configuration: Configuration, schedule: Schedule) -> EyePlantConfig:

@@ -37,7 +37,7 @@ _FIGURES: tuple[_Figure, ...] = (
         "Learning",
         "Median absolute vergence error after 20 iterations of test trials, over training, with the"
         " condition's own eyes and input; a line for each seed, grey for normal eyes. Dotted: 1 px."
-        " Dashed: the schedule changes eyes or input. Ring: the same learners right after it.",
+        " Dashed: the schedule changes eyes or input.",
         curves_figure,
     ),
     (

@@ -38,8 +38,7 @@ class RearedRun:
     condition: its profile without the folder, or the directory's name; scales: coarse, fine;
     samples: basis functions from the best to the worst Gabor fit, (2, n, 128), None without a
     checkpoint; focal_length_px: of the cameras; changed_at: training iterations at which its
-    schedule changes the plant; right_after_deg: the median error right after the first change,
-    where it is known.
+    schedule changes the plant.
     """
 
     directory: Path
@@ -50,4 +49,3 @@ class RearedRun:
     samples: NDArray[np.float32] | None
     focal_length_px: float
     changed_at: tuple[int, ...]
-    right_after_deg: float | None = None
