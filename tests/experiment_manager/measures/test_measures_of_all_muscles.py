@@ -105,7 +105,7 @@ def test_what_is_kept_has_all_axes_and_all_muscles(tmp_path: Path) -> None:
 
 def test_yoked_muscles_by_hand() -> None:
     trials = _trials()
-    pairs = {pair.names: pair for pair in yoked_pairs(trials)}
+    pairs = {pair.names: pair for pair in yoked_pairs([trials])}
     assert len(pairs) == 6
     pair = pairs["left_medial_rectus", "right_lateral_rectus"]
     # |0.001 - 0|, and three times 0; before, all activations are 0.08.
@@ -116,7 +116,7 @@ def test_yoked_muscles_by_hand() -> None:
     upper = pairs["left_superior_rectus", "right_inferior_oblique"]
     assert upper.end_difference == pytest.approx((0.0 + 0.024) / 2)
     assert np.isnan(upper.correlation)
-    assert not list(yoked_pairs(replace(trials, space=COMMAND_SPACES[PAIR])))
+    assert not list(yoked_pairs([replace(trials, space=COMMAND_SPACES[PAIR])]))
 
 
 def test_yoked_muscles_that_work_against_each_other() -> None:
@@ -124,9 +124,13 @@ def test_yoked_muscles_that_work_against_each_other() -> None:
     up = np.linspace(0.01, 0.09, 12).reshape(4, 3)
     columns = {"left_lateral_rectus": up, "right_medial_rectus": 0.1 - up}
     changed = replace(trials, columns={**trials.columns, **columns})
-    pairs = {pair.names: pair for pair in yoked_pairs(changed)}
-    pair = pairs["right_medial_rectus", "left_lateral_rectus"]
-    assert pair.correlation == pytest.approx(-1.0)
+    # Another run with another gaze: both muscles are driven more.
+    turned = {name: values + 0.05 for name, values in columns.items()}
+    other = replace(trials, columns={**trials.columns, **turned})
+    for tests in ([changed], [changed, other]):
+        pairs = {pair.names: pair for pair in yoked_pairs(tests)}
+        pair = pairs["right_medial_rectus", "left_lateral_rectus"]
+        assert pair.correlation == pytest.approx(-1.0)
 
 
 def test_a_change_shared_around_the_mean_at_each_distance() -> None:

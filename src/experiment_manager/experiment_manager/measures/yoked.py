@@ -1,6 +1,6 @@
 """Hering's law: how equal the commands to yoked muscles become, which turn both eyes alike."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,12 +18,12 @@ _YOKES = {
 
 @dataclass(frozen=True)
 class YokedPair:
-    """How alike the activations of two yoked muscles are in a test.
+    """How alike the activations of two yoked muscles are in tests.
 
     names: of both. start_difference, end_difference: medians over the trials of the absolute
     difference of their activations, before the first and after the last iteration. correlation: of
-    both after the last iteration, over trials with the same object distance; nan where one of the
-    two does not vary.
+    both after the last iteration, over trials of the same test with the same object distance; nan
+    where one of the two does not vary.
     """
 
     names: tuple[str, str]
@@ -53,20 +53,23 @@ def yoked_names(space: CommandSpace) -> list[tuple[str, str]]:
     return [pair for pair in pairs if set(pair) <= set(space.names)]
 
 
-def yoked_pairs(trials: Trials) -> Iterator[YokedPair]:
-    """Yield all yoked muscles that both have a command, each two once."""
-    if not trials.is_of_pair:
-        yield from (_yoked(trials, names) for names in yoked_names(trials.space))
+def yoked_pairs(tests: Sequence[Trials]) -> Iterator[YokedPair]:
+    """Yield all yoked muscles that both have a command, each two once.
+
+    tests: of runs that differ in their seeds alone; their trials are pooled.
+    """
+    if not tests[0].is_of_pair:
+        yield from (_yoked(tests, names) for names in yoked_names(tests[0].space))
 
 
-def shared_change(values: np.ndarray, distance_m: np.ndarray) -> SharedChange:
-    """Return how two series change together around their means at each distance.
+def shared_change(values: np.ndarray, groups: np.ndarray) -> SharedChange:
+    """Return how two series change together around their means in each group.
 
-    values: (2, n); distance_m: (n,).
+    values: (2, n); groups: (n,) what is the same in a group and differs between groups.
     """
     around_mean = values.astype(np.float64)
-    for distance in np.unique(distance_m):
-        chosen = distance_m == distance
+    for group in np.unique(groups):
+        chosen = groups == group
         around_mean[:, chosen] -= around_mean[:, chosen].mean(axis=1, keepdims=True)
     first, second = around_mean
     of_first, of_both = (first**2).sum(), (first * second).sum()
@@ -77,8 +80,13 @@ def shared_change(values: np.ndarray, distance_m: np.ndarray) -> SharedChange:
     )
 
 
-def _yoked(trials: Trials, names: tuple[str, str]) -> YokedPair:
-    values = np.stack([trials.column(name)[:, [0, -1]] for name in names])
+def _yoked(tests: Sequence[Trials], names: tuple[str, str]) -> YokedPair:
+    values = np.concatenate(
+        [np.stack([trials.column(name)[:, [0, -1]] for name in names]) for trials in tests], axis=1
+    )
+    # Each run has means of its own: eyes whose gaze is free end in different places.
+    places = [(i, distance) for i, t in enumerate(tests) for distance in t.object_distance_m]
+    groups = np.unique(places, axis=0, return_inverse=True)[1]
     start, end = np.median(np.abs(values[0] - values[1]), axis=0)
-    correlation = shared_change(values[:, :, 1], trials.object_distance_m).correlation
+    correlation = shared_change(values[:, :, 1], groups).correlation
     return YokedPair(names, float(start), float(end), correlation)

@@ -265,7 +265,7 @@ def yoked_table(groups: Sequence[Group]) -> str:
         )
         for group in groups
         if group.has_trials
-        for pair in yoked_pairs(group.last_trials)
+        for pair in yoked_pairs([run.trials[group.iterations[-1]] for run in group.runs])
     ]
     return report_page.table((*header, "correlation at the end"), rows)
 
