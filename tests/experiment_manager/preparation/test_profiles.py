@@ -119,7 +119,7 @@ def test_every_profile_runs_in_each_stage_of_its_schedule(name, tmp_path, pictur
         for size_deg in (5, 10, 20)
     ],
 )
-def test_a_squint_has_its_angle_at_the_tonic_level(name: str, inward_deg: int) -> None:
+def test_strabismus_has_its_angle_at_the_tonic_level(name: str, inward_deg: int) -> None:
     settings = read_profile(name).settings["eye_plant"]
     eyes = Oculomotor(build(EyePlantConfig, settings).mechanics)
     eyes.settle(eyes.tonic_activations)
