@@ -1,15 +1,17 @@
 """An episode of the plant's node, step by step."""
 
+from pathlib import Path
 from typing import Any
 
 from sensor_msgs.msg import Image, JointState
 
 from eye_plant.episode import Episode
 from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.node.plant_node import EyePlantNode
 from lockstep.wire.stamps import period_ns
 from lockstep.wire.topics import MEAN_METABOLIC_RATES, PICTURES, PLANT_VECTORS, TRAINING
 from lockstep.wire.vectors import vector_message
-from tests.node_harness import Bench
+from tests.node_harness import Bench, Graph
 from tests.pair import pair_activations
 
 PERIOD_NS = period_ns(MechanicsConfig().period_s)
@@ -32,6 +34,13 @@ EPISODE = Episode(
 COMMANDS = ([0.06, 0.01], [0.03, 0.02], [0.0, 0.0])
 
 
+def plant_bench(graph: Graph, pictures: Path, **parameters: Any) -> Bench:
+    """Return a plant with small stimuli, and those who talk to it."""
+    small = {"stimuli__directory": str(pictures), "stimuli__size_px": 64}
+    plant = graph.add(EyePlantNode, **(small | parameters))
+    return Bench(graph, plant, {"muscle_command": JointState}, HEARD)
+
+
 def begin(bench: Bench, **changes: Any) -> tuple[bool, str]:
     return bench.request("episode", **(EPISODE.as_arguments() | changes))
 
@@ -48,6 +57,13 @@ def send_command(
 def observation_numbers(bench: Bench, topic: str) -> list[int]:
     """Return the observation numbers of what was heard on a topic."""
     return [stamp_ns // PERIOD_NS for stamp_ns in bench.outsider.stamps_ns(topic)]
+
+
+def wait_for(bench: Bench, number: int, topic: str = "ground_truth") -> None:
+    """Wait until an observation is heard on a topic."""
+    bench.graph.spin_until(
+        lambda: number in observation_numbers(bench, topic), f"observation {number} on {topic}"
+    )
 
 
 def distinct_numbers(bench: Bench, topic: str) -> list[int]:

@@ -5,21 +5,10 @@ import pytest
 
 from eye_plant.gaze_error import gaze_error, listing_torsion_deg, target_place_deg
 from eye_plant.vergence import desired_vergence_deg
+from tests.eye_plant.rotations import rotation, turned_inward
 
 BASELINE_M = 0.056
 POSITIONS_M = np.array([[0.0, BASELINE_M / 2, 1.7], [0.0, -BASELINE_M / 2, 1.7]])
-
-
-def rotation(leftward_deg: float, upward_deg: float, clockwise_deg: float = 0.0) -> np.ndarray:
-    """Return forward, left and up of an eye that turns left, then up, then about its line of sight.
-
-    clockwise as the eye itself sees it: its upper pole goes to the right.
-    """
-    a, e, t = np.radians([leftward_deg, upward_deg, clockwise_deg])
-    about_up = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])
-    about_left = np.array([[np.cos(e), 0, -np.sin(e)], [0, 1, 0], [np.sin(e), 0, np.cos(e)]])
-    about_forward = np.array([[1, 0, 0], [0, np.cos(t), -np.sin(t)], [0, np.sin(t), np.cos(t)]])
-    return about_up @ about_left @ about_forward
 
 
 def fixating(point_m: np.ndarray) -> np.ndarray:
@@ -40,9 +29,8 @@ def test_eyes_that_fixate_the_middle_have_no_error(distance_m: float) -> None:
 
 def test_too_little_convergence_is_positive_and_counts_in_degrees() -> None:
     half_deg = desired_vergence_deg(1.0, BASELINE_M) / 2.0
-    left = rotation(-half_deg, 0.0)
     for short_deg in (0.5, -2.0):
-        eyes = np.array([left, rotation(half_deg - short_deg, 0.0)])
+        eyes = turned_inward(half_deg, half_deg - short_deg)
         error = gaze_error(POSITIONS_M, eyes, 1.0)
         assert error.horizontal_deg == pytest.approx(short_deg, abs=1e-9)
         assert error.vertical_deg == pytest.approx(0.0, abs=1e-9)
@@ -65,8 +53,7 @@ def test_a_right_eye_turned_counterclockwise_sees_things_turned_clockwise() -> N
 def test_a_stereogram_is_fixated_where_its_lines_of_sight_meet() -> None:
     parallax_m = 0.01
     half_deg = desired_vergence_deg(0.8, BASELINE_M, parallax_m) / 2.0
-    eyes = np.array([rotation(-half_deg, 0.0), rotation(half_deg, 0.0)])
-    error = gaze_error(POSITIONS_M, eyes, 0.8, parallax_m)
+    error = gaze_error(POSITIONS_M, turned_inward(half_deg, half_deg), 0.8, parallax_m)
     assert error.horizontal_deg == pytest.approx(0.0, abs=1e-9)
 
 

@@ -1,6 +1,6 @@
 """A plant that is changed is as one that was made so, and muscles hold what they were told."""
 
-import dataclasses
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -36,8 +36,18 @@ def plain():
     return build(EyePlantConfig, {"camera.renderer": "plane"})
 
 
-def made(config, stimuli):
-    return EyePlant(config, stimuli)
+@pytest.fixture
+def made(stimuli):
+    """Return what makes a plant of a configuration that shows the stimuli."""
+    plants = []
+
+    def make(config):
+        plants.append(EyePlant(config, stimuli))
+        return plants[-1]
+
+    yield make
+    for plant in plants:
+        plant.close()
 
 
 def seen(plant, stimulus=0):
@@ -50,20 +60,18 @@ def seen(plant, stimulus=0):
     ]
 
 
-def test_a_changed_plant_is_as_one_made_so_and_back(plain, stimuli):
-    plant, anew = made(plain, stimuli), made(changed(plain, ALTERED), stimuli)
+def test_a_changed_plant_is_as_one_made_so_and_back(plain, made):
+    plant, anew = made(plain), made(changed(plain, ALTERED))
     before, expected = seen(plant), seen(anew)
     assert before != expected
     plant.reconfigure(ALTERED)
     assert seen(plant) == expected
     plant.reconfigure({})
     assert seen(plant) == before
-    plant.close()
-    anew.close()
 
 
-def test_a_refused_change_leaves_the_plant_as_it_was(plain, stimuli):
-    plant = made(plain, stimuli)
+def test_a_refused_change_leaves_the_plant_as_it_was(plain, made):
+    plant = made(plain)
     before = seen(plant)
     for settings, message in (
         ({"camera.left_blur_px": -1.0}, "left_blur_px: expected 0 px or more"),
@@ -74,12 +82,11 @@ def test_a_refused_change_leaves_the_plant_as_it_was(plain, stimuli):
         with pytest.raises(InputError, match=message):
             plant.reconfigure(settings)
     assert seen(plant) == before
-    plant.close()
 
 
 @pytest.mark.parametrize("mechanics", [{}, {"mechanics.baseline_m": 0.062}])
-def test_a_change_that_cannot_be_drawn_leaves_the_plant_as_it_was(stimuli, mechanics, monkeypatch):
-    plant = made(build(EyePlantConfig, {"camera.renderer": "mujoco"}), stimuli)
+def test_a_change_that_cannot_be_drawn_leaves_the_plant_as_it_was(made, mechanics, monkeypatch):
+    plant = made(build(EyePlantConfig, {"camera.renderer": "mujoco"}))
     before = seen(plant)
 
     def refuse(*_: object) -> None:
@@ -93,22 +100,18 @@ def test_a_change_that_cannot_be_drawn_leaves_the_plant_as_it_was(stimuli, mecha
     assert seen(plant) == before
     plant.reconfigure(ALTERED)
     assert seen(plant) != before
-    plant.close()
 
 
-def test_the_eyes_should_meet_where_a_stereograms_dots_fuse(plain, stimuli):
-    plant = made(plain, stimuli)
+def test_the_eyes_should_meet_where_a_stereograms_dots_fuse(plain, made, stimuli):
     (shown,) = stimuli.stereograms
     parallax_m = shown.parallax * 3.0
     assert parallax_m != 0.0
-    desired_deg = seen(plant, stimulus=1)[0][1][10]
+    desired_deg = seen(made(plain), stimulus=1)[0][1][10]
     assert desired_deg == pytest.approx(np.degrees(2 * np.arctan((0.056 + parallax_m) / 2.0)))
-    plant.close()
 
 
-def test_each_command_adds_to_those_before_it() -> None:
-    picture = np.zeros((64, 64), dtype=np.uint8)
-    plant = EyePlant(EyePlantConfig(), StimulusSet((picture,), (picture,)))
+def test_each_command_adds_to_those_before_it(plain, made) -> None:
+    plant = made(plain)
     episode = Episode.alone(0, 2.0, pair_activations(0.05, 0.02), n_iterations=5)
     recti = [MUSCLE_NAMES.index(name) for name in HORIZONTAL_RECTI]
 
@@ -117,31 +120,21 @@ def test_each_command_adds_to_those_before_it() -> None:
         found: list[float] = observation.state.activations[recti].tolist()
         return found
 
-    try:
-        plant.begin(episode)
-        # left medial, left lateral, right medial, right lateral
-        expected = [0.1, 0.02, 0.05, 0.02]
-        assert told("left_medial_rectus", values=[0.1]) == pytest.approx(expected)
-        expected = [0.1, 0.02, 0.05, 0.03]
-        assert told("right_lateral_rectus", values=[0.03]) == pytest.approx(expected)
-        plant.begin(dataclasses.replace(episode, first_observation=10))
-        expected = [0.05, 0.02, 0.05, 0.04]
-        assert told("right_lateral_rectus", values=[0.04]) == pytest.approx(expected)
-    finally:
-        plant.close()
+    plant.begin(episode)
+    # left medial, left lateral, right medial, right lateral
+    expected = [0.1, 0.02, 0.05, 0.02]
+    assert told("left_medial_rectus", values=[0.1]) == pytest.approx(expected)
+    expected = [0.1, 0.02, 0.05, 0.03]
+    assert told("right_lateral_rectus", values=[0.03]) == pytest.approx(expected)
+    plant.begin(replace(episode, first_observation=10))
+    expected = [0.05, 0.02, 0.05, 0.04]
+    assert told("right_lateral_rectus", values=[0.04]) == pytest.approx(expected)
 
 
-def test_a_command_of_muscles_with_their_own_names_all_of_them() -> None:
-    picture = np.zeros((64, 64), dtype=np.uint8)
-    config = EyePlantConfig(command_space=ALL_MUSCLES, lowest_activations=(0.0,))
-    plant = EyePlant(config, StimulusSet((picture,), (picture,)))
-    try:
-        with pytest.raises(
-            InputError, match=r"expected left_medial_rectus, .*, as command_space al"
-        ):
-            plant.targets(MUSCLE_NAMES[:6], np.zeros(6))
-        values = np.linspace(0.0, 0.11, 12)
-        in_reverse = plant.targets(MUSCLE_NAMES[::-1], values[::-1])
-        assert in_reverse.tolist() == values.tolist()
-    finally:
-        plant.close()
+def test_a_command_of_muscles_with_their_own_names_all_of_them(plain, made) -> None:
+    plant = made(replace(plain, command_space=ALL_MUSCLES, lowest_activations=(0.0,)))
+    with pytest.raises(InputError, match=r"expected left_medial_rectus, .*, as command_space al"):
+        plant.targets(MUSCLE_NAMES[:6], np.zeros(6))
+    values = np.linspace(0.0, 0.11, 12)
+    in_reverse = plant.targets(MUSCLE_NAMES[::-1], values[::-1])
+    assert in_reverse.tolist() == values.tolist()

@@ -18,13 +18,13 @@ from tests.eye_plant.camera.camera_stimuli import (
     FLAT_GREYS,
     FOCAL_LENGTH_PX,
     MARK,
-    MARK_DISTANCES_M,
     NOISE,
     QUADRANTS,
     SIZE_PX,
     camera_stimuli,
     noise,
 )
+from tests.eye_plant.rotations import rotation, turned_inward
 
 BASELINE_M = 0.056
 EYE_HEIGHT_M = 1.7
@@ -61,26 +61,12 @@ def make_camera(plain: CameraConfig, stimuli: StimulusSet) -> Iterator[Callable[
         camera.close()
 
 
-def rotation(yaw_deg: float = 0.0, pitch_up_deg: float = 0.0, roll_deg: float = 0.0) -> np.ndarray:
-    """Turn left about z, then up, then clockwise (as the eye itself sees it) about its own x."""
-    yaw, pitch, roll = np.radians((yaw_deg, pitch_up_deg, roll_deg))
-    about_z = np.array([[np.cos(yaw), -np.sin(yaw), 0], [np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]])
-    about_y = np.array(
-        [[np.cos(pitch), 0, -np.sin(pitch)], [0, 1, 0], [np.sin(pitch), 0, np.cos(pitch)]]
-    )
-    about_x = np.array(
-        [[1, 0, 0], [0, np.cos(roll), -np.sin(roll)], [0, np.sin(roll), np.cos(roll)]]
-    )
-    return about_z @ about_y @ about_x
-
-
 def both(one: np.ndarray) -> np.ndarray:
     return np.stack((one, one))
 
 
 def converged(vergence_deg: float) -> np.ndarray:
-    """Both eyes turned toward the nose by half of the angle: the left one to its right."""
-    return np.stack((rotation(-vergence_deg / 2.0), rotation(vergence_deg / 2.0)))
+    return turned_inward(vergence_deg / 2.0, vergence_deg / 2.0)
 
 
 def centroid_px(picture: np.ndarray) -> tuple[float, float]:
@@ -100,7 +86,7 @@ def centroid_px(picture: np.ndarray) -> tuple[float, float]:
 # --- geometry
 
 
-@pytest.mark.parametrize("distance_m", MARK_DISTANCES_M)
+@pytest.mark.parametrize("distance_m", MARK)
 @pytest.mark.parametrize("error_deg", [-3.0, -1.5, -0.2, 0.0, 0.2, 1.5, 3.0])
 def test_disparity_of_the_centre_point(camera, distance_m, error_deg) -> None:
     vergence_deg = desired_vergence_deg(distance_m, BASELINE_M) - error_deg
@@ -129,8 +115,8 @@ POSES = {
     "straight": both(rotation()),
     "converged": converged(6.4),
     "diverged": converged(-4.0),
-    "up and down": np.stack((rotation(pitch_up_deg=8.0), rotation(pitch_up_deg=-8.0))),
-    "rolled": np.stack((rotation(roll_deg=20.0), rotation(roll_deg=-20.0))),
+    "up and down": np.stack((rotation(upward_deg=8.0), rotation(upward_deg=-8.0))),
+    "rolled": np.stack((rotation(clockwise_deg=20.0), rotation(clockwise_deg=-20.0))),
     "all": np.stack((rotation(-4.0, 6.0, 10.0), rotation(5.0, -3.0, -15.0))),
 }
 
@@ -168,7 +154,7 @@ def test_the_stimulus_is_upright_and_not_mirrored(camera: StereoCamera) -> None:
 
 
 def test_a_raised_eye_sees_the_mark_lower(camera: StereoCamera) -> None:
-    pictures = camera.render(POSITIONS_M, both(rotation(pitch_up_deg=3.0)), MARK[2.0], 2.0)
+    pictures = camera.render(POSITIONS_M, both(rotation(upward_deg=3.0)), MARK[2.0], 2.0)
     for picture in pictures:
         # 257.34 tan(3 deg) = 13.49, below the centre
         assert centroid_px(picture)[1] == pytest.approx(13.49, abs=0.1)
@@ -177,7 +163,7 @@ def test_a_raised_eye_sees_the_mark_lower(camera: StereoCamera) -> None:
 def test_an_eye_rolled_clockwise_sees_the_mark_turn_the_other_way(camera: StereoCamera) -> None:
     # Turned 5 deg to its left and then rolled, an eye has the mark 22.5 px right of the centre;
     # rolling it by 10 deg clockwise takes that counter-clockwise, up by 22.5 sin(10 deg).
-    eye = rotation(yaw_deg=5.0, roll_deg=10.0)
+    eye = rotation(leftward_deg=5.0, clockwise_deg=10.0)
     positions_m = np.array([[0.0, 0.0, EYE_HEIGHT_M]] * 2)
     right_px, down_px = centroid_px(camera.render(positions_m, both(eye), MARK[2.0], 2.0)[0])
     assert right_px == pytest.approx(22.51 * np.cos(np.radians(10.0)), abs=0.1)
@@ -196,7 +182,7 @@ def test_grey_values_are_unchanged(camera: StereoCamera, grey: int) -> None:
 
 
 def test_eyes_turned_away_see_the_landscape(camera: StereoCamera) -> None:
-    away = np.stack((rotation(yaw_deg=35.0), rotation(yaw_deg=-35.0)))
+    away = turned_inward(-35.0, -35.0)
     centres = camera.render(POSITIONS_M, away, FLAT[0], 6.0)[:, 56:184, 96:224]
     np.testing.assert_array_equal(
         centres, camera.render(POSITIONS_M, away, FLAT[255], 6.0)[:, 56:184, 96:224]
@@ -269,7 +255,7 @@ def test_a_blurred_region_knows_what_lies_around_it(make_camera) -> None:
 @pytest.mark.parametrize("i_eye", [0, 1])
 def test_magnification_moves_the_mark_away_from_the_centre(camera, make_camera, i_eye) -> None:
     side = ("left", "right")[i_eye]
-    pose = both(rotation(yaw_deg=2.0, pitch_up_deg=2.0))
+    pose = both(rotation(leftward_deg=2.0, upward_deg=2.0))
     plain = camera.render(POSITIONS_M, pose, MARK[2.0], 2.0)
     magnified = make_camera(**{f"{side}_magnification": 1.25}).render(
         POSITIONS_M, pose, MARK[2.0], 2.0

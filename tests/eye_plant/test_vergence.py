@@ -57,11 +57,6 @@ def test_a_pixel_is_0_2226_degrees() -> None:
     assert degrees_per_px(FOCAL_LENGTH_PX) == pytest.approx(0.2226, abs=5e-5)
 
 
-def test_half_the_picture_is_25_degrees_high() -> None:
-    half_field_deg = math.degrees(math.atan(120.0 / FOCAL_LENGTH_PX))
-    assert half_field_deg == pytest.approx(25.0, abs=2e-3)
-
-
 @pytest.mark.parametrize("distance_m", [0.0, -1.0, math.nan, math.inf])
 def test_a_distance_that_is_none_is_refused(distance_m: float) -> None:
     with pytest.raises(InputError, match="distance_m: expected a positive number"):

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 from eye_plant.gaze_error import GazeError
-from eye_plant.vergence import vergence_error_deg
 
 
 @dataclass(frozen=True)
@@ -52,4 +51,4 @@ class GroundTruth:
     @property
     def vergence_error_deg(self) -> float:
         """Positive when the eyes converge too little (K17 eq. 7)."""
-        return vergence_error_deg(self.desired_vergence_deg, self.vergence_deg)
+        return self.desired_vergence_deg - self.vergence_deg

@@ -32,9 +32,7 @@ class ObservationMessages:
         """Lay out the messages of a plant of that configuration."""
         self._episode = VectorBytes(EPISODE_NAMES)
         self._episode_with_target = VectorBytes((*EPISODE_NAMES, *TARGET_NAMES))
-        self._activations = VectorBytes(MUSCLE_NAMES)
         self._muscles = VectorBytes(MUSCLE_NAMES)
-        self._mean_rates = VectorBytes(MUSCLE_NAMES)
         self._eyes = VectorBytes(EYE_STATE_NAMES)
         self._truth = VectorBytes(GROUND_TRUTH_NAMES)
         self._pictures = [ImageBytes(picture_message(config.camera, i_eye)) for i_eye in range(2)]
@@ -58,7 +56,7 @@ class ObservationMessages:
             yield "episode", self._episode.of(stamp_ns, observation.episode_values())
         yield (
             "muscle_activations",
-            self._activations.of(stamp_ns, state.activations, effort=state.metabolic_rate_w),
+            self._muscles.of(stamp_ns, state.activations, effort=state.metabolic_rate_w),
         )
         yield "ground_truth", self._truth.of(stamp_ns, observation.ground_truth_values())
         yield (
@@ -75,7 +73,7 @@ class ObservationMessages:
 
     def mean_metabolic_rates(self, stamp_ns: int, observation: Observation) -> bytes:
         """Return what the muscles took over the control period, transients and work included."""
-        return self._mean_rates.of(stamp_ns, observation.state.mean_metabolic_rate_w)
+        return self._muscles.of(stamp_ns, observation.state.mean_metabolic_rate_w)
 
     def pictures(self, stamp_ns: int, pictures: np.ndarray) -> Iterator[tuple[str, bytes]]:
         """Yield the pictures (2, height_px, width_px)."""

@@ -1,10 +1,8 @@
 """Both eyes' pictures of the scene: what is checked before and done after they are drawn."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from eye_plant.camera.blur import Blur, blur_radius_px
+from eye_plant.camera.blur import Blur
 from eye_plant.camera.config import MUJOCO, CameraConfig
 from eye_plant.camera.opengl.mujoco_renderer import MujocoRenderer
 from eye_plant.camera.ray_casting.plane_renderer import PlaneRenderer
@@ -12,8 +10,6 @@ from eye_plant.camera.renderer import Renderer, View
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from eye_plant.turns import turned
 from lockstep.errors import InputError
-
-__all__ = ["CameraConfig", "StereoCamera"]
 
 _NEAREST_M = 0.1
 _GAP_TO_LANDSCAPE_M = 0.1
@@ -48,7 +44,11 @@ class StereoCamera:
         for i_texture, texture in enumerate(textures):
             _check_picture(i_texture, texture)
         self.n_stimuli = len(self._i_textures)
-        self._renderer = _make_renderer(config, eye_height_m, textures)
+        self._renderer: Renderer = (
+            MujocoRenderer(config, eye_height_m, textures)
+            if config.renderer == MUJOCO
+            else PlaneRenderer(config, eye_height_m, textures)
+        )
         self._take_settings_of(config)
 
     def reconfigure(self, config: CameraConfig) -> None:
@@ -56,14 +56,14 @@ class StereoCamera:
 
         Raises GraphicsError, having changed nothing, when this machine cannot draw them.
         """
-        self._renderer.reconfigure(config, _drawn_size_px(config))
+        self._renderer.reconfigure(config)
         self._take_settings_of(config)
 
     def _take_settings_of(self, config: CameraConfig) -> None:
         self._config = config
-        drawn_px, kept_px = _drawn_size_px(config), (config.roi_width_px, config.roi_height_px)
+        kept_px = config.roi_width_px, config.roi_height_px
         self._blurs = [
-            Blur(drawn_px, kept_px, blur_px) if any(blur_px) else None
+            Blur(config.drawn_px, kept_px, blur_px) if any(blur_px) else None
             for blur_px in config.blurs_px
         ]
 
@@ -144,29 +144,9 @@ class StereoCamera:
         return kept
 
 
-def _make_renderer(
-    config: CameraConfig, eye_height_m: float, textures: Sequence[np.ndarray]
-) -> Renderer:
-    drawn_px = _drawn_size_px(config)
-    if config.renderer == MUJOCO:
-        return MujocoRenderer(config, drawn_px, eye_height_m, textures)
-    return PlaneRenderer(config, drawn_px, eye_height_m, textures)
-
-
 def _check_picture(i_stimulus: int, picture: np.ndarray) -> None:
     if picture.dtype != np.uint8 or picture.ndim != 2 or picture.size == 0:
         raise InputError(
             f"stimulus {i_stimulus}: expected a grey picture (height, width) of uint8, "
             f"got shape {picture.shape} of {picture.dtype}"
         )
-
-
-def _drawn_size_px(config: CameraConfig) -> tuple[int, int]:
-    """Return width and height to draw: the region of interest and what blur mixes into it."""
-    margins_px = [
-        2 * max(map(blur_radius_px, blurs_px)) for blurs_px in zip(*config.blurs_px, strict=True)
-    ]
-    return (
-        min(config.width_px, config.roi_width_px + margins_px[0]),
-        min(config.height_px, config.roi_height_px + margins_px[1]),
-    )

@@ -15,6 +15,12 @@ from launch_ros.actions import Node
 from lockstep.machine.launch_environment import launch_environment
 
 RATE_HZ = 100.0
+_ARGUMENTS = {
+    "namespace": "of the node",
+    "rate_hz": f"observations a second; {RATE_HZ:g}",
+    "parameter_set": "k17 or anatomical; k17",
+    "params_file": "takes precedence over the node's own file",
+}
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -22,17 +28,9 @@ def generate_launch_description() -> LaunchDescription:
     variables = launch_environment(Path(get_package_share_directory("lockstep")))
     return LaunchDescription(
         [
-            DeclareLaunchArgument("namespace", default_value="", description="of the node"),
-            DeclareLaunchArgument(
-                "rate_hz", default_value="", description=f"observations a second; {RATE_HZ:g}"
-            ),
-            DeclareLaunchArgument(
-                "parameter_set", default_value="", description="k17 or anatomical; k17"
-            ),
-            DeclareLaunchArgument(
-                "params_file",
-                default_value="",
-                description="takes precedence over the node's own file",
+            *(
+                DeclareLaunchArgument(name, default_value="", description=text)
+                for name, text in _ARGUMENTS.items()
             ),
             *(SetEnvironmentVariable(name, value) for name, value in variables.items()),
             OpaqueFunction(function=_plant),
@@ -41,10 +39,7 @@ def generate_launch_description() -> LaunchDescription:
 
 
 def _plant(context: LaunchContext) -> list[Node]:
-    given = {
-        name: LaunchConfiguration(name).perform(context)
-        for name in ("namespace", "rate_hz", "parameter_set", "params_file")
-    }
+    given = {name: LaunchConfiguration(name).perform(context) for name in _ARGUMENTS}
     own = Path(get_package_share_directory("eye_plant")) / "config" / "eye_plant.yaml"
     parameters: list[str | dict[str, Any]] = [str(own), {"free_running.rate_hz": RATE_HZ}]
     if given["params_file"]:

@@ -5,7 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.mipmaps import mipmap_levels, wants_reduced
+from eye_plant.camera.renderer import shows_reduced
 
 
 @pytest.mark.parametrize(
@@ -27,6 +29,12 @@ def test_a_level_lies_within_a_quarter_octave(texels_per_pixel: float, expected:
     if texels_per_pixel >= 1.0:
         octave = math.log2(texels_per_pixel / (math.sqrt(2.0) if expected else 1.0))
         assert abs(octave - round(octave)) <= 0.25 + 1e-9
+
+
+@pytest.mark.parametrize(("distance_m", "expected"), [(0.4, False), (0.5, True), (0.8, False)])
+def test_a_stimulus_is_reduced_by_the_texels_in_a_pixel(distance_m: float, expected: bool) -> None:
+    # Of 1920 texels on 3 m a pixel spans 640 distance / 257.34: 0.99, 1.24 and 1.99.
+    assert shows_reduced(CameraConfig(), 1920, distance_m) == expected
 
 
 @pytest.mark.parametrize(

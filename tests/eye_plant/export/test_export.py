@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 from eye_plant.export.__main__ import export, main
-from eye_plant.export.comparison import gaze_map_deg, simulated_map_deg
 from eye_plant.mechanics.model import MechanicsConfig
-from eye_plant.mechanics.muscles import N_MUSCLES
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError
@@ -27,36 +25,10 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return directory
 
 
-# Six digits of each number are written; the equilibrium forgives that.
-@pytest.mark.parametrize("parameter_set", SETS)
-def test_plain_mujoco_finds_the_plants_gaze_map(exported: Path, parameter_set: str) -> None:
-    model = mujoco.MjModel.from_xml_path(str(exported / f"eyes_{parameter_set}.xml"))
-    eyes = Oculomotor(MechanicsConfig(parameter_set=parameter_set))
-    found_deg = simulated_map_deg(model, eyes.tonic_activations, 10.0)
-    expected_deg = gaze_map_deg(eyes)
-    assert np.ptp(expected_deg[..., 0]) > 5.0
-    np.testing.assert_allclose(found_deg, expected_deg, atol=1e-3)
-
-
-@pytest.mark.parametrize("parameter_set", SETS)
-def test_the_file_needs_nothing_of_this_project(exported: Path, parameter_set: str) -> None:
-    code = (
-        "import mujoco, sys; m = mujoco.MjModel.from_xml_path(sys.argv[1]); "
-        "d = mujoco.MjData(m); mujoco.mj_resetDataKeyframe(m, d, 0); mujoco.mj_step(m, d, 100); "
-        "print(*(m.actuator(i).name for i in range(m.nu)))"
-    )
-    done = subprocess.run(
-        [sys.executable, "-I", "-c", code, exported / f"eyes_{parameter_set}.xml"],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert tuple(done.stdout.split()) == MUSCLE_NAMES
-
-
 @pytest.mark.parametrize("parameter_set", SETS)
 def test_the_keyframe_is_at_rest(exported: Path, parameter_set: str) -> None:
     model = mujoco.MjModel.from_xml_path(str(exported / f"eyes_{parameter_set}.xml"))
+    assert tuple(model.actuator(i).name for i in range(model.nu)) == MUSCLE_NAMES
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)
     start = data.qpos.copy()
@@ -71,11 +43,9 @@ def test_an_eyes_camera_looks_where_the_eye_does(exported: Path) -> None:
     mujoco.mj_forward(model, data)
     # The nose is to the right of the left eye, and y is to the left.
     forward = [np.cos(np.radians(10.0)), -np.sin(np.radians(10.0)), 0.0]
-    sight = -data.camera("left_eye").xmat.reshape(3, 3)[:, 2]
-    np.testing.assert_allclose(sight, forward, atol=1e-6)
-    np.testing.assert_allclose(
-        data.camera("left_eye").xmat.reshape(3, 3)[:, 1], [0, 0, 1], atol=1e-6
-    )
+    _, up, backward = data.camera("left_eye").xmat.reshape(3, 3).T
+    np.testing.assert_allclose(-backward, forward, atol=1e-6)
+    np.testing.assert_allclose(up, [0, 0, 1], atol=1e-6)
 
 
 def test_the_readme_states_measured_differences(exported: Path) -> None:
@@ -87,19 +57,18 @@ def test_the_readme_states_measured_differences(exported: Path) -> None:
     after_s = {row[1].strip(): [float(cell.split()[0]) for cell in row[3:5]] for row in rows}
     assert set(after_s) == set(SETS)
     assert after_s["k17"][0] < 0.02  # the plant's promise: settled within a control period
+    # Six digits of each number are written; the equilibrium forgives that.
     assert all(long_deg < 1e-3 for _, long_deg in after_s.values())
 
 
-def test_the_readmes_code_runs(exported: Path) -> None:
+def test_the_readmes_code_runs_without_this_project(exported: Path) -> None:
     code = (exported / "README.md").read_text().split("```python\n")[1].split("```")[0]
     done = subprocess.run(
         [sys.executable, "-I", "-c", code], cwd=exported, capture_output=True, text=True, check=True
     )
     (angle_rad,) = [float(word) for word in done.stdout.strip("[]\n ").split()]
     eyes = Oculomotor(MechanicsConfig())
-    activations = np.zeros(N_MUSCLES)
-    activations[0] = 0.1
-    eyes.settle(activations)
+    eyes.settle(np.array([0.1] + 11 * [0.0]))
     assert angle_rad == pytest.approx(eyes.state().eye_angles_rad[0, 0], abs=1e-5)
 
 

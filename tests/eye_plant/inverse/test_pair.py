@@ -3,6 +3,7 @@ import pytest
 
 from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.oculomotor import MechanicsConfig, Oculomotor
+from eye_plant.validation.openeyesim import SINGLE_MUSCLE_POINTS
 from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError
@@ -81,26 +82,11 @@ def test_the_optimum_is_the_least_cost_along_the_line(config, inverse):
         assert reached_deg == pytest.approx(wanted_deg, abs=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("distance_m", "medial", "lateral"),
-    [
-        (0.5, 0.0736, 0.0),
-        (1.0, 0.0315, 0.0),
-        (2.0, 0.0089, 0.0),
-        (4.0, 0.0, 0.0027),
-        (6.0, 0.0, 0.0064),
-    ],
-)
+@pytest.mark.parametrize(("distance_m", "medial", "lateral"), SINGLE_MUSCLE_POINTS)
 def test_k17_needs_the_single_muscle_activations_of_openeyesim(k17, distance_m, medial, lateral):
     best = k17.optimal(desired_vergence_deg(distance_m, BASELINE_M))
     assert best.medial == pytest.approx(medial, abs=0.003)
     assert best.lateral == pytest.approx(lateral, abs=0.003)
-
-
-def test_k17_optimal_cost_is_near_the_power_laws(k17):
-    for distance_m, rate_w in ((0.5, 1.101), (2.0, 0.432), (4.0, 0.355), (6.0, 0.382)):
-        best = k17.optimal(desired_vergence_deg(distance_m, BASELINE_M))
-        assert best.metabolic_rate_w == pytest.approx(rate_w, rel=0.07)
 
 
 def test_an_unreachable_vergence_is_refused(k17):
@@ -164,5 +150,4 @@ def test_muscles_whose_stiffness_has_no_inverse_stop_no_search():
     config = MechanicsConfig(
         parameter_set="anatomical", strength=SINGULAR_STRENGTH, recession_mm=SINGULAR_RECESSION_MM
     )
-    vergence_deg = Inverse(config).vergence_deg(0.0625, 0.0)
-    assert np.isfinite(vergence_deg)
+    assert np.isfinite(Inverse(config).vergence_deg(0.0625, 0.0))

@@ -4,19 +4,11 @@ import pytest
 
 from eye_plant.mechanics.anatomical import ANATOMICAL
 from eye_plant.mechanics.model import AXES, MechanicsConfig, build_spec, receded_insertion_m
+from eye_plant.validation.passive_energy import passive_energy_j
+from eye_plant.validation.static_checks import ACTIONS
 from lockstep.command_space import MUSCLE_NAMES, MUSCLES
 
 SETS = ("k17", "anatomical")
-
-# Signs of adduction, elevation, intorsion that a muscle gives an eye looking straight ahead.
-ACTIONS = {
-    "medial_rectus": (+1, 0, 0),
-    "lateral_rectus": (-1, 0, 0),
-    "superior_rectus": (+1, +1, +1),
-    "inferior_rectus": (+1, -1, -1),
-    "superior_oblique": (-1, -1, +1),
-    "inferior_oblique": (-1, +1, -1),
-}
 
 
 @pytest.fixture(params=SETS)
@@ -118,8 +110,6 @@ def test_bad_settings_are_refused_by_name(changes, message):
 
 @pytest.mark.parametrize("parameter_set", SETS)
 def test_a_passive_eye_without_damping_keeps_its_energy(parameter_set):
-    from eye_plant.validation.passive_energy import passive_energy_j
-
     config = MechanicsConfig(parameter_set=parameter_set)
     energy_j = passive_energy_j(config, duration_s=0.2)
     assert energy_j[0] > 0.0

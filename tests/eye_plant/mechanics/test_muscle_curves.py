@@ -14,13 +14,6 @@ def mujoco_parameters() -> np.ndarray:
     return np.array([0.0, 1.0, 1.0, 1.0, SHORTEST, LONGEST, 1.0, STIFFNESS, GAIN])
 
 
-def test_twelve_muscles_left_before_right_medial_before_lateral():
-    assert len(MUSCLE_NAMES) == 12
-    assert MUSCLE_NAMES[:2] == ("left_medial_rectus", "left_lateral_rectus")
-    assert MUSCLE_NAMES[6] == "right_medial_rectus"
-    assert MUSCLE_NAMES[-1] == "right_inferior_oblique"
-
-
 @pytest.mark.parametrize(
     ("curve", "parameters", "points"),
     [

@@ -92,16 +92,6 @@ def test_a_step_depends_on_what_came_since_settling_only(parameter_set):
 
 
 @pytest.mark.parametrize("parameter_set", SETS)
-def test_equal_commands_give_mirror_images(parameter_set):
-    eyes = eyes_with(parameter_set=parameter_set)
-    generator = np.random.default_rng(3)
-    for _ in range(20):
-        eyes.step(np.tile(generator.uniform(0.0, 0.3, 6), 2))
-        left, right = angles_deg(eyes)
-        np.testing.assert_allclose(left, right, atol=1e-6)
-
-
-@pytest.mark.parametrize("parameter_set", SETS)
 def test_each_muscle_moves_its_own_eye_alone(parameter_set):
     eyes = eyes_with(parameter_set=parameter_set)
     rest = angles_deg(eyes)
@@ -181,15 +171,6 @@ def test_a_scaled_timestep_and_period_are_kept():
     eyes = eyes_with(control_period_s=0.1, timestep_s=0.002)
     assert eyes.control_period_s == pytest.approx(0.1)
     assert eyes.model.opt.timestep == pytest.approx(0.002)
-
-
-def test_eye_poses_are_those_of_the_angles():
-    eyes = eyes_with()
-    eyes.settle(eyes.activations_from(0.2, 0.0))
-    adduction_rad = eyes.state().eye_angles_rad[:, ADDUCTION]
-    np.testing.assert_allclose(eyes.eye_positions_m()[:, 1], [0.028, -0.028])
-    toward_left = eyes.eye_rotations()[:, 1, 0]
-    np.testing.assert_allclose(toward_left, [-np.sin(adduction_rad[0]), np.sin(adduction_rad[1])])
 
 
 def test_states_share_no_memory():

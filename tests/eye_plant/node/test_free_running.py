@@ -1,37 +1,25 @@
 """The plant at a fixed rate: it waits for nobody, and a command acts when it comes."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from sensor_msgs.msg import Image, JointState
 
 from eye_plant.config import FreeRunningConfig
-from eye_plant.node.plant_node import EyePlantNode
 from lockstep.errors import InputError
-from lockstep.wire.topics import EYE_STATE_NAMES, PICTURES, PLANT_VECTORS
+from lockstep.wire.topics import EYE_STATE_NAMES
 from lockstep.wire.vectors import vector_message
-from tests.eye_plant.plant_bench import begin
-from tests.node_harness import Bench, ros_graph
+from tests.eye_plant.plant_bench import begin, plant_bench
+from tests.node_harness import Bench, Graph
 
-HEARD = dict.fromkeys(PLANT_VECTORS, JointState) | dict.fromkeys(PICTURES, Image)
-RATE_HZ = 50.0
 PERIOD_NS = 20_000_000
 _LEFT_ADDUCTION = EYE_STATE_NAMES.index("left_adduction")
 
 
 @pytest.fixture
-def bench(pictures: Path) -> Iterator[Bench]:
-    """Yield a free-running plant."""
-    with ros_graph() as graph:
-        plant = graph.add(
-            EyePlantNode,
-            stimuli__directory=str(pictures),
-            stimuli__size_px=64,
-            free_running__rate_hz=RATE_HZ,
-        )
-        yield Bench(graph, plant, {"muscle_command": JointState}, HEARD)
+def bench(graph: Graph, pictures: Path) -> Bench:
+    """Return a free-running plant."""
+    return plant_bench(graph, pictures, free_running__rate_hz=1e9 / PERIOD_NS)
 
 
 def test_observations_follow_each_other_without_any_command(bench: Bench) -> None:

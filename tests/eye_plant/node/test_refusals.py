@@ -8,21 +8,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sensor_msgs.msg import JointState
 
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from eye_plant.node.plant_node import EyePlantNode
-from lockstep.wire.topics import (
-    GROUND_TRUTH_NAMES,
-)
+from lockstep.wire.topics import GROUND_TRUTH_NAMES
 from tests.eye_plant.plant_bench import (
     COMMANDS,
     EPISODE,
-    HEARD,
     begin,
     observation_numbers,
+    plant_bench,
     send_command,
+    wait_for,
 )
 from tests.node_harness import Bench, ros_graph
 
@@ -31,8 +28,7 @@ from tests.node_harness import Bench, ros_graph
 def shared(pictures: Path) -> Iterator[Bench]:
     """Yield one plant for all the things that it refuses: none of them may leave a trace."""
     with ros_graph() as graph:
-        plant = graph.add(EyePlantNode, stimuli__directory=str(pictures), stimuli__size_px=64)
-        bench = Bench(graph, plant, {"muscle_command": JointState}, HEARD)
+        bench = plant_bench(graph, pictures)
         assert bench.request("start_run") == (True, "")
         yield bench
 
@@ -40,33 +36,33 @@ def shared(pictures: Path) -> Iterator[Bench]:
 _bases = itertools.count(1000, 1000)
 
 
-@pytest.mark.parametrize(
-    ("names", "reason"),
-    [
-        (("medial_rectus",) * 2, "expected each muscle once, got 'medial_rectus' again"),
-        (("medial_rectus", "left_medial_rectus"), "got 'left_medial_rectus' again"),
-        (("medial_rectus", "tongue"), "unknown muscle 'tongue', expected some of left_"),
-        (("medial_rectus",), "expected one position per name, got 2 for 1 names"),
-        ((), "expected one position per name, got 2 for 0 names"),
-    ],
-)
-def test_commands_with_wrong_names_are_refused(shared, names, reason) -> None:
-    _refuses(shared, lambda n: send_command(shared, n, (0.1, 0.1), names), reason)
+RECTI = ("medial_rectus", "lateral_rectus")
 
 
 @pytest.mark.parametrize(
-    ("values", "reason"),
+    ("names", "values", "reason"),
     [
-        ((math.nan, 0.1), "expected finite values, got position [nan, 0.1]"),
-        ((math.inf, 0.1), "expected finite values, got position [inf, 0.1]"),
-        ((-0.01, 0.1), "expected activations in [0, 1], got [-0.01, 0.1]"),
-        ((0.1, 1.01), "expected activations in [0, 1], got [0.1, 1.01]"),
-        ((0.1,), "expected one position per name, got 1 for 2 names"),
-        ((), "expected one position per name, got 0 for 2 names"),
+        (
+            ("medial_rectus",) * 2,
+            (0.1, 0.1),
+            "expected each muscle once, got 'medial_rectus' again",
+        ),
+        (("medial_rectus", "left_medial_rectus"), (0.1, 0.1), "got 'left_medial_rectus' again"),
+        (
+            ("medial_rectus", "tongue"),
+            (0.1, 0.1),
+            "unknown muscle 'tongue', expected some of left_",
+        ),
+        ((), (0.1, 0.1), "expected one position per name, got 2 for 0 names"),
+        (RECTI, (0.1,), "expected one position per name, got 1 for 2 names"),
+        (RECTI, (math.nan, 0.1), "expected finite values, got position [nan, 0.1]"),
+        (RECTI, (math.inf, 0.1), "expected finite values, got position [inf, 0.1]"),
+        (RECTI, (-0.01, 0.1), "expected activations in [0, 1], got [-0.01, 0.1]"),
+        (RECTI, (0.1, 1.01), "expected activations in [0, 1], got [0.1, 1.01]"),
     ],
 )
-def test_commands_with_wrong_values_are_refused(shared, values, reason) -> None:
-    _refuses(shared, lambda n: send_command(shared, n, values), reason)
+def test_commands_with_wrong_names_or_values_are_refused(shared, names, values, reason) -> None:
+    _refuses(shared, lambda n: send_command(shared, n, values, names), reason)
 
 
 def test_a_command_for_the_future_is_refused(shared: Bench) -> None:
@@ -81,11 +77,7 @@ def test_other_eyes_amid_an_episode_are_refused(shared: Bench) -> None:
     def ask(first: int) -> None:
         assert not shared.request("reconfigure", **settings)[0]
 
-    _refuses(
-        shared,
-        ask,
-        "reconfigure: expected between episodes, got during one, at observation",
-    )
+    _refuses(shared, ask, "reconfigure: expected between episodes, got during one, at observation")
 
 
 def _refuses(bench: Bench, send: Callable[[int], None], reason: str) -> None:
@@ -93,16 +85,12 @@ def _refuses(bench: Bench, send: Callable[[int], None], reason: str) -> None:
     first = next(_bases)
     n_refused = bench.node.diagnostics.n_refused
     begin(bench, first_observation=first)
-    bench.graph.spin_until(
-        lambda: first in observation_numbers(bench, "ground_truth"), "the episode"
-    )
+    wait_for(bench, first)
     send(first)
     assert reason in bench.wait_refused(n_refused + 1)
     assert max(observation_numbers(bench, "ground_truth")) == first
     send_command(bench, first, COMMANDS[0])
-    bench.graph.spin_until(
-        lambda: first + 1 in observation_numbers(bench, "ground_truth"), "the answer"
-    )
+    wait_for(bench, first + 1)
     truth = bench.outsider.heard["ground_truth"][
         observation_numbers(bench, "ground_truth").index(first + 1)
     ]
@@ -113,7 +101,7 @@ def _refuses(bench: Bench, send: Callable[[int], None], reason: str) -> None:
 
 def _vergence_after_first_command() -> float:
     oculomotor = Oculomotor(MechanicsConfig())
-    oculomotor.settle(oculomotor.activations_from(EPISODE.activations[0], EPISODE.activations[1]))
+    oculomotor.settle(np.array(EPISODE.activations))
     oculomotor.step(oculomotor.activations_from(*COMMANDS[0]))
     return float(np.degrees(oculomotor.state().eye_angles_rad[:, 0].sum()))
 
@@ -148,7 +136,7 @@ def test_episodes_that_cannot_be_are_refused(shared, changes, reason) -> None:
     assert reason in shared.wait_refused(n_refused + 1)
     assert max(observation_numbers(shared, "episode"), default=0) < first
     assert begin(shared, first_observation=first) == (True, "")
-    shared.graph.spin_until(lambda: first in observation_numbers(shared, "episode"), "the episode")
+    wait_for(shared, first, "episode")
 
 
 def test_an_episode_with_missing_arguments_is_refused(bench: Bench) -> None:
@@ -162,7 +150,7 @@ def test_a_refused_episode_leaves_the_one_under_way_alone(bench: Bench) -> None:
     bench.wait_heard("episode", 1)
     assert not begin(bench, stimulus=99, first_observation=90)[0]
     send_command(bench, 44)
-    bench.graph.spin_until(lambda: 45 in observation_numbers(bench, "episode"), "observation 45")
+    wait_for(bench, 45, "episode")
 
 
 def test_another_runs_episode_is_refused(bench: Bench) -> None:

@@ -4,6 +4,7 @@ import errno
 import os
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import IO, Any
 
@@ -26,13 +27,8 @@ SIZE_PX = 96
 
 
 def small(cache: Path, **changes: Any) -> StimuliConfig:
-    parameters: dict[str, Any] = {
-        "n_training": 4,
-        "n_test": 2,
-        "size_px": SIZE_PX,
-        "cache_directory": str(cache),
-    }
-    return StimuliConfig(**(parameters | changes))
+    config = StimuliConfig(n_training=4, n_test=2, size_px=SIZE_PX, cache_directory=str(cache))
+    return replace(config, **changes)
 
 
 def of_directory(directory: Path, **changes: Any) -> StimuliConfig:
@@ -276,9 +272,10 @@ def garbage(path: Path) -> None:
 
 @pytest.mark.parametrize("breaks", [cut_off, garbage, lambda path: path.write_bytes(b"")])
 @pytest.mark.parametrize("suffix", [".jpg", ".png"])
-def test_a_broken_file_is_named(tmp_path: Path, suffix: str, breaks: object) -> None:
+def test_a_broken_file_is_named(
+    tmp_path: Path, suffix: str, breaks: Callable[[Path], object]
+) -> None:
     write_pictures(tmp_path, 2, suffix)
-    assert callable(breaks)
     breaks(tmp_path / f"001{suffix}")
     with pytest.raises(InputError, match=rf"001\{suffix}: expected a picture, got a broken file"):
         load_stimuli(of_directory(tmp_path))

@@ -2,8 +2,10 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
+from eye_plant.camera.blur import blur_radius_px
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
 
@@ -143,6 +145,17 @@ class CameraConfig:
             for side, blur_px in (("left", self.left_blur_px), ("right", self.right_blur_px))
         )
         return left, right
+
+    @cached_property
+    def drawn_px(self) -> tuple[int, int]:
+        """Width and height to draw: the region of interest and what blur mixes into it."""
+        along_rows, along_columns = (
+            2 * max(map(blur_radius_px, blurs_px)) for blurs_px in zip(*self.blurs_px, strict=True)
+        )
+        return (
+            min(self.width_px, self.roi_width_px + along_rows),
+            min(self.height_px, self.roi_height_px + along_columns),
+        )
 
     @property
     def turns_deg(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:

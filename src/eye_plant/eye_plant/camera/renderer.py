@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from eye_plant.camera.config import CameraConfig
+from eye_plant.camera.mipmaps import wants_reduced
 
 N_EYES = 2
 # Depth along an eye's line of sight between which surfaces are drawn.
@@ -31,14 +32,23 @@ class View:
     distance_m: float
 
 
+def shows_reduced(config: CameraConfig, size_px: int, distance_m: float) -> bool:
+    """Return whether the reduced copy of a stimulus suits its distance; size_px: its longer side.
+
+    An eye's magnification must not touch what the other eye sees, and does not count.
+    """
+    pixel_m = distance_m / config.focal_length_px
+    return wants_reduced(pixel_m * size_px / config.plane_size_m)
+
+
 class Renderer(Protocol):
-    """Draws the central part of both eyes' pictures, of the size that it was made with.
+    """Draws the central part of both eyes' pictures, of the size CameraConfig.drawn_px.
 
     The same view gives the same bits on one machine, whatever was drawn before, and the same
     pixels in a smaller part.
     """
 
-    def reconfigure(self, config: CameraConfig, drawn_px: tuple[int, int]) -> None:
+    def reconfigure(self, config: CameraConfig) -> None:
         """Draw as another configuration has it, and another part of the picture; stimuli stay."""
 
     def start(self, view: View) -> None:

@@ -1,18 +1,20 @@
 """By how much plain MuJoCo with the exported file differs from the plant."""
 
 from dataclasses import dataclass
+from itertools import product
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.muscles import LATERAL, MEDIAL
 from eye_plant.mechanics.oculomotor import Oculomotor
 
 Array = NDArray[np.float64]
 
 # The activations of the paper's experiments, in steps of a fifth.
-MEDIAL, LATERAL = np.linspace(0.0, 0.2, 6), np.linspace(0.0, 0.1, 6)
+PAIRS = list(product(np.linspace(0.0, 0.2, 6), np.linspace(0.0, 0.1, 6)))
 LONG_S = 10.0
 
 
@@ -29,13 +31,12 @@ class Difference:
 
 
 def gaze_map_deg(eyes: Oculomotor) -> Array:
-    """Return the plant's angles at each pair of activations, (6, 6, 2 eyes, 3 axes)."""
+    """Return the plant's angles at each pair of activations, (36, 2 eyes, 3 axes)."""
     rows = []
-    for medial in MEDIAL:
-        for lateral in LATERAL:
-            eyes.settle(eyes.activations_from(float(medial), float(lateral)))
-            rows.append(np.degrees(eyes.state().eye_angles_rad))
-    return np.reshape(rows, (len(MEDIAL), len(LATERAL), 2, 3))
+    for pair in PAIRS:
+        eyes.settle(eyes.activations_from(*pair))
+        rows.append(np.degrees(eyes.state().eye_angles_rad))
+    return np.array(rows)
 
 
 def simulated_map_deg(model: mujoco.MjModel, tonic: Array, duration_s: float) -> Array:
@@ -44,18 +45,14 @@ def simulated_map_deg(model: mujoco.MjModel, tonic: Array, duration_s: float) ->
     tonic: (12,) activations that the muscles keep which are not commanded.
     """
     data = mujoco.MjData(model)
-    names = [model.actuator(i).name for i in range(model.nu)]
-    medial_recti = [i for i, name in enumerate(names) if name.endswith("medial_rectus")]
-    lateral_recti = [i for i, name in enumerate(names) if name.endswith("lateral_rectus")]
     rows = []
-    for medial in MEDIAL:
-        for lateral in LATERAL:
-            mujoco.mj_resetDataKeyframe(model, data, 0)
-            data.ctrl[:] = tonic
-            data.ctrl[medial_recti], data.ctrl[lateral_recti] = medial, lateral
-            mujoco.mj_step(model, data, round(duration_s / model.opt.timestep))
-            rows.append(np.degrees(data.qpos).reshape(2, 3))
-    return np.reshape(rows, (len(MEDIAL), len(LATERAL), 2, 3))
+    for medial, lateral in PAIRS:
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+        data.ctrl[:] = tonic
+        data.ctrl[MEDIAL], data.ctrl[LATERAL] = medial, lateral
+        mujoco.mj_step(model, data, round(duration_s / model.opt.timestep))
+        rows.append(np.degrees(data.qpos).reshape(2, 3))
+    return np.array(rows)
 
 
 def difference(parameter_set: str, mjcf: str) -> Difference:

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 from eye_plant.gaze_error import gaze_error
-from eye_plant.mechanics.equilibrium import Equilibrium
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI, CommandSpace
@@ -89,19 +88,18 @@ class GazeInverse:
     ) -> None:
         """lowest, highest: limits of the activation of each muscle of the space."""
         self._eyes = Oculomotor(config)
-        self._equilibrium = Equilibrium(self._eyes.model, self._eyes.data)
         self._space = space
         self._tonic = self._eyes.tonic_activations
         self._lowest, self._highest = np.array(lowest), np.array(highest)
 
     def gaze_deg(self, activations: Array, distance_m: float) -> Array:
         """Return GAZE_ANGLES (5,) of eyes at rest with activations (12,) before a plane."""
-        self._equilibrium.solve(activations)
+        self._eyes.equilibrium.solve(activations)
         return self._present_deg(distance_m)
 
     def left_gaze_deg(self, activations: Array) -> tuple[float, float]:
         """Return azimuth (to the right) and elevation of the left eye at rest."""
-        self._equilibrium.solve(activations)
+        self._eyes.equilibrium.solve(activations)
         azimuth_deg, elevation_deg = np.degrees(self._eyes.data.qpos[:2]).tolist()
         return azimuth_deg, elevation_deg
 
@@ -251,7 +249,7 @@ class GazeInverse:
         return activations
 
     def _continued_deg(self, values: Array, distance_m: float) -> Array:
-        self._equilibrium.solve(self._with(values), self._eyes.data.qpos.copy())
+        self._eyes.equilibrium.solve(self._with(values), self._eyes.data.qpos.copy())
         return self._present_deg(distance_m)
 
     def _present_deg(self, distance_m: float) -> Array:

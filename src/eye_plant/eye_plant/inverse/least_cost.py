@@ -2,7 +2,6 @@
 
 import math
 from functools import lru_cache
-from typing import Protocol
 
 import numpy as np
 
@@ -17,25 +16,15 @@ from lockstep.errors import InputError
 _VERGENCES_DEG = np.linspace(0.32, 10.72, 27)
 
 
-class CostOfVergence(Protocol):
-    """The least rate by vergence."""
-
-    def check(self, vergence_deg: float) -> None:
-        """Raise InputError unless the muscles can give the vergence; quick."""
-
-    def least_w(self, vergence_deg: float) -> float:
-        """Return the least metabolic rate of the commanded muscles with a vergence."""
-
-
 class PairCost:
-    """Of both eyes alike, by the line of pairs that give the vergence."""
+    """The least rate of both eyes alike, by the line of pairs that give the vergence."""
 
     def __init__(self, mechanics: MechanicsConfig, limits: Limits) -> None:
         """limits: ((lowest, highest) medial, (lowest, highest) lateral)."""
         self._inverse, self._limits = Inverse(mechanics), limits
 
     def check(self, vergence_deg: float) -> None:
-        """Raise InputError unless some pair gives the vergence."""
+        """Raise InputError unless some pair gives the vergence; quick."""
         self._inverse.check(vergence_deg)
 
     def least_w(self, vergence_deg: float) -> float:
@@ -44,7 +33,7 @@ class PairCost:
 
 
 class MuscleCost:
-    """Of muscles that have a command each.
+    """The least rate of muscles that have a command each.
 
     Held are the errors that the muscles can turn, horizontal, vertical and torsional; version is
     free. The eyes look at a plane straight ahead at the distance of the vergence.
@@ -70,6 +59,9 @@ class MuscleCost:
                 f"no activations of these muscles give a vergence of {vergence_deg:g} deg"
             )
         return found
+
+
+CostOfVergence = PairCost | MuscleCost
 
 
 def check_tabled(vergence_deg: float) -> None:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eye_plant.mechanics.equilibrium import Equilibrium
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep.errors import InputError
@@ -55,7 +54,6 @@ class Inverse:
     def __init__(self, config: MechanicsConfig) -> None:
         """Build bare eyes."""
         self._eyes = Oculomotor(config)
-        self._equilibrium = Equilibrium(self._eyes.model, self._eyes.data)
         self._start_rad: np.ndarray | None = None
         self._corners_deg: dict[Pair, float] = {}
         self._samples_deg: dict[tuple[Pair, Pair], np.ndarray] = {}
@@ -138,7 +136,7 @@ class Inverse:
 
     def _vergence_deg(self, medial: float, lateral: float) -> float:
         activations = self._eyes.activations_from(medial, lateral)
-        self._equilibrium.solve(activations, self._start_rad)
+        self._eyes.equilibrium.solve(activations, self._start_rad)
         self._start_rad = self._eyes.data.qpos.copy()
         return math.degrees(float(self._start_rad[0] + self._start_rad[3]))
 

@@ -16,13 +16,7 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from eye_plant.mechanics.anatomical import ANATOMICAL
-from eye_plant.mechanics.parameters import (
-    GRAM_FORCE_N,
-    Energetics,
-    MuscleParameters,
-    OrbitParameters,
-    ParameterSet,
-)
+from eye_plant.mechanics.parameters import GRAM_FORCE_N, Energetics, MuscleParameters, ParameterSet
 
 _HORIZONTAL = {
     "medial_rectus": MuscleParameters(
@@ -83,11 +77,8 @@ K17 = ParameterSet(
             if name not in _HORIZONTAL
         }
     ),
-    orbit=OrbitParameters(
-        globe_mass_kg=7.5e-3,
-        globe_inertia_kg_m2=4.32e-7,
-        globe_radius_m=0.012,
-        wrap_radius_m=0.0119,
+    orbit=replace(
+        ANATOMICAL.orbit,
         stiffness_n_m=(
             (1.30535, 0.127987, 0.632833),
             (1.30535, 0.0, 0.632833),

@@ -46,20 +46,6 @@ class MetabolicTerms:
         return heat + self.work_w
 
 
-def settled_rate_w(
-    *,
-    activation: ArrayLike,
-    length: ArrayLike,
-    isometric_force: ArrayLike,
-    mass_kg: ArrayLike,
-    energetics: Energetics,
-) -> Array:
-    """Metabolic rate of muscles that neither move nor change their activation."""
-    return np.asarray(
-        _settled_rate_w(activation, length, isometric_force, mass_kg, *_numbers(energetics))
-    )
-
-
 def silent_activation(energetics: Energetics) -> float:
     """Activation below which the cost of a muscle at its optimal length no longer falls.
 
@@ -91,7 +77,7 @@ def metabolic_terms(
     length: fibre length in optimal lengths; isometric_force: FL at that length;
     contractile_force_n: force of the active fibres alone, pull positive.
     """
-    inputs = (
+    inputs = np.broadcast_arrays(
         excitation,
         activation,
         length,
@@ -102,24 +88,10 @@ def metabolic_terms(
         max_velocity_per_s,
         mass_kg,
     )
-    state = np.empty((len(inputs), *np.broadcast(*inputs).shape))
-    for i, values in enumerate(inputs):
-        state[i] = values
+    state = np.array(inputs, dtype=np.float64)
     terms_w = np.empty((4, *state.shape[1:]))
-    _fill_terms_w(
-        state.reshape(len(state), -1), *_numbers(energetics), terms_w.reshape(len(terms_w), -1)
-    )
+    _fill_terms_w(state.reshape(len(state), -1), *energetics, terms_w.reshape(len(terms_w), -1))
     return MetabolicTerms(*terms_w)
-
-
-def _numbers(energetics: Energetics) -> tuple[float, float, float, bool]:
-    """Return the energetics as the compiled functions take them."""
-    return (
-        energetics.scaling,
-        energetics.fast_fraction,
-        energetics.minimum_activation,
-        energetics.length_dependent,
-    )
 
 
 @njit(cache=True)
@@ -151,9 +123,13 @@ def _sliding_w_per_kg(activation, velocity, max_velocity, scaling, fast):  # typ
 @vectorize(
     [float64(float64, float64, float64, float64, float64, float64, float64, bool_)], cache=True
 )
-def _settled_rate_w(  # type: ignore[no-untyped-def]  # noqa: PLR0917 (a ufunc)
+def settled_rate_w(  # type: ignore[no-untyped-def]  # noqa: PLR0917 (a ufunc)
     activation, length, isometric_force, mass_kg, scaling, fast, minimum, length_dependent
 ):
+    """Metabolic rate of muscles that neither move nor change their activation; of arrays.
+
+    scaling and all after it: the fields of Energetics.
+    """
     left = isometric_force if length_dependent and length > 1.0 else 1.0
     heat = _maintenance_w_per_kg(max(activation, minimum), left, scaling, fast)
     return max(heat, MINIMUM_HEAT_W_PER_KG) * mass_kg
@@ -166,7 +142,7 @@ def _settled_rate_w(  # type: ignore[no-untyped-def]  # noqa: PLR0917 (a ufunc)
     cache=True,
     error_model="numpy",
 )
-def _fill_terms_w(  # type: ignore[no-untyped-def]  # noqa: PLR0917 (all that _numbers returns)
+def _fill_terms_w(  # type: ignore[no-untyped-def]  # noqa: PLR0917 (all fields of Energetics)
     state, scaling, fast, minimum, length_dependent, terms_w
 ):
     """Fill terms_w (4, n), in the order of MetabolicTerms, from metabolic_terms' inputs (9, n)."""

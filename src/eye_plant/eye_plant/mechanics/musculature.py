@@ -74,10 +74,8 @@ class Musculature:
     def settled_rate_w(self, activations: Array, path_lengths_m: Array) -> Array:
         """Metabolic rate (12,) of muscles that neither move nor change their activation."""
         lengths = self.fibre_lengths(path_lengths_m)
-        return settled_rate_w(
-            activation=activations,
-            length=lengths,
-            isometric_force=force_length(lengths, self.shortest, self.longest),
-            mass_kg=self.mass_kg,
-            energetics=self._energetics,
+        isometric_force = force_length(lengths, self.shortest, self.longest)
+        rates_w: Array = settled_rate_w(
+            activations, lengths, isometric_force, self.mass_kg, *self._energetics
         )
+        return rates_w

@@ -62,7 +62,7 @@ class Oculomotor:
         self.config = config
         self.musculature = Musculature(config)
         self.data = mujoco.MjData(self.model)
-        self._equilibrium = Equilibrium(self.model, self.data)
+        self.equilibrium = Equilibrium(self.model, self.data)
         self._addresses = addresses_of(self.model, self.data)
         # Views, kept: each look-up takes time.
         self._live = (
@@ -102,7 +102,7 @@ class Oculomotor:
 
     def settle(self, activations: Array) -> None:
         """Forget everything and jump to the static equilibrium at activations (12,)."""
-        self._equilibrium.solve(check_activations(activations))
+        self.equilibrium.solve(check_activations(activations))
         self.data.time = 0.0
         self._forget_trace()
 
@@ -119,7 +119,7 @@ class Oculomotor:
         self._trace = np.empty((self._n_simulated, len(self._live), N_MUSCLES))
         self._excitations = activations.copy()
         step_and_trace(self._addresses, self._trace, self._live)
-        self._equilibrium.solve(activations, self._angles)
+        self.equilibrium.solve(activations, self._angles)
 
     def state(self) -> OculomotorState:
         """Copies of the present state."""

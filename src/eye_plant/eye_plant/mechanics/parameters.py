@@ -5,15 +5,15 @@ Points are given for both eyes at once as (forward, nasal, up) from the eye's ce
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 Point = tuple[float, float, float]
 
 GRAM_FORCE_N = 9.80665e-3
 
 
-@dataclass(frozen=True)
-class Energetics:
-    """What the heat of a muscle depends on besides its state.
+class Energetics(NamedTuple):
+    """What the heat of a muscle depends on besides its state, as the compiled functions take it.
 
     scaling: 1.0 anaerobic, 1.5 aerobic (Umberger 2003, S); fast_fraction: share of fast fibres;
     minimum_activation: floor of the activation that is charged, not of the muscle's own;

@@ -8,7 +8,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from eye_plant.commands import target_activations
-from eye_plant.config import EyePlantConfig, FreeRunningConfig
+from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.node.publisher import ObservationPublisher
 from eye_plant.plant import EyePlant
@@ -44,7 +44,10 @@ class FreeRunning:
         self._period_s = 1.0 / free.rate_hz
         self._period_ns = period_ns(self._period_s)
         self._targets: np.ndarray = plant.oculomotor.tonic_activations
-        self._observation = plant.begin(self._endless_episode(free))
+        endless = MAX_STAMP_NS // self._period_ns
+        self._observation = plant.begin(
+            Episode.alone(free.stimulus, free.object_distance_m, self._targets.tolist(), endless)
+        )
         node.create_subscription(JointState, "muscle_command", self._command, LOCKSTEP_QOS)
         self._requests = RequestServer(
             node,
@@ -57,12 +60,6 @@ class FreeRunning:
         )
         node.create_timer(
             self._period_s, self._advance, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
-
-    def _endless_episode(self, free: FreeRunningConfig) -> Episode:
-        n_iterations = MAX_STAMP_NS // self._period_ns
-        return Episode.alone(
-            free.stimulus, free.object_distance_m, self._targets.tolist(), n_iterations
         )
 
     def _begin(self, arguments: Arguments) -> None:

@@ -5,6 +5,7 @@ import inspect
 import os
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -27,33 +28,16 @@ def load_generated(
     directory = _set_directory(cache_directory, seed, size_px)
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        _draw_missing(directory, seed, role, n, size_px)
-        return tuple(_load_one(directory, seed, role, number, size_px) for number in range(n))
+        # NumPy and OpenCV let other threads run meanwhile. Who is interrupted waits for the
+        # pictures under way, not for all: map cancels the others.
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            return tuple(
+                pool.map(partial(_load_one, directory, seed, role, size_px=size_px), range(n))
+            )
     except OSError as error:
         raise InputError(
             f"stimuli.cache_directory: expected a directory to write to, got {directory} ({error})"
         ) from error
-
-
-def _draw_missing(directory: Path, seed: int, role: str, n: int, size_px: int) -> None:
-    """Draw in as many threads as there are cores: NumPy and OpenCV let others run meanwhile.
-
-    Who is interrupted waits for the pictures under way, not for all.
-    """
-    n_threads = os.cpu_count() or 1
-    is_stopped = threading.Event()
-
-    def draw(first: int) -> None:
-        for number in range(first, n, n_threads):
-            if is_stopped.is_set():
-                return
-            _load_one(directory, seed, role, number, size_px)
-
-    with ThreadPoolExecutor(n_threads) as pool:
-        try:
-            list(pool.map(draw, range(n_threads)))
-        finally:
-            is_stopped.set()
 
 
 def n_missing(cache_directory: str, seed: int, role: str, n: int, size_px: int) -> int:
@@ -83,10 +67,8 @@ def _load_one(directory: Path, seed: int, role: str, number: int, size_px: int) 
     path = _path(directory, role, number)
     picture = map_array(path, (size_px, size_px))
     if picture is None:
-        write_array(path, stimulus_generator.generate_stimulus(seed, role, number, size_px))
-        picture = map_array(path, (size_px, size_px))
-    if picture is None:
-        raise InputError(f"{path}: expected the picture just written, got something else")
+        made = stimulus_generator.generate_stimulus(seed, role, number, size_px)
+        picture = write_array(path, made)
     return picture
 
 
@@ -99,8 +81,11 @@ def map_array(path: Path, shape: tuple[int, ...]) -> np.ndarray | None:
     return array if array.shape == shape and array.dtype == np.uint8 else None
 
 
-def write_array(path: Path, array: np.ndarray) -> None:
-    """Write the file by one rename, so that nobody finds a part of it; raises OSError."""
+def write_array(path: Path, array: np.ndarray) -> np.ndarray:
+    """Write the file by one rename, so that nobody finds a part of it, and return it mapped.
+
+    Raises OSError.
+    """
     # Another thread's or process's part is not this one's; the mode is that of any new file.
     part = path.with_name(f".{path.name}.{os.getpid()}-{threading.get_ident()}")
     try:
@@ -110,3 +95,5 @@ def write_array(path: Path, array: np.ndarray) -> None:
     except OSError:
         part.unlink(missing_ok=True)
         raise
+    mapped: np.ndarray = np.load(path, mmap_mode="r")
+    return mapped

@@ -1,6 +1,5 @@
 """A directory of the user's own pictures: which ones, and how each becomes a stimulus."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
@@ -13,16 +12,10 @@ SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".
 _NOTES = (".md", ".txt")  # may stand beside the pictures
 
 
-@dataclass(frozen=True)
-class ChosenFiles:
-    """The pictures to show, disjoint."""
-
-    training: tuple[Path, ...]
-    test: tuple[Path, ...]
-
-
-def choose_files(directory: str, seed: int, n_training: int, n_test: int) -> ChosenFiles:
-    """Return up to n_training and n_test files of the directory, chosen by the seed.
+def choose_files(
+    directory: str, seed: int, n_training: int, n_test: int
+) -> tuple[tuple[Path, ...], tuple[Path, ...]]:
+    """Return up to n_training and n_test files of the directory, chosen by the seed, disjoint.
 
     With subdirectories train and test each gives its own; otherwise all files are shuffled and
     split, in the proportion n_training : n_test when there are fewer than both together, at least
@@ -32,16 +25,14 @@ def choose_files(directory: str, seed: int, n_training: int, n_test: int) -> Cho
     root = _root(directory)
     parts = {name: root / name for name in ("train", "test")}
     if any(part.is_dir() for part in parts.values()):
-        return ChosenFiles(
-            _shuffled(_pictures_in(parts["train"], 1), seed, "train")[:n_training],
-            _shuffled(_pictures_in(parts["test"], 1), seed, "test")[:n_test],
-        )
+        training = _shuffled(_pictures_in(parts["train"], 1), seed, "train")[:n_training]
+        return training, _shuffled(_pictures_in(parts["test"], 1), seed, "test")[:n_test]
     files = _shuffled(_pictures_in(root, 2), seed, "split")
     n_chosen = min(len(files), n_training + n_test)
     share = round(n_chosen * n_test / (n_training + n_test))
     n_test_chosen = min(max(share, 1), n_chosen - 1)
     n_training_chosen = n_chosen - n_test_chosen
-    return ChosenFiles(files[:n_training_chosen], files[n_training_chosen:n_chosen])
+    return files[:n_training_chosen], files[n_training_chosen:n_chosen]
 
 
 def choose_test_files(directory: str, seed: int) -> tuple[Path, ...]:

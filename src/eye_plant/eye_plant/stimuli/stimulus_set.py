@@ -5,11 +5,12 @@ Everywhere a stimulus is counted through: training pictures first, then test pic
 """
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from eye_plant.stimuli.cache import load_generated, n_missing
-from eye_plant.stimuli.directory import ChosenFiles, choose_files, choose_test_files, read_picture
+from eye_plant.stimuli.directory import choose_files, choose_test_files, read_picture
 from eye_plant.stimuli.stereograms import Stereogram
 from lockstep.settings import check_settings, setting
 
@@ -61,18 +62,11 @@ def load_stimuli(config: StimuliConfig) -> StimulusSet:
     Raises InputError naming the directory or file that is missing, empty, broken or too small.
     """
     if not config.directory:
-        return StimulusSet(
-            load_generated(
-                config.cache_directory, config.seed, "training", config.n_training, config.size_px
-            ),
-            load_generated(
-                config.cache_directory, config.seed, "test", config.n_test, config.size_px
-            ),
-        )
-    chosen = _choose(config)
+        training, test = (load_generated(*arguments) for arguments in _generated(config))
+        return StimulusSet(training, test)
     training, test = (
         tuple(read_picture(path, config.size_px, SMALLEST_PX) for path in paths)
-        for paths in (chosen.training, chosen.test)
+        for paths in _choose(config)
     )
     return StimulusSet(training, test)
 
@@ -81,10 +75,7 @@ def count_missing(config: StimuliConfig) -> int:
     """Return how many pictures load_stimuli would have to generate, since the cache lacks them."""
     if config.directory:
         return 0
-    return sum(
-        n_missing(config.cache_directory, config.seed, role, n, config.size_px)
-        for role, n in (("training", config.n_training), ("test", config.n_test))
-    )
+    return sum(n_missing(*arguments) for arguments in _generated(config))
 
 
 def load_unseen_stimuli(
@@ -108,9 +99,17 @@ def count_stimuli(config: StimuliConfig) -> tuple[int, int]:
     """
     if not config.directory:
         return config.n_training, config.n_test
-    chosen = _choose(config)
-    return len(chosen.training), len(chosen.test)
+    training, test = _choose(config)
+    return len(training), len(test)
 
 
-def _choose(config: StimuliConfig) -> ChosenFiles:
+def _choose(config: StimuliConfig) -> tuple[tuple[Path, ...], tuple[Path, ...]]:
     return choose_files(config.directory, config.seed, config.n_training, config.n_test)
+
+
+def _generated(config: StimuliConfig) -> list[tuple[str, int, str, int, int]]:
+    """Return the arguments of load_generated for the training pictures and for the test ones."""
+    return [
+        (config.cache_directory, config.seed, role, n, config.size_px)
+        for role, n in (("training", config.n_training), ("test", config.n_test))
+    ]

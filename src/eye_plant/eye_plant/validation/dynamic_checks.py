@@ -8,7 +8,7 @@ import numpy as np
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.opengl.offscreen import GraphicsError
-from eye_plant.inverse.pair import Inverse, pair_limits
+from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.stereo_camera import StereoCamera
@@ -16,10 +16,9 @@ from eye_plant.stimuli.stimulus_set import StimulusSet
 from eye_plant.validation.passive_energy import passive_energy_j
 from eye_plant.validation.row import Row
 from eye_plant.validation.saccades import PULSES, Saccade, holding_pair, make_saccade
+from eye_plant.validation.static_checks import LIMITS
 from eye_plant.vergence import desired_vergence_deg, disparity_px
-from lockstep.command_space import HIGHEST_ACTIVATIONS, LOWEST_ACTIVATIONS
 
-LIMITS = pair_limits(LOWEST_ACTIVATIONS, HIGHEST_ACTIVATIONS)
 STEP_BOUND_MS = {"k17": 1.0, "anatomical": 3.0}
 DISTANCES_M = (0.5, 1.0, 2.0, 4.0, 6.0)
 ERRORS_DEG = (-3.0, -1.0, 0.0, 1.0, 3.0)
@@ -86,7 +85,7 @@ def disparity_row(parameter_set: str) -> Row:
     name = f"{parameter_set}: disparity of the centre point, 0.5 to 6 m, -3 to 3 deg, worst"
     config, mechanics = CameraConfig(), MechanicsConfig(parameter_set=parameter_set)
     try:
-        spots = tuple(_spot(config, distance_m) for distance_m in DISTANCES_M)
+        spots = tuple(spot(config, distance_m) for distance_m in DISTANCES_M)
         camera = StereoCamera(config, StimulusSet(spots, ()), mechanics.eye_height_m)
     except GraphicsError:
         return Row(name, math.nan, "px", high=0.05)
@@ -118,7 +117,7 @@ def _disparity_error_px(
     return abs(left_px - right_px - disparity_px(error_deg, config.focal_length_px))
 
 
-def _spot(config: CameraConfig, distance_m: float, size_px: int = 1920) -> np.ndarray:
+def spot(config: CameraConfig, distance_m: float, size_px: int = 1920) -> np.ndarray:
     """A bright Gaussian spot on black, four camera pixels wide when seen from distance_m."""
     per_camera_px = distance_m / config.focal_length_px / config.plane_size_m * size_px
     offset = (np.arange(size_px) - 0.5 * (size_px - 1)) / (_SPOT_PX * per_camera_px)

@@ -5,7 +5,6 @@ activation, 11 x 11) are not ours to ship; a file with the columns medial, later
 deg, cost in W can be named in the environment variable ABV_OPENEYESIM_MAPS.
 """
 
-import csv
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -62,9 +61,8 @@ def load_maps() -> Maps | None:
     if not Path(path).is_file():
         raise InputError(f"{MAPS_VARIABLE}: expected the name of a file, got {path!r}")
     try:
-        with open(path, newline="") as file:
-            rows = np.array([[float(entry) for entry in row] for row in list(csv.reader(file))[1:]])
-    except (OSError, ValueError, csv.Error) as error:
+        rows = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
+    except (OSError, ValueError) as error:
         raise InputError(f"{path}: expected {N_GRID**2} rows of 4 numbers: {error}") from error
     if rows.shape != (N_GRID**2, 4):
         raise InputError(f"{path}: expected 121 rows of 4 numbers, got shape {rows.shape}")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 class Row:
     """A measurement. value is nan and ok None when it could not be made here.
 
-    low, high: the bound, either may be infinite.
+    low, high: the bound; low may be infinite.
     """
 
     name: str
@@ -27,16 +27,13 @@ class Row:
         """The bound in words."""
         if math.isinf(self.low):
             return f"at most {self.high:g}"
-        if math.isinf(self.high):
-            return f"at least {self.low:g}"
         return f"{self.low:g} to {self.high:g}"
 
     def as_dict(self) -> dict[str, object]:
         """Return the row as it is written to plant_validation.json."""
-        value = None if math.isnan(self.value) else float(self.value)
         return {
             "name": self.name,
-            "value": value,
+            "value": None if self.ok is None else float(self.value),
             "unit": self.unit,
             "bound": self.bound,
             "ok": self.ok,

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from eye_plant.camera.config import MUJOCO, PLANE, CameraConfig
-from eye_plant.camera.mipmaps import wants_reduced
+from eye_plant.camera.renderer import shows_reduced
 from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.noise import octaves_noise
 from eye_plant.stimuli.stimulus_set import StimulusSet
+from tests.eye_plant.rotations import rotation
 
 EYE_HEIGHT_M = 1.7
 N_POSES = 60
@@ -33,15 +34,6 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "aliased": {"texture_mipmaps": False},
     "another landscape": {"landscape_distance_m": 12.0, "landscape_seed": 5},
 }
-
-
-def rotation(yaw_deg: float, pitch_deg: float, roll_deg: float) -> np.ndarray:
-    """Any rotation will do: about the vertical, the lateral and the forward axis, in that order."""
-    angles = np.radians((yaw_deg, pitch_deg, roll_deg))
-    (about_z, _), (about_y, _), (about_x, _) = (
-        cv2.Rodrigues(angle * axis) for angle, axis in zip(angles, np.eye(3)[::-1], strict=True)
-    )
-    return np.asarray(about_z @ about_y @ about_x)
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +65,7 @@ def cameras(config, stimuli) -> Iterator[tuple[StereoCamera, StereoCamera]]:
 
 @dataclass(frozen=True)
 class RandomView:
-    """Arguments of StereoCamera.render."""
+    """Arguments of StereoCamera.render, by name."""
 
     eye_positions_m: np.ndarray
     eye_rotations: np.ndarray
@@ -119,9 +111,8 @@ def seams(config: CameraConfig, view: RandomView, i_eye: int, shape: tuple[int, 
         octave = 0.5 * np.log2(np.maximum((right**2).sum(axis=0), (up**2).sum(axis=0)))
         between = np.abs(octave - 0.5 - np.round(octave - 0.5)) < 1e-3
         found |= np.kron(between, np.ones((2, 2), bool))
-    reach_px = (
-        2 * math.ceil(3.0 * max(config.blurs_px[i_eye])) + 1
-    )  # of blur, which carries them about
+    # Of blur, which carries them about.
+    reach_px = 2 * math.ceil(3.0 * max(config.blurs_px[i_eye])) + 1
     found = cv2.dilate(found.astype(np.uint8), np.ones((reach_px, reach_px))).astype(bool)
     top, left = (config.height_px - shape[0]) // 2, (config.width_px - shape[1]) // 2
     return found[top : top + shape[0], left : left + shape[1]]
@@ -156,8 +147,7 @@ def texture_coordinates(
 def drawn_size_px(config: CameraConfig, view: RandomView) -> tuple[int, ...]:
     """Return width and height of the copy of the stimulus that suits the distance."""
     size_px = STIMULUS_SIZES_PX[view.i_stimulus]
-    pixel_m = view.distance_m / config.focal_length_px
-    if wants_reduced(pixel_m * max(size_px) / config.plane_size_m):
+    if shows_reduced(config, max(size_px), view.distance_m):
         return tuple(max(1, round(px / np.sqrt(2.0))) for px in size_px)
     return size_px
 
@@ -167,8 +157,7 @@ def test_pictures_are_those_of_mujoco(config, cameras) -> None:
     means, n_on_seams = [], 0
     for number in range(N_POSES):
         view = random_view(number, mujoco.n_stimuli, config.landscape_distance_m - 0.1)
-        arguments = (view.eye_positions_m, view.eye_rotations, view.i_stimulus, view.distance_m)
-        expected, actual = (c.render(*arguments).astype(int) for c in (mujoco, plane))
+        expected, actual = (c.render(**vars(view)).astype(int) for c in (mujoco, plane))
         difference = np.abs(expected - actual)
         means.append(difference.mean())
         for i_eye in np.flatnonzero((difference > 1).any(axis=(1, 2))):

@@ -21,7 +21,7 @@ def mapped(path: Path) -> np.ndarray:
 
 
 def levels_in(texture: Texture) -> list[np.ndarray]:
-    largest, texels, levels = texture.arrays
+    largest, texels, levels = texture
     found = []
     for i, (offset, height_px, width_px) in enumerate(levels):
         array = texels if i else largest
@@ -79,4 +79,4 @@ def test_copies_that_cannot_be_kept_stay_in_memory(tmp_path, monkeypatch) -> Non
 
 def test_textures_cannot_be_written_to() -> None:
     ((full, smaller),) = textures_of([picture_of((8, 8))])
-    assert not any(a.flags.writeable for t in (full, smaller) for a in t.arrays)
+    assert not any(a.flags.writeable for a in (*full, *smaller))

@@ -17,7 +17,7 @@ from eye_plant.camera.opengl.scene import (
     set_projection,
 )
 from eye_plant.camera.opengl.textures import upload_both_sizes, upload_picture
-from eye_plant.camera.renderer import N_EYES, View
+from eye_plant.camera.renderer import N_EYES, View, shows_reduced
 
 # A compiled scene, and MuJoCo's renderer of it with the buffers that it draws into.
 _Drawing = tuple[mujoco.MjModel, mujoco.MjrContext]
@@ -31,55 +31,49 @@ class MujocoRenderer:
     """
 
     def __init__(
-        self,
-        config: CameraConfig,
-        drawn_px: tuple[int, int],
-        eye_height_m: float,
-        stimuli: Sequence[np.ndarray],
+        self, config: CameraConfig, eye_height_m: float, stimuli: Sequence[np.ndarray]
     ) -> None:
-        """Create the off-screen context and upload the stimuli.
+        """Create the off-screen context and upload the stimuli; arguments as StereoCamera's.
 
-        drawn_px: width and height of the part to draw; the rest as StereoCamera takes it. Raises
-        GraphicsError when this machine cannot draw.
+        Raises GraphicsError when this machine cannot draw.
         """
         self._eye_height_m = eye_height_m
-        self._offscreen = OffscreenContext(*_buffer_size_px(config, drawn_px))
+        self._offscreen = OffscreenContext(*_buffer_size_px(config))
+        self._sizes_px = [max(stimulus.shape) for stimulus in stimuli]
         self._textures = [
             upload_both_sizes(self._offscreen.gl, stimulus, with_mipmaps=config.texture_mipmaps)
             for stimulus in stimuli
         ]
         self._upload_landscape(config.landscape_seed)
         try:
-            drawing = self._make_drawing(config, drawn_px)
+            drawing = self._make_drawing(config)
         except GraphicsError:
             self._offscreen.close()
             raise
-        self._draw_with(drawing, config, drawn_px)
+        self._draw_with(drawing, config)
 
-    def reconfigure(self, config: CameraConfig, drawn_px: tuple[int, int]) -> None:
+    def reconfigure(self, config: CameraConfig) -> None:
         """Draw as another configuration has it; the stimuli stay in the graphics memory.
 
         Raises GraphicsError, having changed nothing, when this machine cannot draw so.
         """
         self._offscreen.make_current()
-        drawing = self._make_drawing(config, drawn_px)
+        drawing = self._make_drawing(config)
         self._free_renderer()
         if config.landscape_seed != self._config.landscape_seed:
             self._offscreen.gl.glDeleteTextures([self._landscape_name])
             self._upload_landscape(config.landscape_seed)
-        self._draw_with(drawing, config, drawn_px)
+        self._draw_with(drawing, config)
 
-    def _make_drawing(self, config: CameraConfig, drawn_px: tuple[int, int]) -> _Drawing:
+    def _make_drawing(self, config: CameraConfig) -> _Drawing:
         """Make a scene and a renderer of it, beside those that draw now."""
-        size_px = _buffer_size_px(config, drawn_px)
+        size_px = _buffer_size_px(config)
         model = build_scene_model(config, self._eye_height_m, size_px)
         return model, _context(model, size_px)
 
-    def _draw_with(
-        self, drawing: _Drawing, config: CameraConfig, drawn_px: tuple[int, int]
-    ) -> None:
+    def _draw_with(self, drawing: _Drawing, config: CameraConfig) -> None:
         """Draw with these from here on."""
-        self._config, self._drawn_px = config, drawn_px
+        self._config = config
         self._viewport = mujoco.MjrRect(0, 0, N_EYES * config.width_px, config.height_px)
         model, self._renderer = drawing
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._renderer)
@@ -124,7 +118,7 @@ class MujocoRenderer:
         self._offscreen.make_current()
         self._free_renderer()
         self._offscreen.gl.glDeleteTextures(
-            [*{name for t in self._textures for name in (t.full, t.reduced)}, self._landscape_name]
+            [*{name for names in self._textures for name in names}, self._landscape_name]
         )
         self._offscreen.close()
 
@@ -132,18 +126,10 @@ class MujocoRenderer:
         self._landscape_name = upload_picture(self._offscreen.gl, landscape_picture(seed))
 
     def _draw(self, i_stimulus: int, distance_m: float) -> None:
-        self._show(i_stimulus, distance_m)
+        """Draw with the stimulus on the plane, at the size that suits the distance."""
+        is_reduced = shows_reduced(self._config, self._sizes_px[i_stimulus], distance_m)
+        self._renderer.texture[PLANE_GEOM] = self._textures[i_stimulus][is_reduced]
         mujoco.mjr_render(self._viewport, self._scene, self._renderer)
-
-    def _show(self, i_stimulus: int, distance_m: float) -> None:
-        """Put the stimulus on the plane, at the size that suits the distance.
-
-        An eye's magnification must not touch what the other eye sees, and does not count.
-        """
-        config, texture = self._config, self._textures[i_stimulus]
-        pixel_m = distance_m / config.focal_length_px
-        texels_per_pixel = pixel_m * texture.size_px / config.plane_size_m
-        self._renderer.texture[PLANE_GEOM] = texture.name_for(texels_per_pixel)
 
     def _mask_what_is_not_drawn(self) -> None:
         """Let the stencil buffer stop all drawing outside the region of interest, from here on.
@@ -155,14 +141,14 @@ class MujocoRenderer:
         gl = self._offscreen.gl
         gl.glDisable(gl.GL_STENCIL_TEST)
         gl.glStencilMask(0xFF)
-        if self._drawn_px == (self._config.width_px, self._config.height_px):
+        if self._config.drawn_px == (self._config.width_px, self._config.height_px):
             return
         gl.glClearStencil(0)
         gl.glClear(gl.GL_STENCIL_BUFFER_BIT)
         gl.glClearStencil(1)
         gl.glEnable(gl.GL_SCISSOR_TEST)
         for i_eye in range(N_EYES):
-            gl.glScissor(*self._origin_px(i_eye), *self._drawn_px)
+            gl.glScissor(*self._origin_px(i_eye), *self._config.drawn_px)
             gl.glClear(gl.GL_STENCIL_BUFFER_BIT)
         gl.glDisable(gl.GL_SCISSOR_TEST)
         gl.glStencilFunc(gl.GL_EQUAL, 1, 1)
@@ -171,7 +157,7 @@ class MujocoRenderer:
 
     def _origin_px(self, i_eye: int) -> tuple[int, int]:
         """Return where in the buffer one eye's drawn region starts, from its bottom left."""
-        width_px, height_px = self._drawn_px
+        width_px, height_px = self._config.drawn_px
         return (
             i_eye * self._config.width_px + (self._config.width_px - width_px) // 2,
             (self._config.height_px - height_px) // 2,
@@ -180,7 +166,7 @@ class MujocoRenderer:
     def _read(self) -> np.ndarray:
         """Return what was drawn, (2, height, width) of the drawn region."""
         gl = self._offscreen.gl
-        width_px, height_px = self._drawn_px
+        width_px, height_px = self._config.drawn_px
         left_px, bottom_px = self._origin_px(0)
         span_px = self._origin_px(1)[0] + width_px - left_px
         rows = np.empty((height_px, span_px), np.uint8)
@@ -202,12 +188,13 @@ def _context(model: mujoco.MjModel, buffer_size_px: tuple[int, int]) -> mujoco.M
         ) from error
 
 
-def _buffer_size_px(config: CameraConfig, drawn_px: tuple[int, int]) -> tuple[int, int]:
+def _buffer_size_px(config: CameraConfig) -> tuple[int, int]:
     """Return width and height of the buffer: up to the right eye's region, and no further.
 
     What lies right of it and above it can be cut off without moving a pixel.
     """
+    drawn_width_px, drawn_height_px = config.drawn_px
     return (
-        config.width_px + (config.width_px + drawn_px[0]) // 2,
-        (config.height_px + drawn_px[1]) // 2,
+        config.width_px + (config.width_px + drawn_width_px) // 2,
+        (config.height_px + drawn_height_px) // 2,
     )

@@ -5,36 +5,22 @@ renderer however draws with whichever OpenGL textures its slots name, so these a
 named there; switching a stimulus is one assignment.
 """
 
-from dataclasses import dataclass
 from types import ModuleType
 
 import numpy as np
 
-from eye_plant.camera.mipmaps import mipmap_levels, reduced, wants_reduced
+from eye_plant.camera.mipmaps import mipmap_levels, reduced
 
 
-@dataclass(frozen=True)
-class GreyTexture:
-    """One picture as two mip-mapped textures, the second smaller by sqrt(2).
+def upload_both_sizes(
+    gl: ModuleType, picture: np.ndarray, *, with_mipmaps: bool
+) -> tuple[int, int]:
+    """Upload a picture (height, width) uint8, and reduced by sqrt(2); without mip-maps once.
 
-    full, reduced: their OpenGL names, the same without mip-maps; size_px: the longer side of
-    the first.
+    Return the OpenGL names of both textures.
     """
-
-    full: int
-    reduced: int
-    size_px: int
-
-    def name_for(self, texels_per_pixel: float) -> int:
-        """Return the texture with the level nearest to so many texels (of full) in a pixel."""
-        return self.reduced if wants_reduced(texels_per_pixel) else self.full
-
-
-def upload_both_sizes(gl: ModuleType, picture: np.ndarray, *, with_mipmaps: bool) -> GreyTexture:
-    """Upload a picture (height, width) uint8 at both sizes, or without mip-maps at one."""
     name = upload_picture(gl, picture, with_mipmaps=with_mipmaps)
-    smaller = upload_picture(gl, reduced(picture)) if with_mipmaps else name
-    return GreyTexture(name, smaller, max(picture.shape))
+    return name, upload_picture(gl, reduced(picture)) if with_mipmaps else name
 
 
 def upload_picture(gl: ModuleType, picture: np.ndarray, *, with_mipmaps: bool = True) -> int:

@@ -6,10 +6,9 @@ import numpy as np
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.landscape import landscape_picture
-from eye_plant.camera.mipmaps import wants_reduced
 from eye_plant.camera.ray_casting.ray_caster import cast_rays
-from eye_plant.camera.ray_casting.texels import Texture, aliased_textures, texture_of, textures_of
-from eye_plant.camera.renderer import FAR_M, N_EYES, NEAR_M, View
+from eye_plant.camera.ray_casting.texels import aliased_textures, texture_of, textures_of
+from eye_plant.camera.renderer import FAR_M, N_EYES, NEAR_M, View, shows_reduced
 
 
 class PlaneRenderer:
@@ -20,33 +19,27 @@ class PlaneRenderer:
     """
 
     def __init__(
-        self,
-        config: CameraConfig,
-        drawn_px: tuple[int, int],
-        eye_height_m: float,
-        stimuli: Sequence[np.ndarray],
+        self, config: CameraConfig, eye_height_m: float, stimuli: Sequence[np.ndarray]
     ) -> None:
-        """drawn_px: width and height of the part to draw; the rest as StereoCamera takes it."""
+        """Lay out the stimuli; the arguments are those that StereoCamera takes."""
         self._config = config
-        self._drawn_px = drawn_px
         self._eye_height_m = eye_height_m
         self._sizes_px = [max(stimulus.shape) for stimulus in stimuli]
         self._textures = (
             textures_of(stimuli) if config.texture_mipmaps else aliased_textures(stimuli)
         )
         self._landscape = texture_of(landscape_picture(config.landscape_seed))
-        self._pictures = self._empty()
 
-    def reconfigure(self, config: CameraConfig, drawn_px: tuple[int, int]) -> None:
+    def reconfigure(self, config: CameraConfig) -> None:
         """Draw as another configuration has it; the stimuli stay."""
         if config.landscape_seed != self._config.landscape_seed:
             self._landscape = texture_of(landscape_picture(config.landscape_seed))
-        self._config, self._drawn_px = config, drawn_px
-        self._pictures = self._empty()
+        self._config = config
 
     def start(self, view: View) -> None:
         """Draw the view."""
-        self._pictures = self._empty()
+        width_px, height_px = self._config.drawn_px
+        self._pictures = np.empty((N_EYES, height_px, width_px), np.uint8)
         rectangles_m = self._rectangles_m(view.distance_m)
         for i_eye in range(N_EYES):
             self._draw(i_eye, view, rectangles_m)
@@ -59,14 +52,11 @@ class PlaneRenderer:
         """Forget the stimuli."""
         self._textures = []
 
-    def _empty(self) -> np.ndarray:
-        width_px, height_px = self._drawn_px
-        return np.empty((N_EYES, height_px, width_px), np.uint8)
-
     def _draw(self, i_eye: int, view: View, rectangles_m: np.ndarray) -> None:
         config = self._config
-        width_px, height_px = self._drawn_px
-        plane = self._texture(view.i_stimuli[i_eye], view.distance_m)
+        width_px, height_px = config.drawn_px
+        i_stimulus = view.i_stimuli[i_eye]
+        is_reduced = shows_reduced(config, self._sizes_px[i_stimulus], view.distance_m)
         cast_rays(
             self._pictures[i_eye],
             ((config.width_px - width_px) // 2, (config.height_px - height_px) // 2),
@@ -78,7 +68,7 @@ class PlaneRenderer:
                 NEAR_M,
                 FAR_M,
             ),
-            (rectangles_m, (plane.arrays, self._landscape.arrays)),
+            (rectangles_m, (self._textures[i_stimulus][is_reduced], self._landscape)),
         )
 
     def _rectangles_m(self, distance_m: float) -> np.ndarray:
@@ -95,10 +85,3 @@ class PlaneRenderer:
                 ],
             ]
         )
-
-    def _texture(self, i_stimulus: int, distance_m: float) -> Texture:
-        """Return the stimulus at the size that suits the distance; magnification does not count."""
-        config = self._config
-        pixel_m = distance_m / config.focal_length_px
-        texels_per_pixel = pixel_m * self._sizes_px[i_stimulus] / config.plane_size_m
-        return self._textures[i_stimulus][wants_reduced(texels_per_pixel)]

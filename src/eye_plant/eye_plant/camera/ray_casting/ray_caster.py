@@ -285,7 +285,7 @@ def cast_rays(
     focal length, column and row of the full picture's centre, px, the least and the greatest depth
     along the line of sight that are drawn, m; surfaces: of the plane, which is nearer, and of the
     landscape distance x, height z of the centre, width and height, m (2, 4), and two textures, each
-    Texture.arrays of the module texels. What sees neither surface is black. A pixel's grey does not
+    a Texture of the module texels. What sees neither surface is black. A pixel's grey does not
     depend on what else is drawn.
     """
     height, width = picture.shape

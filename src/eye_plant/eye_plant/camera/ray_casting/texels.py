@@ -9,7 +9,6 @@ import hashlib
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from itertools import accumulate
 from pathlib import Path
 
@@ -20,23 +19,9 @@ from eye_plant.camera import mipmaps
 from eye_plant.camera.mipmaps import level_shapes, mipmap_levels, reduced, reduced_shape
 from eye_plant.stimuli.cache import map_array, write_array
 
-
-@dataclass(frozen=True)
-class Texture:
-    """One picture and its successive halves.
-
-    largest: texels of level 0; texels: of all other levels, one after the other, row by row; levels
-    (n_levels, 3): each one's offset in its array, height and width. Read only.
-    """
-
-    largest: np.ndarray
-    texels: np.ndarray
-    levels: np.ndarray
-
-    @property
-    def arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """What the ray caster is given."""
-        return self.largest, self.texels, self.levels
+# One picture and its successive halves, read only: texels of level 0; those of all other levels,
+# one after the other, row by row; (n_levels, 3) each level's offset in its array, height and width.
+Texture = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def textures_of(pictures: Sequence[np.ndarray]) -> list[tuple[Texture, Texture]]:
@@ -78,14 +63,10 @@ def _smaller_copies(picture: np.ndarray, n_texels: int) -> np.ndarray:
         return copies
     levels = [*mipmap_levels(picture)[1:], *mipmap_levels(reduced(picture))]
     made = np.concatenate([level.ravel() for level in levels])
-    if path is None:
-        return made
     try:
-        write_array(path, made)
+        return made if path is None else write_array(path, made)
     except OSError:  # a cache that cannot be written to, or is full
         return made
-    mapped = map_array(path, (n_texels,))
-    return made if mapped is None else mapped
 
 
 def _file_beside(picture: np.ndarray) -> Path | None:
@@ -106,7 +87,7 @@ def _texture(
         sizes[0] = 0
     offsets = list(accumulate(sizes[:-1], initial=first))
     levels = np.column_stack((offsets, shapes)).astype(np.int64)
-    return Texture(*(_read_only(array) for array in (largest, texels, levels)))
+    return _read_only(largest), _read_only(texels), _read_only(levels)
 
 
 def _read_only(array: np.ndarray) -> np.ndarray:
