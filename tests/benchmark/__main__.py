@@ -10,14 +10,13 @@ import os
 import sys
 import tempfile
 from collections.abc import Sequence
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from experiment_manager.preparation.command_line import arguments, request_of
-from experiment_manager.preparation.configuration import configuration_of
 from tests.benchmark.against import results_in_turns
 from tests.benchmark.encoding import encoding_times_ms
 from tests.benchmark.graph import supervised_run
@@ -25,6 +24,7 @@ from tests.benchmark.loop import STAGES, LoopWindow, TimedLoop
 from tests.benchmark.messages import hop_times_ms, recording_ms
 from tests.benchmark.report import critical_path_ms, report
 from tests.benchmark.samples import Sample, cores_elsewhere, cpu_ms_per_iteration, flatness, rate_hz
+from tests.command_lines import configured
 
 # Longer than any benchmark, so that all of it is training; a test comes only at the end.
 _ENDLESS = 1_000_000
@@ -110,45 +110,35 @@ def _arguments(more: Sequence[str]) -> list[str]:
 def measure(plan: Plan, directory: Path) -> dict[str, Any]:
     """Return all results of one benchmark, as benchmark.sh writes them to JSON.
 
-    directory: for the runs, empty. Raises RuntimeError when a graph does not get going.
+    directory: for the runs, empty. Raises an error with its reason when a graph does not start.
     """
     results = _measure_long_runs(plan, directory)
-    loops = {name: _loop(more) for name, more in _LOOPS.items()}
-    try:
+    with ExitStack() as stack:
+        loops = {
+            name: stack.enter_context(closing(TimedLoop(configured(*_arguments(more)))))
+            for name, more in _LOOPS.items()
+        }
         for loop in loops.values():
             loop.window(plan.turn_s / 2.0)
         rounds = [_round(plan, loops, directory / f"round_{i}") for i in range(plan.n_rounds)]
-        peaks_mb = [r.graphs["graph"].peak_memory_mb for r in rounds]
-        if plan.n_long_runs:
-            peaks_mb.append(results["peak_memory_mb"])
-        highest_mb = _highest(peaks_mb)
-        highest_plane_mb = _highest([r.graphs["graph_plane"].peak_memory_mb for r in rounds])
-        results |= _summary(rounds) | {
-            "peak_memory_mb": highest_mb,
-            "peak_memory_total_mb": sum(highest_mb.values()),
-            "peak_memory_plane_mb": highest_plane_mb,
-            "peak_memory_plane_total_mb": sum(highest_plane_mb.values()),
-        }
         _say("encoding, messages, recording")
         loop = loops["in_process"]
         encoding_ms = encoding_times_ms(loop.coder, loop.pictures, plan.n_encodings)
-    finally:
-        for loop in loops.values():
-            loop.close()
+    long_peaks_mb = results.pop("peaks_mb")
+    results |= _summary(rounds)
+    results |= _memory("", [*(r.graphs["graph"].peak_memory_mb for r in rounds), *long_peaks_mb])
+    results |= _memory("_plane", [r.graphs["graph_plane"].peak_memory_mb for r in rounds])
     hops_ms = hop_times_ms(plan.n_round_trips)
     stages_ms = _stages_ms(rounds, "in_process") | {
         "message_hop": hops_ms["vector"],
         "pictures_hop": hops_ms["pictures"],
         "recording": recording_ms(directory / "round_0" / "graph" / "bag", directory / "copy"),
     }
-    ours_ms, numpy_ms = encoding_ms["ours"], encoding_ms["numpy"]
-    assert ours_ms is not None
-    assert numpy_ms is not None
     return results | {
-        "encode_pair_ms": ours_ms,
-        "encode_numpy_ms": numpy_ms,
-        "encode_sklearn_omp_ms": encoding_ms["sklearn"],
-        "encode_to_numpy": ours_ms / numpy_ms,
+        "encode_pair_ms": encoding_ms["ours"],
+        "encode_numpy_ms": encoding_ms["numpy"],
+        "encode_sklearn_omp_ms": encoding_ms.get("sklearn"),
+        "encode_to_numpy": encoding_ms["ours"] / encoding_ms["numpy"],
         "stages_ms": stages_ms,
         "roi_plane_stages_ms": _stages_ms(rounds, "in_process_roi_plane"),
         "critical_path_ms": critical_path_ms(
@@ -162,9 +152,9 @@ def _stages_ms(rounds: Sequence[Round], loop: str) -> dict[str, float]:
 
 
 def _measure_long_runs(plan: Plan, directory: Path) -> dict[str, Any]:
-    """Return what long runs show: their memory, and their flatness; the rate of one run wavers."""
+    """Return the flatness of long runs, and "peaks_mb" of each; the rate of one run wavers."""
     if not plan.n_long_runs:
-        return {"flatness": None, "flatness_of_work": None, "flatness_of_runs": []}
+        return {"flatness": None, "flatness_of_work": None, "flatness_of_runs": [], "peaks_mb": []}
     runs = [
         _long_run(plan.n_flatness_iterations, directory / f"long_{i}")
         for i in range(plan.n_long_runs)
@@ -174,7 +164,7 @@ def _measure_long_runs(plan: Plan, directory: Path) -> dict[str, Any]:
         "flatness": _median(rates),
         "flatness_of_work": _median(works),
         "flatness_of_runs": list(rates),
-        "peak_memory_mb": _highest([peak_mb for _, peak_mb in runs]),
+        "peaks_mb": [peak_mb for _, peak_mb in runs],
     }
 
 
@@ -189,12 +179,13 @@ def _long_run(n_iterations: int, directory: Path) -> tuple[list[Sample], dict[st
         return graph.samples[i_first:], dict(graph.peak_memory_mb)
 
 
-def _highest(peaks_mb: Sequence[dict[str, float]]) -> dict[str, float]:
-    return {name: max(peak_mb[name] for peak_mb in peaks_mb) for name in peaks_mb[0]}
-
-
-def _loop(more: Sequence[str]) -> TimedLoop:
-    return TimedLoop(configuration_of(request_of(arguments(_arguments(more))), "benchmark"))
+def _memory(renderer: str, peaks_mb: Sequence[dict[str, float]]) -> dict[str, Any]:
+    """Return the highest of several peaks of each process, and their sum."""
+    highest_mb = {name: max(peak_mb[name] for peak_mb in peaks_mb) for name in peaks_mb[0]}
+    return {
+        f"peak_memory{renderer}_mb": highest_mb,
+        f"peak_memory{renderer}_total_mb": sum(highest_mb.values()),
+    }
 
 
 def _round(plan: Plan, loops: dict[str, TimedLoop], directory: Path) -> Round:
@@ -280,7 +271,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             results = measure(plan, Path(directory))
             if options.against is not None:
                 results |= results_in_turns(options.against, plan.n_turns, Path(directory))
-        except RuntimeError as error:
+        except (AssertionError, RuntimeError, TimeoutError) as error:
             print(f"error: {error}", file=sys.stderr)
             return 1
     results |= {"n_cores": os.cpu_count(), "load_average": os.getloadavg()[0]}

@@ -8,60 +8,47 @@ import re
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import psutil
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from lockstep.node.diagnostics import TOPIC
 from lockstep.wire.qos import LOCKSTEP_QOS
 from tests.benchmark.samples import Sample
-from tests.stress.supervised_run import nodes_of
-from tests.supervisor import start_supervisor
+from tests.node_harness import Graph
+from tests.stress.supervised_run import SupervisedRun
 
 # It answers each iteration once, so its count is the count of iterations.
 _COUNTING_NODE = "vergence_rl"
-_LIMIT_S = 600.0
-_POLL_S = 0.02
 _DOMAIN = re.compile(r"export ROS_DOMAIN_ID=(\d+)\n")
 _STOP_LIMIT_S = 30.0
-_KIB_PER_MIB = 1024.0
+_BYTES_PER_MIB = 1 << 20
 
 
 class MeasuredGraph:
     """A running graph and what is heard of it. Process ids are looked up at each sample."""
 
-    def __init__(
-        self, domain: int, process_ids: Callable[[], Mapping[str, int]], started_s: float
-    ) -> None:
-        """process_ids: of the nodes that run, by name; started_s: when, on the monotonic clock."""
+    def __init__(self, graph: Graph, run: SupervisedRun, started_s: float) -> None:
+        """graph: where the run is; started_s: when, on the monotonic clock."""
+        self._graph = graph
+        self._run = run
         self._started_s = started_s
         self.samples: list[Sample] = []
         self._first_episode_s: float | None = None
         self.peak_memory_mb: dict[str, float] = {}
-        self._process_ids = process_ids
-        self._context = Context()
-        self._context.init(domain_id=domain)
-        self._node = Node(
-            f"benchmark_{domain}", context=self._context, start_parameter_services=False
+        self._node = graph.add(
+            lambda **kwargs: Node(
+                f"benchmark_{graph.domain}", start_parameter_services=False, **kwargs
+            )
         )
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self._node)
         self._node.create_subscription(DiagnosticArray, TOPIC, self._hear, 50)
         self._episodes = self._node.create_subscription(
             JointState, "episode", self._hear_episode, LOCKSTEP_QOS
         )
-
-    def close(self) -> None:
-        """Stop listening."""
-        self._executor.shutdown()
-        self._node.destroy_node()
-        self._context.try_shutdown()
 
     def _hear_episode(self, message: JointState) -> None:
         if self._first_episode_s is None:
@@ -76,23 +63,22 @@ class MeasuredGraph:
     def _sample(self, n_iterations: int) -> None:
         time_s = time.monotonic()
         cpu_s = {}
-        for name, process_id in self._process_ids().items():
-            with contextlib.suppress(psutil.NoSuchProcess, OSError):
-                times = psutil.Process(process_id).cpu_times()
+        for name, process_id in ({"supervisor": self._run.process.pid} | self._run.nodes()).items():
+            with contextlib.suppress(psutil.NoSuchProcess):
+                process = psutil.Process(process_id)
+                times = process.cpu_times()
                 cpu_s[name] = times.user + times.system
+                # Its part, too, of what it shares with others.
+                memory_mb = process.memory_full_info().pss / _BYTES_PER_MIB
                 peak_mb = self.peak_memory_mb.get(name, 0.0)
-                self.peak_memory_mb[name] = max(peak_mb, _memory_mb(process_id))
+                self.peak_memory_mb[name] = max(peak_mb, memory_mb)
         machine = psutil.cpu_times()
         busy_s = sum(machine) - machine.idle - machine.iowait
         self.samples.append(Sample(time_s, n_iterations, cpu_s, busy_s))
 
     def listen_until(self, is_enough: Callable[[], bool]) -> None:
-        """Listen; raises RuntimeError when a node has ended or it takes minutes."""
-        end_s = time.monotonic() + _LIMIT_S
-        while not is_enough():
-            self._executor.spin_once(timeout_sec=0.2)
-            if time.monotonic() > end_s:
-                raise RuntimeError(f"the graph did not get there in {_LIMIT_S:.0f} s")
+        """Listen; raises AssertionError when it takes too long."""
+        self._graph.spin_until(is_enough, "the graph")
 
     def await_start(self, n_iterations: int) -> float:
         """Listen until so many iterations are done; return the seconds to the first one.
@@ -110,57 +96,26 @@ class MeasuredGraph:
     def window(self, duration_s: float) -> list[Sample]:
         """Listen for so long from the last sample on; return the samples."""
         i_first = len(self.samples) - 1
-
-        def is_enough() -> bool:
-            new = self.samples[i_first:]
-            return bool(new) and new[-1].time_s - new[0].time_s >= duration_s
-
-        self.listen_until(is_enough)
+        end_s = self.samples[-1].time_s + duration_s
+        self.listen_until(lambda: self.samples[-1].time_s >= end_s)
         return self.samples[i_first:]
-
-
-def _memory_mb(process_id: int) -> float:
-    """Return how much memory a process has resident, its part of what it shares with others.
-
-    Linux, /proc/PID/smaps_rollup: Pss.
-    """
-    lines = Path(f"/proc/{process_id}/smaps_rollup").read_text().splitlines()
-    line = next((line for line in lines if line.startswith("Pss:")), "Pss: 0 kB")
-    return int(line.split()[1]) / _KIB_PER_MIB
 
 
 @contextlib.contextmanager
 def supervised_run(arguments: list[str], directory: Path) -> Iterator[MeasuredGraph]:
     """Run the graph as run_experiment.sh does, with its supervisor; interrupt it at the end.
 
-    What it says goes to a file beside the directory.
+    What it says goes to a file beside the directory. Raises RuntimeError when the run ends before
+    it has begun.
     """
-    with directory.with_suffix(".log").open("w+") as log:
-        started_s = time.monotonic()
-        process = start_supervisor(["--out", str(directory), *arguments], output=log)
-        try:
-            graph = MeasuredGraph(
-                _domain_told(Path(log.name)),
-                lambda: {"supervisor": process.pid} | nodes_of(process.pid),
-                started_s,
-            )
-            try:
-                yield graph
-            finally:
-                graph.close()
-        finally:
-            process.send_signal(signal.SIGINT)
-            try:
-                process.wait(_STOP_LIMIT_S)
-            except subprocess.TimeoutExpired:
-                process.kill()
-
-
-def _domain_told(log: Path) -> int:
-    """Wait until a supervisor says in which domain it is; raises RuntimeError when it does not."""
-    end_s = time.monotonic() + _LIMIT_S
-    while (told := _DOMAIN.search(log.read_text())) is None:
-        time.sleep(_POLL_S)
-        if time.monotonic() > end_s:
-            raise RuntimeError(f"the supervisor named no domain in {_LIMIT_S:.0f} s")
-    return int(told[1])
+    started_s = time.monotonic()
+    with SupervisedRun(arguments, directory) as run:
+        run.wait_until(lambda: _DOMAIN.search(run.output()) is not None, "the domain")
+        domain = _DOMAIN.search(run.output())
+        if domain is None:
+            raise RuntimeError(f"the run ended with exit code {run.wait()}:\n{run.output()}")
+        with contextlib.closing(Graph(int(domain[1]))) as graph:
+            yield MeasuredGraph(graph, run, started_s)
+        run.process.send_signal(signal.SIGINT)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            run.process.wait(_STOP_LIMIT_S)

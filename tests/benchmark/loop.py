@@ -16,6 +16,8 @@ from eye_plant.observation import Observation
 from lockstep.configuration import build
 
 STAGES = ("physics", "rendering", "encoding", "dictionary_step", "actor_critic", "episode_start")
+# The parts of physics: each call of an iteration.
+_OCULOMOTOR = "oculomotor"
 
 
 @dataclass(frozen=True)
@@ -36,15 +38,14 @@ class TimedLoop:
         manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
         self._episodes = make_protocol(manager).training_episodes()
         self._durations_s: dict[str, list[float]] = defaultdict(list)
-        self._physics_s = 0.0
         self.pictures: list[np.ndarray] = []
         self._attach()
 
     def _attach(self) -> None:
         oculomotor = self.plant.oculomotor
-        for name in ("step", "state"):
-            setattr(oculomotor, name, self._counting_physics(getattr(oculomotor, name)))
         for owner, name, stage in (
+            (oculomotor, "step", _OCULOMOTOR),
+            (oculomotor, "state", _OCULOMOTOR),
             (self.coder, "encode", "encoding"),
             (self.coder, "learn", "dictionary_step"),
             (self._loop.agent, "observe", "actor_critic"),
@@ -63,23 +64,16 @@ class TimedLoop:
 
         return call
 
-    def _counting_physics(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        def call(*arguments: Any) -> Any:
-            start_s = time.perf_counter()
-            result = function(*arguments)
-            self._physics_s += time.perf_counter() - start_s
-            return result
-
-        return call
-
     def _timed_execute(self, activations: np.ndarray) -> Observation:
         """Move and draw; what is not physics is rendering, if anything was drawn."""
-        self._physics_s, start_s = 0.0, time.perf_counter()
+        self._durations_s[_OCULOMOTOR].clear()
+        start_s = time.perf_counter()
         observation = self._execute(activations)
         whole_s = time.perf_counter() - start_s
-        self._durations_s["physics"].append(self._physics_s)
+        physics_s = sum(self._durations_s[_OCULOMOTOR])
+        self._durations_s["physics"].append(physics_s)
         if observation.pictures is not None:
-            self._durations_s["rendering"].append(whole_s - self._physics_s)
+            self._durations_s["rendering"].append(whole_s - physics_s)
         return observation
 
     def window(self, duration_s: float) -> LoopWindow:
@@ -92,7 +86,7 @@ class TimedLoop:
             pictures = steps[0].observation.pictures
             assert pictures is not None
             self.pictures = [*self.pictures[-15:], pictures]
-        means_ms = {name: 1e3 * float(np.mean(s)) for name, s in self._durations_s.items()}
+        means_ms = {name: 1e3 * float(np.mean(self._durations_s[name])) for name in STAGES}
         return LoopWindow(n_iterations / elapsed_s, means_ms)
 
     def close(self) -> None:

@@ -4,16 +4,15 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mcap.reader import make_reader
 from rclpy.context import Context
 from rclpy.node import Node
 from sensor_msgs.msg import Image, JointState
 
+from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.supervision.domains import own_domain
 from eye_plant.camera.config import CameraConfig
@@ -23,11 +22,10 @@ from lockstep.node.fast_executor import LockstepExecutor
 from lockstep.node.process import run_node
 from lockstep.wire.images import ImagePublisher
 from lockstep.wire.qos import LOCKSTEP_QOS
-from lockstep.wire.topics import TOPIC_TYPES
+from lockstep.wire.topics import PICTURES, TOPIC_TYPES
 from lockstep.wire.vectors import VectorPublisher
 from tests.stamps import to_ns
 
-_PICTURES = ("left/image_raw", "right/image_raw")
 _NAMES = tuple(f"entry_{i}" for i in range(12))
 _RESEND_S = 0.5
 _LIMIT_S = 60.0
@@ -41,8 +39,8 @@ class EchoNode(Node):
         super().__init__("benchmark_echo", **kwargs)
         self._answer = VectorPublisher(self, "pong", _NAMES)
         self.create_subscription(JointState, "ping", self._echo, LOCKSTEP_QOS)
-        self.create_subscription(Image, _PICTURES[0], lambda message: None, LOCKSTEP_QOS)
-        self.create_subscription(Image, _PICTURES[1], self._echo, LOCKSTEP_QOS)
+        self.create_subscription(Image, PICTURES[0], lambda message: None, LOCKSTEP_QOS)
+        self.create_subscription(Image, PICTURES[1], self._echo, LOCKSTEP_QOS)
         # An executor that sleeps for ever would not let Python see a SIGTERM.
         self.create_timer(_RESEND_S, lambda: None)
 
@@ -65,7 +63,7 @@ class PingNode(Node):
         self._picture = np.zeros((config.roi_height_px, config.roi_width_px), np.uint8)
         self._pictures = [
             ImagePublisher(self, topic, picture_message(config, i_eye))
-            for i_eye, topic in enumerate(_PICTURES)
+            for i_eye, topic in enumerate(PICTURES)
         ]
         self.create_subscription(JointState, "pong", self._receive, LOCKSTEP_QOS)
         self.create_timer(_RESEND_S, self._resend)
@@ -138,27 +136,27 @@ def _play(domain: int, n_round_trips: int) -> dict[str, list[float]]:
     return durations_s
 
 
-def recording_ms(bag: Path, copy: Path, clock: Callable[[], float] = time.perf_counter) -> float:
+def recording_ms(bag: Path, copy: Path) -> float:
     """Return the time that the bag writer takes for one iteration, compression included.
 
     bag: directory of a run's bag, whose messages are written again to the new directory copy. One
     iteration is what one muscle command was recorded with. Raises InputError for a bag without any.
     """
-    messages = []
-    for path in sorted(bag.glob("*.mcap")):
-        with path.open("rb") as stream:
-            for _, channel, message in make_reader(stream).iter_messages():
-                topic = channel.topic.removeprefix("/")
-                name = topic if topic in TOPIC_TYPES else channel.topic
-                messages.append((name, bytes(message.data), message.log_time))
+    recorded = Bag(bag)
+    messages = [
+        (topic, data, stamp_ns)
+        for topic in filter(recorded.has, TOPIC_TYPES)
+        for stamp_ns, data in recorded.messages(topic)
+    ]
+    messages.sort(key=lambda message: message[2])
     n_iterations = sum(topic == "muscle_command" for topic, _, _ in messages)
     if n_iterations == 0:
         raise InputError(f"{bag}: expected a bag with muscle commands, found none")
-    start_s = clock()
+    start_s = time.perf_counter()
     with BagWriter(copy, TOPIC_TYPES, {}) as writer:
         for topic, data, stamp_ns in messages:
             writer.write(topic, data, stamp_ns)
-    return 1e3 * (clock() - start_s) / n_iterations
+    return 1e3 * (time.perf_counter() - start_s) / n_iterations
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ def test_plain_numpy_on_orthogonal_atoms_finds_the_largest_first() -> None:
     assert coefficients.tolist() == [[-3.0, 2.0]]
 
 
-def test_each_coder_has_a_time_and_an_absent_one_none() -> None:
+def test_each_coder_has_a_time() -> None:
     times_ms = encoding_times_ms(SparseCoder(SparseCoderConfig(seed=1)), _pictures(2), 3)
-    assert set(times_ms) == {"ours", "numpy", "sklearn"}
-    assert all((times_ms[name] or 0.0) > 0.0 for name in ("ours", "numpy"))
+    assert {"ours", "numpy"} <= set(times_ms) <= {"ours", "numpy", "sklearn"}
+    assert all(time_ms > 0.0 for time_ms in times_ms.values())

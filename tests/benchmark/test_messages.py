@@ -1,6 +1,7 @@
 """Messages timed: the recording of a bag, and the hop between two processes."""
 
 from pathlib import Path
+from unittest import mock
 
 import pytest
 from rclpy.serialization import serialize_message
@@ -10,6 +11,7 @@ from experiment_manager.bag.writer import BagWriter
 from lockstep.errors import InputError
 from lockstep.wire.topics import REWARD_NAMES, TOPIC_TYPES
 from lockstep.wire.vectors import vector_message
+from tests.benchmark import messages
 from tests.benchmark.messages import hop_times_ms, recording_ms
 from tests.pair import COMMAND_NAMES
 
@@ -26,9 +28,9 @@ def _bag(directory: Path, n_commands: int) -> Path:
 
 
 def test_recording_is_timed_per_command_and_copies_all_messages(tmp_path: Path) -> None:
-    ticks = iter((10.0, 10.5))
     bag = _bag(tmp_path / "bag", n_commands=5)
-    assert recording_ms(bag, tmp_path / "copy", lambda: next(ticks)) == pytest.approx(100.0)
+    with mock.patch.object(messages, "time", mock.Mock(perf_counter=iter((10.0, 10.5)).__next__)):
+        assert recording_ms(bag, tmp_path / "copy") == pytest.approx(100.0)
     for topic in ("reward", "muscle_command"):
         ours, copied = (Bag(path).vectors(topic)[topic] for path in (bag, tmp_path / "copy"))
         assert copied.position.tolist() == ours.position.tolist()

@@ -1,18 +1,12 @@
 """Runs whose clock on the wall jumps."""
 
-from collections.abc import Sequence
+from collections import Counter
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from tests.stress.supervised_run import (
-    SupervisedRun,
-    differences,
-    n_messages,
-    stamp_faults,
-    undisturbed,
-)
+from tests.stress.disturbed_runs import LINE, Found, compared_runs
+from tests.stress.supervised_run import SupervisedRun
 
 # The clock of every Python of the run jumps by the seconds in a file, as soon as there are any.
 # Whoever has looked at it then leaves a note.
@@ -44,41 +38,30 @@ def jumping_clock(folder: Path) -> tuple[str, ...]:
     return ("env", f"PYTHONPATH={folder}", f"CLOCK_FOLDER={folder}")
 
 
-def jump(
-    line: Sequence[str], directory: Path, n_jumps: int, draw: np.random.Generator
-) -> tuple[dict[str, Any], list[str]]:
-    """Let the clock jump n_jumps times amid runs; return the figures and what went wrong."""
-    reference = undisturbed(line, directory / "steady")
-    jumps_s = draw.uniform(-_FARTHEST_S, _FARTHEST_S, n_jumps).tolist()
-    farthest_days = round(max(map(abs, jumps_s)) / _S_PER_DAY)
+def jump(directory: Path, n_jumps: int, seeds: np.random.SeedSequence) -> Found:
+    """Let the clock jump n_jumps times during runs; return the figures and what went wrong."""
+    draw = np.random.default_rng(seeds)
+    jumps_s = draw.uniform(-_FARTHEST_S, _FARTHEST_S, n_jumps)
+    done = Counter[str]()
     problems: list[str] = []
-    n_runs = 0
-    while jumps_s and not problems:
-        folder = directory / f"jumping_{n_runs}"
-        folder.mkdir()
-        n_runs += 1
-        problems = _jumping_run(line, folder, jumps_s, draw)
-        problems += differences(folder / "run", reference) + stamp_faults(folder / "run")
-    figures = {
-        "jumps": n_jumps - len(jumps_s),
-        "farthest_days": farthest_days,
-        "runs": n_runs,
-        "messages_compared": n_runs * n_messages(reference),
-    }
-    return figures, problems
 
+    def make_run(directory: Path) -> tuple[int, str]:
+        clock = directory.with_name(f"{directory.name}_clock")
+        clock.mkdir()
+        with SupervisedRun(LINE, directory, prefix=jumping_clock(clock)) as run:
+            run.wait_until(lambda: run.place() >= 0, "the first checkpoint")
+            while done.total() < n_jumps:
+                if not run.pause(float(draw.uniform(0.0, _LONGEST_PAUSE_S))):
+                    break
+                (clock / "jump").write_text(str(jumps_s[done.total()]))
+                done["jumped"] += 1
+            ended = run.wait(), run.output()
+        if "fault: " in ended[1]:
+            problems.append(f"faults in {directory.name}:\n{ended[1]}")
+        if not [*clock.glob("seen_by_*")]:
+            problems.append(f"{directory.name}: nobody looked at its clock")
+        return ended
 
-def _jumping_run(
-    line: Sequence[str], folder: Path, jumps_s: list[float], draw: np.random.Generator
-) -> list[str]:
-    """Make one run, and take the jumps away that it has seen; return what went wrong."""
-    with SupervisedRun(line, folder / "run", prefix=jumping_clock(folder)) as run:
-        run.wait_until(lambda: run.place() >= 0, "the first checkpoint")
-        while jumps_s:
-            if not run.pause(float(draw.uniform(0.0, _LONGEST_PAUSE_S))):
-                break
-            (folder / "jump").write_text(str(jumps_s.pop()))
-        code, output = run.wait(), run.output()
-    if code != 0 or "fault: " in output:
-        return [f"{folder.name} ended with exit code {code}:\n{output}"]
-    return [] if [*folder.glob("seen_by_*")] else [f"{folder.name}: nobody looked at its clock"]
+    figures, others = compared_runs(directory, n_jumps, done, make_run)
+    farthest_days = round(float(np.abs(jumps_s).max()) / _S_PER_DAY)
+    return {"jumps": done.total(), "farthest_days": farthest_days} | figures, problems + others

@@ -1,17 +1,16 @@
 """Plant and learners at work under a hail of hostile input, and what it did to their numbers."""
 
-import math
-import time
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from subprocess import Popen
 from typing import Any
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import Image, JointState
@@ -20,25 +19,25 @@ from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.run.config_file import read_configuration
-from experiment_manager.supervision.domains import own_domain
 from experiment_manager.supervision.processes import MANAGER, PACKAGES
 from eye_plant.episode import Episode
 from lockstep.configuration import build
 from lockstep.errors import InputError
+from lockstep.node.diagnostics import TOPIC as DIAGNOSTICS
 from lockstep.node.requests import RequestClient, service_name
 from lockstep.state_file import read_state
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import period_ns
-from tests.patience import PATIENCE_S
+from tests.node_harness import Graph, ros_graph
 from tests.stamps import to_ns
 from tests.stress.fuzzer import IMAGE_TOPICS, VECTOR_NAMES, Hostility
-from tests.stress.lone_nodes import LoneNodes
+from tests.stress.lone_node import LoneNode
+from tests.stress.supervised_run import memory_mb
 from vergence_rl.messages import actor_critic_values
 
 NODES = tuple(package for package in PACKAGES if package != MANAGER)
 _RUN = "fuzzed"
-_LONGEST_TOLD = 500
-_BYTES_PER_MB = 1 << 20
+_LONGEST_SHOWN = 500
 
 Rows = dict[int, tuple[float, ...]]
 
@@ -49,8 +48,8 @@ class FuzzReport:
 
     n_inputs: hostile ones sent; n_refused: counted by the nodes in /diagnostics; n_compared:
     numbers compared with those of an undisturbed run; differences: what differed; growth_mb: of
-    the memory of each node, from the first to the last episode; told: the inputs, if only some were
-    sent.
+    the memory of each node, from the first to the last episode; shown: the inputs, if only some
+    were sent.
     """
 
     n_inputs: int
@@ -58,27 +57,25 @@ class FuzzReport:
     n_compared: int
     differences: list[str]
     growth_mb: dict[str, float]
-    told: list[str]
+    shown: list[str]
 
 
 class _Driver(Node):
     """Requests the episodes, and throws hostile input at the nodes while they work."""
 
-    def __init__(
-        self, context: Context, hostility: Hostility, kept: Collection[int] | None
-    ) -> None:
-        super().__init__("driver", context=context)
-        self.hostility = hostility
+    def __init__(self, hostility: Hostility, kept: Collection[int] | None, **kwargs: Any) -> None:
+        super().__init__("driver", **kwargs)
+        self._hostility = hostility
         self.asks = {name: RequestClient(self, name) for name in NODES}
         self.rows: dict[str, Rows] = {"ground_truth": {}, "actor_critic": {}}
         self.refused: dict[str, int] = {}
         self._kept = kept
         self._n_drawn = 0
         self.n_inputs = 0
-        self.told: list[str] = []
+        self.shown: list[str] = []
         for topic in self.rows:
             self.create_subscription(JointState, topic, self._take(topic), LOCKSTEP_QOS)
-        self.create_subscription(DiagnosticArray, "/diagnostics", self._hear, 10)
+        self.create_subscription(DiagnosticArray, DIAGNOSTICS, self._hear, 10)
         self._ends = {
             topic: self.create_publisher(kind, topic, LOCKSTEP_QOS)
             for kind, topics in ((JointState, tuple(VECTOR_NAMES)), (Image, IMAGE_TOPICS))
@@ -91,10 +88,9 @@ class _Driver(Node):
             name: self.create_client(SetParameters, f"{name}/set_parameters") for name in NODES
         }
 
-    def _take(self, topic: str) -> Any:
+    def _take(self, topic: str) -> Callable[[JointState], None]:
         def take(message: JointState) -> None:
-            stamp_ns = to_ns(message.header.stamp)
-            self.rows[topic].setdefault(stamp_ns, tuple(message.position))
+            self.rows[topic].setdefault(to_ns(message.header.stamp), tuple(message.position))
 
         return take
 
@@ -105,22 +101,22 @@ class _Driver(Node):
 
     def is_matched(self) -> bool:
         """Whether each end has somebody at the other."""
+        clients = (*self._requests.values(), *self._parameters.values())
         return (
             all(end.get_subscription_count() for end in self._ends.values())
             and all(self.count_publishers(topic) for topic in self.rows)
-            and all(client.service_is_ready() for client in self._requests.values())
-            and all(client.service_is_ready() for client in self._parameters.values())
+            and all(client.service_is_ready() for client in clients)
         )
 
     def attack(self, now_ns: int) -> None:
         """Draw a hostile input, and send it unless it is among those left out."""
-        if not self.hostility.is_request():
-            topic, message = self.hostility.message(now_ns)
+        if not self._hostility.is_request():
+            topic, message = self._hostility.message(now_ns)
             if self._is_kept(now_ns, topic, message):
                 self._ends[topic].publish(message)
             return
-        node = self.hostility.node(NODES)
-        parameters = self.hostility.request(_RUN)
+        node = self._hostility.node(NODES)
+        parameters = self._hostility.request(_RUN)
         if not self._is_kept(now_ns, node, parameters):
             return
         atomic = SetParametersAtomically.Request(parameters=parameters)
@@ -130,13 +126,12 @@ class _Driver(Node):
 
     def _is_kept(self, now_ns: int, to: str, what: Any) -> bool:
         number, self._n_drawn = self._n_drawn, self._n_drawn + 1
-        if self._kept is None:
-            self.n_inputs += 1
-            return True
-        if number not in self._kept:
-            return False
+        if self._kept is not None:
+            if number not in self._kept:
+                return False
+            text = str(what)[:_LONGEST_SHOWN]
+            self.shown.append(f"input {number} at {now_ns} ns to {to}: {text}")
         self.n_inputs += 1
-        self.told.append(f"input {number} at {now_ns} ns to {to}: {str(what)[:_LONGEST_TOLD]}")
         return True
 
 
@@ -146,9 +141,8 @@ class FuzzedGraph:
     def __init__(self, config_file: Path, seed: int) -> None:
         """config_file: of a run; seed: of what is thrown at it."""
         self._config_file = config_file
-        configuration = read_configuration(config_file)
-        manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
-        self._configuration = configuration
+        self._configuration = read_configuration(config_file)
+        manager = build(ExperimentManagerConfig, self._configuration["experiment_manager"])
         self._protocol = make_protocol(manager)
         self._period_ns = period_ns(manager.mechanics.period_s)
         self._seed = seed
@@ -164,37 +158,35 @@ class FuzzedGraph:
 
         kept: numbers of the inputs to send, of those that are drawn, None sends all.
         """
-        with own_domain() as domain, LoneNodes(NODES, self._config_file, domain, logs) as processes:
-            context = Context()
-            context.init(domain_id=domain)
-            executor = SingleThreadedExecutor(context=context)
-            driver = _Driver(context, Hostility(self._seed, self._period_ns), kept)
-            executor.add_node(driver)
-            try:
-                attack = _Attack(driver, executor, processes, self._period_ns)
-                attack.run(self._protocol_episodes(n_episodes), n_inputs_per_observation, logs)
-            finally:
-                executor.shutdown()
-                driver.destroy_node()
-                context.try_shutdown()
-        differing, n_compared = self._compare(n_episodes, driver.rows, logs)
+        episodes = [self._protocol.episode(place) for place in range(n_episodes)]
+        hostility = Hostility(self._seed, self._period_ns)
+        with ros_graph() as graph, ExitStack() as running:
+            nodes = {
+                name: running.enter_context(
+                    LoneNode(name, self._config_file, graph.domain, logs / f"{name}.log")
+                ).process
+                for name in NODES
+            }
+            driver = graph.add(lambda **kwargs: _Driver(hostility, kept, **kwargs))
+            attack = _Attack(graph, driver, nodes, self._period_ns)
+            attack.run(episodes, n_inputs_per_observation, logs)
+        differing, n_compared = self._compare(episodes, driver.rows, logs)
         return FuzzReport(
             driver.n_inputs,
             sum(driver.refused.values()),
             n_compared,
             differing,
             attack.growth_mb,
-            driver.told,
+            driver.shown,
         )
 
-    def _protocol_episodes(self, n_episodes: int) -> list[Episode]:
-        return [self._protocol.episode(place) for place in range(n_episodes)]
-
-    def _compare(self, n_episodes: int, rows: dict[str, Rows], logs: Path) -> tuple[list[str], int]:
+    def _compare(
+        self, episodes: Sequence[Episode], rows: dict[str, Rows], logs: Path
+    ) -> tuple[list[str], int]:
         """Return what differs from the same episodes in one process, and how much was compared."""
         loop = make_loop(self._configuration)
         expected: dict[str, Rows] = {"ground_truth": {}, "actor_critic": {}}
-        for episode in self._protocol_episodes(n_episodes):
+        for episode in episodes:
             for step in loop.run_episode(episode):
                 stamp_ns = step.observation.number * self._period_ns
                 expected["ground_truth"][stamp_ns] = step.observation.ground_truth_values()
@@ -207,10 +199,10 @@ class FuzzedGraph:
             f"{topic} at {stamp_ns} ns: {rows[topic].get(stamp_ns)} instead of {row}"
             for topic, wanted in expected.items()
             for stamp_ns, row in wanted.items()
-            if not _equal(rows[topic].get(stamp_ns), row)
+            if not np.array_equal(rows[topic].get(stamp_ns, ()), row, equal_nan=True)
         ]
         n_compared = sum(len(row) for wanted in expected.values() for row in wanted.values())
-        for name, learner in (("sparse_coder", loop.coder), ("vergence_rl", loop.agent)):
+        for name, learner in loop.learners.items():
             state = read_state(logs / f"{name}.npz", name)
             for key, array in learner.state().items():
                 n_compared += array.size
@@ -223,15 +215,11 @@ class _Attack:
     """One pass through the episodes."""
 
     def __init__(
-        self,
-        driver: _Driver,
-        executor: SingleThreadedExecutor,
-        processes: LoneNodes,
-        period_ns: int,
+        self, graph: Graph, driver: _Driver, nodes: dict[str, Popen[str]], period_ns: int
     ) -> None:
+        self._graph = graph
         self._driver = driver
-        self._executor = executor
-        self._processes = processes
+        self._nodes = nodes
         self._period_ns = period_ns
         self.growth_mb: dict[str, float] = {}
 
@@ -252,22 +240,20 @@ class _Attack:
         self._spin_until(lambda: len(heard) == len(NODES), "the nodes' counts")
 
     def _episode(self, episode: Episode, n_inputs_per_observation: int) -> None:
-        driver = self._driver
+        rows = self._driver.rows
         answers = self._send("eye_plant", "episode", episode.as_arguments())
-        for iteration in range(episode.n_iterations + 1):
-            now_ns = (episode.first_observation + iteration) * self._period_ns
-            self._await_truth(now_ns)
+        stamps_ns = [
+            (episode.first_observation + i) * self._period_ns
+            for i in range(episode.n_iterations + 1)
+        ]
+        for now_ns in stamps_ns:
+            is_there = partial(rows["ground_truth"].__contains__, now_ns)
+            self._spin_until(is_there, f"ground truth at {now_ns} ns")
             for _ in range(n_inputs_per_observation):
-                driver.attack(now_ns)
-        answered = {
-            (episode.first_observation + i) * self._period_ns for i in range(episode.n_iterations)
-        }
-        self._spin_until(lambda: answered <= driver.rows["actor_critic"].keys(), "the answers")
+                self._driver.attack(now_ns)
+        answered = set(stamps_ns[:-1])
+        self._spin_until(lambda: answered <= rows["actor_critic"].keys(), "the answers")
         self._spin_until(lambda: bool(answers), "the plant's acknowledgement")
-
-    def _await_truth(self, stamp_ns: int) -> None:
-        truth = self._driver.rows["ground_truth"]
-        self._spin_until(lambda: stamp_ns in truth, f"ground truth at {stamp_ns} ns")
 
     def _ask(self, name: str, kind: str, arguments: dict[str, Any]) -> None:
         answers = self._send(name, kind, arguments)
@@ -278,40 +264,21 @@ class _Attack:
         answers: list[bool] = []
 
         def take(successful: bool, reason: str) -> None:
-            _accept(successful, reason)
+            if not successful:
+                raise InputError(f"a node refused what it should have done: {reason}")
             answers.append(successful)
 
         self._driver.asks[name].ask(_RUN, kind, arguments, take)
         return answers
 
-    def _spin_until(self, condition: Any, what: str) -> None:
-        end_s = time.monotonic() + PATIENCE_S
-        while not condition():
-            self._executor.spin_once(timeout_sec=0.1)
-            if ended := self._processes.exit_codes():
+    def _spin_until(self, condition: Callable[[], bool], what: str) -> None:
+        def holds() -> bool:
+            ended = [name for name, node in self._nodes.items() if node.poll() is not None]
+            if ended:
                 raise InputError(f"nodes ended while waiting for {what}: {ended}")
-            if time.monotonic() > end_s:
-                raise TimeoutError(f"waited {PATIENCE_S} s in vain for {what}")
+            return condition()
+
+        self._graph.spin_until(holds, what)
 
     def _memory_mb(self) -> dict[str, float]:
-        return {k: memory_mb(pid) for k, pid in self._processes.process_ids().items()}
-
-
-def memory_mb(process_id: int) -> float:
-    """Return the resident memory of a process."""
-    n_pages = int(Path(f"/proc/{process_id}/statm").read_text().split()[1])
-    return n_pages * 4096 / _BYTES_PER_MB
-
-
-def _accept(successful: bool, reason: str) -> None:
-    if not successful:
-        raise InputError(f"a node refused what it should have done: {reason}")
-
-
-def _equal(got: tuple[float, ...] | None, expected: tuple[float, ...]) -> bool:
-    if got is None or len(got) != len(expected):
-        return False
-    return all(
-        a == b or (math.isnan(a) and math.isnan(b))
-        for a, b in zip(got, np.array(expected, dtype=np.float64).tolist(), strict=True)
-    )
+        return {name: memory_mb(node.pid) for name, node in self._nodes.items()}

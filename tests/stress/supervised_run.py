@@ -5,6 +5,7 @@ import os
 import signal
 import time
 from collections.abc import Callable, Collection, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,9 +21,10 @@ from tests.patience import PATIENCE_S
 from tests.supervisor import start_supervisor
 
 _POLL_S = 0.02
+_BYTES_PER_MB = 1 << 20
 
 
-class SupervisedRun:
+class SupervisedRun(AbstractContextManager["SupervisedRun"]):
     """A supervisor as a process of its own, and its nodes."""
 
     def __init__(
@@ -49,10 +51,6 @@ class SupervisedRun:
         self._log = directory.with_name(directory.name + ".log").open("a+")
         self.process = start_supervisor(where, prefix=prefix, output=self._log)
 
-    def __enter__(self) -> "SupervisedRun":
-        """Return itself."""
-        return self
-
     def __exit__(self, *exception: object) -> None:
         """Kill the supervisor, and with it its nodes."""
         self.process.kill()
@@ -61,7 +59,14 @@ class SupervisedRun:
 
     def nodes(self) -> dict[str, int]:
         """Return the process ids of the nodes that are there now, by package."""
-        return nodes_of(self.process.pid)
+        found: dict[str, int] = {}
+        with contextlib.suppress(psutil.NoSuchProcess):
+            # The fork server between them lives as long as the supervisor.
+            for child in psutil.Process(self.process.pid).children(recursive=True):
+                with contextlib.suppress(psutil.NoSuchProcess):
+                    words = child.cmdline()
+                    found |= {p: child.pid for p in PACKAGES if f"{p}.node" in words}
+        return found
 
     def place(self) -> int:
         """Return how many episodes the newest checkpoint holds, -1 without one."""
@@ -91,6 +96,14 @@ class SupervisedRun:
         """Wait for the end of the run; return its exit code."""
         self.wait_until(lambda: False, "the end of the run")
         return self.process.wait()
+
+    def kill(self) -> None:
+        """Kill the supervisor; raise RuntimeError when its nodes outlive it."""
+        nodes = self.nodes().values()
+        self.process.kill()
+        self.process.wait()
+        if not are_gone(nodes):
+            raise RuntimeError(f"nodes outlive their supervisor: {nodes}")
 
     def signal_node(self, package: str, number: signal.Signals) -> bool:
         """Send a signal to a node; return False when it was not there any more."""
@@ -126,25 +139,18 @@ def problems_of(run: Path, reference: Path, code: int, output: str) -> list[str]
     return differences(run, reference) + stamp_faults(run)
 
 
-def nodes_of(supervisor_id: int) -> dict[str, int]:
-    """Return the process ids of a supervisor's nodes, by package."""
-    found: dict[str, int] = {}
-    with contextlib.suppress(psutil.NoSuchProcess):
-        # The fork server between them lives as long as the supervisor.
-        for child in psutil.Process(supervisor_id).children(recursive=True):
-            with contextlib.suppress(psutil.NoSuchProcess, psutil.ZombieProcess):
-                words = child.cmdline()
-                found |= {p: child.pid for p in PACKAGES if f"{p}.node" in words}
-    return found
-
-
 def is_alive(process_id: int) -> bool:
     """Return whether a process exists and is more than the record of its end."""
     try:
-        state = Path(f"/proc/{process_id}/stat").read_text().rpartition(")")[2].split()[0]
-    except (FileNotFoundError, ProcessLookupError):
+        state = psutil.Process(process_id).status()
+    except psutil.NoSuchProcess:
         return False
-    return state not in "ZX"
+    return state not in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
+
+
+def memory_mb(process_id: int) -> float:
+    """Return the resident memory of a process; raises psutil.NoSuchProcess."""
+    return float(psutil.Process(process_id).memory_info().rss) / _BYTES_PER_MB
 
 
 def are_gone(process_ids: Collection[int]) -> bool:

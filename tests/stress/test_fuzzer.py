@@ -20,18 +20,6 @@ PERIOD_NS = 200_000_000
 N_MESSAGES = 6000
 
 
-def _reward(message: Any) -> None:
-    values_of(message, ("reward",), "reward")
-
-
-def _rates(message: Any) -> None:
-    values_of(message, HORIZONTAL_RECTI, "muscle_activations", "effort")
-
-
-def _episode(message: Any) -> None:
-    whole_values_of(message, EPISODE_NAMES, "episode")
-
-
 def _command(message: Any) -> None:
     values = values_of(message, message.name, "muscle_command")
     target_activations(message.name, values, np.zeros(len(MUSCLE_NAMES)))
@@ -42,19 +30,18 @@ def _picture(message: Any) -> None:
         raise InputError("the coder looks at the size")
 
 
-def _activations(message: Any) -> None:
-    activations_of(message, COMMAND_SPACES[PAIR])
-
-
 def _features(message: Any) -> None:
     if features_of(message).shape[1] != 32:
         raise InputError("the agent looks at the size")
 
 
 DOORS: dict[str, tuple[Callable[[Any], Any], ...]] = {
-    "episode": (_episode,),
-    "muscle_activations": (_activations, _rates),
-    "reward": (_reward,),
+    "episode": (lambda message: whole_values_of(message, EPISODE_NAMES, "episode"),),
+    "muscle_activations": (
+        lambda message: activations_of(message, COMMAND_SPACES[PAIR]),
+        lambda message: values_of(message, HORIZONTAL_RECTI, "muscle_activations", "effort"),
+    ),
+    "reward": (lambda message: values_of(message, ("reward",), "reward"),),
     "muscle_command": (_command,),
     "features": (_features,),
     **dict.fromkeys(PICTURES, (_picture,)),

@@ -4,15 +4,13 @@ import resource
 import signal
 import subprocess
 from collections.abc import Iterator
+from unittest import mock
 
-import numpy as np
 import pytest
 
 from experiment_manager.supervision.processes import PACKAGES
 from tests.stress.hard_starts import kill, limit
 from tests.stress.supervised_run import SupervisedRun
-
-SUPERVISOR = "supervisor"
 
 
 def _sleep() -> "subprocess.Popen[str]":
@@ -46,16 +44,16 @@ def run() -> Iterator[SleepingRun]:
     run.end_nodes()
 
 
-def _seed_that_draws(who: str, among: tuple[str, ...]) -> int:
-    return next(s for s in range(100) if np.random.default_rng(s).choice(among) == who)
+def _drawing(who: str) -> mock.Mock:
+    """Return a generator that draws somebody, at once, and some memory."""
+    draws = {"choice.return_value": who, "random.return_value": 0.0, "uniform.return_value": 18.0}
+    return mock.Mock(**draws)
 
 
 def test_a_node_is_killed_and_it_alone(run: SleepingRun) -> None:
     who = PACKAGES[-1]
-    seed = _seed_that_draws(who, (SUPERVISOR, *PACKAGES))
     known: set[int] = set()
-    done = kill(run, known, draw=np.random.default_rng(seed), longest_s=0.0)
-    assert done == f"{who} killed"
+    assert kill(run, known, _drawing(who)) == f"{who} killed"
     assert run.sleepers[who].wait() == -signal.SIGKILL
     assert known == {run.sleepers[who].pid}
     assert set(run.nodes()) == set(PACKAGES) - {who}
@@ -63,17 +61,14 @@ def test_a_node_is_killed_and_it_alone(run: SleepingRun) -> None:
 
 def test_a_killed_supervisor_takes_its_nodes_with_it(run: SleepingRun) -> None:
     run.end_nodes()
-    seed = _seed_that_draws(SUPERVISOR, (SUPERVISOR, *PACKAGES))
-    done = kill(run, set(), draw=np.random.default_rng(seed), longest_s=0.0)
-    assert done == "supervisor killed"
+    assert kill(run, set(), _drawing("supervisor")) == "supervisor killed"
     assert run.process.returncode == -signal.SIGKILL
 
 
 def test_each_node_is_limited_once(run: SleepingRun) -> None:
     who = PACKAGES[0]
-    seed = _seed_that_draws(who, PACKAGES)
     known: set[int] = set()
-    assert limit(run, known, draw=np.random.default_rng(seed)) == f"{who} limited"
+    assert limit(run, known, _drawing(who)) == f"{who} limited"
     limits = {
         name: resource.prlimit(node, resource.RLIMIT_AS)[0] for name, node in run.nodes().items()
     }
@@ -81,4 +76,4 @@ def test_each_node_is_limited_once(run: SleepingRun) -> None:
     # It lives on: there is no other process of that node until the run has ended.
     run.process.kill()
     run.process.wait()
-    assert limit(run, known, draw=np.random.default_rng(seed)) == ""
+    assert limit(run, known, _drawing(who)) == ""

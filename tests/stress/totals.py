@@ -62,15 +62,18 @@ class Totals:
             replace_file(self._path, (json.dumps(document, indent=2) + "\n").encode())
 
 
-def added(one: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
+def added(
+    one: Mapping[str, Any], other: Mapping[str, Any], *, are_largest: bool = False
+) -> dict[str, Any]:
     """Return the figures of both: sums, or the largest of those that are no counts."""
     whole = dict(one)
     for name, value in other.items():
         before = whole.get(name)
+        is_largest = are_largest or name in _LARGEST
         if before is None:
             whole[name] = value
         elif isinstance(value, Mapping):
-            whole[name] = added(before, value)
+            whole[name] = added(before, value, are_largest=is_largest)
         else:
-            whole[name] = max(before, value) if name in _LARGEST else before + value
+            whole[name] = max(before, value) if is_largest else before + value
     return whole

@@ -4,16 +4,13 @@ Each host has interfaces, addresses and a /dev/shm of its own, so that nothing b
 their processes. Both share the disk. All is gone with the process that made it.
 """
 
-import os
 import subprocess
-import sys
-from functools import partial
+from contextlib import AbstractContextManager, ExitStack, closing
 from pathlib import Path
-from typing import Self
 
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN
-from lockstep.machine.own_process import die_with
 from tests.patience import PATIENCE_S
+from tests.stress.lone_node import LoneNode
 
 _PROFILE = Path(__file__).parents[2] / "src/lockstep/config/fastdds.xml"
 # As launch_scripts/environment.sh has it for graphs across machines.
@@ -28,16 +25,13 @@ class Host:
     def __init__(self, address: str) -> None:
         """address: of its end of the cable. Raises OSError when this user cannot make it."""
         self.address = address
-        try:
-            self._anchor = subprocess.Popen(
-                ["unshare", "--net", "--mount", "--propagation=private", "sh", "-c", _ANCHOR],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                text=True,
-            )
-        except FileNotFoundError as error:
-            raise OSError("no unshare on this machine (util-linux)") from error
+        self._anchor = subprocess.Popen(
+            ["unshare", "--net", "--mount", "--propagation=private", "sh", "-c", _ANCHOR],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
         assert self._anchor.stdout is not None
         said = self._anchor.stdout.readline().strip()
         if said != "ready":
@@ -65,52 +59,33 @@ class Host:
         self._anchor.communicate()
 
 
-class NodeOnHost:
+class NodeOnHost(LoneNode):
     """A node that somebody started on a host, in the domain of nodes started one by one."""
 
     def __init__(self, host: Host, package: str, config: Path) -> None:
         """config: the run's config.yaml, or a copy; the node's log is written beside it."""
-        command = [sys.executable, "-m", f"{package}.node", "--ros-args"]
-        domain = f"ROS_DOMAIN_ID={NODE_SCRIPTS_DOMAIN}"
-        with config.with_name(f"{package}.log").open("ab") as log:
-            self._process = subprocess.Popen(
-                [*host.prefix, domain, *command, "--params-file", str(config)],
-                stdin=subprocess.DEVNULL,
-                stdout=log,
-                stderr=log,
-                preexec_fn=partial(die_with, os.getpid()),  # noqa: PLW1509 (no threads yet)
-            )
-
-    def __enter__(self) -> Self:
-        """Return itself."""
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        """End the node."""
-        self._process.kill()
-        self._process.wait()
+        log = config.with_name(f"{package}.log")
+        super().__init__(package, config, NODE_SCRIPTS_DOMAIN, log, host.prefix)
 
 
-class TwoHosts:
-    """Hosts a and b with a cable between them."""
+class TwoHosts(AbstractContextManager["TwoHosts"]):
+    """Hosts a and b with a cable between them, which are gone when the block is left."""
 
     def __init__(self) -> None:
         """Raise OSError when this user or this machine cannot make them."""
-        self.a = Host("10.77.0.1")
-        try:
-            self.b = Host("10.77.0.2")
-        except OSError:
-            self.a.close()
-            raise
-        try:
+        with ExitStack() as hosts:
+            self.a = hosts.enter_context(closing(Host("10.77.0.1")))
+            self.b = hosts.enter_context(closing(Host("10.77.0.2")))
             link = ("ip", "link", "add", "cable", "type", "veth", "peer", "cable", "netns")
             self.a.run(*link, str(self.b.process_id))
             for host in (self.a, self.b):
                 host.run("ip", "address", "add", f"{host.address}/24", "dev", "cable")
             self.heal()
-        except OSError:
-            self.close()
-            raise
+            self._hosts = hosts.pop_all()
+
+    def __exit__(self, *exception: object) -> None:
+        """Let go of both hosts, and with them of the cable."""
+        self._hosts.close()
 
     def cut(self) -> None:
         """Pull the cable."""
@@ -138,16 +113,3 @@ class TwoHosts:
             if line.startswith("Ip:")
         )
         return int(values[names.index("OutNoRoutes")])
-
-    def close(self) -> None:
-        """Let go of both hosts, and with them of the cable."""
-        for host in (self.a, self.b):
-            host.close()
-
-    def __enter__(self) -> Self:
-        """Return itself."""
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        """Close."""
-        self.close()

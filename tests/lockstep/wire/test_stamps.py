@@ -14,15 +14,10 @@ def test_period_is_rounded_to_whole_nanoseconds(period_s: float, expected_ns: in
     assert period_ns(period_s) == expected_ns
 
 
-@pytest.mark.parametrize("stamp_ns", [0, 1, 999_999_999, 1_000_000_000, 123_456_789_012_345_678])
+@pytest.mark.parametrize("stamp_ns", [0, 1, 999_999_999, 1_000_000_000, MAX_STAMP_NS])
 def test_there_and_back(stamp_ns: int) -> None:
     time = to_time(stamp_ns)
     assert checked_stamp(time.sec, time.nanosec) == stamp_ns
-
-
-def test_the_last_stamp_fits_a_time() -> None:
-    time = to_time(MAX_STAMP_NS)
-    assert checked_stamp(time.sec, time.nanosec) == MAX_STAMP_NS
 
 
 @pytest.mark.parametrize(

@@ -124,7 +124,7 @@ class RequestClient:
         self._node = node
         self._client: Client = node.create_client(SetParametersAtomically, service_name(node_name))
         self._request: SetParametersAtomically.Request | None = None
-        self._on_answer: Callable[[bool, str], None] = _ignore
+        self._on_answer: Callable[[bool, str], None]
         self._timer = node.create_timer(
             self.REPEAT_AFTER_S,
             self._send,
@@ -167,9 +167,4 @@ class RequestClient:
             return
         self._timer.cancel()
         self._request = None
-        on_answer, self._on_answer = self._on_answer, _ignore
-        on_answer(response.result.successful, response.result.reason)
-
-
-def _ignore(successful: bool, reason: str) -> None:
-    pass
+        self._on_answer(response.result.successful, response.result.reason)

@@ -2,7 +2,8 @@
 
 import math
 import sys
-from typing import TypeVar
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.node import Node
@@ -45,34 +46,33 @@ def descriptor(declared: Declaration) -> ParameterDescriptor:
     )
     # ROS has ranges for single numbers only.
     if type(declared.default) is int:
-        described.integer_range = [_integer_range(declared.setting)]
+        least, most = _range(declared.setting, LEAST_INTEGER, LARGEST_INTEGER, _next_integer)
+        step = declared.setting.multiple_of
+        described.integer_range = [IntegerRange(from_value=least, to_value=most, step=step)]
     elif type(declared.default) is float:
-        described.floating_point_range = [_floating_point_range(declared.setting)]
+        largest = sys.float_info.max
+        least, most = map(float, _range(declared.setting, -largest, largest, math.nextafter))
+        described.floating_point_range = [FloatingPointRange(from_value=least, to_value=most)]
     return described
 
 
-def _integer_range(setting: Setting) -> IntegerRange:
-    least, most = LEAST_INTEGER, LARGEST_INTEGER
+def _range(
+    setting: Setting, least: Any, most: Any, next_to: Callable[[Any, float], Any]
+) -> tuple[Any, Any]:
+    """Return the least and the largest number allowed; least, most: of all numbers of the type.
+
+    next_to: the neighbour of a number toward another, within an exclusive bound.
+    """
     if setting.least is not None:
-        least = math.ceil(setting.least)
+        least = setting.least
     if setting.above is not None:
-        least = math.floor(setting.above) + 1
+        least = next_to(setting.above, math.inf)
     if setting.most is not None:
-        most = math.floor(setting.most)
+        most = setting.most
     if setting.below is not None:
-        most = math.ceil(setting.below) - 1
-    return IntegerRange(from_value=least, to_value=most, step=setting.multiple_of)
+        most = next_to(setting.below, -math.inf)
+    return least, most
 
 
-def _floating_point_range(setting: Setting) -> FloatingPointRange:
-    """Return the range; an exclusive bound becomes the next number within it."""
-    least, most = -sys.float_info.max, sys.float_info.max
-    if setting.least is not None:
-        least = float(setting.least)
-    if setting.above is not None:
-        least = math.nextafter(setting.above, math.inf)
-    if setting.most is not None:
-        most = float(setting.most)
-    if setting.below is not None:
-        most = math.nextafter(setting.below, -math.inf)
-    return FloatingPointRange(from_value=least, to_value=most)
+def _next_integer(number: int, toward: float) -> int:
+    return number + 1 if toward > number else number - 1

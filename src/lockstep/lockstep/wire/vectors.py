@@ -9,13 +9,12 @@ from functools import lru_cache
 
 import numpy as np
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
 
 from lockstep.errors import InputError
 from lockstep.wire.cdr import deserialized
 from lockstep.wire.codec import Writer, writer_of
-from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.publisher import RepeatingPublisher
 from lockstep.wire.stamps import to_time
 
 # Up to here every whole number is a double of its own.
@@ -73,26 +72,12 @@ class VectorBytes:
         return self._writers[has](stamp_ns, *fields)
 
 
-class VectorPublisher:
-    """Publishes vectors with fixed names on one topic, and can repeat the last one."""
+class VectorPublisher(RepeatingPublisher):
+    """Publishes vectors, (n_names,) or empty each, as `VectorBytes.of` takes them."""
 
     def __init__(self, node: Node, topic: str, names: Sequence[str]) -> None:
         """names: the entries of each vector, in order."""
-        self.publisher: Publisher = node.create_publisher(JointState, topic, LOCKSTEP_QOS)
-        self._bytes = VectorBytes(names)
-        self._last = b""
-
-    def publish(
-        self, stamp_ns: int, position: Values, velocity: Values = (), effort: Values = ()
-    ) -> None:
-        """Publish (n_names,) values; velocity and effort may be empty."""
-        self._last = self._bytes.of(stamp_ns, position, velocity, effort)
-        self.publisher.publish(self._last)
-
-    def repeat(self) -> None:
-        """Publish the last vector again, if there was one."""
-        if self._last:
-            self.publisher.publish(self._last)
+        super().__init__(node, JointState, topic, VectorBytes(names).of)
 
 
 def values_of(
