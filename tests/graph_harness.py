@@ -1,26 +1,21 @@
 """Whole graphs as processes, in a configuration small enough for tests, and what they recorded."""
 
-import subprocess
 import threading
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-
-import numpy as np
 
 from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.in_process.loop import Step, make_loop
-from experiment_manager.preparation.command_line import arguments, request_of
-from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import Configuration, configuration_text
 from eye_plant.episode import Episode
 from lockstep.configuration import build
-from lockstep.state_file import read_state
 from lockstep.wire.stamps import period_ns
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
+from tests.command_lines import configured, set_words
 from tests.patience import PATIENCE_S
-from tests.supervisor import environment
+from tests.supervisor import started
 
 SCRIPTS = Path(__file__).parents[1] / "launch_scripts"
 SMALL_VECTORS = (*PLANT_VECTORS, *CODER_VECTORS, *LEARNER_VECTORS)
@@ -48,13 +43,13 @@ def small_run(pictures: Path, n_iterations: int = 200, *more: str) -> list[str]:
         "1",
         "--stimuli",
         str(pictures),
-        *(word for name, value in chosen.items() for word in ("--set", f"{name}={value}")),
+        *set_words(chosen),
     ]
 
 
 def write_configuration(path: Path, line: Sequence[str]) -> None:
     """Write the config.yaml that a supervisor would make of a command line."""
-    path.write_text(configuration_text(configuration_of(request_of(arguments(line)), "0123abc")))
+    path.write_text(configuration_text(configured(*line)))
 
 
 class NodeProcess:
@@ -62,13 +57,9 @@ class NodeProcess:
 
     def __init__(self, package: str, domain: int, config_file: Path, *more: str) -> None:
         script = SCRIPTS / f"{package}.sh"
-        self.process = subprocess.Popen(
+        self.process = started(
             [script, "--ros-args", "--params-file", config_file, *more],
-            env=environment() | {"ROS_DOMAIN_ID": str(domain)},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
+            {"ROS_DOMAIN_ID": str(domain)},
         )
         self.lines: list[str] = []
         self._watchdog = threading.Timer(PATIENCE_S, self.process.kill)
@@ -116,8 +107,7 @@ class OracleRun:
 
     def restore(self, states: Path) -> None:
         """Take over the learners of a checkpoint's directory."""
-        self.coder.restore(read_state(states / "sparse_coder.npz", "sparse_coder"))
-        self.agent.restore(read_state(states / "vergence_rl.npz", "vergence_rl"))
+        self._loop.restore({name: states / f"{name}.npz" for name in self._loop.learners})
 
     def steps(self, first: int = 0) -> Iterator[tuple[Episode, Step]]:
         """Yield all steps of all episodes from a place on; pictures last until the next step."""
@@ -127,8 +117,3 @@ class OracleRun:
             for step in self._loop.run_episode(episode):
                 yield episode, step
         self.plant.close()
-
-
-def stacked(rows: Sequence[Sequence[float] | np.ndarray]) -> np.ndarray:
-    """Return rows of numbers as an array of doubles."""
-    return np.array(rows, dtype=np.float64)

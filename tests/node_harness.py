@@ -124,20 +124,21 @@ class Outsider(Node):
             first.setdefault(stamp_ns, message)
         return list(first.values())
 
-    def future_answer(self, node: str, values: Mapping[str, Any]) -> Any:
-        """Send named values to a node's request service."""
+    def _client(self, node: str) -> Any:
         if node not in self._clients_by_node:
             client = self.create_client(SetParametersAtomically, service_name(node))
             self._clients_by_node[node] = client
+        return self._clients_by_node[node]
+
+    def future_answer(self, node: str, values: Mapping[str, Any]) -> Any:
+        """Send named values to a node's request service."""
         parameters = [Parameter(k, value=v).to_parameter_msg() for k, v in values.items()]
         request = SetParametersAtomically.Request(parameters=parameters)
-        return self._clients_by_node[node].call_async(request)
+        return self._client(node).call_async(request)
 
     def has_service(self, node: str) -> bool:
         """Whether a node answers requests by now."""
-        client = self.create_client(SetParametersAtomically, service_name(node))
-        self._clients_by_node.setdefault(node, client)
-        return bool(self._clients_by_node[node].service_is_ready())
+        return bool(self._client(node).service_is_ready())
 
 
 class Bench:

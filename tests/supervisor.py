@@ -5,7 +5,8 @@ import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import IO
+from pathlib import Path
+from typing import IO, Any
 
 from lockstep.machine.own_process import die_with
 from tests.patience import PATIENCE_S
@@ -16,6 +17,27 @@ def environment() -> dict[str, str]:
     return {k: v for k, v in os.environ.items() if k != "ROS_DOMAIN_ID"}
 
 
+def started(
+    command: Sequence[str | Path],
+    variables: Mapping[str, str] | None = None,
+    output: int | IO[str] = subprocess.PIPE,
+    **options: Any,
+) -> "subprocess.Popen[str]":
+    """Start a process outside the user's ROS domain; what it says is one stream, the output.
+
+    variables: more of its environment; options: of Popen.
+    """
+    return subprocess.Popen(
+        command,
+        env=environment() | dict(variables or {}),
+        stdin=subprocess.DEVNULL,
+        stdout=output,
+        stderr=subprocess.STDOUT,
+        text=True,
+        **options,
+    )
+
+
 def start_supervisor(
     line: Sequence[str],
     *,
@@ -23,19 +45,16 @@ def start_supervisor(
     variables: Mapping[str, str] | None = None,
     output: int | IO[str] = subprocess.PIPE,
 ) -> "subprocess.Popen[str]":
-    """Start a supervisor that ends with this process; what it says is one stream, the output.
+    """Start a supervisor that ends with this process; variables, output: as `started` has them.
 
     line: the command line of run_experiment.sh; prefix: a command that becomes the one that follows
-    it, such as env or prlimit; variables: more of its environment.
+    it, such as env or prlimit.
     """
-    return subprocess.Popen(
+    return started(
         [*prefix, sys.executable, "-m", "experiment_manager.commands.run_experiment", *line],
-        env=environment() | dict(variables or {}),
-        stdin=subprocess.DEVNULL,
-        stdout=output,
-        stderr=subprocess.STDOUT,
-        text=True,
-        preexec_fn=partial(die_with, os.getpid()),  # noqa: PLW1509 (it calls the kernel only)
+        variables,
+        output,
+        preexec_fn=partial(die_with, os.getpid()),
     )
 
 

@@ -1,6 +1,5 @@
 """Sweeps of runs small enough for tests, as processes."""
 
-import os
 import signal
 import subprocess
 from collections.abc import Sequence
@@ -9,8 +8,10 @@ from pathlib import Path
 import psutil
 import yaml
 
-from tests.graph_harness import SCRIPTS, environment
+from tests.command_lines import set_words
+from tests.graph_harness import SCRIPTS
 from tests.stress.supervised_run import SupervisedRun
+from tests.supervisor import started
 
 OPTIONS = {
     "profile": "paper",
@@ -40,7 +41,7 @@ def command_line(pictures: Path, **more: object) -> list[str]:
     words: list[str] = []
     for name, value in (OPTIONS | {"stimuli": pictures} | more).items():
         if "." in name:
-            words += ["--set", f"{name}={value}"]
+            words += set_words({name: value})
         else:
             text = ",".join(map(str, value)) if isinstance(value, list) else str(value)
             words += [f"--{name}", text]
@@ -49,14 +50,10 @@ def command_line(pictures: Path, **more: object) -> list[str]:
 
 def start_sweep(*line: object, **variables: str) -> "subprocess.Popen[str]":
     """Start sweep.sh; its output is one stream. variables: more of its environment."""
-    return subprocess.Popen(
+    return started(
         # Whoever runs the tests in the background may have the interrupt ignored.
         ["env", "--default-signal=INT", SCRIPTS / "sweep.sh", *map(str, line)],
-        env=environment() | variables,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
+        variables,
         start_new_session=True,  # its group can be sent what Ctrl-C in a terminal sends
     )
 
@@ -98,8 +95,3 @@ def goes_on_interrupted(run: Path) -> bool:
         return False
     process.resume()
     return True
-
-
-def is_root() -> bool:
-    """Return whether this process may mount and start services."""
-    return os.geteuid() == 0

@@ -13,9 +13,8 @@ from sensor_msgs.msg import JointState
 
 from experiment_manager.commands.evaluate import main as evaluate
 from lockstep.wire.topics import GAZE_TARGET, TARGET_NAMES
-from tests.graph_harness import NodeProcess, small_run, write_configuration
 from tests.node_harness import Graph
-from tests.supervisor import environment, finished
+from tests.supervisor import finished, started
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 OURS = {"plant": "eye_plant", "coder": "sparse_coder", "controller": "vergence_rl"}
@@ -28,12 +27,8 @@ def start(graph: Graph) -> Iterator[Start]:
     with ExitStack() as stack:
 
         def start(name: str) -> "subprocess.Popen[str]":
-            process = subprocess.Popen(
-                [sys.executable, EXAMPLES / f"{name}.py"],
-                env=environment() | {"ROS_DOMAIN_ID": str(graph.domain)},
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                text=True,
+            process = started(
+                [sys.executable, EXAMPLES / f"{name}.py"], {"ROS_DOMAIN_ID": str(graph.domain)}
             )
             stack.callback(process.communicate)
             stack.callback(process.kill)
@@ -42,37 +37,24 @@ def start(graph: Graph) -> Iterator[Start]:
         yield start
 
 
-@pytest.fixture
-def ours(graph: Graph, tmp_path: Path, pictures: Path) -> Iterator[Callable[..., NodeProcess]]:
-    """Return a function that starts one of our nodes in the test's domain."""
-    config_file = tmp_path / "config.yaml"
-    write_configuration(config_file, small_run(pictures, 20))
-    with ExitStack() as stack:
-
-        def start(package: str, *more: str) -> NodeProcess:
-            node = NodeProcess(package, graph.domain, config_file, *more)
-            stack.callback(node.close)
-            return node
-
-        yield start
-
-
 @pytest.mark.parametrize("example", OURS)
-def test_a_replacement_makes_a_run_with_our_other_nodes(start, ours, tmp_path, example) -> None:
+def test_a_replacement_makes_a_run_with_our_other_nodes(
+    start, start_node, tmp_path, example
+) -> None:
     run = tmp_path / "run"
     start(example)
     for name, package in OURS.items():
         if name != example:
-            ours(package)
-    ours("experiment_manager", "-p", f"run_directory:={run}").finished()
+            start_node(package)
+    start_node("experiment_manager", "-p", f"run_directory:={run}").finished()
     results = json.loads((run / "results.json").read_text())
     assert [test["n_trials"] for test in results["tests"]] == [4, 4]
     assert evaluate([str(run)]) == 0
 
 
-def test_a_manager_drives_our_nodes(start: Start, ours: Callable[..., NodeProcess]) -> None:
+def test_a_manager_drives_our_nodes(start: Start, start_node) -> None:
     for package in OURS.values():
-        ours(package)
+        start_node(package)
     said = finished(start("manager")).splitlines()
     assert [line.partition(":")[0] for line in said] == [f"episode {i}" for i in range(10)]
 

@@ -43,13 +43,8 @@ def test_each_node_killed_once_and_one_stopped_beside_another_run(pictures, tmp_
         output = run.output()
         assert beside.wait() == 0, beside.output()
         assert "fault" not in beside.output()
-    for fault in (
-        "fault: eye_plant was killed by SIGKILL",
-        "fault: sparse_coder was killed by SIGKILL",
-        "fault: experiment_manager was killed by SIGKILL",
-        "fault: vergence_rl was killed by SIGKILL",
-    ):
-        assert output.count(fault) == 1, output
+    for package in PACKAGES:
+        assert output.count(f"fault: {package} was killed by SIGKILL") == 1, output
     # Whoever misses the hanging node first says so: the manager, or during a checkpoint we do.
     hang = ("ended: no message for 8 s; missing: ", "fault: sparse_coder does not respond")
     assert sum(output.count(text) for text in hang) == 1, output

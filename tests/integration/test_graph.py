@@ -138,40 +138,39 @@ def _with_own_commands(pictures: Path, directory: Path, *settings: str) -> Path:
     return directory
 
 
-@pytest.mark.parametrize("space", [HORIZONTAL_RECTI, ALL_MUSCLES])
 def test_muscles_with_commands_of_their_own_are_recorded_as_the_loop_has_them(
-    pictures, tmp_path, space
+    pictures, tmp_path
 ) -> None:
     settings = (
-        f"vergence_rl.command_space={space}",
+        f"vergence_rl.command_space={HORIZONTAL_RECTI}",
         "vergence_rl.lowest_activations=[0.01]",
         "vergence_rl.highest_activations=[0.2]",
         "vergence_rl.hindsight.n_best=3",
         "sparse_coder.price_rise_share=0.75",
     )
     directory = _with_own_commands(pictures, tmp_path / "run", *settings)
-    names = COMMAND_SPACES[space].names
     command = Bag(directory / "bag").vectors("muscle_command")["muscle_command"]
-    for name in names:
+    for name in COMMAND_SPACES[HORIZONTAL_RECTI].names:
         assert (command.column(name) >= 0.01).all()
-    kept = read_trials(directory)[-1]
-    assert kept.activations.shape[-1] == len(names)
-    assert np.isfinite(kept.column("cyclovergence_error_deg")[:, -1]).all()
+    assert read_trials(directory)[-1].activations.shape[-1] == 4
+
+
+_TWELVE = (
+    f"vergence_rl.command_space={ALL_MUSCLES}",
+    "vergence_rl.lowest_activations=[0.0]",
+    "vergence_rl.highest_activations=[0.2]",
+    "sparse_coder.metabolic_cost_weight=0.3",
+)
 
 
 def test_eyes_that_make_saccades_are_recorded_as_the_loop_has_them(pictures, tmp_path) -> None:
     settings = (
-        f"vergence_rl.command_space={ALL_MUSCLES}",
-        "vergence_rl.lowest_activations=[0.0]",
-        "vergence_rl.highest_activations=[0.2]",
         "vergence_rl.gaze.fixation_iterations=5",
         "vergence_rl.products_of_activations=true",
         "vergence_rl.hindsight.n_best=2",
         "experiment_manager.protocol.gives_targets=false",
-        "experiment_manager.model=M_C",
-        "sparse_coder.metabolic_cost_weight=0.3",
     )
-    directory = _with_own_commands(pictures, tmp_path / "run", *settings)
+    directory = _with_own_commands(pictures, tmp_path / "run", *_TWELVE, *settings)
     gaze, truth = Bag(directory / "bag").vectors("gaze", "ground_truth").values()
     # In tests the protocol gives the targets, in training the eyes choose among patches.
     chosen = gaze.column("target_sideways_deg")
@@ -186,20 +185,16 @@ def test_eyes_that_make_saccades_are_recorded_as_the_loop_has_them(pictures, tmp
     (summary, *_) = read_results(directory / RESULTS_FILE).tests
     assert summary.fixations is not None
     assert summary.fixations.saccade_error_deg["after_2"].median > 0.0
+    kept = read_trials(directory)[-1]
+    assert kept.activations.shape[-1] == 12
+    assert np.isfinite(kept.column("cyclovergence_error_deg")[:, -1]).all()
 
 
 def test_vergence_by_turns_without_saccades_is_recorded_as_the_loop_has_it(
     pictures, tmp_path
 ) -> None:
-    settings = (
-        f"vergence_rl.command_space={ALL_MUSCLES}",
-        "vergence_rl.lowest_activations=[0.0]",
-        "vergence_rl.highest_activations=[0.2]",
-        "vergence_rl.gaze.measures_turns=true",
-        "experiment_manager.model=M_C",
-        "sparse_coder.metabolic_cost_weight=0.3",
-    )
-    directory = _with_own_commands(pictures, tmp_path / "run", *settings)
+    turns = "vergence_rl.gaze.measures_turns=true"
+    directory = _with_own_commands(pictures, tmp_path / "run", *_TWELVE, turns)
     (gaze,) = Bag(directory / "bag").vectors("gaze").values()
     assert np.isnan(gaze.column("target_up_deg")).all()
     # Before they have learned, the eyes do not move in a test.
@@ -319,11 +314,3 @@ def test_resuming_a_finished_run_changes_nothing_but_says_its_results(run, tmp_p
     assert f"results: {again / 'results.json'}" in output
     assert (again / "results.json").read_text() == (run / "results.json").read_text()
     assert_as_the_loop(again)
-
-
-def test_nodes_elsewhere_are_none_of_one_process(pictures: Path, tmp_path: Path) -> None:
-    line = run_line(pictures)
-    with SupervisedRun(line, tmp_path / "run", in_process=True, elsewhere=["eye_plant"]) as run:
-        assert run.wait() == 2
-        assert "error: --in-process: expected it without --elsewhere, got both\n" in run.output()
-    assert not (tmp_path / "run").exists()

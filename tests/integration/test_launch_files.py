@@ -77,15 +77,7 @@ def _of_kind(entities: list[Any], kind: str) -> list[Call]:
 def _known_parameters(package: str) -> set[str]:
     document = yaml.safe_load((ROOT / f"src/{package}/config/{package}.yaml").read_text())
     (section,) = document.values()
-    return _flat(section["ros__parameters"])
-
-
-def _flat(values: dict[str, Any], prefix: str = "") -> set[str]:
-    names = set()
-    for name, value in values.items():
-        nested = isinstance(value, dict)
-        names |= _flat(value, f"{prefix}{name}.") if nested else {f"{prefix}{name}"}
-    return names
+    return set(section["ros__parameters"])
 
 
 def _check_node(node: Call, package: str) -> None:

@@ -8,7 +8,6 @@ import sys
 from pathlib import Path
 
 import pytest
-import yaml
 
 from tests.imported_names import imported_names
 from tests.patience import PATIENCE_S
@@ -18,23 +17,36 @@ NODES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")
 PACKAGES = ("lockstep", *NODES)
 
 
+def _run(
+    folder: Path, *words: str | Path, variables: dict[str, str], code: int = 0
+) -> subprocess.CompletedProcess[str]:
+    """Run a command in a folder to its end with that exit code; variables: of its environment."""
+    done = subprocess.run(
+        words,
+        cwd=folder,
+        env=os.environ | variables,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE_S,
+    )
+    assert done.returncode == code, done.stdout + done.stderr
+    return done
+
+
+def _colcon(folder: Path, *words: str) -> str:
+    colcon = Path(sys.executable).with_name("colcon")
+    own = {"COLCON_HOME": str(folder), "COLCON_DEFAULTS_FILE": os.devnull}
+    return _run(folder, colcon, "--log-base", "log", *words, variables=own).stdout
+
+
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Build a copy of src; return the workspace with its folder install."""
     folder = tmp_path_factory.mktemp("workspace")
     ignore = shutil.ignore_patterns("__pycache__", "build", "install", "log")
     shutil.copytree(ROOT / "src", folder / "src", ignore=ignore)
-    colcon = Path(sys.executable).with_name("colcon")
-    environment = {**os.environ, "COLCON_HOME": str(folder), "COLCON_DEFAULTS_FILE": os.devnull}
-    build = subprocess.run(
-        [colcon, "--log-base", "log", "build"],
-        cwd=folder,
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert build.returncode == 0, build.stdout + build.stderr
+    _colcon(folder, "build")
     return folder
 
 
@@ -43,45 +55,27 @@ def _site_packages(workspace: Path, package: str) -> Path:
     return folder
 
 
-def _installed_environment(workspace: Path) -> dict[str, str]:
+def _run_installed(
+    workspace: Path, *words: str | Path, code: int = 0
+) -> subprocess.CompletedProcess[str]:
     paths = [str(_site_packages(workspace, package)) for package in PACKAGES]
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+    return _run(workspace, *words, variables={"PYTHONPATH": os.pathsep.join(paths)}, code=code)
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_package_is_registered(workspace: Path, package: str) -> None:
+def test_package_is_registered_with_all_that_it_shares(workspace: Path, package: str) -> None:
     share = workspace / "install" / package / "share"
     assert (share / "ament_index/resource_index/packages" / package).is_file()
-    assert f"<name>{package}</name>" in (share / package / "package.xml").read_text()
-
-
-@pytest.mark.parametrize("package", NODES)
-def test_node_has_an_executable_where_ros2_run_looks(workspace: Path, package: str) -> None:
-    assert os.access(workspace / "install" / package / "lib" / package / "node", os.X_OK)
-
-
-@pytest.mark.parametrize("package", NODES)
-def test_parameters_are_installed(workspace: Path, package: str) -> None:
-    installed = workspace / "install" / package / "share" / package / "config" / f"{package}.yaml"
-    parameters = yaml.safe_load(installed.read_text())
-    assert all("ros__parameters" in section for section in parameters.values())
-
-
-@pytest.mark.parametrize("package", PACKAGES)
-def test_licence_and_readme_are_installed(workspace: Path, package: str) -> None:
-    share = workspace / "install" / package / "share" / package
-    assert (share / "LICENSE").read_bytes() == (ROOT / "LICENSE").read_bytes()
-    assert (share / "README.md").read_text().startswith(f"# {package}\n")
-
-
-def test_launch_files_and_what_they_name_are_installed(workspace: Path) -> None:
-    for package, file in (
-        ("experiment_manager", "launch/graph.launch.py"),
-        ("eye_plant", "launch/eye_plant.launch.py"),
-        ("lockstep", "config/fastdds.xml"),
-    ):
-        installed = workspace / "install" / package / "share" / package / file
-        assert installed.read_bytes() == (ROOT / "src" / package / file).read_bytes()
+    source = ROOT / "src" / package
+    shared = [source / name for name in ("package.xml", "README.md", "LICENSE")]
+    shared += [*source.glob("config/*"), *source.glob("launch/*.launch.py")]
+    assert len(shared) > 3
+    for file in shared:
+        installed = share / package / file.relative_to(source)
+        assert installed.read_bytes() == file.read_bytes()
+    assert f"<name>{package}</name>" in (source / "package.xml").read_text()
+    assert (source / "README.md").read_text().startswith(f"# {package}\n")
+    assert (source / "LICENSE").read_bytes() == (ROOT / "LICENSE").read_bytes()
 
 
 def test_colcon_test_finds_the_tests_of_each_package(tmp_path: Path) -> None:
@@ -93,20 +87,12 @@ def test_colcon_test_finds_the_tests_of_each_package(tmp_path: Path) -> None:
         built = tmp_path / "install" / package / "share" / package
         built.mkdir(parents=True)
         (built / "package.sh").touch()
-    colcon = Path(sys.executable).with_name("colcon")
     collect = ["--event-handlers", "console_direct+", "--pytest-args", "-q", "--collect-only"]
-    tested = subprocess.run(
-        [colcon, "--log-base", "log", "test", "--base-paths", "src", *collect],
-        cwd=tmp_path,
-        env={**os.environ, "COLCON_HOME": str(tmp_path), "COLCON_DEFAULTS_FILE": os.devnull},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    found = set(re.findall(r"(test_\w+\.py)::", tested.stdout))
+    tested = _colcon(tmp_path, "test", "--base-paths", "src", *collect)
+    found = set(re.findall(r"(test_\w+\.py)::", tested))
     folders = [ROOT / "tests" / package for package in PACKAGES]
     expected = {file.name for folder in folders for file in folder.rglob("test_*.py")}
-    assert found == expected, tested.stdout + tested.stderr
+    assert found == expected, tested
 
 
 @pytest.mark.parametrize("package", PACKAGES)
@@ -134,15 +120,8 @@ for entry in installed.entry_points:
 
 @pytest.mark.parametrize("package", NODES)
 def test_entry_points_lead_into_what_was_installed(workspace: Path, package: str) -> None:
-    loaded = subprocess.run(
-        [sys.executable, "-c", _LOAD_ENTRY_POINTS, str(_site_packages(workspace, package))],
-        env=_installed_environment(workspace),
-        cwd=workspace,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert loaded.returncode == 0, loaded.stderr
+    folder = _site_packages(workspace, package)
+    loaded = _run_installed(workspace, sys.executable, "-c", _LOAD_ENTRY_POINTS, folder)
     sources = ROOT / "src" / package
     with_main = {
         ".".join(file.relative_to(sources).with_suffix("").parts)
@@ -155,16 +134,10 @@ def test_entry_points_lead_into_what_was_installed(workspace: Path, package: str
 
 @pytest.mark.parametrize("package", NODES)
 def test_installed_node_names_an_unknown_parameter(workspace: Path, package: str) -> None:
+    # Where ros2 run looks for its executable.
     executable = workspace / "install" / package / "lib" / package / "node"
-    started = subprocess.run(
-        [executable, "--ros-args", "-p", "no_such_parameter:=1"],
-        env=_installed_environment(workspace),
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=PATIENCE_S,
-    )
-    assert started.returncode == 2, started.stderr
+    parameter = ["--ros-args", "-p", "no_such_parameter:=1"]
+    started = _run_installed(workspace, executable, *parameter, code=2)
     assert "no_such_parameter" in started.stderr.splitlines()[-1]
 
 
@@ -178,15 +151,7 @@ for name in profile_names():
 def test_installed_profiles_are_those_of_the_source(workspace: Path) -> None:
     folder = ROOT / "src/experiment_manager/experiment_manager/profiles"
     expected = [str(file.relative_to(folder).with_suffix("")) for file in folder.rglob("*.yaml")]
-    read = subprocess.run(
-        [sys.executable, "-c", _READ_PROFILES],
-        env=_installed_environment(workspace),
-        cwd=workspace,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert read.returncode == 0, read.stderr
+    read = _run_installed(workspace, sys.executable, "-c", _READ_PROFILES)
     assert read.stdout.split() == sorted(expected)
 
 

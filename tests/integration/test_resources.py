@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import psutil
@@ -65,8 +66,7 @@ class Disk:
 
 
 def test_a_full_disk(line: list[str], tmp_path: Path) -> None:
-    disk = Disk(tmp_path / "run", "size=32m")
-    try:
+    with closing(Disk(tmp_path / "run", "size=32m")) as disk:
         with SupervisedRun(line, disk.root, prefix=disk.prefix) as run:
             assert run.wait_until(lambda: run.place() >= 4, "a checkpoint")
             ballast = disk.fill()
@@ -87,38 +87,20 @@ def test_a_full_disk(line: list[str], tmp_path: Path) -> None:
         ) as run:
             assert run.wait() == 0, run.output()
         assert_as_the_loop(disk.root)
-    finally:
-        disk.close()
 
 
-def _assert_refused_as_read_only(output: str) -> None:
+@pytest.mark.parametrize("resume", [False, True])
+def test_a_disk_that_may_only_be_read(line: list[str], tmp_path: Path, resume: bool) -> None:
+    with closing(Disk(tmp_path / "run", "size=1m")) as disk:
+        if resume:
+            write_configuration(disk.root / "config.yaml", line)
+        subprocess.run([*disk.prefix, "mount", "-o", "remount,ro", tmp_path / "run"], check=True)
+        with SupervisedRun(line, disk.root, resume=resume, prefix=disk.prefix) as run:
+            assert run.wait() == 2
+            output = run.output()
     assert output.count("error: ") == 1, output
     assert "Traceback" not in output
     assert "/run: cannot be written: [Errno 30] Read-only file system" in output
-
-
-def test_a_disk_that_may_only_be_read(line: list[str], tmp_path: Path) -> None:
-    disk = Disk(tmp_path / "run", "ro")
-    try:
-        with SupervisedRun(line, disk.root, prefix=disk.prefix) as run:
-            assert run.wait() == 2
-            output = run.output()
-    finally:
-        disk.close()
-    _assert_refused_as_read_only(output)
-
-
-def test_a_run_that_may_only_be_read_is_not_resumed(line: list[str], tmp_path: Path) -> None:
-    disk = Disk(tmp_path / "run", "size=1m")
-    try:
-        write_configuration(disk.root / "config.yaml", line)
-        subprocess.run([*disk.prefix, "mount", "-o", "remount,ro", tmp_path / "run"], check=True)
-        with SupervisedRun(line, disk.root, resume=True, prefix=disk.prefix) as run:
-            assert run.wait() == 2
-            output = run.output()
-    finally:
-        disk.close()
-    _assert_refused_as_read_only(output)
 
 
 def test_a_node_without_memory(line: list[str], tmp_path: Path) -> None:

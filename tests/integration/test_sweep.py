@@ -20,7 +20,6 @@ from tests.sweep_harness import (
     are_held_at_first_checkpoint,
     command_line,
     goes_on_interrupted,
-    is_root,
     single_run,
     start_sweep,
     write_sweep,
@@ -76,16 +75,6 @@ def test_a_finished_sweep_is_left_alone(whole: Path, sweep_file: Path) -> None:
 
 def test_the_status_is_a_table(whole: Path) -> None:
     lines = finished(start_sweep(whole, "--status")).splitlines()
-    assert lines[0].split() == [
-        "run",
-        "state",
-        "iterations",
-        "it/s",
-        "time",
-        "left",
-        "last",
-        "test",
-    ]
     assert lines[1].split()[:5] == ["model_M_C-seed_1", "done", "360", "of", "360"]
     assert lines[1].endswith(" deg at 200")
     assert lines[-1] == "3 done"
@@ -145,7 +134,7 @@ def _small_disk(directory: Path, n_bytes: int) -> Iterator[None]:
         subprocess.run(["umount", "--lazy", directory], check=True)
 
 
-@pytest.mark.skipif(not is_root(), reason="only root can mount a small disk")
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount a small disk")
 def test_a_full_disk_in_one_run_leaves_the_others_alone(whole, sweep_file, tmp_path) -> None:
     directory = tmp_path / "sweep"
     full, *others = [cell.name for cell in read_sweep(sweep_file).cells()]
@@ -161,27 +150,3 @@ def test_a_full_disk_in_one_run_leaves_the_others_alone(whole, sweep_file, tmp_p
     finished(start_sweep(directory))
     for name in (full, *others):
         assert differences(directory / name, whole / name) == []
-
-
-@pytest.mark.parametrize(
-    ("make", "error"),
-    [
-        (lambda d: (d / "sweep.yaml").write_text("axes: {seed: [7]}"), "it contains another"),
-        (lambda d: (d / "notes.txt").write_text("mine"), "it is not empty"),
-    ],
-)
-def test_a_directory_that_holds_something_else_is_refused(sweep_file, tmp_path, make, error):
-    make(tmp_path)
-    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
-    output = finished(start_sweep(sweep_file, "--out", tmp_path), code=2)
-    assert output.count("error: ") == 1
-    assert error in output
-    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
-
-
-def test_a_cell_that_cannot_be_keeps_all_from_starting(pictures: Path, tmp_path: Path) -> None:
-    path = write_sweep(tmp_path / "bad.yaml", pictures, {"vergence_rl.cacla.discount": [0.3, 2.0]})
-    output = finished(start_sweep(path, "--out", tmp_path / "sweep"), code=2)
-    assert output.count("error: ") == 1
-    assert "error: discount_2.0: " in output
-    assert not (tmp_path / "sweep").exists()

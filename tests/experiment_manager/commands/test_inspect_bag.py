@@ -16,7 +16,6 @@ from rosbags.highlevel import AnyReader
 from experiment_manager.bag.mcap_file import McapFile
 from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.writer import BagWriter
-from experiment_manager.commands import inspect_bag
 from experiment_manager.commands.inspect_bag import main
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, TEST
 
@@ -61,10 +60,20 @@ def bag(tmp_path, vector_bytes, image_bytes, monkeypatch) -> Path:
     return tmp_path / "bag"
 
 
+def _messages(bag: Path) -> list[tuple[str, int, bytes]]:
+    with AnyReader([bag]) as reader:
+        return [(c.topic, t, raw) for c, t, raw in reader.messages()]
+
+
+def _words(text: str) -> dict[str, list[str]]:
+    """Return the words of each line by its first."""
+    return {words[0]: words for words in map(str.split, text.splitlines()) if words}
+
+
 def test_it_prints_topics_run_and_learning_curve(bag, capsys) -> None:
     assert main([str(bag.parent)]) == 0, "a run directory does as well"
     text = capsys.readouterr().out
-    lines = {line.split()[0]: line.split() for line in text.splitlines() if line.strip()}
+    lines = _words(text)
     assert "2 files" in text
     assert "whole" in text
     # 90 messages in 89 + 5 periods of 0.1 s; one gap of six periods.
@@ -100,6 +109,11 @@ def test_pictures_never_overwrite(bag, tmp_path, capsys) -> None:
     assert "error: expected a new or empty directory for pictures" in capsys.readouterr().err
 
 
+def test_a_rate_that_is_none_is_one_line(tmp_path: Path, capsys) -> None:
+    assert main([str(tmp_path), "--play", "--rate", "0"]) == 2
+    assert capsys.readouterr().err == "error: --rate: expected more than 0, got 0\n"
+
+
 def test_what_is_no_bag_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([str(tmp_path / "none")]) == 2
     error = capsys.readouterr().err
@@ -109,8 +123,7 @@ def test_what_is_no_bag_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 @pytest.mark.parametrize("share", [0.0, 0.001, 0.2, 0.5, 0.77, 0.999])
 def test_a_repaired_bag_is_whole(bag, share, capsys) -> None:
-    with AnyReader([bag]) as reader:
-        expected = [(c.topic, t, raw) for c, t, raw in reader.messages()]
+    expected = _messages(bag)
     path = bag / "bag_1.mcap"
     content = path.read_bytes()
     path.write_bytes(content[: int(share * len(content))])
@@ -121,12 +134,12 @@ def test_a_repaired_bag_is_whole(bag, share, capsys) -> None:
 
     assert main([str(bag), "--repair"]) == 0
     assert "bag_1.mcap: " in capsys.readouterr().out
-    with AnyReader([bag]) as reader:
-        found = [(c.topic, t, raw) for c, t, raw in reader.messages()]
-        if share > 0.9:
+    if share > 0.9:
+        with AnyReader([bag]) as reader:
             extra: Any = reader.connections[0].ext
-            (qos,) = extra.offered_qos_profiles
-            assert qos.depth == 64
+        (qos,) = extra.offered_qos_profiles
+        assert qos.depth == 64
+    found = _messages(bag)
     assert found == expected[: len(found)]
     assert len(found) == n_readable
     information = yaml.safe_load((bag / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
@@ -154,8 +167,7 @@ def _stamps_ns(path: Path) -> list[set[int]]:
 @pytest.mark.parametrize("is_cut_off", [False, True])
 @pytest.mark.parametrize("broken", [(0,), (1,), (1, 2)])
 def test_repairing_keeps_each_whole_chunk_before_and_after_damage(bag, is_cut_off, broken, capsys):
-    with AnyReader([bag]) as reader:
-        messages = [(c.topic, t, raw) for c, t, raw in reader.messages()]
+    messages = _messages(bag)
     path = bag / "bag_1.mcap"
     places, stamps_ns = McapFile.open(path).chunks, _stamps_ns(path)
     last = len(places) - 1
@@ -177,15 +189,13 @@ def test_repairing_keeps_each_whole_chunk_before_and_after_damage(bag, is_cut_of
         f"bag_1.mcap: {n_kept} messages kept; lost: {len(broken)} broken chunks, "
         f"{n_lost_bytes} bytes in all\n"
     ) in capsys.readouterr().out
-    with AnyReader([bag]) as reader:
-        assert [(c.topic, t, raw) for c, t, raw in reader.messages()] == expected
+    assert _messages(bag) == expected
     assert main([str(bag), "--repair"]) == 0
     assert "nothing to repair" in capsys.readouterr().out
 
 
 def test_repairing_makes_a_broken_index_anew(bag: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with AnyReader([bag]) as reader:
-        expected = [(c.topic, t, raw) for c, t, raw in reader.messages()]
+    expected = _messages(bag)
     path = bag / "bag_1.mcap"
     place = McapFile.open(path).chunks[1]
     # The index of a chunk's messages follows it.
@@ -194,8 +204,7 @@ def test_repairing_makes_a_broken_index_anew(bag: Path, capsys: pytest.CaptureFi
     assert "broken index of the chunk" in capsys.readouterr().err
     assert main([str(bag), "--repair"]) == 0
     assert "lost: 0 broken chunks, 0 bytes in all" in capsys.readouterr().out
-    with AnyReader([bag]) as reader:
-        assert [(c.topic, t, raw) for c, t, raw in reader.messages()] == expected
+    assert _messages(bag) == expected
 
 
 def test_repairing_writes_a_missing_metadata_file_as_it_was(bag: Path) -> None:
@@ -210,14 +219,14 @@ def test_a_file_with_a_picture_alone_can_be_looked_at(tmp_path, image_bytes, cap
     with BagWriter(tmp_path / "bag", {"ground_truth": VECTOR, "features": IMAGE}, {}) as writer:
         writer.write("features", image_bytes(np.zeros((2, 2), np.float32), 0), 0)
     assert main([str(tmp_path / "bag" / "bag_0.mcap")]) == 0
-    lines = {line.split()[0]: line.split() for line in capsys.readouterr().out.splitlines() if line}
+    lines = _words(capsys.readouterr().out)
     assert lines["/features"][2] == "1"
     assert lines["/ground_truth"][2] == "0"
 
 
 def test_the_diagnostics_of_a_healthy_run_show_no_gaps(small_run, capsys) -> None:
     assert main([str(small_run)]) == 0
-    lines = {line.split()[0]: line.split() for line in capsys.readouterr().out.splitlines() if line}
+    lines = _words(capsys.readouterr().out)
     assert lines["/diagnostics"][3:] == ["-", "-", "-"]
     assert int(lines["/diagnostics"][2]) > 0
     assert lines["/ground_truth"][4:] == ["0", "-"]
@@ -226,13 +235,7 @@ def test_the_diagnostics_of_a_healthy_run_show_no_gaps(small_run, capsys) -> Non
 def test_a_reader_that_has_seen_enough_is_no_error(bag: Path) -> None:
     # The reader is gone before the first line is written, which "head" is at some moment, too.
     done = subprocess.run(
-        [
-            "bash",
-            "-o",
-            "pipefail",
-            "-c",
-            f"{sys.executable} -m {inspect_bag.__name__} {bag} | true",
-        ],
+        ["bash", "-o", "pipefail", "-c", f"{sys.executable} -m {main.__module__} {bag} | true"],
         env=os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
         capture_output=True,
         text=True,

@@ -36,6 +36,33 @@ def test_the_directory_of_a_sweep_takes_no_other_stimuli(tmp_path, pictures, cap
 
 
 @pytest.mark.parametrize(
+    ("make", "error"),
+    [
+        (lambda d: (d / "sweep.yaml").write_text("axes: {seed: [7]}"), "it contains another"),
+        (lambda d: (d / "notes.txt").write_text("mine"), "it is not empty"),
+    ],
+)
+def test_a_directory_that_holds_something_else_is_refused(tmp_path, pictures, capsys, make, error):
+    sweep = write_sweep(tmp_path / "small.yaml", pictures, {"seed": [1, 2]})
+    out = tmp_path / "out"
+    out.mkdir()
+    make(out)
+    before = {path: path.read_bytes() for path in out.iterdir()}
+    assert main([str(sweep), "--out", str(out)]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: ")
+    assert error in said
+    assert {path: path.read_bytes() for path in out.iterdir()} == before
+
+
+def test_a_cell_that_cannot_be_keeps_all_from_starting(tmp_path, pictures, capsys) -> None:
+    path = write_sweep(tmp_path / "bad.yaml", pictures, {"vergence_rl.cacla.discount": [0.3, 2.0]})
+    assert main([str(path), "--out", str(tmp_path / "sweep")]) == 2
+    assert capsys.readouterr().err.startswith("error: discount_2.0: ")
+    assert not (tmp_path / "sweep").exists()
+
+
+@pytest.mark.parametrize(
     ("edit", "error"),
     [
         ({"iterations": 400}, "iterations: the run to be resumed, DIR, has"),

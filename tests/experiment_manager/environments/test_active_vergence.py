@@ -94,15 +94,13 @@ def test_features_of_any_dictionary_are_within_their_space(bare: VergenceEnviron
     assert largest == pytest.approx(bare.observation_space["features"].high.max())  # type: ignore[index]
 
 
-def test_a_closed_environment_says_that_it_is(settings: dict[str, Any]) -> None:
-    made = gymnasium.make(IDS[0], model="M_C", settings=settings).unwrapped
-    made.reset(seed=1)
-    made.close()
+def test_a_closed_environment_says_that_it_is(bare: VergenceEnvironment) -> None:
+    bare.reset(seed=1)
+    bare.close()
     with pytest.raises(InputError, match=r"^step: expected it before close, got it after"):
-        made.step(np.zeros(2))
+        bare.step(np.zeros(2))
     with pytest.raises(InputError, match=r"^reset: expected it before close, got it after"):
-        made.reset()
-    made.close()
+        bare.reset()
 
 
 def test_a_seed_that_no_run_takes_is_refused(bare: VergenceEnvironment) -> None:

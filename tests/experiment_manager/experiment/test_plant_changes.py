@@ -138,7 +138,7 @@ def protocol_in_stages(ats):
 
         return Eyes(at, 0.056, PairStarts(config, 0.056, activations))
 
-    return Protocol(config, 1, [eyes(stage, at) for stage, at in enumerate(ats)])
+    return Protocol(config, 1, [eyes(stage, at) for stage, at in enumerate(ats)], Schedule())
 
 
 def test_each_episode_starts_from_what_the_eyes_of_its_stage_can_do():

@@ -7,10 +7,9 @@ from pathlib import Path
 import pytest
 
 from experiment_manager.commands.run_experiment import main as run_experiment
-from experiment_manager.preparation.command_line import arguments, request_of
-from experiment_manager.preparation.configuration import configuration_of
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError
+from tests.command_lines import configured
 
 _PROTOCOL = "experiment_manager.protocol"
 
@@ -21,9 +20,8 @@ def _strength(**changed: float) -> str:
     return f"eye_plant.mechanics.strength={values}"
 
 
-def _check(*settings: str) -> None:
-    words = [word for setting in settings for word in ("--set", setting)]
-    configuration_of(request_of(arguments(["--profile", "paper", *words])), "")
+def _check(*settings: str, profile: str = "paper") -> None:
+    configured("--profile", profile, *(w for setting in settings for w in ("--set", setting)))
 
 
 def test_a_paralysed_muscle_is_allowed_where_the_protocol_can_be_met() -> None:
@@ -38,33 +36,34 @@ def test_a_paralysed_muscle_is_allowed_where_the_protocol_can_be_met() -> None:
     ("settings", "message"),
     [
         (
-            ("start_version_deg=[20.0, 5.0]", "test_distances_m=[6.0]"),
+            (f"{_PROTOCOL}.start_version_deg=[20.0, 5.0]", f"{_PROTOCOL}.test_distances_m=[6.0]"),
             r"start_version_deg: expected \d+\.\d deg at most",
         ),
-        (("test_distances_m=[0.2, 1.0]",), r"converge by 0\.32 to 10\.72 deg, got 15\.\d\d deg"),
+        (
+            (f"{_PROTOCOL}.test_distances_m=[0.2, 1.0]",),
+            r"converge by 0\.32 to 10\.72 deg, got 15\.\d\d deg",
+        ),
+        (("vergence_rl.highest_activations=[0.02]",), r"reach an elevation of 5\.00 deg with a"),
+        (
+            ("vergence_rl.highest_activations=[0.01]",),
+            r"^mechanics: expected muscles that reach a torsional error of -4\.00 deg with a",
+        ),
+        (
+            (_strength(**dict.fromkeys(MUSCLE_NAMES[:6], 0.0)),),
+            r"reach a version of -5\.00 deg with a",
+        ),
+        (
+            (
+                f"{_PROTOCOL}.start_version_deg=[13.9, 0.0]",
+                "vergence_rl.highest_activations=[0.03]",
+            ),
+            r"reach a version of -13\.90 deg with a horizontal error of -3\.00, a vertical ",
+        ),
     ],
 )
 def test_what_own_commands_cannot_meet_is_refused(settings: tuple[str, ...], message: str) -> None:
-    words = [word for setting in settings for word in ("--set", f"{_PROTOCOL}.{setting}")]
-    words = ["--profile", "twelve", *words]
     with pytest.raises(InputError, match=message):
-        configuration_of(request_of(arguments(words)), "")
-
-
-@pytest.mark.parametrize(
-    ("setting", "message"),
-    [
-        ("vergence_rl.highest_activations=[0.02]", r"reach an elevation of 5\.00 deg with a"),
-        ("vergence_rl.highest_activations=[0.01]", r"reach a torsional error of -4\.00 deg with a"),
-        (
-            _strength(**dict.fromkeys(MUSCLE_NAMES[:6], 0.0)),
-            r"reach a version of -5\.00 deg with a",
-        ),
-    ],
-)
-def test_gazes_that_own_commands_do_not_reach_are_named(setting: str, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        configuration_of(request_of(arguments(["--profile", "twelve", "--set", setting])), "")
+        _check(*settings, profile="twelve")
 
 
 def test_anatomical_eyes_meet_the_protocol() -> None:

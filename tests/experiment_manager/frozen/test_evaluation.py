@@ -17,6 +17,7 @@ from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.measures.results import Summary, read_results
 from lockstep.errors import InputError
+from tests.command_lines import set_words
 
 
 @pytest.fixture
@@ -178,9 +179,7 @@ def twelve(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
     }
     line = ["--in-process", "--profile", "twelve", "--iterations", "20", "--tests", "0"]
     line += ["--stimuli", str(pictures), "--out", str(directory)]
-    for name, value in settings.items():
-        line += ["--set", f"{name}={value}"]
-    assert run_experiment(line) == 0
+    assert run_experiment([*line, *set_words(settings)]) == 0
     return directory
 
 

@@ -1,7 +1,6 @@
-"""What ends a run, with which exit code, and what is waited for instead."""
+"""What silence of the graph ends a run, what is waited for, and which learning steps are due."""
 
 import dataclasses
-from pathlib import Path
 
 import pytest
 
@@ -9,15 +8,11 @@ from experiment_manager.node.fault_detection import (
     Fault,
     Wait,
     check_learning_steps,
-    of_doubled,
-    of_error,
-    of_refusal,
     of_silence,
 )
 from experiment_manager.run.episode_record import EpisodeRecord
 from eye_plant.episode import Episode
 from lockstep.errors import InputError
-from lockstep.exit_codes import EXIT_FAULT, EXIT_UNWRITABLE
 from lockstep.wire.topics import TEST, TRAINING
 from tests.pair import pair_activations
 
@@ -34,23 +29,6 @@ def _record(phase: int) -> EpisodeRecord:
         first_observation=100,
     )
     return EpisodeRecord(episode, PERIOD_NS)
-
-
-def test_refused_input_and_a_full_disk_have_exit_codes_of_their_own() -> None:
-    assert of_error(InputError("expected a"), Path("run")) == Fault("expected a", EXIT_FAULT)
-    full = of_error(OSError(28, "No space left"), Path("run"))
-    assert full == Fault("run cannot be written: [Errno 28] No space left", EXIT_UNWRITABLE)
-
-
-@pytest.mark.parametrize(("kind", "code"), [("episode", EXIT_FAULT), ("save", EXIT_UNWRITABLE)])
-def test_a_refused_request(kind: str, code: int) -> None:
-    assert of_refusal("coder", kind, "why") == Fault(f"coder refused {kind}: why", code)
-
-
-def test_a_second_publisher() -> None:
-    assert of_doubled([]) is None
-    fault = of_doubled(["reward", "episode"])
-    assert fault == Fault("expected one publisher per topic, found more on reward, episode")
 
 
 @pytest.mark.parametrize(

@@ -56,6 +56,17 @@ def _start(graph: Graph, directory: Path, **settings: Any) -> ExperimentManagerN
     return manager
 
 
+def _spin_until_said(graph: Graph, capfd: pytest.CaptureFixture[str], text: str) -> None:
+    said = ""
+
+    def has_said() -> bool:
+        nonlocal said
+        said += capfd.readouterr().err
+        return text in said
+
+    graph.spin_until(has_said, f"the manager to say {text!r}")
+
+
 def _finished(graph: Graph, manager: ExperimentManagerNode) -> int:
     """Let the run end, which takes the context down with it; return the node's exit code."""
     graph.spin_until(lambda: not graph.context.ok(), "the end of the run")
@@ -116,14 +127,7 @@ def test_under_supervision_who_is_not_there_is_waited_for(graph, nodes, tmp_path
     manager = _start(graph, tmp_path / "run", supervised=True, gap_s=0.3)
     graph.spin_until(lambda: nodes[0].episodes, "the first episode")
     graph.remove(coder)
-    said = ""
-
-    def has_said() -> bool:
-        nonlocal said
-        said += capfd.readouterr().err
-        return "waiting for reward" in said
-
-    graph.spin_until(has_said, "the manager to miss somebody")
+    _spin_until_said(graph, capfd, "waiting for reward")
     assert graph.context.ok(), "the manager goes on"
     # It is there again, and does not answer.
     graph.add(ScriptedCoder).is_mute = True
@@ -141,14 +145,7 @@ def test_without_supervision_a_gap_is_waited_out(graph, nodes, tmp_path, capfd) 
     plant, coder, _ = nodes
     coder.is_mute = True
     manager = _start(graph, tmp_path / "run", gap_s=0.3)
-    said = ""
-
-    def has_said() -> bool:
-        nonlocal said
-        said += capfd.readouterr().err
-        return "no message for 0.3 s; missing: " in said
-
-    graph.spin_until(has_said, "the manager to miss something")
+    _spin_until_said(graph, capfd, "no message for 0.3 s; missing: ")
     coder.is_mute = False
     plant.send()
     assert _finished(graph, manager) == 0

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from experiment_manager.commands.evaluate import main
+from experiment_manager.experiment.starts import gaze_inverse
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.frozen.viewing import Viewing
@@ -20,7 +21,6 @@ from experiment_manager.positions.measures import planes_of_eyes, yoked_changes
 from experiment_manager.positions.targets import wanted_angles_deg, wanted_gaze_deg
 from eye_plant.inverse.gaze import GazeInverse
 from lockstep.command_space import MUSCLE_NAMES, SIDES
-from lockstep.errors import InputError
 from tests.experiment_manager.moved_eyes import moved_eyes
 
 DISTANCES_M = (0.5, 6.0)
@@ -70,9 +70,7 @@ def test_what_is_looked_at(examined: Examined) -> None:
 
 def test_a_look_ends_where_an_episode_from_straight_ahead_does(examined: Examined) -> None:
     learners = examined.learners
-    mechanics, protocol = learners.manager.mechanics, learners.manager.protocol
-    limits = protocol.limits
-    inverse = GazeInverse(mechanics, protocol.space, limits.lowest, limits.highest)
+    inverse = gaze_inverse(learners.manager.protocol, learners.manager.mechanics)
     ahead_deg = wanted_angles_deg(wanted_gaze_deg(examined.positions_m, (0.0, 0.0), 0.5))
     first = inverse.activations(ahead_deg, 0.5, np.zeros(12))
     with learners.loop(OWN_TEST_STIMULI.load(learners.plant.stimuli, 2)) as loop:
@@ -237,8 +235,3 @@ def test_options_that_do_not_go_together(run, line, message, capsys) -> None:
         main([str(run), *line])
     assert exit_info.value.code == 2
     assert message in capsys.readouterr().err
-
-
-def test_the_left_eye_cannot_be_covered(run: Path) -> None:
-    with pytest.raises(InputError, match="got left"):
-        examine(FrozenLearners(run), covered="left")

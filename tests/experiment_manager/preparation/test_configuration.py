@@ -2,16 +2,14 @@
 
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
 
-from experiment_manager.experiment.agreements import AGREEMENTS, Agreement, check_agreements
-from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.commands.run_experiment import main as run_experiment
+from experiment_manager.experiment.agreements import AGREEMENTS, by_key, check_agreements
 from experiment_manager.experiment.plant_changes import read_schedule
-from experiment_manager.preparation.command_line import arguments, request_of
-from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager.preparation.command_line import arguments
 from experiment_manager.run.config_file import (
     CONFIG_CLASSES,
     configuration_text,
@@ -20,16 +18,13 @@ from experiment_manager.run.config_file import (
 from lockstep.configuration import flatten
 from lockstep.errors import InputError
 from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
+from tests.command_lines import configured
 
 _PROTOCOL = "experiment_manager.protocol"
 
 
-def _configuration(*line: str) -> dict[str, dict[str, Any]]:
-    return configuration_of(request_of(arguments(line)), "0123abc")
-
-
 def test_the_papers_profile_is_the_defaults() -> None:
-    configuration = _configuration("--profile", "paper")
+    configuration = configured("--profile", "paper")
     for node, config_class in CONFIG_CLASSES.items():
         expected = flatten(config_class())
         if node == "experiment_manager":
@@ -38,21 +33,14 @@ def test_the_papers_profile_is_the_defaults() -> None:
 
 
 def test_a_model_or_a_number_of_iterations_asks_for_the_paper() -> None:
-    demonstration = _configuration()
+    demonstration = configured()
+    assert demonstration["experiment_manager"]["profile"] == "demonstration"
     for line in (("--model", "M"), ("--iterations", "1000000")):
-        assert _configuration(*line) == _configuration("--profile", "paper") != demonstration
-
-
-def test_the_name_of_the_profile_is_kept() -> None:
-    for line, name in (((), "demonstration"), (("--profile", "paper"), "paper")):
-        configuration = _configuration(*line)
-        assert configuration["experiment_manager"]["profile"] == name
-        about = yaml.safe_load(configuration_text(configuration))["run"]["ros__parameters"]
-        assert about["profile"] == name
+        assert configured(*line) == configured("--profile", "paper") != demonstration
 
 
 def test_the_demonstration_differs_in_named_settings_alone() -> None:
-    paper, demonstration = _configuration("--profile", "paper"), _configuration()
+    paper, demonstration = configured("--profile", "paper"), configured()
     differing = {
         f"{node}.{name}"
         for node, values in paper.items()
@@ -85,43 +73,31 @@ def test_the_demonstration_differs_in_named_settings_alone() -> None:
     ],
 )
 def test_the_price_of_energy(line: tuple[str, ...], expected: float) -> None:
-    configuration = _configuration(*line)
+    configuration = configured(*line)
     assert configuration["sparse_coder"]["metabolic_cost_weight"] == expected
     assert configuration["experiment_manager"]["metabolic_cost_weight"] == expected
 
 
 def test_the_seed_goes_to_all_who_draw_and_not_to_the_stimuli() -> None:
-    one, two = _configuration("--seed", "1"), _configuration("--seed", "2")
+    one, two = configured("--seed", "1"), configured("--seed", "2")
     for node in ("sparse_coder", "vergence_rl", "experiment_manager"):
         assert (one[node]["seed"], two[node]["seed"]) == (1, 2)
     assert one["eye_plant"] == two["eye_plant"]
 
 
-def test_what_two_nodes_must_know_is_said_once() -> None:
-    configuration = _configuration(
-        "--iterations", "5000", "--set", "eye_plant.mechanics.baseline_m=0.06"
-    )
-    assert configuration["vergence_rl"]["n_training_iterations"] == 5000
-    assert configuration["experiment_manager"]["protocol.n_training_iterations"] == 5000
-    assert configuration["experiment_manager"]["mechanics.baseline_m"] == 0.06
-
-
 def test_a_directory_of_pictures_gives_the_numbers(pictures: Path) -> None:
-    configuration = _configuration("--stimuli", str(pictures))
+    configuration = configured("--stimuli", str(pictures))
     manager = configuration["experiment_manager"]
     assert configuration["eye_plant"]["stimuli.directory"] == str(pictures.resolve())
     assert manager["protocol.n_training_stimuli"] == 3
     assert manager["protocol.n_test_stimuli"] == manager["protocol.n_stimuli_per_test"] == 2
 
 
-@pytest.mark.parametrize("agreement", AGREEMENTS, ids=lambda a: a.second)
-def test_what_two_nodes_must_know_agrees_by_default(agreement: Agreement) -> None:
-    (node, _, name), (other, _, its_name) = (
-        key.partition(".") for key in (agreement.first, agreement.second)
-    )
+def test_what_two_nodes_must_know_agrees_by_default() -> None:
     configuration = {n: flatten(c()) for n, c in CONFIG_CLASSES.items()}
     check_agreements(configuration)
-    assert agreement.second_from(configuration[node][name]) == configuration[other][its_name]
+    # Parameters that are not there are not asked.
+    assert {key for a in AGREEMENTS for key in (a.first, a.second)} <= by_key(configuration).keys()
 
 
 @pytest.mark.parametrize(
@@ -137,9 +113,9 @@ def test_what_two_nodes_must_know_agrees_by_default(agreement: Agreement) -> Non
     ],
 )
 def test_what_two_nodes_must_know_is_said_to_either(setting: str, partner: str) -> None:
-    one = _configuration("--set", setting, "--tests", "0")
-    assert one == _configuration("--set", partner, "--tests", "0")
-    assert one == _configuration("--set", setting, "--set", partner, "--tests", "0")
+    one = configured("--set", setting, "--tests", "0")
+    assert one == configured("--set", partner, "--tests", "0")
+    assert one == configured("--set", setting, "--set", partner, "--tests", "0")
     (node, _, name), value = partner.partition("=")[0].partition("."), partner.partition("=")[2]
     assert one[node][name] == yaml.safe_load(value)
 
@@ -168,7 +144,7 @@ def test_what_two_nodes_must_know_is_said_to_either(setting: str, partner: str) 
 def test_what_two_nodes_must_know_is_not_said_in_two_ways(settings, message) -> None:
     line = [word for setting in settings for word in ("--set", setting)]
     with pytest.raises(InputError, match=re.escape(message)):
-        _configuration("--tests", "0", *line)
+        configured("--tests", "0", *line)
 
 
 @pytest.mark.parametrize(
@@ -182,6 +158,7 @@ def test_what_two_nodes_must_know_is_not_said_in_two_ways(settings, message) -> 
             "--seed: expected a whole number from -9223372036854775808 to 9223372036854775807, got",
         ),
         (("--set", "sparse_coder.n_bases=0"), "sparse_coder: n_bases: expected 1 or more, got 0"),
+        (("--set", "experiment_manager.gap_s=0"), "gap_s: expected more than 0 s, got 0.0"),
         (
             ("--iterations", "1000", "--tests", "0,5000"),
             "--tests 0,5000: expected training iterations up to 1000, the end of training, got",
@@ -237,7 +214,7 @@ def test_what_two_nodes_must_know_is_not_said_in_two_ways(settings, message) -> 
 )
 def test_a_bad_command_line_is_one_clear_error(line: tuple[str, ...], message: str) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
-        _configuration(*line)
+        configured(*line)
 
 
 @pytest.mark.parametrize(
@@ -261,17 +238,17 @@ def test_what_cannot_be_parsed_exits_with_2(words, capsys) -> None:
 
 
 def test_config_yaml_comes_back_as_it_was(tmp_path: Path) -> None:
-    configuration = _configuration("--model", "M_C", "--seed", "7")
+    configuration = configured("--model", "M_C", "--seed", "7")
     path = tmp_path / "config.yaml"
     path.write_text(configuration_text(configuration))
     assert read_configuration(path) == configuration
 
 
 def test_config_yaml_says_what_the_run_is() -> None:
-    text = configuration_text(_configuration("--model", "M_C", "--seed", "7"))
+    text = configuration_text(configured("--model", "M_C", "--seed", "7"))
     run = yaml.safe_load(text)["run"]["ros__parameters"]
     assert (run["model"], run["seed"], run["n_training_iterations"]) == ("M_C", 7, 1_000_000)
-    assert run["commit"] == "0123abc"
+    assert (run["profile"], run["commit"]) == ("paper", "0123abc")
     assert any(version.startswith("mujoco ") for version in run["versions"])
 
 
@@ -295,7 +272,7 @@ def test_what_is_no_config_yaml_is_refused(tmp_path: Path, text: str) -> None:
 )
 def test_a_config_yaml_that_contradicts_itself_is_refused(tmp_path, old, new, message) -> None:
     path = tmp_path / "config.yaml"
-    text = configuration_text(_configuration("--seed", "7"))
+    text = configuration_text(configured("--seed", "7"))
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(InputError, match=re.escape(message)):
         read_configuration(path)
@@ -303,25 +280,10 @@ def test_a_config_yaml_that_contradicts_itself_is_refused(tmp_path, old, new, me
 
 def test_a_config_yaml_with_an_unknown_parameter_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "config.yaml"
-    text = configuration_text(_configuration())
+    text = configuration_text(configured())
     path.write_text(text.replace("discount:", "discont:"))
     with pytest.raises(InputError, match=r"config\.yaml: unknown parameter cacla.discont"):
         read_configuration(path)
-
-
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"model": "X"}, "model: expected M or M_C, got 'X'"),
-        ({"gap_s": 0.0}, "gap_s: expected more than 0 s, got 0.0"),
-        ({"checkpoint_period_s": float("nan")}, "checkpoint_period_s: expected more than 0 s"),
-        ({"pictures_every_n_episodes": -1}, "pictures_every_n_episodes: expected 0 or more"),
-        ({"metabolic_cost_weight": -0.1}, "metabolic_cost_weight: expected 0 or more"),
-    ],
-)
-def test_the_managers_own_settings(settings: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError, match=re.escape(message)):
-        ExperimentManagerConfig(**settings)
 
 
 def test_nodes_elsewhere() -> None:
@@ -338,9 +300,17 @@ def test_who_cannot_be_elsewhere(text: str, capsys: pytest.CaptureFixture[str]) 
     assert "--elsewhere: expected some of eye_plant, sparse_coder, vergence_rl, got " in error
 
 
+def test_nodes_elsewhere_are_none_of_one_process(tmp_path, capsys) -> None:
+    out = tmp_path / "run"
+    assert run_experiment(["--in-process", "--elsewhere", "eye_plant", "--out", str(out)]) == 2
+    error = "error: --in-process: expected it without --elsewhere, got both\n"
+    assert capsys.readouterr().err == error
+    assert not out.exists()
+
+
 def test_a_profile_s_schedule_may_be_put_off() -> None:
     line = ("--profile", "clinic/patching", "--schedule-delay", "2e4", "--tests", "0")
-    schedule = read_schedule(_configuration(*line)["experiment_manager"]["schedule"])
+    schedule = read_schedule(configured(*line)["experiment_manager"]["schedule"])
     assert [(change.at, change.settings) for change in schedule.changes] == [
         (25_000, {"eye_plant.camera.right_blur_px": 0.0}),
         (25_500, {"eye_plant.camera.left_occluded": True}),

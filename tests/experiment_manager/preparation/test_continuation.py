@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
@@ -18,7 +19,7 @@ from experiment_manager.preparation.continuation import check_settings
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import read_configuration
 from lockstep.errors import InputError
-from tests.graph_harness import OracleRun, stacked, vectors
+from tests.graph_harness import OracleRun, vectors
 from tests.supervisor import finished, start_supervisor
 
 Refused = Callable[..., str]
@@ -100,34 +101,26 @@ def test_settings_that_a_run_has_may_be_said_again(run: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "names"),
+    ("old", "new", "told"),
     [
-        ("discount: 0.3", "discount: 0.4", ("vergence_rl.cacla.discount was 0.3, is 0.4",)),
+        ("discount: 0.3", "discount: 0.4", "vergence_rl.cacla.discount was 0.3, is 0.4"),
         (
             "camera.left_blur_px: 0.0",
             "camera.left_blur_px: 1.0",
-            ("eye_plant.camera.left_blur_px was 0.0, is 1.0",),
+            "eye_plant.camera.left_blur_px was 0.0, is 1.0",
         ),
         (
             "camera.renderer: mujoco",
             "camera.renderer: plane",
-            ("eye_plant.camera.renderer was 'mujoco', is 'plane'",),
+            "eye_plant.camera.renderer was 'mujoco', is 'plane'",
         ),
-        ("n_selections: 10", "n_selections: 9", ("sparse_coder.n_selections was 10, is 9",)),
-        ("iterations_per_trial: 4", "iterations_per_trial: 5", ("iterations_per_trial was 4",)),
+        ("n_selections: 10", "n_selections: 9", "sparse_coder.n_selections was 10, is 9"),
+        ("iterations_per_trial: 4", "iterations_per_trial: 5", "iterations_per_trial was 4"),
     ],
 )
-def test_an_edited_configuration_is_told_by_name(run, refused, old, new, names) -> None:
+def test_an_edited_configuration_is_told_by_name(run, refused, old, new, told) -> None:
     _edit(run, old, new)
-    error = refused("--resume", str(run))
-    assert all(name in error for name in names)
-
-
-def test_a_header_that_lies_is_refused(run: Path, refused: Refused) -> None:
-    _edit(run, "    profile: paper\n    seed: 1", "    profile: paper\n    seed: 2")
-    assert "run.seed: expected 1, as experiment_manager has it, got 2" in refused(
-        "--resume", str(run)
-    )
+    assert told in refused("--resume", str(run))
 
 
 def test_what_touches_no_number_may_be_edited(run: Path) -> None:
@@ -153,7 +146,7 @@ def test_an_extended_run_has_the_numbers_of_the_new_schedule(small_run: Path, ru
     oracle.restore(states)
     truth = [s.observation.ground_truth_values() for _, s in oracle.steps(manifest.place)]
     table = vectors(run)["ground_truth"]
-    assert table.position[-len(truth) :].tolist() == stacked(truth).tolist()
+    np.testing.assert_array_equal(table.position[-len(truth) :], truth)
     whole = table.column("observation").tolist()
     assert whole == list(range(len(whole)))
 
@@ -186,9 +179,7 @@ def test_a_branch_goes_on_from_the_learners_of_another_run(run: Path, tmp_path: 
     first = oracle.protocol.place_after(60)
     truth = [s.observation.ground_truth_values() for _, s in oracle.steps(first)]
     recorded = RecordedRun(out)
-    assert recorded.bag.vectors("ground_truth")["ground_truth"].position.tolist() == (
-        stacked(truth).tolist()
-    )
+    np.testing.assert_array_equal(vectors(out)["ground_truth"].position, truth)
     about = yaml.safe_load(recorded.configuration)["run"]["ros__parameters"]
     assert (about["branched_from"], about["branched_at_iteration"]) == (str(run), 60)
     assert recorded.parameters("vergence_rl")["cacla.discount"] == 0.5

@@ -1,7 +1,6 @@
 """--lambda-share: the price of energy that gives it a share of the reward."""
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
@@ -10,8 +9,7 @@ from experiment_manager.commands import run_experiment
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.in_process.loop import make_loop
-from experiment_manager.preparation.command_line import arguments, request_of
-from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager.preparation.command_line import arguments
 from experiment_manager.preparation.lambda_share import (
     FirstIterations,
     first_iterations,
@@ -19,24 +17,14 @@ from experiment_manager.preparation.lambda_share import (
 )
 from experiment_manager.run.config_file import read_configuration
 from lockstep.configuration import build
+from tests.command_lines import configured, set_words
 
 
 def _line(pictures: Path, *more: str) -> list[str]:
     # An actor that does not learn acts the same whatever its reward.
-    return [
-        *("--model", "M_C", "--iterations", "40", "--tests", "20", "--stimuli", str(pictures)),
-        *(
-            "--set",
-            "eye_plant.stimuli.size_px=64",
-            "--set",
-            "vergence_rl.cacla.actor_learning_rate=0.0",
-        ),
-        *more,
-    ]
-
-
-def _configuration(pictures: Path, *more: str) -> dict[str, dict[str, Any]]:
-    return configuration_of(request_of(arguments(_line(pictures, *more))), "")
+    settings = {"eye_plant.stimuli.size_px": 64, "vergence_rl.cacla.actor_learning_rate": 0.0}
+    line = ["--model", "M_C", "--iterations", "40", "--tests", "20", "--stimuli", str(pictures)]
+    return [*line, *set_words(settings), *more]
 
 
 def test_the_weight_of_a_share() -> None:
@@ -46,7 +34,7 @@ def test_the_weight_of_a_share() -> None:
 
 
 def test_the_rewards_of_a_run_have_the_share(pictures: Path) -> None:
-    configuration = _configuration(pictures)
+    configuration = configured(*_line(pictures))
     first = first_iterations(configuration)
     assert first.n_iterations == 40
     weight = first.weight_for(0.3)
@@ -54,13 +42,11 @@ def test_the_rewards_of_a_run_have_the_share(pictures: Path) -> None:
     manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
     protocol = make_protocol(manager)
     reward = cost = 0.0
-    for place in range(len(protocol)):
-        episode = protocol.episode(place)
-        if episode.phase == 0:
-            for step in loop.run_episode(episode):
-                if step.answer is not None:
-                    reward += step.answer.percept.reward
-                    cost += weight * step.answer.percept.metabolic_rate_w
+    for episode in protocol.training_episodes():
+        for step in loop.run_episode(episode):
+            if step.answer is not None:
+                reward += step.answer.percept.reward
+                cost += weight * step.answer.percept.metabolic_rate_w
     loop.plant.close()
     assert cost / -reward == pytest.approx(0.3, rel=1e-9)
 
@@ -71,7 +57,7 @@ def test_a_run_stores_it_and_a_resume_does_not_measure_again(
     out = tmp_path / "run"
     line = _line(pictures, "--lambda-share", "0.3", "--out", str(out))
     assert run_experiment.prepare(arguments(line)) == out
-    expected = first_iterations(_configuration(pictures)).weight_for(0.3)
+    expected = first_iterations(configured(*_line(pictures))).weight_for(0.3)
     configuration = read_configuration(out / "config.yaml")
     for node in ("sparse_coder", "experiment_manager"):
         assert configuration[node]["metabolic_cost_weight"] == expected

@@ -2,17 +2,17 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
-from experiment_manager.preparation.command_line import arguments, request_of
-from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.plan import plan, preparation
 from eye_plant.stimuli.stimulus_set import StimuliConfig, load_stimuli
+from tests.command_lines import configured
 
 RESULTS = Path(__file__).parents[3] / "results"
 
 
 def _plan(*line: str, place: int = 0) -> list[str]:
-    return plan(configuration_of(request_of(arguments(line)), ""), place)
+    return plan(configured(*line), place)
 
 
 def test_the_papers_tests_and_how_long_they_take() -> None:
@@ -76,24 +76,21 @@ def test_a_run_that_is_too_short_to_learn_says_how_long_it_takes() -> None:
     assert said.endswith("(hindsight), vergence was learned after 10,000 training iterations")
 
 
+def _tests(sweep: str, iteration: int, *models: str) -> list[dict[str, Any]]:
+    """Return the tests of a sweep's runs after so many training iterations."""
+    runs = [json.loads(path.read_text()) for path in (RESULTS / sweep).glob("*/results.json")]
+    tests = [test for run in runs if run["model"] in models for test in run["tests"]]
+    return [test for test in tests if test["iteration"] == iteration]
+
+
 def test_the_runs_of_results_had_learned_by_then() -> None:
     for sweep, iteration in (("demonstration", 10_000), ("paper", 50_000)):
-        errors_deg = [
-            test["median_abs_vergence_error_deg"]
-            for path in (RESULTS / sweep).glob("*/results.json")
-            for test in json.loads(path.read_text())["tests"]
-            if test["iteration"] == iteration
-        ]
+        tests = _tests(sweep, iteration, "M", "M_C")
+        errors_deg = [test["median_abs_vergence_error_deg"] for test in tests]
         assert len(errors_deg) >= 3
         assert max(errors_deg) < 0.4
     for sweep, iteration in (("demonstration", 50_000), ("paper_short", 200_000)):
-        savings = [
-            test["median_cost_reduction"]
-            for path in (RESULTS / sweep).glob("*/results.json")
-            for results in [json.loads(path.read_text())]
-            for test in results["tests"]
-            if results["model"] == "M_C" and test["iteration"] == iteration
-        ]
+        savings = [t["median_cost_reduction"] for t in _tests(sweep, iteration, "M_C")]
         assert len(savings) >= 2
         assert min(savings) > 0.1
 

@@ -9,8 +9,6 @@ from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import Change, Schedule
 from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.in_process.loop import make_loop
-from experiment_manager.preparation.command_line import arguments, request_of
-from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.profiles import (
     Profile,
     parse_profile,
@@ -21,6 +19,7 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep.configuration import build
 from lockstep.errors import InputError
+from tests.command_lines import configured
 
 
 def test_the_names_of_the_package() -> None:
@@ -86,18 +85,14 @@ CONDITIONS = [name for name in profile_names() if name.startswith(("rearing/", "
 
 @pytest.mark.parametrize("name", CONDITIONS)
 def test_every_condition_tests_its_end(name: str) -> None:
-    manager = configuration_of(request_of(arguments(["--profile", name])), "0123abc")[
-        "experiment_manager"
-    ]
+    manager = configured("--profile", name)["experiment_manager"]
     assert manager["protocol.n_training_iterations"] in manager["protocol.test_iterations"]
 
 
 @pytest.mark.parametrize("name", profile_names())
-def test_every_profile_runs_in_each_stage_of_its_schedule(name, tmp_path, pictures) -> None:
+def test_every_profile_runs_in_each_stage_of_its_schedule(name, pictures) -> None:
     line = ["--profile", name, "--stimuli", str(pictures), "--test-stimuli", "1"]
-    configuration = configuration_of(
-        request_of(arguments([*line, "--set", "eye_plant.stimuli.size_px=64"])), "0123abc"
-    )
+    configuration = configured(*line, "--set", "eye_plant.stimuli.size_px=64")
     protocol = make_protocol(build(ExperimentManagerConfig, configuration["experiment_manager"]))
     loop = make_loop(configuration)
     try:
@@ -136,8 +131,8 @@ def _changes_the_eyes(name: str) -> bool:
 
 @pytest.mark.parametrize("name", [name for name in profile_names() if _changes_the_eyes(name)])
 def test_unlike_eyes_come_to_all_that_their_protocol_draws(name: str) -> None:
-    configuration = configuration_of(request_of(arguments(["--profile", name])), "0123abc")
-    protocol = make_protocol(build(ExperimentManagerConfig, configuration["experiment_manager"]))
+    manager = configured("--profile", name)["experiment_manager"]
+    protocol = make_protocol(build(ExperimentManagerConfig, manager))
     for segment in protocol.segments:
         # Of tests, these are all conditions.
         for place in range(segment.first, segment.first + min(segment.n_episodes, 40)):

@@ -84,23 +84,3 @@ def test_overrides_are_kept_as_parameters_have_them(key: str, value: Any, kept: 
 def test_what_no_run_can_be_is_refused_at_once(values: dict[str, Any], error: str) -> None:
     with pytest.raises(InputError, match=error):
         RunRequest(**values)
-
-
-@pytest.mark.parametrize(
-    ("values", "error"),
-    [
-        (
-            {"seed": 1, "overrides": {"vergence_rl.seed": 2}},
-            "seed and vergence_rl.seed: expected one value of vergence_rl.seed",
-        ),
-        ({"cost_share": 0.2}, "cost_share: expected model M_C"),
-        (
-            {"cost_share": 0.2, "metabolic_cost_weight": 0.1, "model": "M_C"},
-            "cost_share: expected it without metabolic_cost_weight, got both",
-        ),
-        ({"cost_share": 1.0, "model": "M_C"}, r"cost_share: expected a share in \[0, 1\), got 1.0"),
-    ],
-)
-def test_what_contradicts_itself_is_refused(values: dict[str, Any], error: str) -> None:
-    with pytest.raises(InputError, match=error):
-        RunRequest(**values).settings()

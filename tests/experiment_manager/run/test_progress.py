@@ -11,7 +11,7 @@ from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import TrialTable, trial_names
 from experiment_manager.run.progress import Progress
 from lockstep.errors import InputError
-from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, TEST, TRAINING
 from tests.pair import PAIR_SPACE
 
 ACTIVATIONS = np.array([0.1, 0.02, 0.1, 0.02])
@@ -26,8 +26,8 @@ CRITERIA = EvaluationSettings.of({}).criteria(0)
 
 
 def _reward(coarse: float, fine: float, cost_w: float) -> np.ndarray:
-    values = dict(zip(REWARD_NAMES, (coarse, fine, cost_w, 0.0, 0.0), strict=True))
-    return np.array([values[name] for name in REWARD_NAMES])
+    """Return the values of REWARD_NAMES."""
+    return np.array([coarse, fine, cost_w, 0.0, 0.0])
 
 
 def _trial(trial: int, errors_deg: list[float]) -> list[np.ndarray]:

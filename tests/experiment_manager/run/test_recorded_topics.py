@@ -4,20 +4,15 @@ from experiment_manager.run.recorded_topics import (
     FREE_TOPICS,
     OWN_TOPICS,
     SAMPLED_TOPICS,
-    SMALL_TOPICS,
     SMALL_TOPICS_WITH_GAZE,
 )
 from lockstep.wire.topics import TOPIC_TYPES
-
-PLANT = ("episode", "muscle_states", "muscle_activations", "eye_states", "ground_truth")
-ANSWERS = ("reward", "muscle_command", "actor_critic")
 
 
 def test_each_topic_is_recorded_in_one_way() -> None:
     assert sorted((*SMALL_TOPICS_WITH_GAZE, *FREE_TOPICS, *OWN_TOPICS, *SAMPLED_TOPICS)) == sorted(
         TOPIC_TYPES
     )
-    assert set(SMALL_TOPICS) == {*PLANT, *ANSWERS}
     assert set(SAMPLED_TOPICS) == {
         "left/image_raw",
         "right/image_raw",

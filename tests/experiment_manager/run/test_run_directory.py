@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 
 from experiment_manager.analysis.figures.learning_curve import learning_curve
 from experiment_manager.analysis.recorded_run import RecordedRun
 from experiment_manager.commands.evaluate import main as evaluate
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.run.config_file import CONFIG_CLASSES
+from experiment_manager.run.config_file import CONFIG_CLASSES, configuration_text
 from experiment_manager.run.run_directory import Run
 from lockstep.configuration import flatten
 from lockstep.errors import InputError
@@ -49,17 +48,9 @@ def _config(directory: Path, *, resume: bool = False) -> ExperimentManagerConfig
 
 def _begin(directory: Path) -> Run:
     directory.mkdir()
-    about = {
-        "model": "M_C",
-        "seed": 1,
-        "n_training_iterations": 60,
-        "metabolic_cost_weight": 0.1,
-        "commit": "",
-    }
-    sections = {"run": about} | {f"/**/{n}": flatten(c()) for n, c in CONFIG_CLASSES.items()}
-    sections["/**/experiment_manager"] = flatten(_config(directory))
-    document = {name: {"ros__parameters": values} for name, values in sections.items()}
-    (directory / "config.yaml").write_text(yaml.safe_dump(document))
+    configuration = {node: flatten(kind()) for node, kind in CONFIG_CLASSES.items()}
+    configuration["experiment_manager"] = flatten(_config(directory))
+    (directory / "config.yaml").write_text(configuration_text(configuration))
     return Run(_config(directory))
 
 
@@ -146,6 +137,16 @@ def test_a_run_that_ended_before_its_first_episode_goes_on(tmp_path: Path, drive
     assert _end(resumed, drive)["tests"]
 
 
+def _interrupted(directory: Path, drive: Drive, place: int) -> Path:
+    """Make a run with a checkpoint after so many episodes; return a copy that lacks the bag."""
+    first = _begin(directory)
+    drive(first, place)
+    _commit(first)
+    drive(first, place + 1)
+    first.close()
+    return _copied_without_bag(directory, directory.with_name("second"))
+
+
 def _copied_without_bag(directory: Path, to: Path) -> Path:
     to.mkdir()
     shutil.copy(directory / "config.yaml", to)
@@ -161,13 +162,7 @@ def undisturbed(tmp_path: Path, drive: Drive) -> dict[str, Any]:
 # Two conditions and a test of 9 trials: amid the first test, in training, amid the second test.
 @pytest.mark.parametrize("place", [5, 10, 14, 24])
 def test_a_copied_checkpoint_is_enough_to_go_on(tmp_path, drive, undisturbed, place) -> None:
-    first = _begin(tmp_path / "first")
-    drive(first, place)
-    _commit(first)
-    drive(first, place + 1)
-    first.close()
-
-    directory = _copied_without_bag(first.directory, tmp_path / "second")
+    directory = _interrupted(tmp_path / "first", drive, place)
     second = Run(_config(directory, resume=True))
     assert second.place == place
     observation = second.episode().first_observation
@@ -196,11 +191,7 @@ def test_pictures_are_listened_to_around_a_sampled_episode(tmp_path: Path, drive
 
 
 def test_the_next_interruption_finds_the_new_bag(tmp_path, drive, undisturbed) -> None:
-    first = _begin(tmp_path / "first")
-    drive(first, 10)
-    _commit(first)
-    first.close()
-    directory = _copied_without_bag(first.directory, tmp_path / "second")
+    directory = _interrupted(tmp_path / "first", drive, 10)
     second = Run(_config(directory, resume=True))
     drive(second, 13)
     _commit(second)
@@ -215,11 +206,7 @@ def test_the_next_interruption_finds_the_new_bag(tmp_path, drive, undisturbed) -
 
 
 def test_what_is_not_in_the_bag_is_not_compared(tmp_path, drive, capsys) -> None:
-    first = _begin(tmp_path / "first")
-    drive(first, 10)
-    _commit(first)
-    first.close()
-    directory = _copied_without_bag(first.directory, tmp_path / "second")
+    directory = _interrupted(tmp_path / "first", drive, 10)
     _end(Run(_config(directory, resume=True)), drive)
     assert evaluate([str(directory)]) == 0
     assert "The bag begins with observation" in capsys.readouterr().out

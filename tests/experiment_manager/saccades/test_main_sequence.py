@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from experiment_manager.saccades.main_sequence import fitted
-from lockstep.errors import InputError
 
 AMPLITUDES_DEG = np.array([1.0, 2.0, 5.0, 10.0, 20.0])
 
@@ -24,8 +23,3 @@ def test_velocity_in_proportion_or_growing_faster_does_not_saturate(power: float
     if power == 1.0:
         assert fit.slope_per_s == pytest.approx(3.0)
         np.testing.assert_allclose(fit.peak_velocity_deg_s(AMPLITUDES_DEG), 3.0 * AMPLITUDES_DEG)
-
-
-def test_two_saccades_are_too_few() -> None:
-    with pytest.raises(InputError, match="expected 3 saccades or more, got 2"):
-        fitted(AMPLITUDES_DEG[:2], AMPLITUDES_DEG[:2])

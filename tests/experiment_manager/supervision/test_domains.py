@@ -1,4 +1,4 @@
-"""A domain of one's own: free, locked while used, and the user's when the user says so."""
+"""A domain of one's own: free, and locked while used."""
 
 import socket
 
@@ -6,27 +6,6 @@ import pytest
 
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
 from lockstep.errors import InputError
-
-
-@pytest.fixture(autouse=True)
-def _no_domain(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
-
-
-def test_the_users_domain_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ROS_DOMAIN_ID", "17")
-    with own_domain() as domain, own_domain(frozenset({17})) as again:
-        assert (domain, again) == (17, 17)
-
-
-@pytest.mark.parametrize("text", ["-1", "233", "abc", "1.5", " 3"])
-def test_what_is_no_domain_is_refused(monkeypatch: pytest.MonkeyPatch, text: str) -> None:
-    monkeypatch.setenv("ROS_DOMAIN_ID", text)
-    with (
-        pytest.raises(InputError, match="ROS_DOMAIN_ID: expected a whole number 0 to 232, got"),
-        own_domain(),
-    ):
-        pass
 
 
 def test_everybodys_domains_are_never_taken() -> None:

@@ -18,7 +18,7 @@ NODE = """
 import os, signal, sys, time
 
 def main():
-    print("out", sys.argv, os.environ["COLOUR"])
+    print("out", sys.argv, os.environ["ROS_DOMAIN_ID"])
     print("err", signal.getsignal(signal.SIGINT) is signal.default_int_handler, file=sys.stderr)
     if sys.argv[1] == "raise":
         raise ValueError("no such thing")
@@ -38,7 +38,7 @@ with ForkServer(["infant"]) as fork_server:
         command, *words = line.split()
         if command == "start":
             with Path("infant.log").open("ab") as log:
-                started.append(fork_server.start("infant", words, {"COLOUR": "green"}, log))
+                started.append(fork_server.start("infant", words, 17, log))
             print(started[-1].process_id, flush=True)
         else:
             while (code := started[int(words[0])].exit_code()) is None:
@@ -89,11 +89,11 @@ def wait_until(condition: Callable[[], bool]) -> None:
         time.sleep(0.01)
 
 
-def test_a_node_gets_its_arguments_variables_and_log(starter: Starter) -> None:
+def test_a_node_gets_its_arguments_domain_and_log(starter: Starter) -> None:
     starter.tell("start exit 0")
     assert starter.tell("code 0") == 0
     said = starter.log.read_text().splitlines()
-    assert sorted(said) == ["err True", "out ['infant.node', 'exit', '0'] green"]
+    assert sorted(said) == ["err True", "out ['infant.node', 'exit', '0'] 17"]
 
 
 def test_how_nodes_end_is_told_of_each(starter: Starter) -> None:

@@ -1,7 +1,7 @@
 """Signs of life as a process passes them on that may itself hang or die; here it is a shell."""
 
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import IO
 
@@ -21,17 +21,17 @@ class Shells(ForkServer):
         self.shells: dict[int, subprocess.Popen[bytes]] = {}
 
     def start(
-        self, package: str, arguments: Sequence[str], variables: Mapping[str, str], log: IO[bytes]
+        self, package: str, arguments: Sequence[str], domain: int, log: IO[bytes]
     ) -> NodeProcess:
         shell = subprocess.Popen(["sh", "-c", self.script], stdout=log, stderr=log)
         self.shells[shell.pid] = shell
         return NodeProcess(self, shell.pid)
 
     def exit_code(self, process_id: int) -> int | None:
-        return self.shells[process_id].poll()
-
-    def has_told_end_of(self, process_id: int) -> bool:
-        return self.shells[process_id].returncode is not None
+        code = self.shells[process_id].poll()
+        if code is not None:
+            self.codes[process_id] = code
+        return code
 
 
 def _fault(listening: Heartbeats) -> str:
@@ -46,7 +46,7 @@ def test_who_is_heard_is_known() -> None:
         while not listening.heard >= {"supervisor", "eye_plant"}:
             assert listening.wait() is None
     assert listening.heard == {"supervisor", "eye_plant"}
-    assert all(shells.has_told_end_of(shell) for shell in shells.shells)
+    assert shells.codes.keys() == shells.shells.keys()
 
 
 def test_its_own_node_may_die() -> None:

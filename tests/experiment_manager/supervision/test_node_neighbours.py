@@ -66,5 +66,12 @@ def test_the_domain_of_nodes_elsewhere_is_known(monkeypatch: pytest.MonkeyPatch)
     assert known_domain(()) == known_domain(["eye_plant"]) == 17
 
 
+@pytest.mark.parametrize("text", ["-1", "233", "abc", "1.5", " 3"])
+def test_what_is_no_domain_is_refused(monkeypatch: pytest.MonkeyPatch, text: str) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", text)
+    with pytest.raises(InputError, match="ROS_DOMAIN_ID: expected a whole number 0 to 232, got"):
+        known_domain(())
+
+
 def test_this_machine_has_its_loopback() -> None:
     assert "127.0.0.1" in addresses()

@@ -120,8 +120,7 @@ def test_a_disk_that_refuses_is_said_once_and_not_tried_again(tmp_path, capsys) 
 
 
 def test_bad_input_is_not_tried_again(tmp_path: Path) -> None:
-    attempts = Attempts(tmp_path, [(2, None)], [])
-    assert attempts.run() == 2
+    assert Attempts(tmp_path, [(2, None)], []).run() == 2
 
 
 @pytest.mark.parametrize(

@@ -5,12 +5,12 @@ from pathlib import Path
 import pytest
 import yaml
 
-from experiment_manager.preparation.command_line import arguments, parser, request_of
-from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager.preparation.command_line import parser
 from experiment_manager.preparation.request import OPTIONS, RunRequest
 from experiment_manager.run.config_file import Configuration
 from experiment_manager.sweep.sweep_file import Sweep, read_sweep
 from lockstep.errors import InputError
+from tests.command_lines import configured
 from tests.sweep_harness import command_line, write_sweep
 
 SWEEPS = Path(__file__).parents[3] / "sweeps"
@@ -69,9 +69,8 @@ def test_a_cell_is_the_run_of_its_command_line(tmp_path: Path, pictures: Path) -
         command_line(pictures, seed=2, **{"eye_plant.camera.left_blur_px": 0.5}),
     )
     for cell, line in zip(sweep.cells(), lines, strict=True):
-        told = configuration_of(request_of(arguments(line)), "")
         assert RunRequest.from_json(cell.request.to_json()) == cell.request
-        assert cell.configuration("") == told
+        assert cell.configuration("0123abc") == configured(*line)
 
 
 def test_parameters_of_one_last_name_are_told_apart(tmp_path: Path) -> None:

@@ -18,7 +18,16 @@ from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.reader import SeekingReader
-from mcap.records import Attachment, Channel, Chunk, ChunkIndex, Metadata, Schema, Statistics
+from mcap.records import (
+    Attachment,
+    Channel,
+    Chunk,
+    ChunkIndex,
+    Message,
+    Metadata,
+    Schema,
+    Statistics,
+)
 from mcap.stream_reader import get_chunk_data_stream
 
 from experiment_manager.bag.metadata import FileSummary
@@ -28,13 +37,12 @@ _INDEX_HEADER = struct.Struct("<BQHI")  # opcode, length of the body, channel, b
 _FOOTER = struct.Struct("<BQQQI")  # opcode, length, start of the summary, of its offsets, checksum
 _MAGIC = b"\x89MCAP0\r\n"
 _RECORD = struct.Struct("<BQ")  # opcode, length of the body
-MESSAGE_STRUCT = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
+_MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _LEAST_BYTES = 2 * len(_MAGIC) + _FOOTER.size
 _CHUNK_LIMIT_BYTES = 1 << 31
 # A message index entry; and what a message record is made of before its data.
 INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
-RECORD_HEADER_BYTES = _RECORD.size
-MESSAGE_HEADER_BYTES = RECORD_HEADER_BYTES + MESSAGE_STRUCT.size
+MESSAGE_HEADER_BYTES = _RECORD.size + _MESSAGE.size
 _MESSAGE_HEAD = np.dtype(
     [
         ("opcode", "u1"),
@@ -132,13 +140,17 @@ class McapFile:
                 raise InputError(f"{self.path}: broken index of the chunk at byte {chunk.offset}")
         return records
 
-    def scan_chunk(self, chunk: IndexedChunk) -> tuple[np.ndarray, IndexedChunk]:
-        """Return the records of a chunk as `read_chunk`, and its messages without its index.
+    def messages(self, chunk: IndexedChunk) -> list[Message]:
+        """Return the messages of a chunk, found without its index.
 
         Raises InputError when the chunk does not fit its checksum.
         """
         data = self._chunk_data(chunk)
-        return np.frombuffer(data, np.uint8), self._scanned(chunk.offset, chunk.n_bytes, data)
+        return [
+            Message.read(ReadDataStream(BytesIO(body)), len(body))
+            for opcode, _, body in _records(data)
+            if opcode == Opcode.MESSAGE
+        ]
 
     def _chunk_data(self, chunk: IndexedChunk) -> bytes:
         try:
@@ -196,13 +208,14 @@ class McapFile:
             summary = reader.get_summary()
             if summary is None or not _is_indexed(summary):
                 return False
-            records = [*reader.iter_metadata()], [*reader.iter_attachments()]
+            metadata = {r.name: dict(r.metadata) for r in reader.iter_metadata()}
+            attachments = {r.name: r.data for r in reader.iter_attachments()}
         except _BROKEN:
             return False
         self._statistics = summary.statistics
+        self.metadata, self.attachments = metadata, attachments
         self.channels = dict(summary.channels)
         self.schemas = dict(summary.schemas)
-        self._keep(*records)
         for index in sorted(summary.chunk_indexes, key=lambda i: i.chunk_start_offset):
             self.chunks.append(self._indexed(index))
         self.complete = True
@@ -260,40 +273,31 @@ class McapFile:
             n_bytes = _RECORD.size + length
             self.chunks.append(self._scanned(position, n_bytes, _chunk_data(chunk)))
         elif opcode == Opcode.METADATA:
-            self._keep([Metadata.read(ReadDataStream(stream))], [])
+            metadata = Metadata.read(ReadDataStream(stream))
+            self.metadata[metadata.name] = dict(metadata.metadata)
         elif opcode == Opcode.ATTACHMENT:
-            self._keep([], [Attachment.read(ReadDataStream(stream))])
+            attachment = Attachment.read(ReadDataStream(stream))
+            self.attachments[attachment.name] = attachment.data
         elif opcode not in set(Opcode) and opcode < 0x80:
             # Opcodes from 0x80 are for applications; below, nothing unknown can be right.
             raise McapError(f"unknown record {opcode} of {length} bytes at {position}")
 
     def _scanned(self, offset: int, n_bytes: int, data: bytes) -> IndexedChunk:
         found: dict[int, list[tuple[int, int]]] = {}
-        for opcode, position, length in _records(data):
+        for opcode, position, body in _records(data):
             if opcode == Opcode.MESSAGE:
-                channel_id, _, log_time, _ = MESSAGE_STRUCT.unpack_from(
-                    data, position + _RECORD.size
-                )
+                channel_id, _, log_time, _ = _MESSAGE.unpack_from(body)
                 found.setdefault(channel_id, []).append((log_time, position))
-            elif opcode in (Opcode.CHANNEL, Opcode.SCHEMA):
-                body = position + _RECORD.size
-                self._announce(opcode, ReadDataStream(BytesIO(data[body : body + length])))
+            elif opcode == Opcode.CHANNEL:
+                channel = Channel.read(ReadDataStream(BytesIO(body)))
+                self.channels[channel.id] = channel
+            elif opcode == Opcode.SCHEMA:
+                schema = Schema.read(ReadDataStream(BytesIO(body)))
+                self.schemas[schema.id] = schema
         entries = {i: np.array(pairs, dtype=INDEX_ENTRY) for i, pairs in found.items()}
         return IndexedChunk(
             offset, n_bytes, lambda i: entries.get(i, _no_entries(i)), frozenset(entries)
         )
-
-    def _announce(self, opcode: int, record: ReadDataStream) -> None:
-        if opcode == Opcode.CHANNEL:
-            channel = Channel.read(record)
-            self.channels[channel.id] = channel
-        else:
-            schema = Schema.read(record)
-            self.schemas[schema.id] = schema
-
-    def _keep(self, metadata: list[Metadata], attachments: list[Attachment]) -> None:
-        self.metadata |= {record.name: dict(record.metadata) for record in metadata}
-        self.attachments |= {record.name: record.data for record in attachments}
 
 
 def _no_entries(channel_id: int) -> np.ndarray:
@@ -325,7 +329,7 @@ def _index_fits(records: np.ndarray, entries: np.ndarray, channel_id: int) -> bo
         (heads["opcode"] == Opcode.MESSAGE).all()
         and (heads["channel"] == channel_id).all()
         and (heads["log_time"] == entries["log_time"]).all()
-        and (heads["length"] <= len(records) - offsets - RECORD_HEADER_BYTES).all()
+        and (heads["length"] <= len(records) - offsets - _RECORD.size).all()
     )
 
 
@@ -353,10 +357,11 @@ def _chunk_data(chunk: Chunk) -> bytes:
     return data
 
 
-def _records(data: bytes) -> Iterator[tuple[int, int, int]]:
-    """Yield (opcode, position, length of the body) of each record of a chunk."""
+def _records(data: bytes) -> Iterator[tuple[int, int, bytes]]:
+    """Yield (opcode, position, body) of each record of a chunk."""
     position = 0
     while position < len(data):
         opcode, length = _RECORD.unpack_from(data, position)
-        yield opcode, position, length
-        position += _RECORD.size + length
+        body = position + _RECORD.size
+        yield opcode, position, data[body : body + length]
+        position = body + length

@@ -19,7 +19,6 @@ class MessageDefinition:
     (schema encoding ``ros2msg``); type_hash: the REP-2011 hash, "RIHS01_...".
     """
 
-    type_name: str
     text: str
     type_hash: str
 
@@ -41,7 +40,7 @@ def message_definition(type_name: str) -> MessageDefinition:
         body = _definition_path(contained).read_text(encoding="utf-8")
         name = contained.replace("/msg/", "/")
         text = f"{text.rstrip()}\n\n{_SEPARATOR}\nMSG: {name}\n{body}"
-    return MessageDefinition(type_name, text, hashes[type_name])
+    return MessageDefinition(text, hashes[type_name])
 
 
 def _definition_path(type_name: str) -> Path:

@@ -8,6 +8,7 @@ from typing import Any
 import yaml
 
 from lockstep.durable_files import replace_file
+from lockstep.errors import InputError
 
 METADATA_FILE = "metadata.yaml"
 # In each MCAP file: the record that names the run, and the attachment with its configuration.
@@ -111,6 +112,23 @@ def _topic_metadata(topic: Topic) -> dict[str, Any]:
         "offered_qos_profiles": yaml.safe_load(topic.qos),
         "type_description_hash": topic.type_hash,
     }
+
+
+def read_information(directory: Path) -> dict[str, Any]:
+    """Return what the metadata.yaml of a bag holds, {"relative_file_paths": []} without one.
+
+    Raises InputError for what rosbag2 would not have written.
+    """
+    path = directory / METADATA_FILE
+    if not path.is_file():
+        return {"relative_file_paths": []}
+    try:
+        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+        information = dict(document["rosbag2_bagfile_information"])
+        information["relative_file_paths"] = list(information["relative_file_paths"])
+    except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{path}: expected what rosbag2 writes, got {error}") from error
+    return information
 
 
 def write_metadata(directory: Path, information: Mapping[str, Any]) -> None:

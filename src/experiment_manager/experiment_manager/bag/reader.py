@@ -1,16 +1,15 @@
 """Reads the columns and the pictures of a bag, quickly, and as far as a cut-off file goes."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-import yaml
 
-from experiment_manager.bag.mcap_file import MESSAGE_HEADER_BYTES, IndexedChunk, McapFile
-from experiment_manager.bag.metadata import METADATA_FILE
+from experiment_manager.bag.mcap_file import MESSAGE_HEADER_BYTES, McapFile
+from experiment_manager.bag.metadata import METADATA_FILE, read_information
 from lockstep.errors import InputError
 from lockstep.wire.cdr import VectorLayout, image_array
 
@@ -33,12 +32,11 @@ class VectorTable:
     velocity: np.ndarray
     effort: np.ndarray
 
-    def column(self, name: str, field: str = "position") -> np.ndarray:
-        """Return the values (n,) of one name."""
+    def column(self, name: str) -> np.ndarray:
+        """Return the positions (n,) of one name."""
         if name not in self.names:
             raise InputError(f"expected one of {', '.join(self.names)}, got {name!r}")
-        values: np.ndarray = getattr(self, field)
-        return values[:, self.names.index(name)]
+        return self.position[:, self.names.index(name)]
 
     def at(self, stamps_ns: np.ndarray) -> np.ndarray:
         """Return the rows (n,) that hold the given stamps, -1 where there is none."""
@@ -119,9 +117,13 @@ class Bag:
                     f"{name}: expected sensor_msgs/msg/JointState, got {self.types[name]}"
                 )
         parts: dict[str, list[VectorTable]] = {topic: [] for topic in topics}
-        for file, chunk, data in self._chunks(names.values()):
-            for topic, name in names.items():
-                parts[topic].extend(_tables(data, file.entries(chunk, name)))
+        for file in self.files:
+            channels = {file.channel_id(name) for name in names.values()}
+            for chunk in file.chunks:
+                if channels & chunk.channel_ids:
+                    data = file.read_chunk(chunk)
+                    for topic, name in names.items():
+                        parts[topic].extend(_tables(data, file.entries(chunk, name)))
         # One topic after the other: a full run's parts and whole tables would fill a gigabyte.
         return {topic: _joined(parts.pop(topic)) for topic in topics}
 
@@ -155,14 +157,6 @@ class Bag:
                 for stamp, offset in entries.tolist():
                     yield stamp, message_at(data, offset)
 
-    def _chunks(self, names: Iterable[str]) -> Iterator[tuple[McapFile, IndexedChunk, np.ndarray]]:
-        wanted = set(names)
-        for file in self.files:
-            channels = {i for i, channel in file.channels.items() if channel.topic in wanted}
-            for chunk in file.chunks:
-                if channels & chunk.channel_ids:
-                    yield file, chunk, file.read_chunk(chunk)
-
 
 def _files(path: Path) -> list[Path]:
     """Return the files of a bag: those metadata.yaml lists, then those written after it."""
@@ -170,7 +164,7 @@ def _files(path: Path) -> list[Path]:
         return [path]
     if not path.is_dir():
         raise InputError(f"expected a bag directory or an .mcap file, {path} is neither")
-    listed = [path / name for name in _listed(path / METADATA_FILE)]
+    listed = [path / name for name in read_information(path)["relative_file_paths"]]
     missing = [file.name for file in listed if not file.is_file()]
     if missing:
         raise InputError(f"bag {path}: {METADATA_FILE} lists {', '.join(missing)}, not there")
@@ -178,16 +172,6 @@ def _files(path: Path) -> list[Path]:
     if not listed and not others:
         raise InputError(f"expected .mcap files in the bag directory {path}, there is none")
     return listed + others
-
-
-def _listed(metadata: Path) -> Sequence[str]:
-    if not metadata.is_file():
-        return []
-    try:
-        information = yaml.safe_load(metadata.read_text(encoding="utf-8"))
-        return list(information["rosbag2_bagfile_information"]["relative_file_paths"])
-    except (yaml.YAMLError, UnicodeDecodeError, KeyError, TypeError) as error:
-        raise InputError(f"{metadata}: expected what rosbag2 writes, got {error}") from error
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:
@@ -245,22 +229,17 @@ def _n_leading(true: np.ndarray) -> int:
 def _joined(tables: Sequence[VectorTable]) -> VectorTable:
     """Put tables below one another; the names are those of all, in order of appearance."""
     names = tuple(dict.fromkeys(name for table in tables for name in table.names))
-    column_of: Mapping[str, int] = {name: i for i, name in enumerate(names)}
     stamps = np.concatenate([np.zeros(0, np.int64), *(t.stamps_ns for t in tables)])
-    fields = [_stacked([(t.names, getattr(t, f)) for t in tables], column_of) for f in _FIELDS]
-    return VectorTable(names, stamps, *fields)
+    return VectorTable(names, stamps, *(_stacked(tables, names, field) for field in _FIELDS))
 
 
-def _stacked(
-    parts: Sequence[tuple[tuple[str, ...], np.ndarray]], column_of: Mapping[str, int]
-) -> np.ndarray:
-    n_rows = sum(len(values) for _, values in parts)
-    if not any(values.shape[1] for _, values in parts):
-        return np.zeros((n_rows, 0))
-    stacked = np.full((n_rows, len(column_of)), np.nan)
+def _stacked(tables: Sequence[VectorTable], names: Sequence[str], field: str) -> np.ndarray:
+    parts: list[np.ndarray] = [getattr(table, field) for table in tables]
+    n_columns = len(names) if any(values.shape[1] for values in parts) else 0
+    stacked = np.full((sum(map(len, parts)), n_columns), np.nan)
     row = 0
-    for names, values in parts:
-        columns = [column_of[name] for name in names[: values.shape[1]]]
+    for table, values in zip(tables, parts, strict=True):
+        columns = [names.index(name) for name in table.names[: values.shape[1]]]
         stacked[row : row + len(values), columns] = values
         row += len(values)
     return stacked

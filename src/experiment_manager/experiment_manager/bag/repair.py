@@ -5,24 +5,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
-import yaml
 from mcap.writer import Writer
 
-from experiment_manager.bag.mcap_file import (
-    MESSAGE_STRUCT,
-    RECORD_HEADER_BYTES,
-    IndexedChunk,
-    McapFile,
-)
+from experiment_manager.bag.mcap_file import IndexedChunk, McapFile
 from experiment_manager.bag.metadata import (
-    METADATA_FILE,
     OFFERED_QOS,
     RUN_METADATA,
     Topic,
     bag_information,
+    read_information,
     write_metadata,
 )
-from experiment_manager.bag.reader import Bag, message_at
+from experiment_manager.bag.reader import Bag
 from lockstep.durable_files import sync_directory
 from lockstep.errors import InputError
 
@@ -84,25 +78,16 @@ def _copy(file: McapFile, stream: BinaryIO) -> tuple[int, list[IndexedChunk]]:
     n_messages, broken = 0, []
     for chunk in file.chunks:
         try:
-            data, scanned = file.scan_chunk(chunk)
+            messages = file.messages(chunk)
         except InputError:
             broken.append(chunk)
             continue
         # Of a topic that was announced in a broken chunk nothing can be read.
-        offsets = sorted(
-            int(offset)
-            for i in scanned.channel_ids & channels.keys()
-            for offset in scanned.entries(i)["offset"]
-        )
-        records = data.tobytes()
-        for offset in offsets:
-            channel_id, sequence, log_time, publish_time = MESSAGE_STRUCT.unpack_from(
-                records, offset + RECORD_HEADER_BYTES
-            )
-            writer.add_message(
-                channels[channel_id], log_time, message_at(data, offset), publish_time, sequence
-            )
-        n_messages += len(offsets)
+        known = [m for m in messages if m.channel_id in channels]
+        for m in known:
+            channel = channels[m.channel_id]
+            writer.add_message(channel, m.log_time, m.data, m.publish_time, m.sequence)
+        n_messages += len(known)
     writer.finish()
     return n_messages, broken
 
@@ -141,14 +126,5 @@ def _rewrite_metadata(directory: Path) -> None:
         [file.summary() for file in bag.files],
         bag.metadata.get(RUN_METADATA, {}),
     )
-    if _written(directory / METADATA_FILE) != information:
+    if read_information(directory) != information:
         write_metadata(directory, information)
-
-
-def _written(metadata: Path) -> object:
-    if not metadata.is_file():
-        return None
-    document = yaml.safe_load(metadata.read_text(encoding="utf-8"))
-    if not isinstance(document, dict):
-        raise InputError(f"{metadata}: expected what rosbag2 writes")
-    return document.get("rosbag2_bagfile_information")

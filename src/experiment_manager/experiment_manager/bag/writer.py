@@ -78,10 +78,14 @@ class BagWriter(contextlib.AbstractContextManager["BagWriter"]):
         self._committed: list[FileSummary] = []
         self._open: _OpenFile | None = None
         self._failed = False
-        if resume_files is None:
-            _make_new(self._directory)
-        else:
+        if resume_files is not None:
             self._continue(resume_files)
+            return
+        if not is_free(self._directory):
+            raise InputError(
+                f"expected a new or empty directory for the bag, {self._directory} is not empty"
+            )
+        self._directory.mkdir(parents=True, exist_ok=True)
 
     def write(self, topic: str, message: bytes, stamp_ns: int) -> bool:
         """Record a serialized message (CDR) at its stamp; False when it was a repeat.
@@ -187,7 +191,8 @@ class BagWriter(contextlib.AbstractContextManager["BagWriter"]):
             self._open.write(held.topic, held.message, held.stamp_ns)
 
     def _next_file(self) -> "_OpenFile":
-        number = 1 + max((_number(name) for name in self.files), default=-1)
+        numbers = [int(number) for name in self.files for number in _FILE_NAME.findall(name)]
+        number = 1 + max(numbers, default=-1)
         return _OpenFile(
             self._directory / f"bag_{number}.mcap",
             self._topics,
@@ -241,9 +246,7 @@ class _OpenFile:
             data=configuration.encode(),
         )
         self._channels = self._register(topics)
-        self._names = {name: topic.name for name, topic in topics.items()}
         self._counts = dict.fromkeys(topics, 0)
-        self._span_ns: tuple[int, int] | None = None
 
     @property
     def n_bytes(self) -> int:
@@ -272,8 +275,6 @@ class _OpenFile:
             self._channels[topic], stamp_ns, message, stamp_ns, self._counts[topic]
         )
         self._counts[topic] += 1
-        start_ns, end_ns = self._span_ns or (stamp_ns, stamp_ns)
-        self._span_ns = (min(start_ns, stamp_ns), max(end_ns, stamp_ns))
 
     def flush(self) -> None:
         self._writer.flush()
@@ -283,9 +284,7 @@ class _OpenFile:
         self._stream.flush()
         os.fsync(self._stream.fileno())
         self._stream.close()
-        start_ns, end_ns = self._span_ns or (0, 0)
-        counts = {self._names[name]: count for name, count in self._counts.items()}
-        return FileSummary(self._path.name, start_ns, end_ns, counts)
+        return McapFile.open(self._path).summary()
 
     def abandon(self) -> None:
         # Closing writes the rest of the buffer, and may fail for the reason that was raised before.
@@ -296,15 +295,3 @@ class _OpenFile:
 def _topic(name: str, type_name: str) -> Topic:
     full_name = name if name.startswith("/") else f"/{name}"
     return Topic(full_name, type_name, message_definition(type_name).type_hash)
-
-
-def _make_new(directory: Path) -> None:
-    if not is_free(directory):
-        raise InputError(f"expected a new or empty directory for the bag, {directory} is not empty")
-    directory.mkdir(parents=True, exist_ok=True)
-
-
-def _number(name: str) -> int:
-    match = _FILE_NAME.match(name)
-    assert match is not None
-    return int(match.group(1))

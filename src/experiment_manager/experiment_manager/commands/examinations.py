@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -34,15 +34,14 @@ class Examined(Protocol):
 
 @dataclass(frozen=True)
 class Examination:
-    """An examination: how it is made, how its figure is drawn, and what --help says of it.
+    """An examination: how it is made, what --help says of it, and how its figures are drawn.
 
-    further: other figures of it, by what is added to the name of the file.
+    figures: by what is added to the name of the file.
     """
 
     examine: Callable[..., Any]
-    draw: Callable[[Any], Figure]
     text: str
-    further: Mapping[str, Callable[[Any], Figure]] = field(default_factory=dict)
+    figures: Mapping[str, Callable[[Any], Figure]]
 
 
 NINE_POSITIONS = "nine-positions"
@@ -51,33 +50,33 @@ NINE_POSITIONS = "nine-positions"
 EXAMINATIONS = {
     "cover": Examination(
         cover.examine,
-        figures.cover_figure,
         "cover one eye, then the other: phoria, and how the eyes fuse again",
+        {"": figures.cover_figure},
     ),
     "prisms": Examination(
         prisms.examine,
-        figures.prisms_figure,
         "turn the right eye's picture as prisms do, until the eyes no longer fuse",
+        {"": figures.prisms_figure},
     ),
     "acuity": Examination(
         acuity.examine,
-        figures.acuity_figure,
         "measure the acuity of each eye, the stereo threshold, and each eye's share in the code",
+        {"": figures.acuity_figure},
     ),
     NINE_POSITIONS: Examination(
         examine_positions,
-        lambda results: hess_chart(results.examined),
         "show nine gaze targets at three distances to eyes that make saccades: Hess chart, energy"
         " beside the least, and the laws of Sherrington, Listing and Hering",
         {
-            "activations": lambda results: activations_figure(results.examined),
-            "listing": lambda results: listing_figure(results.examined),
+            "": lambda results: hess_chart(results.examined),
+            "_activations": lambda results: activations_figure(results.examined),
+            "_listing": lambda results: listing_figure(results.examined),
         },
     ),
     "main-sequence": Examination(
         examine_saccades,
-        main_sequence_figure,
         "simulate first saccades of 1 to 20 deg over time: amplitude, peak velocity, duration",
+        {"": main_sequence_figure},
     ),
 }
 
@@ -118,7 +117,6 @@ def examined(
     results: Examined = examination.examine(learners, shown, **how)
     if figure is not None:
         with mpl.rc_context(STYLE):
-            save(examination.draw(results), figure)
-            for addition, draw in examination.further.items():
-                save(draw(results), figure.with_stem(f"{figure.stem}_{addition}"))
+            for addition, draw in examination.figures.items():
+                save(draw(results), figure.with_stem(f"{figure.stem}{addition}"))
     return results

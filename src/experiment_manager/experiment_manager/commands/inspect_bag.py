@@ -103,11 +103,14 @@ def _rate(rate: float | None) -> float | None:
     return rate
 
 
-def describe(bag: Bag, *, with_configuration: bool = False) -> str:
+def describe(bag: Bag, *, with_configuration: bool) -> str:
     """Return what a bag holds, as text for a terminal."""
-    parts = [_files(bag), _run(bag), _learning_curve(bag), _topics(bag)]
+    about = bag.metadata.get(RUN_METADATA, {})
+    run = "\n".join(f"{key}: {text}" for key, text in about.items())
+    parts = [_files(bag), run, _learning_curve(bag), _topics(bag)]
     if with_configuration:
-        parts.append(f"{CONFIGURATION_ATTACHMENT}:\n\n{_configuration(bag)}")
+        configuration = bag.attachment(CONFIGURATION_ATTACHMENT).decode().rstrip()
+        parts.append(f"{CONFIGURATION_ATTACHMENT}:\n\n{configuration}")
     return "\n\n".join(part for part in parts if part)
 
 
@@ -154,14 +157,6 @@ def _rhythm(stamps_ns: np.ndarray, period_ns: int) -> tuple[str, str, str]:
     gaps_ns = steps_ns[steps_ns > 2 * period_ns]
     longest = f"{gaps_ns.max() / _NS_PER_S:.1f}" if len(gaps_ns) else "-"
     return f"{rate:.3g}", str(len(gaps_ns)), longest
-
-
-def _run(bag: Bag) -> str:
-    return "\n".join(f"{key}: {text}" for key, text in bag.metadata.get(RUN_METADATA, {}).items())
-
-
-def _configuration(bag: Bag) -> str:
-    return bag.attachment(CONFIGURATION_ATTACHMENT).decode().rstrip()
 
 
 def _learning_curve(bag: Bag) -> str:

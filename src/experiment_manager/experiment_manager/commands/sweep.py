@@ -19,7 +19,7 @@ from experiment_manager.sweep.status import status_of, table
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, Sweep, read_sweep
 from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from eye_plant.config import EyePlantConfig
-from eye_plant.stimuli.stimulus_set import StimuliConfig, load_stimuli
+from eye_plant.stimuli.stimulus_set import load_stimuli
 from lockstep.command_line import CommandLine
 from lockstep.configuration import build
 from lockstep.durable_files import is_free, replace_file
@@ -97,12 +97,6 @@ def _check(options: argparse.Namespace) -> None:
         raise InputError("--jobs: expected it without --slurm, which has --tasks")
 
 
-def _prepare_stimuli(configs: Sequence[StimuliConfig]) -> None:
-    """Make generated stimuli once, before the runs, and see that pictures can be read."""
-    for config in dict.fromkeys(configs):
-        load_stimuli(config)
-
-
 def _check_begun(run: CellRun) -> None:
     """Raise InputError where the sweep says something else than a run was begun with."""
     path = run.directory / CONFIG_FILE
@@ -124,8 +118,10 @@ def _begin(directory: Path, sweep: Sweep) -> None:
     commit = source_commit()
     configurations = [cell.configuration(commit) for cell in sweep.cells()]
     print(f"{len(configurations)} runs in {directory}; preparing their stimuli")
+    # Generated ones are made once, before the runs; pictures are seen to be readable.
     plants = [build(EyePlantConfig, configuration["eye_plant"]) for configuration in configurations]
-    _prepare_stimuli([plant.stimuli for plant in plants])
+    for stimuli in dict.fromkeys(plant.stimuli for plant in plants):
+        load_stimuli(stimuli)
     try:
         directory.mkdir(parents=True, exist_ok=True)
         replace_file(directory / SWEEP_FILE, sweep.text().encode())

@@ -14,7 +14,7 @@ import numpy as np
 from gymnasium.spaces import Box, Dict, Space
 
 from experiment_manager.anaglyph import anaglyph
-from experiment_manager.environments.experiment import Experiment, make_experiment
+from experiment_manager.environments.experiment import Experiment
 from experiment_manager.in_process.loop import perceived
 from experiment_manager.preparation.request import RunRequest
 from eye_plant.episode import Episode
@@ -72,7 +72,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         if action_scale is not None and not 0.0 < action_scale <= 1.0:
             raise InputError(f"action_scale: expected more than 0, at most 1, got {action_scale}")
         self.render_mode = render_mode
-        self._experiment: Experiment = make_experiment(
+        self._experiment = Experiment(
             RunRequest(
                 profile=profile,
                 model=model,

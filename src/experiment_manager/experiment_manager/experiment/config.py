@@ -197,12 +197,6 @@ class ProtocolConfig:
         return pair_limits(self.limits.lowest, self.limits.highest)
 
 
-def bounds(values: tuple[float, ...]) -> tuple[float, float]:
-    """Return a parameter's [lowest, highest] as a pair."""
-    lowest, highest = values
-    return lowest, highest
-
-
 @dataclass(frozen=True)
 class ExperimentManagerConfig:
     """Settings of one run; raises InputError for a value out of range."""

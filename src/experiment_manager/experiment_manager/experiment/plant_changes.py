@@ -91,9 +91,6 @@ class Schedule:
         return json.dumps([{"at": c.at, "set": dict(c.settings)} for c in self.changes])
 
 
-NO_CHANGES = Schedule()
-
-
 def read_schedule(text: str) -> Schedule:
     """Return the schedule of a text in YAML or JSON; "" is none. Errors as for parse_schedule."""
     try:

@@ -14,7 +14,6 @@ import numpy as np
 
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.experiment.plant_changes import (
-    NO_CHANGES,
     Change,
     Schedule,
     read_schedule,
@@ -67,7 +66,7 @@ class Protocol:
         config: ProtocolConfig,
         seed: int,
         eyes: Sequence[Eyes],
-        schedule: Schedule = NO_CHANGES,
+        schedule: Schedule,
     ) -> None:
         """eyes: one entry per stage of the schedule, the first one at 0.
 

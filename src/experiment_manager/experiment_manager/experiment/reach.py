@@ -4,16 +4,19 @@ import functools
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.experiment.plant_changes import read_schedule, stages_of
-from experiment_manager.experiment.starts import Condition, conditions, largest_angles_deg
+from experiment_manager.experiment.starts import (
+    Condition,
+    conditions,
+    gaze_inverse,
+    largest_angles_deg,
+)
 from eye_plant.config import EyePlantConfig
-from eye_plant.inverse.gaze import GazeInverse
 from eye_plant.inverse.least_cost import check_tabled
 from eye_plant.inverse.pair import Inverse, Limits
 from eye_plant.mechanics.model import MechanicsConfig
@@ -43,25 +46,26 @@ def check_reach(parameters: Mapping[str, Mapping[str, Any]]) -> None:
     tested = conditions(manager.protocol, started_with.mechanics.baseline_m)
     for at, plant in stages_of(read_schedule(manager.schedule), started_with):
         try:
-            _check_eyes(replace(manager, mechanics=plant.mechanics, schedule=""), plant, tested)
+            _check_eyes(manager.protocol, plant, tested)
         except InputError as error:
             raise InputError(f"schedule, at {at}: {error}" if at else str(error)) from error
 
 
 def _check_eyes(
-    config: ExperimentManagerConfig, plant: EyePlantConfig, tested: Sequence[Condition]
+    protocol: ProtocolConfig, plant: EyePlantConfig, tested: Sequence[Condition]
 ) -> None:
-    if config.protocol.command_space != PAIR:
-        _check_gazes(config.protocol, config.mechanics, plant.camera.plane_size_m)
+    mechanics, plane_m = plant.mechanics, plant.camera.plane_size_m
+    if protocol.command_space != PAIR:
+        _check_gazes(protocol, mechanics, plane_m)
         return
-    plane_m = plant.camera.plane_size_m
-    inverse = Inverse(config.mechanics)
-    limits = config.protocol.pair_limits
-    started_deg = _started_deg(config.protocol, tested, config.mechanics.baseline_m)
-    _check_vergence(config, inverse, limits, started_deg)
-    _check_pairs(config.mechanics, limits, (min(started_deg), max(started_deg)))
-    for distance_m in _distances_m(config):
-        _check_version(config, inverse, limits, distance_m, plane_m)
+    inverse, limits = Inverse(mechanics), protocol.pair_limits
+    distances_m = _distances_m(protocol)
+    aimed_at_deg = [desired_vergence_deg(d, mechanics.baseline_m) for d in distances_m]
+    started_deg = _started_deg(protocol, tested, mechanics.baseline_m)
+    _check_vergence(inverse, limits, [*started_deg, *aimed_at_deg])
+    _check_pairs(mechanics, limits, (min(started_deg), max(started_deg)))
+    for distance_m, vergence_deg in zip(distances_m, aimed_at_deg, strict=True):
+        _check_version(inverse, limits, vergence_deg, distance_m, plane_m)
 
 
 @functools.lru_cache(maxsize=64)
@@ -70,7 +74,7 @@ def _check_gazes(protocol: ProtocolConfig, mechanics: MechanicsConfig, plane_m: 
 
     Eyes that look aside must still look at the plane, and the least cost there must be known.
     """
-    distances_m = sorted({*protocol.object_distance_m, *protocol.test_distances_m})
+    distances_m = _distances_m(protocol)
     for distance_m in distances_m:
         check_tabled(desired_vergence_deg(distance_m, mechanics.baseline_m))
     most_deg = math.degrees(math.atan(plane_m / 2.0 / distances_m[-1]))
@@ -79,8 +83,7 @@ def _check_gazes(protocol: ProtocolConfig, mechanics: MechanicsConfig, plane_m: 
             f"start_version_deg: expected {most_deg:.1f} deg at most, where the plane ends at "
             f"{distances_m[-1]:g} m, got {list(protocol.start_version_deg)}"
         )
-    limits = protocol.limits
-    inverse = GazeInverse(mechanics, protocol.space, limits.lowest, limits.highest)
+    inverse = gaze_inverse(protocol, mechanics)
     at_tonic_level = np.zeros(len(protocol.space.names))
     largest_deg = largest_angles_deg(protocol)
     corners = itertools.product(*((-most, most) for most in largest_deg.values()))
@@ -90,8 +93,7 @@ def _check_gazes(protocol: ProtocolConfig, mechanics: MechanicsConfig, plane_m: 
             inverse.activations(angles_deg, distance_m, at_tonic_level)
 
 
-def _distances_m(config: ExperimentManagerConfig) -> list[float]:
-    protocol = config.protocol
+def _distances_m(protocol: ProtocolConfig) -> list[float]:
     return sorted({*protocol.object_distance_m, *protocol.test_distances_m})
 
 
@@ -106,12 +108,7 @@ def _started_deg(
     ]
 
 
-def _check_vergence(
-    config: ExperimentManagerConfig, inverse: Inverse, limits: Limits, started_deg: Sequence[float]
-) -> None:
-    baseline_m = config.mechanics.baseline_m
-    aimed_at_deg = [desired_vergence_deg(d, baseline_m) for d in _distances_m(config)]
-    asked_deg = [*started_deg, *aimed_at_deg]
+def _check_vergence(inverse: Inverse, limits: Limits, asked_deg: Sequence[float]) -> None:
     least_deg, most_deg = inverse.vergence_range_deg(limits)
     if least_deg > min(asked_deg) + _TOLERANCE_DEG or most_deg < max(asked_deg) - _TOLERANCE_DEG:
         raise InputError(
@@ -144,14 +141,9 @@ def _pair(
 
 
 def _check_version(
-    config: ExperimentManagerConfig,
-    inverse: Inverse,
-    limits: Limits,
-    distance_m: float,
-    plane_m: float,
+    inverse: Inverse, limits: Limits, vergence_deg: float, distance_m: float, plane_m: float
 ) -> None:
     """Look at both ends of the line of pairs that give the vergence."""
-    vergence_deg = desired_vergence_deg(distance_m, config.mechanics.baseline_m)
     for fraction in _ENDS:
         pair = _pair(inverse, vergence_deg, fraction, limits)
         left_deg, right_deg = inverse.adduction_deg(*pair)

@@ -8,11 +8,10 @@ the commands turn, and look aside.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
-from experiment_manager.experiment.config import ProtocolConfig, bounds
+from experiment_manager.experiment.config import ProtocolConfig
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, GazeInverse
 from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
@@ -40,16 +39,6 @@ class Condition:
     start: int = 0
 
 
-class Starts(Protocol):
-    """The first activations (12,) of episodes, for eyes as they are in one stage of a run."""
-
-    def training(self, draw: np.random.Generator) -> tuple[float, Activations]:
-        """Draw the distance of a training episode's plane, in m, and the first activations."""
-
-    def trial(self, condition: Condition, draw: np.random.Generator) -> Activations:
-        """Return the first activations of a test trial; draw: its own source of randomness."""
-
-
 def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ...]:
     """Return the conditions of a test: distances x first errors.
 
@@ -73,16 +62,6 @@ def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ..
     )
 
 
-def starts(config: ProtocolConfig, mechanics: MechanicsConfig) -> Starts:
-    """Return how episodes begin with eyes of these mechanics."""
-    if config.command_space == PAIR:
-        inverse, limits = Inverse(mechanics), config.pair_limits
-        return PairStarts(
-            config, mechanics.baseline_m, lambda v, part: inverse.activations(v, part, limits)
-        )
-    return GazeStarts(config, mechanics)
-
-
 class PairStarts:
     """Vergences, and fractions of the line of pairs that give them."""
 
@@ -93,10 +72,10 @@ class PairStarts:
         self._config, self._baseline_m, self._of_vergence = config, baseline_m, activations
 
     def training(self, draw: np.random.Generator) -> tuple[float, Activations]:
-        """Draw the plane's distance, and another at which the eyes look."""
+        """Draw the plane's distance in m, and activations of eyes that look at another one."""
         config = self._config
         object_distance_m, fixation_distance_m = (
-            drawn_distance_m(config, draw, bounds(ends_m), self._baseline_m)
+            drawn_distance_m(config, draw, ends_m, self._baseline_m)
             for ends_m in (config.object_distance_m, config.fixation_distance_m)
         )
         vergence_deg = desired_vergence_deg(fixation_distance_m, self._baseline_m)
@@ -117,12 +96,11 @@ class GazeStarts:
     def __init__(self, config: ProtocolConfig, mechanics: MechanicsConfig) -> None:
         """Build an inverse of the eyes."""
         self._config, self._baseline_m = config, mechanics.baseline_m
-        limits = config.limits
-        self._inverse = GazeInverse(mechanics, config.space, limits.lowest, limits.highest)
+        self._inverse = gaze_inverse(config, mechanics)
 
     def training(self, draw: np.random.Generator) -> tuple[float, Activations]:
-        """Draw the plane's distance, and a gaze."""
-        ends_m = bounds(self._config.object_distance_m)
+        """Draw the plane's distance in m, and activations with a gaze."""
+        ends_m = self._config.object_distance_m
         distance_m = drawn_distance_m(self._config, draw, ends_m, self._baseline_m)
         return distance_m, self._activations(distance_m, draw)
 
@@ -140,6 +118,26 @@ class GazeStarts:
     def left_gaze_deg(self, activations: Activations) -> tuple[float, float]:
         """Return azimuth and elevation of the left eye at rest with activations (12,)."""
         return self._inverse.left_gaze_deg(np.array(activations))
+
+
+# The first activations (12,) of episodes, for eyes as they are in one stage of a run.
+Starts = PairStarts | GazeStarts
+
+
+def starts(config: ProtocolConfig, mechanics: MechanicsConfig) -> Starts:
+    """Return how episodes begin with eyes of these mechanics."""
+    if config.command_space == PAIR:
+        inverse, limits = Inverse(mechanics), config.pair_limits
+        return PairStarts(
+            config, mechanics.baseline_m, lambda v, part: inverse.activations(v, part, limits)
+        )
+    return GazeStarts(config, mechanics)
+
+
+def gaze_inverse(config: ProtocolConfig, mechanics: MechanicsConfig) -> GazeInverse:
+    """Return what finds activations for a gaze, within the limits of first activations."""
+    limits = config.limits
+    return GazeInverse(mechanics, config.space, limits.lowest, limits.highest)
 
 
 def draw_angles_deg(config: ProtocolConfig, draw: np.random.Generator) -> dict[str, float]:
@@ -167,17 +165,18 @@ def _drawn_deg(config: ProtocolConfig, start: int) -> dict[str, float]:
 def drawn_distance_m(
     config: ProtocolConfig,
     draw: np.random.Generator,
-    ends_m: tuple[float, float],
+    ends_m: tuple[float, ...],
     baseline_m: float,
 ) -> float:
     """Draw a distance uniformly (K17), or one of uniformly drawn vergence (D18).
 
+    ends_m: (2,) nearest and farthest.
     ours: uniform distances are seldom near, so that the vergence errors of more than 2 deg with
     which a test may start hardly occur in training.
     """
-    if not config.draws_vergence_evenly:
-        return float(draw.uniform(*ends_m))
     nearest_m, farthest_m = ends_m
+    if not config.draws_vergence_evenly:
+        return float(draw.uniform(nearest_m, farthest_m))
     vergence = draw.uniform(
         desired_vergence_deg(farthest_m, baseline_m),
         desired_vergence_deg(nearest_m, baseline_m),

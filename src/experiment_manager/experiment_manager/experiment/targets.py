@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from experiment_manager.experiment.config import ProtocolConfig, bounds
+from experiment_manager.experiment.config import ProtocolConfig
 
 _MOST_DRAWS = 1000
 
@@ -20,10 +20,11 @@ def drawn_targets_deg(
     comes back to the nearest place within range.
     """
     targets_deg: list[float] = []
+    least_deg, most_deg = config.target_distance_deg
     place, most = np.array(gaze_deg), np.array(config.largest_target_deg)
     for _ in range(n_iterations // config.fixation_iterations):
         for _ in range(_MOST_DRAWS):
-            away = draw.uniform(*bounds(config.target_distance_deg))
+            away = draw.uniform(least_deg, most_deg)
             direction = draw.uniform(0.0, 2.0 * np.pi)
             target = place + away * np.array([np.cos(direction), np.sin(direction)])
             if (np.abs(target) <= most).all():

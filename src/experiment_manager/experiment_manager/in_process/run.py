@@ -79,23 +79,20 @@ class InProcessRun:
         Once interrupted, it stops after the episode under way, with a checkpoint; the second time,
         at once. Raises InputError for numbers that no learner takes, OSError when the disk refuses.
         """
-        try:
-            return self._go_on()
-        finally:
-            self._run.leave_bar()
-
-    def _go_on(self) -> bool:
         run = self._run
-        while not run.is_over and not self._interrupts.count:
-            if run.checkpoint_is_due():
+        try:
+            while not run.is_over and not self._interrupts.count:
+                if run.checkpoint_is_due():
+                    self._checkpoint()
+                self._prepare_plant()
+                self._record(run.episode())
+            if self._interrupts.count <= 1:
                 self._checkpoint()
-            self._prepare_plant()
-            self._record(run.episode())
-        if self._interrupts.count <= 1:
-            self._checkpoint()
-        if run.is_over:
-            run.finish()
-        return run.is_over
+            if run.is_over:
+                run.finish()
+            return run.is_over
+        finally:
+            run.leave_bar()
 
     def _prepare_plant(self) -> None:
         """Let the plant be as the schedule has it for the next episode, and record a change."""

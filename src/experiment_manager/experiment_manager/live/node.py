@@ -11,14 +11,15 @@ from typing import Any
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import Image, JointState
 
 from experiment_manager.live.config import LiveViewConfig
 from experiment_manager.live.page import Page
 from experiment_manager.live.steering import Steering
-from experiment_manager.live.view import VECTORS, View, open_server
+from experiment_manager.live.view import View, open_server
+from experiment_manager.run.recorded_topics import SMALL_TOPICS
 from lockstep.errors import InputError
 from lockstep.node.process import run_node
 from lockstep.node.ros_parameters import declare_config
@@ -98,10 +99,12 @@ class LiveViewNode(Node):
 
     def _subscribe(self, wanted: set[str]) -> None:
         for topic in wanted - set(self._subscribed):
-            kind = JointState if topic in VECTORS else Image
+            kind = JointState if topic in SMALL_TOPICS else Image
             depth = _DEPTHS.get(topic, _N_KEPT)
+            # No publisher keeps or sends anything again for a reader of this quality of service.
+            qos = QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_EFFORT)
             self._subscribed[topic] = self.create_subscription(
-                kind, topic, partial(self._hear, topic, depth), _best_effort(depth), raw=True
+                kind, topic, partial(self._hear, topic, depth), qos, raw=True
             )
         for topic in set(self._subscribed) - wanted:
             self.destroy_subscription(self._subscribed.pop(topic))
@@ -114,16 +117,6 @@ class LiveViewNode(Node):
         self._page.close()
         self._server.close()
         super().destroy_node()
-
-
-def _best_effort(depth: int) -> QoSProfile:
-    """Return a quality of service for which no publisher keeps or sends anything again."""
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=depth,
-        reliability=ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.VOLATILE,
-    )
 
 
 def main() -> None:

@@ -45,13 +45,6 @@ def of_refusal(name: str, kind: str, reason: str) -> Fault:
     return Fault(f"{name} refused {kind}: {reason}", code)
 
 
-def of_doubled(topics: Sequence[str]) -> Fault | None:
-    """Return the fault of topics with more than one publisher, None without any."""
-    if not topics:
-        return None
-    return Fault(f"expected one publisher per topic, found more on {', '.join(topics)}")
-
-
 def of_silence(
     gap_s: float, missing: str, absent_topics: Sequence[str], silent_s: float, *, supervised: bool
 ) -> Fault | Wait:

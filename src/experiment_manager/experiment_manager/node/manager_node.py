@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
@@ -10,7 +11,7 @@ from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.node.fault_detection import Fault, of_doubled, of_error, of_silence
+from experiment_manager.node.fault_detection import Fault, of_error, of_silence
 from experiment_manager.node.parameters import NodeParameters, Parameters
 from experiment_manager.node.presence import Presence
 from experiment_manager.node.recorder import Recorder
@@ -67,7 +68,9 @@ class ExperimentManagerNode(Node):
             self._recorder.checked_learners = self._requests.names
         self._next: Callable[[], None] = self._await_graph
         self._watch_timer = self.create_timer(
-            _START_PERIOD_S, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME)
+            _START_PERIOD_S,
+            partial(self._guarded, self._look),
+            clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
         self.get_logger().info(f"run {self.run.run_id} in {self.run.directory}")
 
@@ -97,8 +100,8 @@ class ExperimentManagerNode(Node):
             self.run.describe(parameters)
         except InputError as error:
             self._fault(Fault(str(error), EXIT_BAD_INPUT))
-            return
-        self._start_run()
+        else:
+            self._start_run()
 
     def _say_waiting(self, text: str) -> None:
         if text != self._said_waiting:
@@ -212,9 +215,6 @@ class ExperimentManagerNode(Node):
 
     # Faults
 
-    def _watch(self) -> None:
-        self._guarded(self._look)
-
     def _look(self) -> None:
         if self._is_over:
             return
@@ -231,9 +231,9 @@ class ExperimentManagerNode(Node):
             self._look_for_silence(record.missing())
 
     def _look_for_others(self) -> None:
-        fault = of_doubled(self._presence.doubled_topics())
-        if fault is not None:
-            self._fault(fault)
+        if doubled := self._presence.doubled_topics():
+            topics = ", ".join(doubled)
+            self._fault(Fault(f"expected one publisher per topic, found more on {topics}"))
 
     def _look_for_silence(self, missing: str) -> None:
         gap_s, supervised = self.config.gap_s, self.config.supervised

@@ -1,7 +1,6 @@
 """Sherrington's law: whether one of two antagonists is silent, and whether the right one."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,10 +25,6 @@ class Silence:
     share_silent_in_optimum: float
     share_optimally_silent: float | None
     n_silent_in_optimum: int
-
-    def to_json(self) -> dict[str, Any]:
-        """Return what a document has."""
-        return dict(vars(self))
 
 
 def silences(is_silent: NDArray[np.bool_], optimum: NDArray[np.bool_]) -> dict[str, Silence]:

@@ -35,7 +35,7 @@ def document(examined: Examined) -> dict[str, Any]:
         "summary": summary(positions),
         "positions": positions,
         "random": list(gaze_entries(random, examined.positions_m)),
-        "antagonists": {name: s.to_json() for name, s in silences_of(examined).items()},
+        "antagonists": {name: vars(s) for name, s in silences_of(examined).items()},
         "listing": {
             name: _listing(planes)
             for name, planes in (

@@ -8,16 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from experiment_manager.experiment.starts import gaze_inverse
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.frozen.viewing import Viewing
 from experiment_manager.in_process.loop import InProcessLoop
 from experiment_manager.positions.posture import Posture
-from experiment_manager.positions.start import (
-    activations_ahead,
-    check_looks_at_targets,
-    gaze_inverse,
-)
+from experiment_manager.positions.start import activations_ahead, check_looks_at_targets
 from experiment_manager.positions.targets import (
     DISTANCES_M,
     N_RANDOM,
@@ -138,7 +135,7 @@ class _Looking:
         self._commanded = protocol.space.indices
         self._eyes = Oculomotor(manager.mechanics)
         self.positions_m = self._eyes.eye_positions_m()
-        self._inverse = gaze_inverse(learners)
+        self._inverse = gaze_inverse(protocol, manager.mechanics)
 
     def at(
         self,

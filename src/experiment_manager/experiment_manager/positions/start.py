@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
+from experiment_manager.experiment.starts import gaze_inverse
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import Shown
 from experiment_manager.positions.targets import wanted_angles_deg, wanted_gaze_deg
-from eye_plant.inverse.gaze import GazeInverse
 from lockstep.errors import InputError
 
 Array = NDArray[np.float64]
@@ -27,19 +27,13 @@ def check_looks_at_targets(learners: FrozenLearners, shown: Shown, option: str) 
         raise InputError(f"{option}: expected pictures on a plane, got stereograms")
 
 
-def gaze_inverse(learners: FrozenLearners) -> GazeInverse:
-    """Return what finds activations for a gaze of the learners' eyes."""
-    manager = learners.manager
-    limits = manager.protocol.limits
-    return GazeInverse(manager.mechanics, manager.protocol.space, limits.lowest, limits.highest)
-
-
 def activations_ahead(learners: FrozenLearners, positions_m: Array, distance_m: float) -> Array:
     """Return activations (12,) with which the left eye looks straight ahead, without errors.
 
     positions_m: (2, 3) of the eyes. Eyes with a palsy get what healthy ones need.
     """
-    healthy = gaze_inverse(dataclasses.replace(learners, settings={}))
+    healthy = dataclasses.replace(learners, settings={}).manager
     wanted_deg = wanted_angles_deg(wanted_gaze_deg(positions_m, _AHEAD_DEG, distance_m))
-    nowhere_aside = np.zeros(len(learners.manager.protocol.space.indices))
-    return healthy.activations(wanted_deg, distance_m, nowhere_aside)
+    nowhere_aside = np.zeros(len(healthy.protocol.space.indices))
+    inverse = gaze_inverse(healthy.protocol, healthy.mechanics)
+    return inverse.activations(wanted_deg, distance_m, nowhere_aside)

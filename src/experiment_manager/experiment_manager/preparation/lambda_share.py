@@ -1,21 +1,15 @@
 """How large lambda must be for the cost to have a given share of the reward (K17 II)."""
 
 import sys
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.measures.metrics import SHARE_ITERATIONS
+from experiment_manager.run.config_file import Configuration
 from experiment_manager.terminal.progress_lines import progress
 from lockstep.configuration import build
-
-Parameters = Mapping[str, Mapping[str, Any]]
-
-_NODES = ("sparse_coder", "experiment_manager")
-_NAME = "metabolic_cost_weight"
 
 
 @dataclass(frozen=True)
@@ -34,7 +28,7 @@ class FirstIterations:
         return share * self.reconstruction_error / ((1.0 - share) * self.metabolic_rate_w)
 
 
-def first_iterations(parameters: Parameters) -> FirstIterations:
+def first_iterations(parameters: Configuration) -> FirstIterations:
     """Train a run's learners in process over its first 5,000 iterations, with lambda 0.
 
     parameters: of all nodes, by node.
@@ -61,9 +55,9 @@ def first_iterations(parameters: Parameters) -> FirstIterations:
     return FirstIterations(n_iterations, error / n_iterations, cost_w / n_iterations)
 
 
-def with_weight(parameters: Parameters, weight: float) -> dict[str, dict[str, Any]]:
+def with_weight(parameters: Configuration, weight: float) -> Configuration:
     """Return the parameters of all nodes with another lambda, 1/W."""
-    changed = {node: dict(values) for node, values in parameters.items()}
-    for node in _NODES:
-        changed[node][_NAME] = weight
-    return changed
+    return parameters | {
+        node: parameters[node] | {"metabolic_cost_weight": weight}
+        for node in ("sparse_coder", "experiment_manager")
+    }

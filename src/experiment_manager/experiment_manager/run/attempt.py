@@ -30,10 +30,9 @@ def goes_on(directory: Path) -> bool:
 
 def holds_observations(bag: Path) -> bool:
     """Return whether a bag, which may be cut off, holds anything of an episode."""
-    files = list(bag.glob("*.mcap"))
     try:
         opened = Bag(bag)
         return opened.has("episode") and len(opened.stamps_ns("episode")) > 0
     except InputError:
         # Cut off before anything could be read; what is larger is somebody's to repair.
-        return any(file.stat().st_size > _HEADER_BYTES for file in files)
+        return any(file.stat().st_size > _HEADER_BYTES for file in bag.glob("*.mcap"))

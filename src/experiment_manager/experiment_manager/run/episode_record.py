@@ -28,7 +28,7 @@ class EpisodeRecord:
 
     def holds(self, stamp_ns: int) -> bool:
         """Return whether an observation with that stamp belongs to the episode."""
-        return self.first_ns <= stamp_ns <= self.last_ns and not (stamp_ns) % self._period_ns
+        return self.first_ns <= stamp_ns <= self.last_ns and not stamp_ns % self._period_ns
 
     def iteration(self, stamp_ns: int) -> int:
         """Return the iteration within the episode that has the stamp."""

@@ -68,7 +68,8 @@ class Run:
         # A directory without a checkpoint is left as it is.
         found = self._newest() if config.resume else None
         self.directory.mkdir(parents=True, exist_ok=True)
-        text = self._configuration_text()
+        config_file = self.directory / CONFIG_FILE
+        text = config_file.read_text() if config_file.exists() else ""
         self._parameters = parameters_in(text) | {_MANAGER: flatten(config)}
         self._bag_is_elsewhere = False
         bag_files = self._resume(*found) if found else None
@@ -217,11 +218,6 @@ class Run:
             bag.is_dir() and any(bag.iterdir())
         )
         return () if self._bag_is_elsewhere else manifest.bag_files
-
-    def _configuration_text(self) -> str:
-        """Return config.yaml, "" if nobody has written it yet."""
-        path = self.directory / CONFIG_FILE
-        return path.read_text() if path.exists() else ""
 
     def describe(self, parameters: Configuration) -> None:
         """Take note of the parameters that the nodes say they run with, before the first episode.

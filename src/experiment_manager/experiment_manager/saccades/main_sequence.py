@@ -6,8 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from lockstep.errors import InputError
-
 Array = NDArray[np.float64]
 
 # A constant above it cannot be told from a straight line.
@@ -43,10 +41,8 @@ class MainSequence:
 def fitted(amplitude_deg: Array, peak_velocity_deg_s: Array) -> MainSequence:
     """Fit the main sequence to saccades (n,) by least squares of peak velocity.
 
-    The constant is sought from 1 to 1000 deg. Raises InputError for less than three saccades.
+    The constant is sought from 1 to 1000 deg.
     """
-    if len(amplitude_deg) < 3:
-        raise InputError(f"main sequence: expected 3 saccades or more, got {len(amplitude_deg)}")
 
     def slope_of(growth: Array) -> float:
         return float(growth @ peak_velocity_deg_s / (growth @ growth))

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from lockstep.errors import InputError
-from lockstep.machine.domain import first_port, given_domain
+from lockstep.machine.domain import first_port
 from lockstep.machine.locks import takes_lock
 
 # Domains 0 to 101 stay below Linux' ephemeral ports; 0 and the documented one of nodes that are
@@ -21,16 +21,11 @@ _UNICAST_OFFSETS = 10, 11
 
 @contextmanager
 def own_domain(avoid: frozenset[int] = frozenset()) -> Iterator[int]:
-    """Yield ROS_DOMAIN_ID if it is set, else a domain that nobody on this machine uses.
+    """Yield a domain that nobody on this machine uses.
 
     avoid: domains not to take again. A lock file keeps two runs that start at once apart; it is
-    held until the block is left. Raises InputError when ROS_DOMAIN_ID is no domain, or none is
-    free.
+    held until the block is left. Raises InputError when none is free.
     """
-    given = given_domain()
-    if given is not None:
-        yield given
-        return
     for domain in _CANDIDATES:
         if domain in avoid:
             continue

@@ -17,7 +17,7 @@ import socket
 import sys
 import time
 import traceback
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import IO
 
@@ -30,12 +30,15 @@ _GONE = "the process that starts the nodes has ended"
 
 
 class ForkServer:
-    """Starts nodes and reports how they ended. All of them die with it, and it with its parent."""
+    """Starts nodes and reports how they ended. All of them die with it, and it with its parent.
+
+    codes: how nodes have ended, as far as that has been heard, by process id.
+    """
 
     def __init__(self, packages: Sequence[str]) -> None:
         """packages: whose nodes will be asked for; it forks when it is entered."""
         self._packages = packages
-        self._codes: dict[int, int] = {}
+        self.codes: dict[int, int] = {}
 
     def __enter__(self) -> "ForkServer":
         """Fork; the nodes are imported while the caller goes on."""
@@ -57,15 +60,15 @@ class ForkServer:
         os.waitpid(self._process_id, 0)
 
     def start(
-        self, package: str, arguments: Sequence[str], variables: Mapping[str, str], log: IO[bytes]
+        self, package: str, arguments: Sequence[str], domain: int, log: IO[bytes]
     ) -> "NodeProcess":
         """Start the node of a package, that is, its module `node`.
 
-        variables: more of its environment; log: where its output goes. What is this process'
-        standard error it finds under the number in TERMINAL_VARIABLE. Raises ConnectionError when
-        the fork server has ended.
+        domain: its ROS_DOMAIN_ID; log: where its output goes. What is this process' standard error
+        it finds under the number in TERMINAL_VARIABLE. Raises ConnectionError when the fork server
+        has ended.
         """
-        asked = json.dumps([package, [*arguments], dict(variables)]).encode()
+        asked = json.dumps([package, [*arguments], domain]).encode()
         try:
             socket.send_fds(self._channel, [asked], [log.fileno()])
         except ConnectionError as error:
@@ -80,13 +83,9 @@ class ForkServer:
             while True:
                 self._hear(socket.MSG_DONTWAIT)
         except BlockingIOError:
-            return self._codes.get(process_id)
+            return self.codes.get(process_id)
         except ConnectionError:
-            return self._codes.get(process_id, -signal.SIGKILL)
-
-    def has_told_end_of(self, process_id: int) -> bool:
-        """Return whether a node is known to have ended; hears nothing, for signal handlers."""
-        return process_id in self._codes
+            return self.codes.get(process_id, -signal.SIGKILL)
 
     def _hear(self, flags: int = 0) -> int | None:
         """Take one message; return the process id if it says that a node has started."""
@@ -96,7 +95,7 @@ class ForkServer:
         process_id, code = json.loads(message)
         if code is None:
             return int(process_id)
-        self._codes[process_id] = code
+        self.codes[process_id] = code
         return None
 
 
@@ -113,7 +112,7 @@ class NodeProcess:
 
     def signal(self, number: signal.Signals) -> None:
         """Send it a signal, unless it is known to have ended. May be called in a signal handler."""
-        if not self.fork_server.has_told_end_of(self.process_id):
+        if self.process_id not in self.fork_server.codes:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(self.process_id, number)
 
@@ -184,13 +183,13 @@ def _start_one(channel: socket.socket) -> None:
     message, logs, _, _ = socket.recv_fds(channel, _MAX_MESSAGE_BYTES, 1)
     if not message:
         raise ConnectionError("no more requests")
-    package, arguments, variables = json.loads(message)
+    package, arguments, domain = json.loads(message)
     (log,) = logs
     fork_server = os.getpid()
     process_id = os.fork()
     if process_id == 0:
         channel.close()
-        os._exit(_exit_code(lambda: _be_node(fork_server, package, arguments, variables, log)))
+        os._exit(_exit_code(lambda: _be_node(fork_server, package, arguments, domain, log)))
     os.close(log)
     channel.send(json.dumps([process_id, None]).encode())
 
@@ -199,7 +198,7 @@ def _start_one(channel: socket.socket) -> None:
 
 
 def _be_node(
-    fork_server: int, package: str, arguments: Sequence[str], variables: Mapping[str, str], log: int
+    fork_server: int, package: str, arguments: Sequence[str], domain: int, log: int
 ) -> None:
     """Do what `python -m package.node arguments` does, in a session of its own."""
     os.setsid()
@@ -207,7 +206,7 @@ def _be_node(
     signal.set_wakeup_fd(-1)
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    os.environ.update(variables)
+    os.environ["ROS_DOMAIN_ID"] = str(domain)
     os.environ[TERMINAL_VARIABLE] = str(os.dup(2))
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     for number in (1, 2):

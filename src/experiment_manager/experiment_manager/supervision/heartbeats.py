@@ -4,6 +4,7 @@ import os
 import select
 import time
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 
 from experiment_manager.supervision.fork_server import ForkServer, stop
 from experiment_manager.supervision.processes import PACKAGES
@@ -17,7 +18,7 @@ SILENCE_LIMIT_S = 10.0
 _MOST_BYTES = 1 << 16
 
 
-class Heartbeats:
+class Heartbeats(AbstractContextManager["Heartbeats"]):
     """Has a process listen in one domain while the block lasts.
 
     heard: the names of all who have said something.
@@ -33,17 +34,13 @@ class Heartbeats:
         self._output, theirs = os.pipe()
         os.set_blocking(self._output, False)
         with os.fdopen(theirs, "wb") as log:
-            self._process = fork_server.start(LISTENER, [], {"ROS_DOMAIN_ID": str(domain)}, log)
+            self._process = fork_server.start(LISTENER, [], domain, log)
         self._rest = ""
         self._last_words = "without a word"
         self.heard: set[str] = set()
         self._deadline_s = dict.fromkeys(
             (LISTENER_NODE, *packages), time.monotonic() + START_LIMIT_S
         )
-
-    def __enter__(self) -> "Heartbeats":
-        """Return itself."""
-        return self
 
     def __exit__(self, *exception: object) -> None:
         """Leave the domain."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from experiment_manager.live.address import Address
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.supervision.fork_server import ForkServer, NodeProcess, stop
+from experiment_manager.supervision.processes import last_words, parameter_arguments
 
 PACKAGE = "experiment_manager.live"
 
@@ -30,20 +31,18 @@ class LiveView(AbstractContextManager["LiveView"]):
             "n_selections": configuration["sparse_coder"]["n_selections"],
             "focal_length_px": configuration["eye_plant"]["camera.focal_length_px"],
         }
-        arguments = [word for name, value in given.items() for word in ("-p", f"{name}:={value}")]
+        arguments = ["--ros-args", *parameter_arguments(given)]
         with self._log.open("ab") as log:
-            self._process = fork_server.start(
-                PACKAGE, ["--ros-args", *arguments], {"ROS_DOMAIN_ID": str(domain)}, log
-            )
+            self._process = fork_server.start(PACKAGE, arguments, domain, log)
 
     def look(self) -> None:
         """Say so, once, when the process has ended by itself."""
         if self._process is None or self._process.exit_code() is None:
             return
         self._process = None
-        lines = self._log.read_text(errors="replace").splitlines()
-        reason = next((line for line in reversed(lines) if line.strip()), "without a word")
-        print(f"the live view has ended: {reason}; the run continues", file=sys.stderr)
+        print(
+            f"the live view has ended: {last_words(self._log)}; the run continues", file=sys.stderr
+        )
 
     def __exit__(self, *exception: object) -> None:
         """Stop the process."""

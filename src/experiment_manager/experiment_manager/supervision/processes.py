@@ -2,6 +2,7 @@
 
 import signal
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 from experiment_manager.run.config_file import CONFIG_FILE
@@ -11,7 +12,18 @@ PACKAGES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")
 MANAGER = "experiment_manager"
 
 
-class NodeProcesses:
+def parameter_arguments(values: Mapping[str, object]) -> list[str]:
+    """Return the command-line arguments, behind --ros-args, that set parameters of a node."""
+    return [word for name, value in values.items() for word in ("-p", f"{name}:={value}")]
+
+
+def last_words(log: Path) -> str:
+    """Return the last line of a log that is not blank."""
+    lines = log.read_text(errors="replace").split("\n")
+    return next((line for line in reversed(lines) if line.strip()), "without a word")
+
+
+class NodeProcesses(AbstractContextManager["NodeProcesses"]):
     """One process per package; stopped when the block is left."""
 
     def __init__(
@@ -33,13 +45,7 @@ class NodeProcesses:
         for package in packages:
             arguments = ["--ros-args", "--params-file", str(config), *more.get(package, ())]
             with (logs / f"{package}.log").open("ab") as log:
-                self._processes[package] = fork_server.start(
-                    package, arguments, {"ROS_DOMAIN_ID": str(domain)}, log
-                )
-
-    def __enter__(self) -> "NodeProcesses":
-        """Return the running processes."""
-        return self
+                self._processes[package] = fork_server.start(package, arguments, domain, log)
 
     def __exit__(self, *exception: object) -> None:
         """Stop them all."""

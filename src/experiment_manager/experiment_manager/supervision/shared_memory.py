@@ -23,7 +23,8 @@ def remove_stale_segments(directory: Path = DIRECTORY) -> int:
 
     No new process can open a removed segment; those that have it mapped keep it.
     """
-    found = {match[1] for path in _files(directory) if (match := _SEGMENT.match(path.name))}
+    names = (path.name for path in directory.glob("fastrtps_*"))
+    found = {match[1] for name in names if (match := _SEGMENT.match(name))}
     n_removed = 0
     for name in found:
         segment, lock = directory / name, directory / f"{name}_el"
@@ -52,10 +53,6 @@ def remove_ports(domain: int, directory: Path = DIRECTORY) -> int:
             path.unlink(missing_ok=True)
         n_removed += 1
     return n_removed
-
-
-def _files(directory: Path) -> list[Path]:
-    return list(directory.iterdir()) if directory.is_dir() else []
 
 
 def _is_abandoned(path: Path) -> bool:

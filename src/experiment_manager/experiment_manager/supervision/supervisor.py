@@ -4,7 +4,7 @@ import re
 import signal
 import sys
 from collections.abc import Collection, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from pathlib import Path
 
 from experiment_manager.live.address import Address
@@ -16,7 +16,13 @@ from experiment_manager.supervision.heartbeats import Heartbeats
 from experiment_manager.supervision.live_view import LiveView
 from experiment_manager.supervision.network import Network
 from experiment_manager.supervision.node_neighbours import addresses
-from experiment_manager.supervision.processes import MANAGER, PACKAGES, NodeProcesses
+from experiment_manager.supervision.processes import (
+    MANAGER,
+    PACKAGES,
+    NodeProcesses,
+    last_words,
+    parameter_arguments,
+)
 from experiment_manager.supervision.shared_memory import remove_ports, remove_stale_segments
 from lockstep.durable_files import why_unwritable
 from lockstep.exit_codes import (
@@ -63,7 +69,6 @@ class Supervisor:
         self._elsewhere = frozenset(elsewhere)
         self._live = live
         self._packages = [package for package in PACKAGES if package not in elsewhere]
-        self._known_domain = known_domain(elsewhere)
         self._processes: NodeProcesses | None = None
 
     def run(self) -> int:
@@ -73,17 +78,18 @@ class Supervisor:
         """
         self._interrupts = Interrupts(self._interrupt_manager)
         faults: list[tuple[int, str]] = []
-        used_domains: set[int] = set()
+        used: set[int] = set()
+        known = known_domain(self._elsewhere)
         while True:
-            with self._domain(frozenset(used_domains)) as domain:
-                used_domains.add(domain)
+            with own_domain(frozenset(used)) if known is None else nullcontext(known) as domain:
+                used.add(domain)
                 print(f"to listen from another terminal: export ROS_DOMAIN_ID={domain}")
                 try:
                     code, fault = self._attempt(domain)
                 except ConnectionError as gone:
                     code, fault = EXIT_FAULT, str(gone)
                 remove_stale_segments()
-                if self._known_domain is None:
+                if known is None:
                     remove_ports(domain)
             if code == EXIT_NETWORK:
                 print("the network is back: starting the nodes again", file=sys.stderr)
@@ -99,14 +105,6 @@ class Supervisor:
                 print(f"error: {error}; logs: {self._directory / 'logs'}", file=sys.stderr)
                 return EXIT_FAULT
             print("rolling back to the newest checkpoint", file=sys.stderr)
-
-    def _domain(self, used: frozenset[int]) -> AbstractContextManager[int]:
-        known = self._known_domain
-        return own_domain(used) if known is None else nullcontext(known)
-
-    def _gap_s(self) -> float:
-        configuration = read_configuration(self._directory / CONFIG_FILE)
-        return max(_LEAST_GAP_ELSEWHERE_S, configuration[MANAGER]["gap_s"])
 
     def _hopeless(self, faults: Sequence[tuple[int, str]], fault: str) -> str:
         """Return why another attempt would be in vain, or "" when it would not."""
@@ -126,14 +124,15 @@ class Supervisor:
         if self._interrupts.count:
             return EXIT_INTERRUPTED, None
         remove_unfinished_ports()
-        given = {
+        given: dict[str, object] = {
             "run_directory": self._directory,
             "resume": str(goes_on(self._directory)).lower(),
             "supervised": "true",
         }
         if self._elsewhere:
-            given["gap_s"] = str(self._gap_s())
-        more = {MANAGER: [word for k, v in given.items() for word in ("-p", f"{k}:={v}")]}
+            configuration = read_configuration(self._directory / CONFIG_FILE)
+            given["gap_s"] = max(_LEAST_GAP_ELSEWHERE_S, configuration[MANAGER]["gap_s"])
+        more = {MANAGER: parameter_arguments(given)}
         directory, packages, network = self._directory, self._packages, Network(addresses())
         with (
             NodeProcesses(self._fork_server, directory, domain, more, packages) as processes,
@@ -146,7 +145,8 @@ class Supervisor:
                 live_view.look()
                 if fault:
                     return EXIT_FAULT, fault
-                if self._ends_before_it_began(heartbeats):
+                # A manager that has said nothing may hang, and has no episode to be waited for.
+                if self._interrupts.count > 0 and MANAGER not in heartbeats.heard:
                     return EXIT_INTERRUPTED, None
                 all_began = heartbeats.heard.issuperset(packages)
                 met = self._elsewhere <= heartbeats.heard
@@ -157,35 +157,24 @@ class Supervisor:
             name = next((name for name in reversed(known) if name in codes), next(iter(codes)))
             return self._ended(name, codes[name])
 
-    def _ends_before_it_began(self, heartbeats: Heartbeats) -> bool:
-        """Return whether a stop is asked for and the manager, which may hang, has said nothing."""
-        return self._interrupts.count > 0 and MANAGER not in heartbeats.heard
-
     def _ended(self, name: str, code: int) -> tuple[int, str | None]:
         if name == MANAGER and code in (0, EXIT_INTERRUPTED):
             return code, None
         if code < 0:
             return EXIT_FAULT, f"{name} was killed by {signal.Signals(-code).name}"
-        last_line = self._last_line_of_log(name)
+        last_line = last_words(self._directory / "logs" / f"{name}.log")
         if code == EXIT_BAD_INPUT:
             print(last_line, file=sys.stderr)
             return code, None
         reason = last_line.rpartition(FAULT_TEXT)[2]
-        if name == MANAGER and code == EXIT_UNWRITABLE:
-            if FAULT_TEXT not in last_line:  # the log could not be written either
-                why = why_unwritable(self._directory)
-                reason = f"{self._directory} cannot be written{': ' if why else ''}{why}"
-            print(f"\nerror: {reason}; what was saved before is intact", file=sys.stderr)
-            return EXIT_FAULT, None
-        if code == EXIT_DIVERGED:
+        is_unwritable = name == MANAGER and code == EXIT_UNWRITABLE
+        if is_unwritable and FAULT_TEXT not in last_line:  # the log could not be written either
+            why = why_unwritable(self._directory)
+            reason = f"{self._directory} cannot be written{': ' if why else ''}{why}"
+        if is_unwritable or code == EXIT_DIVERGED:
             print(f"\nerror: {reason}; what was saved before is intact", file=sys.stderr)
             return EXIT_FAULT, None
         return EXIT_FAULT, f"{name} ended: {reason}"
-
-    def _last_line_of_log(self, name: str) -> str:
-        log = self._directory / "logs" / f"{name}.log"
-        lines = log.read_text(errors="replace").split("\n")
-        return next((line for line in reversed(lines) if line.strip()), "without a word")
 
     def _interrupt_manager(self) -> None:
         if self._processes is not None:

@@ -120,12 +120,9 @@ def _rate_hz(made: Sequence[int], times_s: Sequence[float]) -> float | None:
 
 def _iterations_before(protocol: Protocol, place: int) -> int:
     """Return the iterations, of training and of tests, that the episodes before a place make."""
-    last = protocol.segments[-1] if place == len(protocol) else protocol.segment(place)
-    n_episodes = place - last.first
-    config = protocol.config
-    per_episode = config.iterations_per_trial if last.i_test >= 0 else config.iterations_per_episode
-    # Each episode has one observation more than it has iterations.
-    return last.first_observation - last.first + n_episodes * per_episode
+    n_trials = protocol.trials_from(0) - protocol.trials_from(place)
+    n_of_tests = n_trials * protocol.config.iterations_per_trial
+    return protocol.training_iterations_before(place) + n_of_tests
 
 
 def _duration(duration_s: float | None) -> str:

@@ -144,13 +144,9 @@ def read_sweep(path: Path, stimuli: Path | None = None) -> Sweep:
             raise InputError(f"{path}: {part}: expected names and values, got {names!r}")
     if stimuli is not None:
         options = options | {"stimuli": str(stimuli)}
-    axes = {
-        axis: [_absolute(axis, entry) for entry in entries]
-        if isinstance(entries, list)
-        else entries
-        for axis, entries in axes.items()
-    }
-    options = {name: _absolute(name, value) for name, value in options.items()}
+    options, axes = (
+        {name: _absolute(name, value) for name, value in names.items()} for names in (options, axes)
+    )
     try:
         return Sweep(options, axes, str(document.get("description", "")))
     except InputError as error:
@@ -160,10 +156,12 @@ def read_sweep(path: Path, stimuli: Path | None = None) -> Sweep:
 def _absolute(name: str, value: Any) -> Any:
     """Return a value, of a directory its absolute path: a sweep may be used from elsewhere.
 
-    "" is that of generated stimuli.
+    "" is that of generated stimuli. value: of an option, or the entries of an axis.
     """
     if isinstance(value, dict):
         return {key: _absolute(key, inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_absolute(name, inner) for inner in value]
     is_directory = name in _DIRECTORIES and isinstance(value, str) and value
     return str(Path(value).resolve()) if is_directory else value
 
