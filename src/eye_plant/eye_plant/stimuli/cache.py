@@ -28,12 +28,13 @@ def load_generated(
     directory = _set_directory(cache_directory, seed, size_px)
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        # NumPy and OpenCV let other threads run meanwhile. Who is interrupted waits for the
-        # pictures under way, not for all: map cancels the others.
+        load = partial(_load_one, directory, seed, role, size_px=size_px)
+        # NumPy and OpenCV let other threads run meanwhile.
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            return tuple(
-                pool.map(partial(_load_one, directory, seed, role, size_px=size_px), range(n))
-            )
+            try:
+                return tuple(pool.map(load, range(n)))
+            finally:  # who is interrupted waits for the pictures under way, not for all
+                pool.shutdown(wait=False, cancel_futures=True)
     except OSError as error:
         raise InputError(
             f"stimuli.cache_directory: expected a directory to write to, got {directory} ({error})"
