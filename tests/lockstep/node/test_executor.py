@@ -7,10 +7,12 @@ from typing import Any
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import SetParameters
+from rclpy.client import Client
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.subscription import Subscription
+from rclpy.task import Future
 from sensor_msgs.msg import JointState
 
 from lockstep.node import executor as executor_module
@@ -118,11 +120,25 @@ def test_the_environment_asks_for_rclpys_own(graph: Graph, monkeypatch: pytest.M
     executor.shutdown()
 
 
+@pytest.mark.parametrize(
+    ("owner", "name"),
+    [(Client, "get_pending_request"), (Future, "_set_executor"), (Node, "guards")],
+)
 def test_another_rclpy_is_met_with_its_own_executor_and_a_warning(
-    graph: Graph, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    graph, monkeypatch, capfd, owner, name
 ) -> None:
-    monkeypatch.setattr(executor_module, "version", {"rclpy": "9.2.0"}.__getitem__)
+    names = executor_module._PRIVATE_NAMES | {owner: (f"{name}_of_another_version",)}
+    monkeypatch.setattr(executor_module, "_PRIVATE_NAMES", names)
     executor = make_executor(graph.context)
-    assert type(executor) is SingleThreadedExecutor
-    assert "expected rclpy 7.1.x, got 9.2.0" in capfd.readouterr().err
+    warning = f"expected rclpy to have {owner.__name__}.{name}_of_another_version"
+    assert warning in capfd.readouterr().err
+    node = Node("listener", context=graph.context)
+    heard: list[bytes] = []
+    node.create_subscription(JointState, "vector", heard.append, LOCKSTEP_QOS, raw=True)
+    executor.add_node(node)
+    publisher = node.create_publisher(JointState, "vector", LOCKSTEP_QOS)
+    while not heard:
+        publisher.publish(JointState())
+        executor.spin_once(timeout_sec=0.1)
     executor.shutdown()
+    node.destroy_node()

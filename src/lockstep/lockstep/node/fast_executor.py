@@ -31,7 +31,7 @@ class LockstepExecutor(SingleThreadedExecutor):
     each wait, returns them; the others are taken when something wakes it. Without it, all are.
 
     Callbacks must be plain functions, and nodes must not be shared with another executor. Uses
-    parts of rclpy that are not public; `lockstep.node.executor` looks at its release first.
+    parts of rclpy that are not public; `lockstep.node.executor` looks for them first.
     """
 
     _stale = True
