@@ -1,19 +1,42 @@
 """The contract of both learners' nodes: answered once, learned from once, saved and loaded."""
 
+import array
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import pytest
+from sensor_msgs.msg import Image
 
 from lockstep.errors import InputError
 from lockstep.state_file import write_state
+from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import TEST, TRAINING
 from tests.node_harness import Bench, Graph
 
 
+def image_message(pixels: np.ndarray, encoding: str, stamp_ns: int) -> Image:
+    """Return the message of pixels (height, width)."""
+    height, width = pixels.shape
+    step = width * pixels.itemsize
+    message = Image(height=height, width=width, step=step, encoding=encoding)
+    message.header.stamp = to_time(stamp_ns)
+    message.data = array.array("B", pixels.tobytes())
+    return message
+
+
+def changed(topic: str, **changes: Any) -> Callable[[dict[str, Any]], None]:
+    """Return what changes fields of one of an observation's messages."""
+
+    def change(messages: dict[str, Any]) -> None:
+        for name, value in changes.items():
+            setattr(messages[topic], name, value)
+
+    return change
+
+
 class LearnerBench(Bench):
-    """A learner's node, to which observations are shown by their numbers."""
+    """A learner's node whose run has started, to which observations are shown by their numbers."""
 
     def __init__(
         self,
@@ -26,6 +49,7 @@ class LearnerBench(Bench):
         """observation: returns the messages {topic: message} of a number, its stamp in s."""
         super().__init__(graph, node, inputs, answers)
         self.inputs, self.answers, self._observation = set(inputs), tuple(answers), observation
+        assert self.request("start_run") == (True, "")
 
     def show(self, number: int, phase: int = TRAINING) -> None:
         """Send the messages of an observation."""
@@ -58,7 +82,7 @@ def bytes_of(learner: Any) -> dict[str, bytes]:
 
 
 class LearnerContract:
-    """Tests for a module with the fixture `bench`, a LearnerBench whose run has started."""
+    """Tests for a module with the fixture `bench`, a LearnerBench."""
 
     def test_the_same_observation_is_answered_again_and_learned_from_once(self, bench) -> None:
         bench.shown(0)

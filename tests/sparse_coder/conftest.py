@@ -1,39 +1,8 @@
-"""Pictures, patches and the slow, obvious matching pursuit that the fast one is held against."""
-
-from collections.abc import Callable
+"""Pictures of a small scene."""
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-
-Pursuit = Callable[
-    [NDArray[np.float32], NDArray[np.float32], int], tuple[list[list[int]], NDArray[np.float64]]
-]
-
-
-@pytest.fixture
-def brute_force_pursuit() -> Pursuit:
-    """Matching pursuit in float64, one residual at a time, without a Gram matrix.
-
-    Returns the selected atoms of each patch and the residuals (n_patches, n_pixels).
-    """
-
-    def pursue(
-        patches: NDArray[np.float32], atoms: NDArray[np.float32], n_selections: int
-    ) -> tuple[list[list[int]], NDArray[np.float64]]:
-        selected, residuals = [], []
-        for patch in patches.astype(np.float64):
-            residual, chosen = patch.copy(), []
-            for _ in range(n_selections):
-                correlations = [float(atom.astype(np.float64) @ residual) for atom in atoms]
-                k = int(np.argmax(np.abs(correlations)))
-                residual = residual - correlations[k] * atoms[k].astype(np.float64)
-                chosen.append(k)
-            selected.append(chosen)
-            residuals.append(residual)
-        return selected, np.array(residuals)
-
-    return pursue
 
 
 @pytest.fixture

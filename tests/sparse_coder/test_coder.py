@@ -1,5 +1,4 @@
 import dataclasses
-from collections.abc import Callable
 from typing import Any
 
 import cv2
@@ -12,32 +11,22 @@ from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.dictionary import learned_atoms
 from sparse_coder.perception import perceive
+from tests.sparse_coder.slow import slow_patches, slow_pursuit
 
 Pair = tuple[NDArray[np.uint8], NDArray[np.uint8]]
-Pursuit = Callable[..., tuple[list[list[int]], NDArray[np.float64]]]
 
 SMALL = SparseCoderConfig(n_bases=40, n_selections=5)
 
 
-def slow_patches(windows: list[NDArray[np.float64]]) -> NDArray[np.float64]:
-    side, patches = windows[0].shape[0], []
-    for top in range(0, side - 7, 4):
-        for first in range(0, side - 7, 4):
-            halves = [w[top : top + 8, first : first + 8].ravel() for w in windows]
-            halves = [h - h.mean() for h in halves]
-            patches.append(np.concatenate([h / np.linalg.norm(h) for h in halves]))
-    return np.array(patches)
-
-
-def test_the_whole_code_matches_a_slow_one(stereo_pair: Pair, brute_force_pursuit: Pursuit) -> None:
+def test_the_whole_code_matches_a_slow_one(stereo_pair: Pair) -> None:
     coder = SparseCoder(SMALL)
     encoding = coder.encode(*stereo_pair)
     crops = [p[56:184, 96:224].astype(np.float64) for p in stereo_pair]
     coarse = [np.asarray(cv2.pyrDown(cv2.pyrDown(crop)), np.float64) for crop in crops]
     fine = [p[100:140, 140:180].astype(np.float64) for p in stereo_pair]
     for scale, windows in enumerate((coarse, fine)):
-        patches, atoms = slow_patches(windows), coder.atoms()[scale].astype(np.float64)
-        chosen, residuals = brute_force_pursuit(patches, atoms, 5)
+        patches, atoms = slow_patches(*windows), coder.atoms()[scale].astype(np.float64)
+        chosen, residuals = slow_pursuit(patches, atoms, 5)
         expected = np.zeros(40)
         for patch, ks, residual in zip(patches, chosen, residuals, strict=True):
             # With 5 of 40 atoms independent, the coefficients are the only ones that fit.

@@ -1,5 +1,3 @@
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -10,10 +8,11 @@ from sparse_coder.matching_pursuit import (
     matching_pursuit,
     mean_squared_coefficients,
     reconstruction_error,
+    residual_energies,
 )
 from sparse_coder.patches import binocular_patches, coarse_window, fine_window
-
-Pursuit = Callable[..., tuple[list[list[int]], NDArray[np.float64]]]
+from sparse_coder.reconstruction import coded_patches
+from tests.sparse_coder.slow import slow_pursuit
 
 
 def random_patches(n_patches: int, n_pixels: int = 128) -> NDArray[np.float32]:
@@ -34,23 +33,13 @@ def pursue(patches: NDArray[np.float32], of: Dictionary, n_selections: int = 10)
     return matching_pursuit(patches, of.atoms, of.gram, n_selections)
 
 
-def residuals(
-    patches: NDArray[np.float32], atoms: NDArray[np.float32], selections: Selections
-) -> NDArray[np.float64]:
-    rest = patches.astype(np.float64)
-    for i_patch, (chosen, kappas) in enumerate(
-        zip(selections.atoms, selections.coefficients, strict=True)
-    ):
-        for k, kappa in zip(chosen, kappas, strict=True):
-            rest[i_patch] -= float(kappa) * atoms[k].astype(np.float64)
-    return rest
-
-
-def assert_same_pursuit(patches: NDArray[np.float32], brute_force: Pursuit) -> None:
+@pytest.mark.parametrize("of_images", [False, True])
+def test_agrees_with_brute_force(picture: NDArray[np.uint8], of_images: bool) -> None:
     """Same atoms up to near-ties of 1e-5, where float32 may choose the other; same residual."""
+    patches = image_patches(picture) if of_images else random_patches(60)
     of = dictionary()
     fast = pursue(patches, of)
-    slow_atoms, slow_residuals = brute_force(patches, of.atoms, 10)
+    slow_atoms, slow_residuals = slow_pursuit(patches, of.atoms, 10)
     n_ties = 0
     for patch, fast_chosen, slow_chosen in zip(patches, fast.atoms, slow_atoms, strict=True):
         residual = patch.astype(np.float64)
@@ -71,14 +60,6 @@ def assert_same_pursuit(patches: NDArray[np.float32], brute_force: Pursuit) -> N
     assert reconstruction_error(patches, fast) == pytest.approx(expected, abs=tolerance)
 
 
-def test_agrees_with_brute_force_on_random_patches(brute_force_pursuit: Pursuit) -> None:
-    assert_same_pursuit(random_patches(60), brute_force_pursuit)
-
-
-def test_agrees_with_brute_force_on_image_patches(picture, brute_force_pursuit) -> None:
-    assert_same_pursuit(image_patches(picture), brute_force_pursuit)
-
-
 def test_hand_computed_selections() -> None:
     atoms = np.array([[1.0, 0.0], [0.6, 0.8]], np.float32)
     got = pursue(np.array([[2.0, 1.0]], np.float32), Dictionary(atoms), 3)
@@ -95,9 +76,9 @@ def test_a_negative_correlation_is_selected_by_its_magnitude() -> None:
 
 
 @pytest.mark.parametrize("n_bases", [1, 7, 33, 400])
-def test_any_number_of_atoms(n_bases: int, brute_force_pursuit: Pursuit) -> None:
+def test_any_number_of_atoms(n_bases: int) -> None:
     of, patches = dictionary(n_bases), random_patches(5)
-    expected, _ = brute_force_pursuit(patches, of.atoms, 4)
+    expected, _ = slow_pursuit(patches, of.atoms, 4)
     np.testing.assert_array_equal(pursue(patches, of, 4).atoms, expected)
 
 
@@ -108,19 +89,15 @@ def test_error_never_grows_with_more_selections(picture: NDArray[np.uint8]) -> N
     assert 0.0 < errors[-1] < errors[0] < 1.0
 
 
-def test_energy_is_conserved(picture: NDArray[np.uint8]) -> None:
+def test_energy_is_conserved_and_the_error_is_what_is_left_of_it(picture) -> None:
     patches, of = image_patches(picture), dictionary()
     selections = pursue(patches, of)
     explained = np.sum(selections.coefficients.astype(np.float64) ** 2, axis=1)
-    left_over = np.sum(residuals(patches, of.atoms, selections) ** 2, axis=1)
-    np.testing.assert_allclose(explained + left_over, 2.0, atol=1e-5)
-
-
-def test_error_is_the_residuals_share_of_the_energy(picture: NDArray[np.uint8]) -> None:
-    patches, of = image_patches(picture), dictionary()
-    selections = pursue(patches, of)
-    share = np.sum(residuals(patches, of.atoms, selections) ** 2) / np.sum(patches**2)
-    assert reconstruction_error(patches, selections) == pytest.approx(share, abs=1e-6)
+    left = np.sum((patches - coded_patches(selections, of.atoms)) ** 2, axis=1)
+    np.testing.assert_allclose(explained + left, 2.0, atol=1e-5)
+    np.testing.assert_allclose(residual_energies(patches, selections), left, atol=1e-5)
+    error = reconstruction_error(patches, selections)
+    assert error == pytest.approx(left.sum() / np.sum(patches**2), abs=1e-6)
 
 
 def test_zero_patches_have_no_error_and_no_coefficients() -> None:

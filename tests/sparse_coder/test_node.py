@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import Image, JointState
 
-from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import EPISODE_NAMES, PICTURES, REWARD_NAMES, TRAINING
 from lockstep.wire.vectors import vector_message
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.node import INPUTS, SparseCoderNode
-from tests.learner_contract import LearnerBench, LearnerContract
+from tests.learner_contract import LearnerBench, LearnerContract, changed, image_message
 from tests.node_harness import Graph
 from tests.pair import HORIZONTAL_RECTI
 from tests.stamps import to_ns
@@ -26,12 +25,9 @@ RATES_W = (0.5, 0.25, 0.125, 1.0)
 
 @pytest.fixture
 def bench(graph: Graph) -> LearnerBench:
-    """Return a small coder whose run has started."""
     node = graph.add(SparseCoderNode, n_bases=16, metabolic_cost_weight=0.1)
     answers = {"features": Image, "reward": JointState}
-    bench = LearnerBench(graph, node, INPUTS, answers, _observation)
-    assert bench.request("start_run") == (True, "")
-    return bench
+    return LearnerBench(graph, node, INPUTS, answers, _observation)
 
 
 class TestContract(LearnerContract):
@@ -43,22 +39,12 @@ def _picture(number: int, side: int) -> np.ndarray:
     return draw.integers(0, 256, (240, 320), dtype=np.uint8)
 
 
-def _picture_message(picture: np.ndarray, stamp_ns: int, **changes: Any) -> Image:
-    height, width = picture.shape
-    message = Image(height=height, width=width, step=width, encoding="mono8")
-    message.header.stamp = to_time(stamp_ns)
-    message.data = array.array("B", picture.tobytes())
-    for name, value in changes.items():
-        setattr(message, name, value)
-    return message
-
-
 def _observation(number: int, phase: int = TRAINING) -> dict[str, Any]:
     """Return the messages of an observation, by topic; the stamp is the number in seconds."""
     stamp_ns = number * 10**9
     episode = dict.fromkeys(EPISODE_NAMES, 0.0) | {"phase": phase, "observation": number}
     messages: dict[str, Any] = {
-        topic: _picture_message(_picture(number, side), stamp_ns)
+        topic: image_message(_picture(number, side), "mono8", stamp_ns)
         for side, topic in enumerate(PICTURES)
     }
     messages["episode"] = vector_message(stamp_ns, tuple(episode), tuple(episode.values()))
@@ -93,7 +79,6 @@ def test_features_and_reward_are_the_coders(bench: LearnerBench) -> None:
 def test_who_subscribes_is_shown_the_basis_functions(graph: Graph) -> None:
     node = graph.add(SparseCoderNode, n_bases=16)
     bench = LearnerBench(graph, node, INPUTS, {"basis_functions": Image}, _observation)
-    assert bench.request("start_run") == (True, "")
     bench.show(1)
     message = bench.wait_distinct("basis_functions", 1)[0]
     assert (message.height, message.width, message.encoding) == (32, 128, "32FC1")
@@ -109,20 +94,12 @@ def test_topics_in_any_order(bench: LearnerBench) -> None:
     assert bench.node.diagnostics.n_refused == 0
 
 
-def _changed(topic: str, **changes: Any) -> Callable[[dict[str, Any]], None]:
+def _of_size(height: int, width: int) -> Callable[[dict[str, Any]], None]:
     def change(messages: dict[str, Any]) -> None:
-        for name, value in changes.items():
-            setattr(messages[topic], name, value)
+        picture = np.zeros((height, width), np.uint8)
+        messages["left/image_raw"] = image_message(picture, "mono8", 10**9)
 
     return change
-
-
-def _small(messages: dict[str, Any]) -> None:
-    messages["left/image_raw"] = _picture_message(np.zeros((20, 30), np.uint8), 10**9)
-
-
-def _unequal(messages: dict[str, Any]) -> None:
-    messages["left/image_raw"] = _picture_message(np.zeros((242, 320), np.uint8), 10**9)
 
 
 _NAN_RATE = array.array("d", [9.0, math.nan, 0.0, 0.0, 0.0])
@@ -131,29 +108,29 @@ _NAN_RATE = array.array("d", [9.0, math.nan, 0.0, 0.0, 0.0])
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        (_changed("left/image_raw", encoding="rgb8"), "left/image_raw: expected a mono8 image"),
-        (_changed("right/image_raw", encoding=""), "right/image_raw: expected a mono8 image"),
+        (changed("left/image_raw", encoding="rgb8"), "left/image_raw: expected a mono8 image"),
+        (changed("right/image_raw", encoding=""), "right/image_raw: expected a mono8 image"),
         (
-            _changed("left/image_raw", height=239),
+            changed("left/image_raw", height=239),
             "left/image_raw: expected a mono8 image of height",
         ),
-        (_changed("left/image_raw", step=319), "left/image_raw: expected a mono8 image of height"),
-        (_changed("left/image_raw", width=2**32 - 1), "left/image_raw: expected a mono8 image of"),
-        (_changed("left/image_raw", data=array.array("B")), "left/image_raw: expected a mono8"),
-        (_small, "expected"),
-        (_unequal, "expected"),
-        (_changed("episode", name=["phase"]), "episode: expected one position per name"),
-        (_changed("episode", name=["x"] * 7), "episode: expected each name once, got x twice"),
+        (changed("left/image_raw", step=319), "left/image_raw: expected a mono8 image of height"),
+        (changed("left/image_raw", width=2**32 - 1), "left/image_raw: expected a mono8 image of"),
+        (changed("left/image_raw", data=array.array("B")), "left/image_raw: expected a mono8"),
+        (_of_size(20, 30), "left image: expected even sides of at least 128 px"),
+        (_of_size(242, 320), "images: expected one size for both eyes"),
+        (changed("episode", name=["phase"]), "episode: expected one position per name"),
+        (changed("episode", name=["x"] * 7), "episode: expected each name once, got x twice"),
         (
-            _changed("episode", position=array.array("d", [0.5] * 7)),
+            changed("episode", position=array.array("d", [0.5] * 7)),
             "episode: expected whole numbers from 0 to 2^53 as phase, got [0.5]",
         ),
         (
-            _changed("muscle_activations", effort=array.array("d")),
+            changed("muscle_activations", effort=array.array("d")),
             "muscle_activations: expected one effort per name, got 0 for 5 names",
         ),
         (
-            _changed("muscle_activations", effort=_NAN_RATE),
+            changed("muscle_activations", effort=_NAN_RATE),
             "muscle_activations: expected finite values, got effort",
         ),
     ],

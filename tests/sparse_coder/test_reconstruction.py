@@ -1,9 +1,6 @@
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
 from sparse_coder.encoding import Encoding
 from sparse_coder.matching_pursuit import Selections
 from sparse_coder.patches import binocular_patches
@@ -48,14 +45,3 @@ def test_a_patch_is_the_sum_of_its_atoms() -> None:
     expected = np.zeros((1, 128))
     expected[0, 0], expected[0, 2] = 0.75, -2.0
     np.testing.assert_array_equal(coded_patches(selections, atoms), expected)
-
-
-def test_the_squared_residual_of_the_patches_is_the_reconstruction_error(picture) -> None:
-    coder = SparseCoder(SparseCoderConfig())
-    encoding = coder.encode(picture, np.roll(picture, 2, axis=1))
-    for i, (patches, selections) in enumerate(
-        zip(encoding.patches, encoding.selections, strict=True)
-    ):
-        residual = patches - coded_patches(selections, coder.atoms()[i])
-        error = (residual**2).sum() / (patches**2).sum()
-        assert error == pytest.approx(encoding.reconstruction_error[i], abs=1e-4)

@@ -1,4 +1,3 @@
-import dataclasses
 import math
 import re
 from typing import Any
@@ -9,22 +8,23 @@ from numpy.typing import NDArray
 
 from lockstep.errors import DivergenceError, InputError
 from lockstep.randomness import generator
-from vergence_rl.agent import Agent
-from vergence_rl.cacla.config import CaclaConfig
-from vergence_rl.config import VergenceRlConfig
-from vergence_rl.learning_rule import Decision
-
-CONFIG = VergenceRlConfig(
-    n_features=6, n_training_iterations=300, cacla=CaclaConfig(n_hidden=4, hidden_initial_width=0.5)
+from tests.vergence_rl.small_agents import (
+    CACLA,
+    HINDSIGHT,
+    MEAN,
+    MID,
+    assert_same_state,
+    changed,
+    experience,
+    slow_state,
+    train,
+    trained,
 )
-MID = np.array([0.1, 0.05])
+from vergence_rl.agent import Agent
+from vergence_rl.config import VergenceRlConfig
 
-
-def with_cacla(config: VergenceRlConfig, **settings: Any) -> VergenceRlConfig:
-    return dataclasses.replace(config, cacla=dataclasses.replace(config.cacla, **settings))
-
-
-WIDE = with_cacla(dataclasses.replace(CONFIG, feature_exponent=0.5), exploration_variance=2.5e-4)
+WIDE = changed(CACLA, {"feature_exponent": 0.5, "cacla.exploration_variance": 2.5e-4})
+of_both_rules = pytest.mark.parametrize("config", [CACLA, HINDSIGHT, MEAN])
 
 
 class SlowAgent:
@@ -33,23 +33,13 @@ class SlowAgent:
     def __init__(self, state: dict[str, NDArray[Any]], config: VergenceRlConfig) -> None:
         self.w1, self.w2 = state["actor_hidden"].copy(), state["actor_output"].copy()
         self.v, self.config = state["critic"].copy(), config
-        self.seen: list[NDArray[np.float64]] = []
         self.variance = 1.0
         self.last: tuple[Any, ...] | None = None
 
-    def observe(
-        self, features: NDArray[Any], activations: NDArray[Any], r: float, i: int, now: int
-    ) -> tuple[NDArray[np.float64], float]:
-        powers = features.ravel().astype(np.float64) ** self.config.feature_exponent
-        x = np.concatenate([powers, activations])
-        self.seen.append(x)
-        s = np.zeros(len(x) + 1)
-        s[-1] = 0.02
-        if len(self.seen) > 1:
-            mean, spread = np.mean(self.seen, axis=0), np.std(self.seen, axis=0, ddof=1)
-            s[:-1] = 0.02 * (x - mean) / spread
+    def observe(self, now: int) -> tuple[NDArray[np.float64], float]:
+        (_, activations, r), s = experience(now), slow_state(self.config, now)
         delta = math.nan
-        if i > 0 and self.last is not None:
+        if now % 10 > 0:
             delta = self.learn(s, r, 0.5 * (1 - now / self.config.n_training_iterations))
         action = self.w2 @ np.tanh(self.w1 @ s)
         draw = generator(self.config.seed, "exploration", now)
@@ -79,31 +69,16 @@ class SlowAgent:
         return float(delta)
 
 
-def experience(now: int) -> tuple[NDArray[np.float32], NDArray[np.float64], float]:
-    """Random features, activations and reward of one observation."""
-    draw = np.random.default_rng([17, now])
-    features = draw.random((2, 3)).astype(np.float32)
-    return features, draw.uniform(0.0, 0.1, 2), float(draw.standard_normal())
-
-
-def train(agent: Agent, first: int, n: int, episode_length: int = 10) -> list[Decision]:
-    return [
-        agent.observe(*experience(t), t % episode_length, t, learning=True, exploration=True)
-        for t in range(first, first + n)
-    ]
-
-
-@pytest.mark.parametrize("config", [CONFIG, with_cacla(CONFIG, copies_clipped_action=False), WIDE])
+@pytest.mark.parametrize(
+    "config", [CACLA, changed(CACLA, {"cacla.copies_clipped_action": False}), WIDE]
+)
 def test_agrees_with_a_slow_agent_over_many_episodes(config: VergenceRlConfig) -> None:
     agent = Agent(config)
     slow = SlowAgent(agent.state(), config)
     n_clipped = 0
     for now in range(300):
-        features, activations, r = experience(now)
-        got = agent.observe(
-            features, activations, r, now % 10, now, learning=True, exploration=True
-        )
-        action, delta = slow.observe(features, activations, r, now % 10, now)
+        (got,), (action, delta) = train(agent, now, 1), slow.observe(now)
+        activations = experience(now)[1]
         np.testing.assert_allclose(got.action, action, rtol=1e-9, atol=1e-12)
         np.testing.assert_allclose(got.td_error, delta, rtol=1e-9)
         command = np.clip(activations + action, 0.0, [0.2, 0.1])
@@ -123,21 +98,20 @@ def test_agrees_with_a_slow_agent_over_many_episodes(config: VergenceRlConfig) -
 )
 def test_what_is_hidden_from_the_learner_changes_nothing(entries: str, known: slice) -> None:
     def answer(features: NDArray[np.float32], activations: NDArray[np.float64]) -> Any:
-        agent = Agent(dataclasses.replace(CONFIG, state_entries=entries))
-        train(agent, 0, 30)
+        agent = trained(changed(CACLA, {"state_entries": entries}), 30)
         return agent.observe(
             features, activations, 0.0, 0, 30, learning=False, exploration=False
         ).action
 
     features, activations, _ = experience(30)
     before = answer(features, activations)
-    changed = []
+    differs = []
     for i in range(8):
         both = np.concatenate([features.ravel(), activations])
         both[i] += 0.05
         action = answer(both[:6].reshape(2, 3).astype(np.float32), both[6:])
-        changed.append(not np.array_equal(action, before))
-    assert changed == [i in range(8)[known] for i in range(8)]
+        differs.append(not np.array_equal(action, before))
+    assert differs == [i in range(8)[known] for i in range(8)]
 
 
 def test_default_weights_are_the_published_ones() -> None:
@@ -154,7 +128,7 @@ def test_default_weights_are_the_published_ones() -> None:
 
 
 def test_rates_and_value_are_reported() -> None:
-    agent = Agent(CONFIG)
+    agent = Agent(CACLA)
     decision = train(agent, 0, 31)[-1]
     assert decision.actor_learning_rate == pytest.approx(0.5 * 0.9)
     assert decision.critic_learning_rate == 0.75
@@ -167,8 +141,7 @@ def test_rates_and_value_are_reported() -> None:
 
 
 def test_nothing_is_learned_across_an_episodes_start() -> None:
-    agent = Agent(CONFIG)
-    train(agent, 0, 10)
+    agent = trained(CACLA, 10)
     before = agent.state()
     decision = train(agent, 10, 1)[0]
     after = agent.state()
@@ -179,30 +152,27 @@ def test_nothing_is_learned_across_an_episodes_start() -> None:
 
 @pytest.mark.parametrize(("iteration", "now"), [(5, 5), (4, 14), (5, 4), (3, 3), (0, 4)])
 def test_nothing_is_learned_after_a_gap(iteration: int, now: int) -> None:
-    agent = Agent(CONFIG)
-    train(agent, 0, 4)
+    agent = trained(CACLA, 4)
     decision = agent.observe(*experience(7), iteration, now, learning=True, exploration=True)
     assert math.isnan(decision.td_error)
     assert agent.learning_steps == 3
 
 
 def test_nothing_is_learned_from_an_action_taken_without_learning() -> None:
-    agent = Agent(CONFIG)
-    train(agent, 0, 3)
+    agent = trained(CACLA, 3)
     agent.observe(*experience(3), 3, 3, learning=False, exploration=False)
     assert math.isnan(train(agent, 4, 1)[0].td_error)
 
 
-def test_a_test_episode_changes_nothing_and_has_no_noise() -> None:
-    agent = Agent(CONFIG)
-    train(agent, 0, 20)
+@of_both_rules
+def test_a_test_episode_changes_nothing_and_has_no_noise(config: VergenceRlConfig) -> None:
+    agent = trained(config, 40)
     before = agent.state()
     answers = []
     for _ in range(2):
         for i in range(5):
-            answers.append(agent.observe(*experience(i), i, 20, learning=False, exploration=False))
-    for name, array in agent.state().items():
-        np.testing.assert_array_equal(array, before[name])
+            answers.append(agent.observe(*experience(i), i, 40, learning=False, exploration=False))
+    assert_same_state(agent.state(), before)
     for first, second in zip(answers[:5], answers[5:], strict=True):
         np.testing.assert_array_equal(first.action, second.action)
         assert math.isnan(first.td_error)
@@ -210,8 +180,7 @@ def test_a_test_episode_changes_nothing_and_has_no_noise() -> None:
 
 def test_noise_is_a_function_of_seed_and_training_iteration() -> None:
     def noise(seed: int, now: int, variance: float = 1e-5) -> NDArray[np.float64]:
-        config = VergenceRlConfig(seed=seed, n_features=6)
-        agent = Agent(with_cacla(config, exploration_variance=variance))
+        agent = Agent(changed(CACLA, {"seed": seed, "cacla.exploration_variance": variance}))
         features = np.ones(6)
         noisy = agent.observe(features, MID, 0.0, 0, now, learning=False, exploration=True)
         calm = agent.observe(features, MID, 0.0, 0, now, learning=False, exploration=False)
@@ -226,7 +195,7 @@ def test_noise_is_a_function_of_seed_and_training_iteration() -> None:
 
 
 def test_commands_stay_within_their_limits_and_actions_do_not() -> None:
-    agent = Agent(with_cacla(VergenceRlConfig(n_features=6), exploration_variance=1.0))
+    agent = Agent(changed(CACLA, {"cacla.exploration_variance": 1.0}))
     lowest, highest = np.zeros(2), np.array([0.2, 0.1])
     decisions = [
         agent.observe(np.ones(6), MID, 0.0, 0, now, learning=False, exploration=True)
@@ -241,14 +210,14 @@ def test_commands_stay_within_their_limits_and_actions_do_not() -> None:
 @pytest.mark.parametrize(("copies_clipped_action", "share_left"), [(False, 1.0), (True, 0.875)])
 def test_what_an_action_beyond_the_limits_teaches(copies_clipped_action, share_left) -> None:
     # Both muscles are silent and the actor relaxes them further, unchanged by any noise.
-    config = with_cacla(
-        VergenceRlConfig(n_features=6),
-        n_hidden=1,
-        exploration_variance=0.0,
-        weight_shrinkage=0.0,
-        copies_clipped_action=copies_clipped_action,
-    )
-    agent, silent = Agent(config), np.zeros(2)
+    changes = {
+        "n_training_iterations": 1_000_000,
+        "cacla.n_hidden": 1,
+        "cacla.exploration_variance": 0.0,
+        "cacla.weight_shrinkage": 0.0,
+        "cacla.copies_clipped_action": copies_clipped_action,
+    }
+    agent, silent = Agent(changed(CACLA, changes)), np.zeros(2)
     hidden = np.zeros((1, 9))
     hidden[0, -1] = math.atanh(0.5) / 0.02  # the bias input alone: the hidden unit is at 0.5
     output = np.array([[-0.2], [-0.2]])
@@ -261,36 +230,32 @@ def test_what_an_action_beyond_the_limits_teaches(copies_clipped_action, share_l
     np.testing.assert_allclose(agent.state()["actor_output"], share_left * output, rtol=1e-5)
 
 
-def test_a_restored_agent_continues_bit_for_bit() -> None:
-    agent = Agent(CONFIG)
-    train(agent, 0, 50)
-    other = Agent(CONFIG)
-    train(other, 0, 7)
+@of_both_rules
+def test_a_restored_agent_continues_bit_for_bit(config: VergenceRlConfig) -> None:
+    # The sums hold episodes that the actor has not been solved for.
+    agent, other = trained(config, 130), trained(config, 25)
     other.restore(agent.state())
-    for one, two in zip(train(agent, 50, 50), train(other, 50, 50), strict=True):
+    for one, two in zip(train(agent, 130, 100), train(other, 130, 100), strict=True):
         np.testing.assert_array_equal(one.command, two.command)
         np.testing.assert_array_equal(one.td_error, two.td_error)
-    for name, array in agent.state().items():
-        np.testing.assert_array_equal(array, other.state()[name])
+    assert_same_state(other.state(), agent.state())
 
 
 def test_a_restored_agent_has_no_last_action_to_learn_from() -> None:
-    agent = Agent(CONFIG)
-    train(agent, 0, 5)
+    agent = trained(CACLA, 5)
     agent.restore(agent.state())
     assert math.isnan(train(agent, 5, 1)[0].td_error)
 
 
-def test_a_state_shares_no_memory_with_the_agent() -> None:
-    agent = Agent(CONFIG)
-    train(agent, 0, 20)
+@of_both_rules
+def test_a_state_shares_no_memory_with_the_agent(config: VergenceRlConfig) -> None:
+    agent = trained(config, 40)
     state = agent.state()
     kept = {name: array.copy() for name, array in state.items()}
     agent.restore(state)
     for array in state.values():
         array[...] = 7
-    for name, array in agent.state().items():
-        np.testing.assert_array_equal(array, kept[name])
+    assert_same_state(agent.state(), kept)
 
 
 @pytest.mark.parametrize(
@@ -310,68 +275,82 @@ def test_a_state_shares_no_memory_with_the_agent() -> None:
     ],
 )
 def test_a_bad_state_is_refused_and_changes_nothing(change, message) -> None:
-    agent = Agent(CONFIG)
-    train(agent, 0, 20)
-    before = agent.state()
-    with pytest.raises(InputError, match=message):
-        agent.restore(change(agent.state()))
-    for name, array in agent.state().items():
-        np.testing.assert_array_equal(array, before[name])
+    _assert_refused(trained(CACLA, 20), change, message)
 
 
 @pytest.mark.parametrize(
-    ("features", "activations", "reward", "iteration", "message"),
+    ("change", "message"),
     [
-        (np.ones((2, 4)), MID, 0.0, 1, r"features: expected 6, got shape \(2, 4\)"),
-        (np.full(6, np.nan), MID, 0.0, 1, "features and activations: expected finite"),
-        (np.ones(6), np.array([0.1, np.inf]), 0.0, 1, "features and activations: expected finite"),
-        (
-            np.ones(6),
-            np.ones(3),
-            0.0,
-            1,
-            r"activations: expected medial_rectus, lateral_rectus, got .*\(3,\)",
-        ),
-        (np.ones(6), MID, math.nan, 1, "reward: expected a finite number, got nan"),
-        (np.ones(6), MID, 0.0, -1, "iteration: expected 0 or more, got -1"),
+        (lambda s: s | {"sum_weight": np.array(0.0)}, "sum_weight: expected more than 0"),
+        (lambda _: Agent(CACLA).state(), r"state: expected \['actor', 'covariance'"),
     ],
 )
-def test_a_bad_observation_is_refused_and_changes_nothing(
-    features, activations, reward, iteration, message
-) -> None:
-    agent, other = Agent(CONFIG), Agent(CONFIG)
-    train(agent, 0, 3)
-    train(other, 0, 3)
+def test_a_bad_state_of_the_other_rule_is_refused(change, message) -> None:
+    _assert_refused(trained(HINDSIGHT, 20), change, message)
+
+
+def _assert_refused(agent: Agent, change, message: str) -> None:
+    before = agent.state()
     with pytest.raises(InputError, match=message):
-        agent.observe(features, activations, reward, iteration, 3, learning=True, exploration=True)
+        agent.restore(change(agent.state()))
+    assert_same_state(agent.state(), before)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"features": np.ones((2, 4))}, r"features: expected 6, got shape \(2, 4\)"),
+        ({"features": np.full(6, np.nan)}, "features and activations: expected finite"),
+        ({"activations": np.array([0.1, np.inf])}, "features and activations: expected finite"),
+        (
+            {"activations": np.ones(3)},
+            r"activations: expected medial_rectus, lateral_rectus, got .*\(3,\)",
+        ),
+        ({"reward": math.nan}, "reward: expected a finite number, got nan"),
+        ({"price": math.inf}, "price: expected a finite number, got inf"),
+        ({"iteration": -1}, "iteration: expected 0 or more, got -1"),
+        ({"training_iteration": -1}, "training_iteration: expected 0 or more, got -1"),
+    ],
+)
+def test_a_bad_observation_is_refused_and_changes_nothing(changes, message) -> None:
+    agent, other = trained(CACLA, 3), trained(CACLA, 3)
+    good = {
+        "features": np.ones(6),
+        "activations": MID,
+        "reward": 0.0,
+        "iteration": 3,
+        "training_iteration": 3,
+    }
+    with pytest.raises(InputError, match=message):
+        agent.observe(**(good | changes), learning=True, exploration=True)
     one, two = train(agent, 3, 1)[0], train(other, 3, 1)[0]
     assert one.td_error == two.td_error
     np.testing.assert_array_equal(one.command, two.command)
+    assert_same_state(agent.state(), other.state())
 
 
 @pytest.mark.parametrize(
     ("settings", "quantity"),
     [
-        ({"critic_learning_rate": 1e6, "critic_step_limit": 1e9}, "value|td_error"),
-        ({"actor_learning_rate": 1e9}, "action"),
+        ({"cacla.critic_learning_rate": 1e6, "cacla.critic_step_limit": 1e9}, "value|td_error"),
+        ({"cacla.actor_learning_rate": 1e9}, "action"),
     ],
 )
 def test_divergence_ends_learning_with_iteration_and_quantity(settings, quantity) -> None:
-    agent = Agent(with_cacla(CONFIG, **settings))
+    config = changed(CACLA, settings)
     message = rf"diverged in training iteration (\d+): ({quantity}) is .*, expected 100 at most"
     with pytest.raises(DivergenceError, match=message) as error:
-        train(agent, 0, 300)
+        trained(config, 300)
     # Whatever was answered before was sane.
     (iteration,) = re.findall(r"iteration (\d+)", str(error.value))
-    before = train(Agent(with_cacla(CONFIG, **settings)), 0, int(iteration))
+    before = train(Agent(config), 0, int(iteration))
     assert max(np.abs(d.action).max() for d in before) <= 101
     assert all(math.isfinite(d.value) for d in before)
 
 
 @pytest.mark.parametrize("name", ["critic", "actor_hidden", "actor_output"])
 def test_weights_that_are_no_numbers_never_become_an_answer(name: str) -> None:
-    agent = Agent(CONFIG)
-    train(agent, 0, 20)
+    agent = trained(CACLA, 20)
     rule = vars(agent)["_rule"]
     weights = {"critic": rule._critic, **vars(rule._actor)}
     weights[name.removeprefix("actor_")][...] = np.nan

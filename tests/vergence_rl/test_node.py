@@ -7,13 +7,19 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sensor_msgs.msg import Image, JointState
+from sensor_msgs.msg import JointState
 
 from lockstep.configuration import build
 from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import EPISODE_NAMES, REWARD_NAMES, TEST, TRAINING
 from lockstep.wire.vectors import vector_message
-from tests.learner_contract import LearnerBench, LearnerContract, bytes_of
+from tests.learner_contract import (
+    LearnerBench,
+    LearnerContract,
+    bytes_of,
+    changed,
+    image_message,
+)
 from tests.node_harness import Graph
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES, HORIZONTAL_RECTI
 from vergence_rl.agent import Agent
@@ -31,11 +37,8 @@ ACTIVATIONS = (0.02, 0.04, 0.04, 0.06)  # medial and lateral rectus, left then r
 
 @pytest.fixture
 def bench(graph: Graph) -> LearnerBench:
-    """Return a small learner whose run has started."""
     node = graph.add(VergenceRlNode, **SMALL)
-    bench = LearnerBench(graph, node, INPUTS, ANSWERS, _observation)
-    assert bench.request("start_run") == (True, "")
-    return bench
+    return LearnerBench(graph, node, INPUTS, ANSWERS, _observation)
 
 
 class TestContract(LearnerContract):
@@ -44,14 +47,6 @@ class TestContract(LearnerContract):
 
 def _features(number: int) -> np.ndarray:
     return np.random.default_rng(number).random((2, N_BASES), dtype=np.float32)
-
-
-def _features_message(features: np.ndarray, stamp_ns: int) -> Image:
-    height, width = features.shape
-    message = Image(height=height, width=width, step=4 * width, encoding="32FC1")
-    message.header.stamp = to_time(stamp_ns)
-    message.data = array.array("B", features.tobytes())
-    return message
 
 
 def _reward(number: int) -> float:
@@ -69,7 +64,7 @@ def _observation(number: int, phase: int = TRAINING, **changes: float) -> dict[s
     episode |= changes
     reward = dict.fromkeys(REWARD_NAMES, 0.0) | {"reward": _reward(number)}
     return {
-        "features": _features_message(_features(number), stamp_ns),
+        "features": image_message(_features(number), "32FC1", stamp_ns),
         "reward": vector_message(stamp_ns, tuple(reward), tuple(reward.values())),
         "episode": vector_message(stamp_ns, tuple(episode), tuple(episode.values())),
         "muscle_activations": vector_message(stamp_ns, HORIZONTAL_RECTI, ACTIVATIONS),
@@ -139,25 +134,17 @@ def test_tests_are_answered_without_noise(bench: LearnerBench) -> None:
         assert list(command.position) == _decide(agent, number, TEST).command.tolist()
 
 
-def _with(topic: str, **changes: Any) -> Callable[[dict[str, Any]], None]:
-    def change(messages: dict[str, Any]) -> None:
-        for name, value in changes.items():
-            setattr(messages[topic], name, value)
-
-    return change
-
-
 def _feature(value: float) -> Callable[[dict[str, Any]], None]:
     def change(messages: dict[str, Any]) -> None:
         features = _features(1)
         features[1, 3] = value
-        messages["features"] = _features_message(features, 10**9)
+        messages["features"] = image_message(features, "32FC1", 10**9)
 
     return change
 
 
 def _fewer(messages: dict[str, Any]) -> None:
-    messages["features"] = _features_message(np.zeros((2, 4), np.float32), 10**9)
+    messages["features"] = image_message(np.zeros((2, 4), np.float32), "32FC1", 10**9)
 
 
 def _episode(**changes: float) -> Callable[[dict[str, Any]], None]:
@@ -168,7 +155,7 @@ def _episode(**changes: float) -> Callable[[dict[str, Any]], None]:
 
 
 def _activation(value: float) -> Callable[[dict[str, Any]], None]:
-    return _with("muscle_activations", position=array.array("d", [0.0, value, 1.0, 0.5]))
+    return changed("muscle_activations", position=array.array("d", [0.0, value, 1.0, 0.5]))
 
 
 _NAN_REWARD = array.array("d", [0.0, 0.0, 0.0, math.nan, 0.0])
@@ -177,17 +164,23 @@ _NAN_REWARD = array.array("d", [0.0, 0.0, 0.0, math.nan, 0.0])
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        (_with("features", encoding="mono8"), "features: expected little-endian 32FC1"),
-        (_with("features", is_bigendian=1), "features: expected little-endian 32FC1"),
-        (_with("features", height=3), "features: expected little-endian 32FC1 with 2 rows"),
-        (_with("features", width=7), "features: expected little-endian 32FC1 with 2 rows"),
+        (changed("features", encoding="mono8"), "features: expected little-endian 32FC1"),
+        (changed("features", is_bigendian=1), "features: expected little-endian 32FC1"),
+        (changed("features", height=3), "features: expected little-endian 32FC1 with 2 rows"),
+        (changed("features", width=7), "features: expected little-endian 32FC1 with 2 rows"),
         (_fewer, "features: expected 16, got shape (2, 4)"),
         (_feature(math.nan), "features: expected finite values, got NaN or infinity"),
         (_feature(-math.inf), "features: expected finite values, got NaN or infinity"),
-        (_with("reward", position=_NAN_REWARD), "reward: expected finite values"),
-        (_with("reward", name=list("abcde")), "reward: expected names reward; reward did not come"),
-        (_with("reward", effort=array.array("d", [0.0])), "reward: expected fields of 5 entries"),
-        (_with("muscle_activations", position=array.array("d")), "expected one position per name"),
+        (changed("reward", position=_NAN_REWARD), "reward: expected finite values"),
+        (
+            changed("reward", name=list("abcde")),
+            "reward: expected names reward; reward did not come",
+        ),
+        (changed("reward", effort=array.array("d", [0.0])), "reward: expected fields of 5 entries"),
+        (
+            changed("muscle_activations", position=array.array("d")),
+            "expected one position per name",
+        ),
         (_activation(1.0000001), "muscle_activations: expected activations in [0, 1]"),
         (_activation(-0.1), "muscle_activations: expected activations in [0, 1]"),
         (_episode(iteration=-1.0), "episode: expected whole numbers from 0 to 2^53"),

@@ -63,47 +63,39 @@ def learned_atoms(
 
     atoms: (n_bases, n_pixels); patches: (n_patches, n_pixels).
     """
-    residuals = patches.copy()
-    _subtract_reconstruction(atoms, selections.atoms, selections.coefficients, residuals)
     steps = np.zeros_like(atoms)
-    _add_gradient(residuals, selections.atoms, selections.coefficients, steps)
+    _add_gradient(atoms, patches, selections.atoms, selections.coefficients, steps)
     learned = atoms.copy()
     _step_and_normalise(selections.atoms, steps, learning_rate / patches.shape[0], learned)
     return learned
 
 
 @njit(
-    void(float32[:, ::1], int32[:, ::1], float32[:, ::1], float32[:, ::1]), cache=True, nogil=True
-)
-def _subtract_reconstruction(
-    atoms: NDArray[np.float32],
-    selected: NDArray[np.int32],
-    coefficients: NDArray[np.float32],
-    residuals: NDArray[np.float32],
-) -> None:
-    for i_patch in range(selected.shape[0]):
-        for i in range(selected.shape[1]):
-            coefficient = coefficients[i_patch, i]
-            atom = atoms[selected[i_patch, i]]
-            for i_pixel in range(atom.size):
-                residuals[i_patch, i_pixel] -= coefficient * atom[i_pixel]
-
-
-@njit(
-    void(float32[:, ::1], int32[:, ::1], float32[:, ::1], float32[:, ::1]), cache=True, nogil=True
+    void(float32[:, ::1], float32[:, ::1], int32[:, ::1], float32[:, ::1], float32[:, ::1]),
+    cache=True,
+    nogil=True,
 )
 def _add_gradient(
-    residuals: NDArray[np.float32],
+    atoms: NDArray[np.float32],
+    patches: NDArray[np.float32],
     selected: NDArray[np.int32],
     coefficients: NDArray[np.float32],
     steps: NDArray[np.float32],
 ) -> None:
-    for i_patch in range(selected.shape[0]):
-        residual = residuals[i_patch]
-        for i in range(selected.shape[1]):
+    """Add sum_j kappa_jk r_j to the step of each atom k; see learned_atoms."""
+    n_patches, n_selections = selected.shape
+    residual = np.empty(patches.shape[1], np.float32)
+    for i_patch in range(n_patches):
+        residual[:] = patches[i_patch]
+        for i in range(n_selections):
+            coefficient = coefficients[i_patch, i]
+            atom = atoms[selected[i_patch, i]]
+            for i_pixel in range(residual.size):
+                residual[i_pixel] -= coefficient * atom[i_pixel]
+        for i in range(n_selections):
             coefficient = coefficients[i_patch, i]
             step = steps[selected[i_patch, i]]
-            for i_pixel in range(step.size):
+            for i_pixel in range(residual.size):
                 step[i_pixel] += coefficient * residual[i_pixel]
 
 

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.encoding import Encoding
-from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations, Gaze
-from sparse_coder.gaze.turns import Turns
+from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations, Gaze, Turns
 from sparse_coder.reward import reward
 
 

@@ -45,16 +45,7 @@ class Agent:
         self._statistics = empty_statistics(
             config.n_features + config.n_felt, config.initial_squared_deviation
         )
-        self._gaze = (
-            GazeControl(
-                *config.limits,
-                config.gaze.saccade_noise,
-                memory_share=config.gaze.memory_share,
-                holds_gaze=config.gaze.fixation_iterations > 0,
-            )
-            if config.gaze.learns_turns
-            else None
-        )
+        self._gaze = GazeControl(*config.limits, config.gaze) if config.gaze.learns_turns else None
         self._pairs = np.triu_indices(config.n_muscles // config.space.n_eyes)
         # The sum of what vergence has asked for in this fixation.
         self._turned_deg = np.zeros(N_TURNS)
@@ -90,7 +81,12 @@ class Agent:
         Raises InputError, and changes nothing, for a wrong size or a number that is not finite;
         DivergenceError when value, TD error or action leave every sane range.
         """
-        entries = self._checked_entries(features, activations, reward, iteration)
+        entries = self._checked_entries(features, activations)
+        _check_numbers(
+            {"reward": reward, "price": price},
+            {"iteration": iteration, "training_iteration": training_iteration},
+        )
+        target_deg, turns_deg = checked_gaze(target_deg, turns_deg)
         if learning:
             self._statistics = updated_statistics(self._statistics, entries)
         observation = Observation(
@@ -106,7 +102,6 @@ class Agent:
         if self._gaze is None:
             decision = self._rule.step(observation, learning=learning, draw=draw)
         else:
-            target_deg, turns_deg = checked_gaze(target_deg, turns_deg)
             self._gaze.see(observation, turns_deg, price, learning=learning)
             decision = self._turn(
                 self._gaze, observation, target_deg, price, learning=learning, draw=draw
@@ -154,21 +149,12 @@ class Agent:
             command = control.saccade(activations, target_deg, draw if since == -n_before else None)
         else:
             self._turned_deg = decision.command
-            command = self._verged(control, activations, decision.action, since, draw)
+            command = control.verge(activations, decision.action)
+            # Turns are learned from commands with noise.
+            is_shaken = self.config.gaze.measures_turns and (since < 0 or not control.is_known)
+            if is_shaken and draw is not None:
+                command = control.shaken(command, draw)
         return dataclasses.replace(decision, command=command, action=command - activations)
-
-    def _verged(
-        self,
-        control: GazeControl,
-        activations: NDArray[np.float64],
-        turn_deg: NDArray[np.float64],
-        since: int,
-        draw: np.random.Generator | None,
-    ) -> NDArray[np.float64]:
-        """Return the command (12,) for a turn (3,), shaken where turns are learned from it."""
-        command = control.verge(activations, turn_deg)
-        is_shaken = self.config.gaze.measures_turns and (since < 0 or not control.is_known)
-        return control.shaken(command, draw) if is_shaken and draw is not None else command
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all that learning has changed, for restore at an episode's start, as copies."""
@@ -200,11 +186,7 @@ class Agent:
         )
 
     def _checked_entries(
-        self,
-        features: NDArray[Any],
-        activations: NDArray[np.float64],
-        reward: float,
-        iteration: int,
+        self, features: NDArray[Any], activations: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """Return features and activations as one vector, (n_features + n_muscles,)."""
         n_features = self.config.n_features
@@ -221,10 +203,6 @@ class Agent:
         entries = np.concatenate((powers, self._products(activations), activations))
         if not np.isfinite(entries).all():
             raise InputError("features and activations: expected finite numbers, got others")
-        if not math.isfinite(reward):
-            raise InputError(f"reward: expected a finite number, got {reward}")
-        if iteration < 0:
-            raise InputError(f"iteration: expected 0 or more, got {iteration}")
         return entries
 
     def _products(self, activations: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -239,6 +217,15 @@ class Agent:
         standard = normalized(self._statistics, entries, self.config.state_standard_deviation)
         standard[self._hidden] = 0.0
         return np.append(standard, self.config.bias_input)
+
+
+def _check_numbers(finite: Mapping[str, float], counts: Mapping[str, int]) -> None:
+    for name, number in finite.items():
+        if not math.isfinite(number):
+            raise InputError(f"{name}: expected a finite number, got {number}")
+    for name, count in counts.items():
+        if count < 0:
+            raise InputError(f"{name}: expected 0 or more, got {count}")
 
 
 def _check_sanity(training_iteration: int, decision: Decision) -> None:

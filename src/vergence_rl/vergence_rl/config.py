@@ -19,8 +19,6 @@ from vergence_rl.gaze.eye_turns import N_TURNS
 from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.learning_rule import Task
 
-N_BIASES = 1
-
 
 @dataclass(frozen=True)
 class VergenceRlConfig:
@@ -119,7 +117,7 @@ class VergenceRlConfig:
     @property
     def n_state(self) -> int:
         """Features, what is felt, and the bias."""
-        return self.n_features + self.n_felt + N_BIASES
+        return self.n_features + self.n_felt + 1
 
     @property
     def iterations_per_fixation(self) -> int:

@@ -3,13 +3,10 @@ import numpy as np
 import pytest
 
 from lockstep.errors import InputError
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
 from sparse_coder.encoding import Encoding
 from sparse_coder.gaze.config import GazeConfig
-from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations
-from sparse_coder.gaze.turns import Turns
-from sparse_coder.matching_pursuit import Selections, residual_energies
+from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations, Turns
+from sparse_coder.matching_pursuit import Selections
 
 FOCAL_PX = 250.0
 SIDE_PX = 192
@@ -106,14 +103,6 @@ def test_they_do_not_return_to_where_they_have_looked_in_the_episode() -> None:
     np.testing.assert_allclose(second.target_deg, np.degrees(np.arctan([0.0, 32.0 / 250.0])))
     again = fixations.step(0, still, encoding_with_worst(21, 24, 10), NOWHERE_DEG)
     assert again.target_deg[0] < -10.0, "another episode is another scene"
-
-
-def test_residual_energies_are_those_of_the_reconstruction_error(stereo_pair) -> None:
-    coder = SparseCoder(SparseCoderConfig(n_bases=32))
-    encoding = coder.encode(*stereo_pair)
-    patches, selections = encoding.patches[0], encoding.selections[0]
-    total = residual_energies(patches, selections).sum() / (patches**2).sum()
-    assert total == pytest.approx(encoding.reconstruction_error[0], abs=1e-5)
 
 
 def test_without_saccades_the_turns_of_two_commands_are_measured_and_no_target_is_chosen() -> None:

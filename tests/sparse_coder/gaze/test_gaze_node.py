@@ -31,9 +31,7 @@ def _fixation(number: int, phase: int = TRAINING, given_deg: Any = GIVEN_DEG) ->
 @pytest.fixture
 def bench(graph: Graph) -> LearnerBench:
     node = graph.add(SparseCoderNode, n_bases=16, gaze__fixation_iterations=5)
-    bench = LearnerBench(graph, node, INPUTS, {GAZE: JointState}, _fixation)
-    assert bench.request("start_run") == (True, "")
-    return bench
+    return LearnerBench(graph, node, INPUTS, {GAZE: JointState}, _fixation)
 
 
 def _target_deg(bench: LearnerBench, number: int) -> tuple[float, ...]:
@@ -53,11 +51,16 @@ def test_without_it_the_eyes_choose(bench: LearnerBench) -> None:
     assert np.isfinite(_target_deg(bench, 1)).all()
 
 
-def test_what_somebody_wants_comes_first_once_but_not_in_tests(bench, graph) -> None:
+def _wish(graph: Graph, wanted_deg: tuple[float, float]) -> None:
+    """Let somebody else want a place to be looked at."""
     person = graph.add(lambda **kwargs: Node("person", **kwargs))
     wishes = person.create_publisher(JointState, GAZE_TARGET, 1)
     graph.spin_until(wishes.get_subscription_count, "the coder's subscription")
-    wishes.publish(vector_message(0, TARGET_NAMES, WANTED_DEG))
+    wishes.publish(vector_message(0, TARGET_NAMES, wanted_deg))
+
+
+def test_what_somebody_wants_comes_first_once_but_not_in_tests(bench, graph) -> None:
+    _wish(graph, WANTED_DEG)
     bench.show(1, TEST)
     found = [_target_deg(bench, 1)]
     # The wish and the observations take different ways.
@@ -71,10 +74,7 @@ def test_what_somebody_wants_comes_first_once_but_not_in_tests(bench, graph) -> 
 
 
 def test_a_wish_without_a_place_is_refused(bench: LearnerBench, graph: Graph) -> None:
-    person = graph.add(lambda **kwargs: Node("person", **kwargs))
-    wishes = person.create_publisher(JointState, GAZE_TARGET, 1)
-    graph.spin_until(wishes.get_subscription_count, "the coder's subscription")
-    wishes.publish(vector_message(0, TARGET_NAMES, (np.nan, 0.0)))
+    _wish(graph, (np.nan, 0.0))
     graph.spin_until(lambda: bench.node.diagnostics.n_refused, "a refusal")
     bench.show(1)
     assert _target_deg(bench, 1) == GIVEN_DEG

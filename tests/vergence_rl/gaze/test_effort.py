@@ -35,12 +35,3 @@ def test_a_price_that_changes_is_followed() -> None:
         a = draw.uniform(0.0, 0.2, 3)
         effort.learn(a, float(a.sum()))
     np.testing.assert_allclose(effort.slopes(np.full(3, 0.1)), 1.0, rtol=0.05)
-
-
-def test_goes_on_from_its_state_bit_for_bit() -> None:
-    whole, part = learned(2500), Effort(3)
-    part.restore(whole.state())
-    for effort in (whole, part):
-        effort.learn(np.full(3, 0.03), 0.2)
-    a = np.array([0.05, 0.1, 0.15])
-    assert whole.slopes(a).tobytes() == part.slopes(a).tobytes()

@@ -95,17 +95,6 @@ def test_the_regression_is_that_of_all_movements_at_once(memory_share, memory) -
     np.testing.assert_allclose(got, 2.0 * np.array([1.0, 0.1, 0.01]) @ solved, rtol=1e-9)
 
 
-def test_goes_on_from_its_state_bit_for_bit() -> None:
-    whole, part = learned(60), EyeTurns(LOWEST, HIGHEST)
-    part.restore(learned(60).state())
-    more = (np.full(4, 0.08), np.full(4, 0.01), np.array([1.0, 0.5, 0.1]))
-    for eye in (whole, part):
-        eye.learn(*more)
-    assert part.n_movements == 61
-    wanted = np.array([2.0, 1.0, 0.0])
-    assert part.change_for(more[0], wanted).tobytes() == whole.change_for(more[0], wanted).tobytes()
-
-
 @pytest.mark.parametrize(
     ("change", "turns", "message"),
     [
@@ -117,5 +106,5 @@ def test_refuses_what_is_no_movement_and_learns_nothing(change, turns, message) 
     eye = EyeTurns(LOWEST, HIGHEST)
     with pytest.raises(InputError, match=message):
         eye.learn(np.full(4, 0.1), change, turns)
-    assert eye.n_movements == 0
+    assert eye.n_learned == 0
     assert not eye.state()["squares"].any()

@@ -5,27 +5,27 @@ import math
 import numpy as np
 import pytest
 
-from lockstep.configuration import build, flatten
+from lockstep.configuration import build
 from lockstep.errors import InputError
+from tests.vergence_rl.small_agents import assert_same_state, changed
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
-from vergence_rl.gaze.config import GazeConfig
-from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.learning_rule import Decision
 
-GAZE = VergenceRlConfig(
-    n_features=6,
-    n_training_iterations=300,
-    iterations_per_episode=10,
-    learning_rule="hindsight",
-    command_space="all_muscles",
-    lowest_activations=(0.0,),
-    highest_activations=(0.2,),
-    products_of_activations=True,
-    gaze=GazeConfig(fixation_iterations=5),
-    hindsight=HindsightConfig(regression_period=10),
+GAZE = build(
+    VergenceRlConfig,
+    {
+        "n_features": 6,
+        "n_training_iterations": 300,
+        "learning_rule": "hindsight",
+        "command_space": "all_muscles",
+        "lowest_activations": (0.0,),
+        "highest_activations": (0.2,),
+        "products_of_activations": True,
+        "gaze.fixation_iterations": 5,
+        "hindsight.regression_period": 10,
+    },
 )
-MIDDLE = np.full(12, 0.1)
 
 
 def _fixated(
@@ -66,7 +66,7 @@ def known() -> dict[str, np.ndarray]:
 
 
 def _knowing(known: dict[str, np.ndarray], **changes: int) -> Agent:
-    agent = Agent(build(VergenceRlConfig, flatten(GAZE) | changes))
+    agent = Agent(changed(GAZE, changes))
     agent.restore({name: known.get(name, value) for name, value in agent.state().items()})
     return agent
 
@@ -93,6 +93,25 @@ def test_until_movements_are_known_nothing_is_learned_of_vergence_and_the_eyes_s
     # The first saccade is noise, and the second would correct what is not known.
     assert moved == [True, False, False, False, False] * 4
     assert agent.learning_steps == 18
+
+
+@pytest.mark.parametrize(
+    ("gaze", "message"),
+    [
+        ({"target_deg": np.zeros(3)}, r"got shapes \(3,\) and \(2, 3\)"),
+        ({"turns_deg": np.zeros((3, 2))}, r"got shapes \(2,\) and \(3, 2\)"),
+        ({"target_deg": np.array([np.inf, 0.0])}, "finite numbers, or NaN"),
+    ],
+)
+def test_what_is_no_gaze_is_refused_and_changes_nothing(gaze, message: str) -> None:
+    agent = Agent(GAZE)
+    _fixated(agent, 2)
+    before = agent.state()
+    with pytest.raises(InputError, match=message):
+        agent.observe(
+            np.ones(6), np.full(12, 0.1), -0.2, 0, 20, learning=True, exploration=True, **gaze
+        )
+    assert_same_state(agent.state(), before)
 
 
 def test_products_of_activations_are_of_one_eye() -> None:
@@ -129,7 +148,7 @@ def test_gaze_goes_on_from_its_state_bit_for_bit(known) -> None:
 )
 def test_fixations_that_do_not_fit_are_refused(changes, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        build(VergenceRlConfig, flatten(GAZE) | changes)
+        changed(GAZE, changes)
 
 
 def test_vergence_is_learned_after_a_saccade_that_was_not_seen(known) -> None:
@@ -177,7 +196,7 @@ def _verged(agent: Agent, n_episodes: int) -> list[Decision]:
 
 def test_without_saccades_vergence_is_learned_from_what_follows_the_first_command() -> None:
     changes = {"gaze.fixation_iterations": 0, "gaze.measures_turns": True}
-    agent = Agent(build(VergenceRlConfig, flatten(GAZE) | changes))
+    agent = Agent(changed(GAZE, changes))
     # The eyes are shaken until it is known how they turn: 336 movements, two of an episode.
     decisions = _verged(agent, 168)
     assert all(math.isnan(d.td_error) for d in decisions[:-4])

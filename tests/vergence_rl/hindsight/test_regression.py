@@ -5,7 +5,6 @@ from numpy.typing import NDArray
 from vergence_rl.hindsight.regression import (
     Sums,
     first_sums,
-    kept_share,
     nearness,
     regressed_actor,
     residual_covariance,
@@ -100,11 +99,6 @@ def test_without_visits_the_actor_does_nothing_and_residuals_scatter_as_told() -
 def test_a_target_at_the_scale_counts_half() -> None:
     targets = np.array([[0.0, 0.0], [0.003, 0.004], [0.0, 0.015]])
     np.testing.assert_allclose(nearness(targets, 0.005), [1.0, 0.5, 0.1])
-
-
-def test_an_e_th_is_left_after_as_many_visits_as_are_remembered() -> None:
-    assert kept_share(10, 10.0) == pytest.approx(np.exp(-1.0))
-    assert kept_share(10, 40.0) ** 4 == pytest.approx(kept_share(10, 10.0))
 
 
 def test_weights_of_ranks_by_hand() -> None:

@@ -1,44 +1,30 @@
-import dataclasses
 import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from lockstep.errors import DivergenceError, InputError
+from lockstep.errors import DivergenceError
 from lockstep.randomness import generator
+from tests.vergence_rl.small_agents import (
+    HIGHEST,
+    HINDSIGHT,
+    MEAN,
+    MID,
+    Floats,
+    changed,
+    experience,
+    slow_state,
+    train,
+    trained,
+)
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
-from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.hindsight.noise import root_of
-from vergence_rl.learning_rule import Decision
 
-CONFIG = VergenceRlConfig(
-    learning_rule="hindsight",
-    n_features=6,
-    iterations_per_episode=5,
-    hindsight=HindsightConfig(regression_period=20, least_memory=60.0),
-)
-# All actions move along the noise that led to the best place.
-# The mean of the three best places, whose noise is tried again, a larger penalty at first, and a
-# small one on activations.
-MEAN = dataclasses.replace(
-    CONFIG,
-    n_training_iterations=500,
-    hindsight=dataclasses.replace(
-        CONFIG.hindsight, n_best=3, ridge_visits=30.0, felt_ridge_share=0.1
-    ),
-)
-# The same with distances in the shape of the noise.
-IN_NOISE = dataclasses.replace(
-    MEAN, hindsight=dataclasses.replace(MEAN.hindsight, target_noise_scale=3.0)
-)
+# The same as MEAN with distances in the shape of the noise.
+IN_NOISE = changed(MEAN, {"hindsight.target_noise_scale": 3.0})
 # And with noise that never gets much narrower than it was.
-WIDE = dataclasses.replace(
-    IN_NOISE, hindsight=dataclasses.replace(IN_NOISE.hindsight, least_noise_share=0.8)
-)
-HIGHEST = np.array([0.2, 0.1])
-Floats = NDArray[np.float64]
+WIDE = changed(IN_NOISE, {"hindsight.least_noise_share": 0.8})
 
 
 class SlowRule:
@@ -167,35 +153,13 @@ class SlowRule:
         self.covariance = (left.T @ left + first) / (weights.sum() + self.prior)
 
 
-def experience(now: int) -> tuple[NDArray[np.float32], Floats, float]:
-    """Features, activations and reward; now and then a muscle is at a limit."""
-    draw = np.random.default_rng([23, now])
-    features = draw.random((2, 3)).astype(np.float32)
-    return features, np.clip(draw.uniform(-0.05, 0.25, 2), 0.0, HIGHEST), float(draw.random())
-
-
-def train(agent: Agent, first: int, n: int) -> list[Decision]:
-    return [
-        agent.observe(*experience(t), t % 5, t, learning=True, exploration=True)
-        for t in range(first, first + n)
-    ]
-
-
-@pytest.mark.parametrize("config", [CONFIG, MEAN, IN_NOISE, WIDE])
+@pytest.mark.parametrize("config", [HINDSIGHT, MEAN, IN_NOISE, WIDE])
 def test_agrees_with_a_slow_rule_that_keeps_all_visits(config: VergenceRlConfig) -> None:
     agent, slow = Agent(config), SlowRule(config)
-    seen: list[Floats] = []
     n_cut = 0
     for now in range(400):
-        features, place, reward = experience(now)
-        got = agent.observe(features, place, reward, now % 5, now, learning=True, exploration=True)
-        entries = np.concatenate([features.ravel().astype(np.float64), place])
-        seen.append(entries)
-        state = np.zeros(9)
-        state[-1] = 0.02
-        if now > 0:
-            spread = np.std(seen, axis=0, ddof=1)
-            state[:-1] = 0.02 * (entries - np.mean(seen, axis=0)) / spread
+        (got,), (_, place, reward) = train(agent, now, 1), experience(now)
+        state = slow_state(config, now)
         slow.learn(state, place, reward, now % 5, now)
         noise = generator(1, "exploration", now).normal(0.0, 1.0, 2)
         slow.noise = root_of(slow.covariance) @ noise
@@ -230,7 +194,7 @@ def trained_on_gazes(price: float) -> Agent:
 
 
 def end_of_test(agent: Agent, gaze: float) -> Floats:
-    place = np.array([0.1, 0.05])
+    place = MID
     for i in range(20):
         cue = np.array([gaze, 1.0])
         place = agent.observe(cue, place, 0.0, i, 0, learning=False, exploration=False).command
@@ -249,8 +213,7 @@ def test_two_muscles_learn_a_gaze_and_to_relax_if_that_pays() -> None:
 
 
 def test_noise_that_does_not_follow_residuals_stays_as_it_began() -> None:
-    still = dataclasses.replace(CONFIG.hindsight, exploration_follows_residuals=False)
-    agent = Agent(dataclasses.replace(CONFIG, hindsight=still))
+    agent = Agent(changed(HINDSIGHT, {"hindsight.exploration_follows_residuals": False}))
     for now, decision in enumerate(train(agent, 0, 60)):
         # With the same width in both muscles, one does not make up for the other.
         wanted = experience(now)[1] + decision.action
@@ -260,8 +223,7 @@ def test_noise_that_does_not_follow_residuals_stays_as_it_began() -> None:
 
 
 def test_an_episode_with_a_gap_teaches_nothing() -> None:
-    agent = Agent(CONFIG)
-    train(agent, 0, 40)
+    agent = trained(HINDSIGHT, 40)
     before = agent.state()
     for t in (40, 41, 43, 44):
         agent.observe(*experience(t), t % 5, t, learning=True, exploration=True)
@@ -271,23 +233,9 @@ def test_an_episode_with_a_gap_teaches_nothing() -> None:
     assert after["learning_steps"] == before["learning_steps"] + 2
 
 
-def test_a_test_between_episodes_changes_nothing_and_has_no_noise() -> None:
-    agent, other = Agent(CONFIG), Agent(CONFIG)
-    train(agent, 0, 40)
-    train(other, 0, 40)
-    calm = [
-        agent.observe(*experience(3), i, 40, learning=False, exploration=False) for i in range(8)
-    ]
-    for decision in calm[1:]:
-        np.testing.assert_array_equal(decision.command, calm[0].command)
-        assert math.isnan(decision.td_error)
-        assert decision.value == experience(3)[2]
-    for name, array in agent.state().items():
-        np.testing.assert_array_equal(array, other.state()[name])
-
-
 def test_what_is_reported() -> None:
-    decisions = train(Agent(CONFIG), 0, 10)
+    agent = Agent(HINDSIGHT)
+    decisions = train(agent, 0, 10)
     rewards = [experience(t)[2] for t in range(10)]
     for start in (0, 5):
         assert math.isnan(decisions[start].td_error)
@@ -302,37 +250,11 @@ def test_what_is_reported() -> None:
         if not math.isnan(decision.td_error):
             expected = 0.999 * expected + 0.001 * decision.td_error**2
     assert decisions[-1].td_variance == pytest.approx(expected)
-
-
-@pytest.mark.parametrize("config", [CONFIG, MEAN])
-def test_a_restored_agent_continues_bit_for_bit(config: VergenceRlConfig) -> None:
-    agent = Agent(config)
-    train(agent, 0, 130)  # the sums hold episodes that the actor has not been solved for
-    other = Agent(config)
-    train(other, 0, 25)
-    other.restore(agent.state())
-    for one, two in zip(train(agent, 130, 100), train(other, 130, 100), strict=True):
-        np.testing.assert_array_equal(one.command, two.command)
-        np.testing.assert_array_equal(one.td_error, two.td_error)
-    for name, array in agent.state().items():
-        np.testing.assert_array_equal(array, other.state()[name])
-
-
-def test_a_state_of_the_other_rule_is_refused() -> None:
-    other = Agent(dataclasses.replace(CONFIG, learning_rule="cacla"))
-    with pytest.raises(InputError, match=r"state: expected \['actor', 'covariance'"):
-        Agent(CONFIG).restore(other.state())
-
-
-@pytest.mark.parametrize(("name", "message"), [("sum_weight", "sum_weight: expected more than 0")])
-def test_a_bad_state_is_refused(name: str, message: str) -> None:
-    agent = Agent(CONFIG)
-    train(agent, 0, 20)
-    with pytest.raises(InputError, match=message):
-        agent.restore(agent.state() | {name: np.array(0.0)})
+    in_test = agent.observe(*experience(3), 0, 10, learning=False, exploration=False)
+    assert in_test.value == rewards[3]
 
 
 def test_rewards_that_run_away_end_learning() -> None:
-    agent, (features, place, _) = Agent(CONFIG), experience(0)
+    agent, (features, place, _) = Agent(HINDSIGHT), experience(0)
     with pytest.raises(DivergenceError, match="iteration 0: value is 1000, expected 100 at most"):
         agent.observe(features, place, 1000.0, 0, 0, learning=True, exploration=True)

@@ -18,8 +18,7 @@ from lockstep.state_file import read_state, write_state
 from lockstep.wire.topics import TRAINING
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
-from sparse_coder.gaze.fixations import Fixations
-from sparse_coder.gaze.turns import Turns
+from sparse_coder.gaze.fixations import Fixations, Turns
 from sparse_coder.perception import Percept, gaze_watch, perceive
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig

@@ -3,7 +3,8 @@
 A fixation begins with a target in the left picture: given, or the place that the code shows worst.
 A saccade leads there; how both eyes turned is measured in their pictures, and a second saccade is
 to make up for what the first one missed. The following iterations are left to vergence: how the
-first of its commands, the third and so on turned the eyes is measured, too.
+first of its commands, the third and so on turned the eyes is measured, too. Without saccades there
+is no target, and two turns of an episode are measured (D23).
 """
 
 import math
@@ -26,6 +27,9 @@ _AHEAD = np.array([0.0, 0.0, 1.0])
 # Of vergence's commands the first turns the eyes most; the later ones lower the price of energy
 # (D23) at activations that no first command reaches.
 _MEASURED_EVERY = 2
+# Without saccades: the first command, and one when the eyes have verged and their muscles have
+# relaxed.
+_MEASURED = (1, 6)
 # The scale at which the next place is chosen, and how far looking at a place inhibits return to it.
 _COARSE = 0
 _INHIBITION_DEG = 3.0
@@ -48,20 +52,37 @@ class Gaze:
         return (*self.target_deg.tolist(), *self.turns_deg.ravel().tolist())
 
 
-def both_turns_deg(before: Pictures, now: Pictures, focal_length_px: float) -> Floats:
-    """Return how each eye turned between two pairs of pictures, (2, 3) as Gaze has them."""
-    return np.array(
-        [movement(b, n, focal_length_px).turns_deg for b, n in zip(before, now, strict=True)]
-    )
+class Turns:
+    """Measures the turns of one episode after another, without saccades (D23)."""
+
+    def __init__(self, focal_length_px: float) -> None:
+        """focal_length_px: of both cameras."""
+        self._focal_length_px = focal_length_px
+        self._before: Pictures | None = None
+
+    def step(
+        self, iteration: int, pictures: Pictures, encoding: Encoding, given_deg: Floats
+    ) -> Gaze:
+        """Return what an observation says of gaze: turns, and never a target."""
+        turns_deg = self._turns_deg(pictures) if iteration in _MEASURED else UNSEEN_DEG
+        self._before = _kept(pictures) if iteration + 1 in _MEASURED else None
+        return Gaze(NOWHERE_DEG, turns_deg)
+
+    def _turns_deg(self, pictures: Pictures) -> Floats:
+        """Return how each eye turned since the pictures that were kept, (2, 3) as Gaze has them."""
+        if self._before is None:
+            return UNSEEN_DEG
+        pairs = zip(self._before, pictures, strict=True)
+        return np.array([movement(*pair, self._focal_length_px).turns_deg for pair in pairs])
 
 
-class Fixations:
+class Fixations(Turns):
     """Follows the fixations of one episode after another."""
 
     def __init__(self, n_iterations: int, focal_length_px: float) -> None:
         """n_iterations: of a fixation; focal_length_px: of both cameras."""
-        self._n_iterations, self._focal_length_px = n_iterations, focal_length_px
-        self._pictures: Pictures | None = None
+        super().__init__(focal_length_px)
+        self._n_iterations = n_iterations
         self._ahead = _AHEAD
         # Directions (3,) of the places looked at in this episode, in the left eye's camera now.
         self._visited: list[Floats] = []
@@ -81,23 +102,19 @@ class Fixations:
             self._visited.append(_AHEAD)
             is_given = bool(np.isfinite(given_deg).all())
             target_deg = given_deg if is_given else self._worst_deg(encoding)
-            # Copies: a picture lasts until the next one.
-            self._pictures = (pictures[0].copy(), pictures[1].copy())
+            self._before = _kept(pictures)
             self._ahead = rotation(np.append(target_deg, 0.0))[:, 2]
             return Gaze(target_deg, UNSEEN_DEG)
-        if of_fixation == 1 and self._pictures is not None:
+        if of_fixation == 1 and self._before is not None:
             return self._corrected(pictures)
-        turns_deg = UNSEEN_DEG
         is_measured = (of_fixation - N_SACCADES) % _MEASURED_EVERY == 1
-        if is_measured and self._pictures is not None:
-            turns_deg = both_turns_deg(self._pictures, pictures, self._focal_length_px)
-        self._pictures = None if is_measured else (pictures[0].copy(), pictures[1].copy())
+        turns_deg = self._turns_deg(pictures) if is_measured else UNSEEN_DEG
+        self._before = None if is_measured else _kept(pictures)
         return Gaze(NOWHERE_DEG, turns_deg)
 
     def _corrected(self, pictures: Pictures) -> Gaze:
-        assert self._pictures is not None
-        turns_deg = both_turns_deg(self._pictures, pictures, self._focal_length_px)
-        self._pictures = None
+        turns_deg = self._turns_deg(pictures)
+        self._before = None
         if np.isnan(turns_deg[0]).any():
             self._visited = []  # where those places are now is not known
             return Gaze(NOWHERE_DEG, turns_deg)
@@ -121,3 +138,9 @@ class Fixations:
             away_deg = np.degrees(np.arccos(np.clip(places @ visited, -1.0, 1.0)))
             left *= 1.0 - np.exp(-0.5 * (away_deg / _INHIBITION_DEG) ** 2)
         return swing_deg(places[int(left.argmax())])
+
+
+def _kept(pictures: Pictures) -> Pictures:
+    """Return copies: a picture lasts until the next one."""
+    left, right = pictures
+    return left.copy(), right.copy()

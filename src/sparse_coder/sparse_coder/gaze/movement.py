@@ -23,32 +23,23 @@ Floats = NDArray[np.float64]
 _N_ROUNDS = 2
 _STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 30, 1e-4)
 _BLUR_PX = 5
+# Of both pictures once aligned, in [-1, 1]; below it the movement is not clear.
+_LEAST_CORRELATION = 0.8
 
 
 @dataclass(frozen=True)
 class Movement:
-    """How an eye turned: to the right, up, and clockwise as the observer sees it.
+    """How an eye turned.
 
-    correlation: of both pictures once aligned, in [-1, 1]; refused: why the movement is not clear,
-    "" where it is.
+    turns_deg: (3,) to the right, up, and clockwise as the observer sees it, NaN where refused;
+    refused: why the movement is not clear, "" where it is.
     """
 
-    sideways_deg: float
-    up_deg: float
-    clockwise_deg: float
-    correlation: float
+    turns_deg: Floats
     refused: str = ""
 
-    @property
-    def turns_deg(self) -> Floats:
-        """All three, (3,); NaN where the movement was refused."""
-        turns = (self.sideways_deg, self.up_deg, self.clockwise_deg)
-        return np.full(3, np.nan) if self.refused else np.array(turns)
 
-
-def movement(
-    earlier: Picture, later: Picture, focal_length_px: float, least_correlation: float = 0.8
-) -> Movement:
+def movement(earlier: Picture, later: Picture, focal_length_px: float) -> Movement:
     """Return the movement between two pictures (height_px, width_px) of one eye.
 
     First the peak of their phase correlation (Kuglin & Hines 1975), then the shift and rotation of
@@ -57,14 +48,13 @@ def movement(
     """
     side_px = _side_px(min(earlier.shape))
     if earlier.min() == earlier.max() or later.min() == later.max():
-        return _refused("a picture is uniform", 0.0)
+        return _refused("a picture is uniform")
     window = cv2.createHanningWindow((side_px, side_px), cv2.CV_32F)
     first, second = (_centre(picture, side_px) for picture in (earlier, later))
     (to_right, down), _ = cv2.phaseCorrelate(first, second, window)
     turned = _turned(-to_right, -down, 0.0, focal_length_px)
-    correlation = 0.0
     for _ in range(_N_ROUNDS):
-        half = _rotation(_vector(turned) / 2.0)
+        half = _rodrigues(_rodrigues(turned) / 2.0)
         size_px = side_px // 2
         a = _seen(earlier, half, size_px, focal_length_px)
         b = _seen(later, half.T, size_px, focal_length_px)
@@ -75,21 +65,21 @@ def movement(
                 a, b, start, cv2.MOTION_EUCLIDEAN, _STOP, everywhere, _BLUR_PX
             )
         except cv2.error:
-            return _refused("the pictures do not align", correlation)
+            return _refused("the pictures do not align")
         centre = np.array([(size_px - 1) / 2.0, (size_px - 1) / 2.0, 1.0])
         warp = np.asarray(found, np.float64)
         to_right, down = warp @ centre - centre[:2]
         rest = _turned(-to_right, -down, -math.atan2(warp[1, 0], warp[0, 0]), focal_length_px)
         turned = half @ rest @ half
-    sideways_deg, up_deg, clockwise_deg = angles_deg(turned).tolist()
-    refused = "" if correlation >= least_correlation else "the pictures differ too much"
-    return Movement(sideways_deg, up_deg, clockwise_deg, float(correlation), refused)
+    if not correlation >= _LEAST_CORRELATION:  # also true of NaN
+        return _refused("the pictures differ too much")
+    return Movement(angles_deg(turned))
 
 
 def rotation(movement_deg: Floats) -> Floats:
     """Return R (3, 3) of a movement (3,): the later camera's axes in the earlier one's."""
     sideways, up, clockwise = np.radians(movement_deg)
-    return _rotation(np.array([up, sideways, 0.0])) @ _rotation(np.array([0.0, 0.0, clockwise]))
+    return _rodrigues(np.array([up, sideways, 0.0])) @ _rodrigues(np.array([0.0, 0.0, clockwise]))
 
 
 def angles_deg(turned: Floats) -> Floats:
@@ -109,15 +99,12 @@ def swing_deg(ahead: Floats) -> Floats:
 
 def _turned(right_px: float, down_px: float, clockwise: float, focal_length_px: float) -> Floats:
     swing = np.array([-down_px, right_px, 0.0]) / focal_length_px
-    return _rotation(swing) @ _rotation(np.array([0.0, 0.0, clockwise]))
+    return _rodrigues(swing) @ _rodrigues(np.array([0.0, 0.0, clockwise]))
 
 
-def _rotation(vector: Floats) -> Floats:
-    return np.asarray(cv2.Rodrigues(vector)[0], np.float64)
-
-
-def _vector(turned: Floats) -> Floats:
-    return np.asarray(cv2.Rodrigues(turned)[0], np.float64)
+def _rodrigues(turn: Floats) -> Floats:
+    """Return the rotation R (3, 3) of a vector (3,), or the vector of a rotation."""
+    return np.asarray(cv2.Rodrigues(turn)[0], np.float64)
 
 
 def _side_px(most_px: int) -> int:
@@ -147,5 +134,5 @@ def _seen(picture: Picture, turned: Floats, size_px: int, focal_length_px: float
     )
 
 
-def _refused(reason: str, correlation: float) -> Movement:
-    return Movement(math.nan, math.nan, math.nan, correlation, reason)
+def _refused(reason: str) -> Movement:
+    return Movement(np.full(3, np.nan), reason)

@@ -9,9 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lockstep.randomness import generator
-from vergence_rl.cacla.actor_step import actor_step, declining_rate, n_updates
+from vergence_rl.cacla.actor import (
+    ActorOutput,
+    ActorWeights,
+    actor,
+    actor_step,
+    declining_rate,
+    n_updates,
+)
 from vergence_rl.cacla.config import CaclaConfig
-from vergence_rl.cacla.networks import ActorOutput, ActorWeights, actor, uniform_weights
 from vergence_rl.learning_rule import Decision, Floats, Observation, Task
 from vergence_rl.td import bounded_rate, critic_step, td_error, td_variance, value
 
@@ -40,13 +46,14 @@ class CaclaRule:
         self._config, self._task = config, task
         self.learning_steps = 0
         n_state, n_hidden = task.n_state, config.n_hidden
-        critic_width = config.critic_initial_width or 1.0 / n_state
-        hidden_width = config.hidden_initial_width or 1.0 / (n_state * n_hidden)
+        of_critic = config.critic_initial_width or 1.0 / n_state
+        of_hidden = config.hidden_initial_width or 1.0 / (n_state * n_hidden)
+        of_output = config.output_initial_width
         draw = generator(task.seed, "weights", 0)
-        self._critic = uniform_weights(draw, (n_state,), critic_width)
+        self._critic = draw.uniform(-of_critic, of_critic, n_state)
         self._actor = ActorWeights(
-            uniform_weights(draw, (n_hidden, n_state), hidden_width),
-            uniform_weights(draw, (task.n_muscles, n_hidden), config.output_initial_width),
+            draw.uniform(-of_hidden, of_hidden, (n_hidden, n_state)),
+            draw.uniform(-of_output, of_output, (task.n_muscles, n_hidden)),
         )
         self._td_variance = task.initial_td_variance
         self._last: _Experience | None = None
@@ -61,7 +68,8 @@ class CaclaRule:
         output = actor(self._actor, observation.state)
         action = output.action
         if draw is not None:
-            action = action + self._noise(draw, len(action))
+            standard_deviation = math.sqrt(self._config.exploration_variance)
+            action = action + draw.normal(0.0, standard_deviation, len(action))
         command = np.clip(observation.activations + action, self._task.lowest, self._task.highest)
         # What the limits have left of the action is what the actor may copy (D14).
         change = command - observation.activations
@@ -94,10 +102,6 @@ class CaclaRule:
         self.learning_steps = int(state["learning_steps"])
         self._td_variance = float(state["td_variance"])
         self._last = None
-
-    def _noise(self, draw: np.random.Generator, n_muscles: int) -> Floats:
-        """Return Gaussian noise, of the same width throughout (K17 II)."""
-        return draw.normal(0.0, math.sqrt(self._config.exploration_variance), n_muscles)
 
     def _learn(self, last: _Experience, observation: Observation, value_t: float) -> float:
         """Update critic and actor for the last state and action; return the TD error."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from lockstep.command_space import SIDES
 from lockstep.errors import InputError
+from vergence_rl.gaze.config import GazeConfig
 from vergence_rl.gaze.descent import lowered
 from vergence_rl.gaze.effort import Effort
 from vergence_rl.gaze.eye_turns import N_TURNS, EyeTurns
@@ -29,27 +30,19 @@ class GazeControl:
     Activations are those of twelve muscles, the left eye's six first.
     """
 
-    def __init__(
-        self,
-        lowest: Floats,
-        highest: Floats,
-        noise: float,
-        *,
-        memory_share: float = 0.0,
-        holds_gaze: bool = True,
-    ) -> None:
-        """lowest, highest: (12,) limits of the commands; noise, memory_share: see GazeConfig.
-
-        holds_gaze: whether vergence leaves the left line of sight where it is, to which saccades
-        have turned it; otherwise both eyes verge, and version is free.
-        """
-        self._holds_gaze = holds_gaze
-        self._noise, self._limits = noise, (lowest, highest)
+    def __init__(self, lowest: Floats, highest: Floats, config: GazeConfig) -> None:
+        """lowest, highest: (12,) limits of the commands."""
+        # Vergence leaves the left line of sight where it is, to which saccades have turned it;
+        # without saccades both eyes verge, and version is free.
+        self._holds_gaze = config.fixation_iterations > 0
+        self._noise, self._limits = config.saccade_noise, (lowest, highest)
         self._eyes = [
-            EyeTurns(low, high, memory_share)
+            EyeTurns(low, high, config.memory_share)
             for low, high in zip(_of_eyes(lowest), _of_eyes(highest), strict=True)
         ]
         self._effort = Effort(len(lowest))
+        names = (*(f"{side}_eye" for side in SIDES), "effort")
+        self._regressions = dict(zip(names, (*self._eyes, self._effort), strict=True))
         self._before: Floats | None = None
 
     @property
@@ -150,16 +143,15 @@ class GazeControl:
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all that learning has changed, as copies."""
         return {
-            f"{side}_eye_{name}": array
-            for side, eye in zip(SIDES, self._eyes, strict=True)
-            for name, array in eye.state().items()
-        } | self._effort.state()
+            f"{owner}_{name}": array
+            for owner, regression in self._regressions.items()
+            for name, array in regression.state().items()
+        }
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from what state returned, bit for bit."""
-        for side, eye in zip(SIDES, self._eyes, strict=True):
-            eye.restore({name: state[f"{side}_eye_{name}"] for name in eye.state()})
-        self._effort.restore(state)
+        for owner, regression in self._regressions.items():
+            regression.restore({name: state[f"{owner}_{name}"] for name in regression.state()})
         self._before = None
 
 

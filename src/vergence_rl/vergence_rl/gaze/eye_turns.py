@@ -11,8 +11,6 @@ up, and clockwise.
 """
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +24,7 @@ from vergence_rl.gaze.descent import (
     places_half_way,
     slopes_half_way,
 )
+from vergence_rl.gaze.fading_regression import FadingRegression
 
 Floats = NDArray[np.float64]
 
@@ -34,8 +33,8 @@ _RIDGE_SHARE = 1e-5
 _LEAST_MEMORY = 2000.0
 
 
-class EyeTurns:
-    """Owns the sums of the regression."""
+class EyeTurns(FadingRegression):
+    """Owns the regression of an eye's turns on changes of activation."""
 
     def __init__(self, lowest: Floats, highest: Floats, memory_share: float = 0.0) -> None:
         """Know nothing: every change is 0.
@@ -47,12 +46,9 @@ class EyeTurns:
         self._limits = (np.array(lowest, np.float64), np.array(highest, np.float64))
         self._n_muscles = n_muscles = len(lowest)
         n_inputs = n_muscles * len(places_half_way(*self._limits))
-        self.n_movements = 0
         # What fewer movements say of so many inputs would throw the eye about.
         self._n_needed = 2 * n_inputs
-        self._squares = np.zeros((n_inputs, n_inputs))
-        self._products = np.zeros((n_inputs, N_TURNS))
-        self._weights: Floats | None = None
+        super().__init__(n_inputs, (N_TURNS,), ridge_share=_RIDGE_SHARE, counted="n_movements")
 
     def learn(self, activations: Floats, change: Floats, turns_deg: Floats) -> None:
         """Learn from a movement.
@@ -64,15 +60,10 @@ class EyeTurns:
         a, d = self._scaled(activations, change)
         y = _checked("turns", turns_deg, N_TURNS)
         x = np.outer(d, places_half_way(a, HALF * d)).ravel()
+        kept = 1.0
         if self._memory_share:
-            memory = max(_LEAST_MEMORY, self._memory_share * self.n_movements)
-            kept = math.exp(-1.0 / memory)
-            self._squares *= kept
-            self._products *= kept
-        self._squares += np.outer(x, x)
-        self._products += np.outer(x, y)
-        self.n_movements += 1
-        self._weights = None
+            kept = math.exp(-1.0 / max(_LEAST_MEMORY, self._memory_share * self.n_learned))
+        self.add(x, y, kept=kept)
 
     def turns_deg(self, activations: Floats, change: Floats) -> Floats:
         """Return the turns (n_turns,) that a change is expected to lead to; see `learn`."""
@@ -83,7 +74,7 @@ class EyeTurns:
     @property
     def is_known(self) -> bool:
         """Whether enough movements are known to rely on."""
-        return self.n_movements >= self._n_needed
+        return self.n_learned >= self._n_needed
 
     def slopes_deg(self, activations: Floats) -> Floats:
         """Return the turns per unit of each activation, (n_turns, n_muscles), of small changes."""
@@ -114,34 +105,14 @@ class EyeTurns:
 
     def _solved(self) -> Floats:
         """Return the weights of places in the slopes, (n_turns, n_muscles, n_places)."""
-        if self._weights is None:
-            n_inputs = len(self._squares)
-            penalty = _RIDGE_SHARE * np.trace(self._squares) / n_inputs or 1.0
-            squares = self._squares + penalty * np.eye(n_inputs)
-            weights = np.linalg.solve(squares, self._products).T
-            self._weights = np.ascontiguousarray(weights.reshape(N_TURNS, self._n_muscles, -1))
-        return self._weights
+        weights = self.weights().T.reshape(N_TURNS, self._n_muscles, -1)
+        return np.ascontiguousarray(weights)
 
     def _scaled(self, activations: Floats, change: Floats) -> tuple[Floats, Floats]:
         return (
             _checked("activations", activations, self._n_muscles) / ACTIVATION - 1.0,
             _checked("change", change, self._n_muscles) / CHANGE,
         )
-
-    def state(self) -> dict[str, NDArray[Any]]:
-        """Return all that learning has changed, for restore, as copies."""
-        return {
-            "n_movements": np.array(self.n_movements),
-            "squares": self._squares.copy(),
-            "products": self._products.copy(),
-        }
-
-    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
-        """Continue from what state returned, bit for bit."""
-        self.n_movements = int(state["n_movements"])
-        self._squares = state["squares"].copy()
-        self._products = state["products"].copy()
-        self._weights = None
 
 
 def _checked(name: str, values: Floats, n: int) -> Floats:

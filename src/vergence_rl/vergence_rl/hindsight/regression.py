@@ -73,11 +73,6 @@ def nearness(targets: Floats, scale: float) -> Floats:
     return scale**2 / (scale**2 + squared)
 
 
-def kept_share(n_visits: int, memory: float) -> float:
-    """Return what is left of older sums after n_visits more, exp(-n_visits / memory)."""
-    return float(np.exp(-n_visits / memory))
-
-
 def weights_of_ranks(n_best: int) -> Floats:
     """Return the weights, (n_best,), of an episode's best places in its target, the best one first.
 

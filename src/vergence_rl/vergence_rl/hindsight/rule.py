@@ -14,7 +14,6 @@ from vergence_rl.hindsight.noise import FirstNoise, floored, root_of, widened
 from vergence_rl.hindsight.regression import (
     Sums,
     first_sums,
-    kept_share,
     nearness,
     regressed_actor,
     residual_covariance,
@@ -232,7 +231,8 @@ class HindsightRule:
         return made_up(place, asked, self._covariance, held) if held.any() else place
 
     def _kept_share(self, n_seen: int) -> float:
-        return kept_share(self._task.iterations_per_episode, self._memory(n_seen))
+        """Return what an episode leaves of the sums before it."""
+        return float(np.exp(-self._task.iterations_per_episode / self._memory(n_seen)))
 
     def _memory(self, n_seen: int) -> float:
         return max(self._config.least_memory, self._config.memory_share * n_seen)

@@ -1,15 +1,37 @@
-"""CACLA+VAR (van Hasselt & Wiering 2007; K17 eq. 4): an action that did better is copied.
+"""The actor of CACLA+VAR (van Hasselt & Wiering 2007; K17 eq. 4): it copies what did better.
 
-Dimensions: n_state, n_hidden, n_muscles. Time is in the names: _t is now, _tm1 before.
+A network of one hidden layer of tanh units with linear outputs. Dimensions: n_state, n_hidden,
+n_muscles (medial before lateral). Time is in the names: _t is now, _tm1 before.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numba import float64, njit, void
 from numpy.typing import NDArray
 
-from vergence_rl.cacla.networks import ActorOutput, ActorWeights
+
+@dataclass(frozen=True)
+class ActorWeights:
+    """hidden: (n_hidden, n_state) input weights W1; output: (n_muscles, n_hidden) W2."""
+
+    hidden: NDArray[np.float64]
+    output: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ActorOutput:
+    """activity: (n_hidden,) of the hidden units; action: (n_muscles,) change of activation."""
+
+    activity: NDArray[np.float64]
+    action: NDArray[np.float64]
+
+
+def actor(weights: ActorWeights, state: NDArray[np.float64]) -> ActorOutput:
+    """Return A(s) = W2 tanh(W1 s) (K17 II), for one state (n_state,)."""
+    activity = np.tanh(weights.hidden @ state)
+    return ActorOutput(activity, weights.output @ activity)
 
 
 def declining_rate(initial_rate: float, training_iteration: int, n_iterations: int) -> float:

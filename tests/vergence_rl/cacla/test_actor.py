@@ -1,9 +1,27 @@
+import math
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from vergence_rl.cacla.actor_step import actor_step, declining_rate, n_updates
-from vergence_rl.cacla.networks import ActorOutput, ActorWeights, actor
+from vergence_rl.cacla.actor import (
+    ActorOutput,
+    ActorWeights,
+    actor,
+    actor_step,
+    declining_rate,
+    n_updates,
+)
+
+
+def test_actor_is_hand_computed() -> None:
+    weights = ActorWeights(
+        hidden=np.array([[1.0, 0.0], [0.0, -2.0]]), output=np.array([[1.0, 1.0], [0.0, 3.0]])
+    )
+    got = actor(weights, np.array([0.5, 0.25]))
+    medial = math.tanh(0.5) - math.tanh(0.5)
+    np.testing.assert_allclose(got.activity, [math.tanh(0.5), -math.tanh(0.5)])
+    np.testing.assert_allclose(got.action, [medial, -3.0 * math.tanh(0.5)], atol=1e-15)
 
 
 @pytest.mark.parametrize(("now", "rate"), [(0, 0.5), (250, 0.375), (1000, 0.0), (1001, 0.0)])

@@ -1,0 +1,89 @@
+"""Small agents of both rules, and what they experience."""
+
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lockstep.configuration import build, flatten
+from vergence_rl.agent import Agent
+from vergence_rl.cacla.config import CaclaConfig
+from vergence_rl.config import VergenceRlConfig
+from vergence_rl.hindsight.config import HindsightConfig
+from vergence_rl.learning_rule import Decision
+
+Floats = NDArray[np.float64]
+MID, HIGHEST = np.array([0.1, 0.05]), np.array([0.2, 0.1])
+
+
+def changed(config: VergenceRlConfig, changes: dict[str, Any]) -> VergenceRlConfig:
+    """Return a configuration with other settings, those of a rule by dotted names."""
+    return build(VergenceRlConfig, flatten(config) | changes)
+
+
+CACLA = VergenceRlConfig(
+    n_features=6, n_training_iterations=300, cacla=CaclaConfig(n_hidden=4, hidden_initial_width=0.5)
+)
+HINDSIGHT = VergenceRlConfig(
+    learning_rule="hindsight",
+    n_features=6,
+    iterations_per_episode=5,
+    hindsight=HindsightConfig(regression_period=20, least_memory=60.0),
+)
+# The mean of the three best places, whose noise is tried again, a larger penalty at first, and a
+# small one on activations.
+MEAN = changed(
+    HINDSIGHT,
+    {
+        "n_training_iterations": 500,
+        "hindsight.n_best": 3,
+        "hindsight.ridge_visits": 30.0,
+        "hindsight.felt_ridge_share": 0.1,
+    },
+)
+
+
+@cache
+def experience(now: int) -> tuple[NDArray[np.float32], Floats, float]:
+    """Features, activations and reward of an observation; now and then a muscle is at a limit."""
+    draw = np.random.default_rng([23, now])
+    features = draw.random((2, 3)).astype(np.float32)
+    activations = np.clip(draw.uniform(-0.05, 0.25, 2), 0.0, HIGHEST)
+    return features, activations, float(draw.standard_normal())
+
+
+def train(agent: Agent, first: int, n: int) -> list[Decision]:
+    """Return the decisions of n training iterations."""
+    length = agent.config.iterations_per_episode
+    return [
+        agent.observe(*experience(t), t % length, t, learning=True, exploration=True)
+        for t in range(first, first + n)
+    ]
+
+
+def trained(config: VergenceRlConfig, n: int) -> Agent:
+    """Return an agent after n training iterations."""
+    agent = Agent(config)
+    train(agent, 0, n)
+    return agent
+
+
+def assert_same_state(state: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
+    """Check bits and names."""
+    assert set(state) == set(expected)
+    for name, array in state.items():
+        np.testing.assert_array_equal(array, expected[name], err_msg=name)
+
+
+def slow_state(config: VergenceRlConfig, now: int) -> Floats:
+    """Return the state of an observation from all experiences so far, at once."""
+    seen = [
+        np.append(features.ravel().astype(np.float64) ** config.feature_exponent, activations)
+        for features, activations, _ in map(experience, range(now + 1))
+    ]
+    if now == 0:
+        return np.append(np.zeros(8), 0.02)
+    spread = np.std(seen, axis=0, ddof=1)
+    return np.append(0.02 * (seen[-1] - np.mean(seen, axis=0)) / spread, 0.02)
