@@ -1,7 +1,9 @@
 """Serialized messages of the graph's topics, and bags of them, for the tests of this package."""
 
 import math
+import sys
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ from rosbags.typesys import Stores, get_typestore
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.commands.run_experiment import main as run_experiment
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES
+from tests.command_lines import set_words
 from tests.made_once import made_once
 from tests.supervisor import finished, start_supervisor
 
@@ -287,8 +290,7 @@ def small_run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
         "vergence_rl.cacla.output_initial_width": "0.1",
     }
     line = ["--iterations", "60", "--tests", "0,30", "--stimuli", str(pictures)]
-    for name, value in settings.items():
-        line += ["--set", f"{name}={value}"]
+    line += set_words(settings)
 
     def make(directory: Path) -> None:
         finished(start_supervisor([*line, "--out", str(directory / "run")]))
@@ -297,20 +299,35 @@ def small_run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
-def gazing_run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
+def run_of(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Callable[[str], Path]:
+    """Return a function that returns the run directory of a kind of eyes, hardly trained.
+
+    The pair and twelve muscles without saccades, and those with; tests before and after training.
+    """
+
+    def run(kind: str) -> Path:
+        settings = {
+            "eye_plant.camera.renderer": "plane",
+            "eye_plant.stimuli.size_px": STIMULUS_PX,
+            "experiment_manager.protocol.test_distances_m": "[2.0]",
+        }
+        if kind != "pair":
+            settings["experiment_manager.protocol.n_starts_per_distance"] = 1
+        line = ["--in-process", "--profile", {"pair": "precise"}.get(kind, kind)]
+        line += ["--iterations", "40", "--tests", "0,40", "--stimuli", str(pictures)]
+        line += set_words(settings)
+
+        def make(directory: Path) -> None:
+            # What a test reads of standard output is its own.
+            with redirect_stdout(sys.stderr):
+                assert run_experiment([*line, "--out", str(directory / "run")]) == 0
+
+        return made_once(tmp_path_factory, f"eyes_{kind}", make) / "run"
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def gazing_run(run_of: Callable[[str], Path]) -> Path:
     """Return the directory of a run of eyes that make saccades, hardly trained."""
-    settings = {
-        "eye_plant.camera.renderer": "plane",
-        "eye_plant.stimuli.size_px": 64,
-        "experiment_manager.protocol.test_distances_m": "[2.0]",
-        "experiment_manager.protocol.n_starts_per_distance": 1,
-    }
-    line = ["--in-process", "--profile", "gaze", "--iterations", "40", "--tests", "40"]
-    line += ["--stimuli", str(pictures)]
-    for name, value in settings.items():
-        line += ["--set", f"{name}={value}"]
-
-    def make(directory: Path) -> None:
-        assert run_experiment([*line, "--out", str(directory / "run")]) == 0
-
-    return made_once(tmp_path_factory, "gazing", make) / "run"
+    return run_of("gaze")

@@ -11,29 +11,32 @@ import pytest
 from eye_plant.camera.config import RENDERERS, CameraConfig
 from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stimulus_set import StimulusSet
+from eye_plant.validation.dynamic_checks import DISTANCES_M, spot
 from eye_plant.vergence import desired_vergence_deg, disparity_px
 from lockstep.errors import InputError
-from tests.eye_plant.camera.camera_stimuli import (
-    FLAT,
-    FLAT_GREYS,
-    FOCAL_LENGTH_PX,
-    MARK,
-    NOISE,
-    QUADRANTS,
-    SIZE_PX,
-    camera_stimuli,
-    noise,
-)
 from tests.eye_plant.rotations import rotation, turned_inward
 
 BASELINE_M = 0.056
 EYE_HEIGHT_M = 1.7
 POSITIONS_M = np.array([[0.0, 0.028, EYE_HEIGHT_M], [0.0, -0.028, EYE_HEIGHT_M]])
+FOCAL_LENGTH_PX = 257.34
+SIZE_PX = 1920
+
+# Numbers of the stimuli.
+FLAT = {grey: i for i, grey in enumerate((0, 1, 77, 128, 254, 255))}
+MARK = {distance_m: len(FLAT) + i for i, distance_m in enumerate(DISTANCES_M)}
+QUADRANTS = len(FLAT) + len(MARK)
+NOISE = QUADRANTS + 1
 
 
 @pytest.fixture(scope="module")
 def stimuli() -> StimulusSet:
-    return camera_stimuli()
+    flat = tuple(np.full((64, 64), grey, np.uint8) for grey in FLAT)
+    marks = tuple(spot(CameraConfig(), distance_m) for distance_m in MARK)
+    quadrants = np.kron(np.array([[200, 150], [100, 50]], np.uint8), np.ones((32, 32), np.uint8))
+    coarse = np.random.default_rng(0).integers(0, 256, (240, 240), dtype=np.uint8)
+    noise = cv2.resize(coarse, (SIZE_PX, SIZE_PX), interpolation=cv2.INTER_CUBIC)
+    return StimulusSet((*flat, *marks), (quadrants, noise))
 
 
 @pytest.fixture(scope="module", params=RENDERERS)
@@ -136,13 +139,13 @@ def test_the_plane_covers_what_rays_say(camera: StereoCamera, pose: str, distanc
 
 
 @pytest.mark.parametrize("pose", POSES)
-def test_the_texture_lies_where_rays_say(camera: StereoCamera, pose: str) -> None:
+def test_the_texture_lies_where_rays_say(camera, stimuli, pose) -> None:
     distance_m = 0.8  # 2 stimulus pixels per camera pixel, 4 camera pixels per grain
     for i_eye, picture in enumerate(camera.render(POSITIONS_M, POSES[pose], NOISE, distance_m)):
         right_m, up_m = seen_plane_points_m(i_eye, POSES[pose][i_eye], distance_m)
         column = ((right_m / 3.0 + 0.5) * SIZE_PX - 0.5).astype(np.float32)
         row = ((0.5 - up_m / 3.0) * SIZE_PX - 0.5).astype(np.float32)
-        expected = cv2.remap(noise(), column, row, cv2.INTER_LINEAR).astype(float)
+        expected = cv2.remap(stimuli.all[NOISE], column, row, cv2.INTER_LINEAR).astype(float)
         assert np.abs(picture - expected).mean() < 0.05 * expected.std()
 
 
@@ -173,7 +176,7 @@ def test_an_eye_rolled_clockwise_sees_the_mark_turn_the_other_way(camera: Stereo
 # --- light and background
 
 
-@pytest.mark.parametrize("grey", FLAT_GREYS)
+@pytest.mark.parametrize("grey", FLAT)
 def test_grey_values_are_unchanged(camera: StereoCamera, grey: int) -> None:
     for pose in ("straight", "all"):
         pictures = camera.render(POSITIONS_M, POSES[pose], FLAT[grey], 1.0)

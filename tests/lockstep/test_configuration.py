@@ -75,7 +75,7 @@ def test_a_list_becomes_a_tuple_of_its_type() -> None:
         ({"inner.limits": 1.0}, "inner.limits: expected a list with entries, got 1.0"),
         ({"inner.names": "abc"}, "inner.names: expected a list with entries, got 'abc'"),
         ({"inner.limits": [0.0, "x"]}, "inner.limits[1]: expected a number, got 'x'"),
-        ({"inner.gain": -1.0}, "gain: expected 0 or more, got -1.0"),
+        ({"inner.gain": -1.0}, "inner.gain: expected 0 or more, got -1.0"),
     ],
 )
 def test_bad_values_are_one_clear_error(values: dict[str, Any], message: str) -> None:

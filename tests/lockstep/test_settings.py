@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 
-from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.settings import REQUIRED, Setting, check_settings, declarations, setting
 
@@ -92,11 +91,6 @@ def test_one_of_some_choices() -> None:
     assert Head(model="M_C").model == "M_C"
     with pytest.raises(InputError, match=r"^model: expected M or M_C, got 'X'$"):
         Head(model="X")
-
-
-def test_an_error_within_a_nested_configuration_names_the_whole_parameter() -> None:
-    with pytest.raises(InputError, match=r"^eye\.share: expected 0 or more, less than 1, got 2\.0"):
-        build(Head, {"eye.share": 2.0})
 
 
 def test_a_setting_without_a_default_is_required() -> None:

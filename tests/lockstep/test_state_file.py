@@ -40,13 +40,10 @@ def test_the_same_state_is_the_same_file(path: Path, tmp_path: Path) -> None:
     assert (tmp_path / "again.npz").read_bytes() == path.read_bytes()
 
 
-def test_nothing_stays_beside_it(path: Path) -> None:
-    assert os.listdir(path.parent) == [path.name]
-
-
-def test_a_new_state_replaces_the_old_one(path: Path) -> None:
+def test_a_new_state_replaces_the_old_one_and_nothing_stays_beside_it(path: Path) -> None:
     write_state(path, "coder", {"steps": np.array(13)})
     assert int(read_state(path, "coder")["steps"]) == 13
+    assert os.listdir(path.parent) == [path.name]
 
 
 def test_cut_off_anywhere_is_refused(path: Path) -> None:

@@ -1,3 +1,4 @@
+import copy
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,5 +17,11 @@ def style() -> Iterator[None]:
 
 
 @pytest.fixture(scope="package")
-def runs(run_directories: dict[str, Path]) -> list[ReportedRun]:
+def read_runs(run_directories: dict[str, Path]) -> list[ReportedRun]:
     return [ReportedRun(directory) for directory in run_directories.values()]
+
+
+@pytest.fixture
+def runs(read_runs: list[ReportedRun]) -> list[ReportedRun]:
+    """Runs of M and of M_C, to change at will; what their bags hold is read once for all tests."""
+    return [copy.copy(run) for run in read_runs]

@@ -25,18 +25,17 @@ def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[Repo
     assert len(groups[0].trials_at(130).trial) == 2 * 39
 
 
-def test_runs_with_other_settings_are_not_pooled(runs, monkeypatch) -> None:
+def test_runs_with_other_settings_are_not_pooled(runs) -> None:
     run = runs[0]
-    other = ReportedRun(run.directory)
+    other = copy.copy(run)
     for own, free in (("seed: 1", "seed: 5"), ("commit: 0123abc", "commit: abc")):
         assert own in run.configuration
-        monkeypatch.setattr(other, "configuration", run.configuration.replace(own, free))
+        other.configuration = run.configuration.replace(own, free)
         assert len(groups_of([run, other])) == 1, free
-    text = run.configuration.replace(
+    other.configuration = run.configuration.replace(
         "mechanics.parameter_set: k17",
         "mechanics.parameter_set: anatomical\n    stimuli.directory: /my/photos",
     )
-    monkeypatch.setattr(other, "configuration", text)
     first, second = groups_of([run, other])
     assert first.label.endswith("parameter_set k17, 1 run")
     assert first.name == "M, parameter_set k17"
@@ -44,29 +43,24 @@ def test_runs_with_other_settings_are_not_pooled(runs, monkeypatch) -> None:
     assert first.colour != second.colour
 
 
-def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(runs, monkeypatch) -> None:
+def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(runs) -> None:
     run = runs[0]
-    other = ReportedRun(run.directory)
-    monkeypatch.setattr(
-        other,
-        "configuration",
-        run.configuration.replace(
-            "mechanics.parameter_set: k17",
-            "mechanics.parameter_set: anatomical\n    camera.roi_width_px: 128",
-        ),
+    other = copy.copy(run)
+    other.configuration = run.configuration.replace(
+        "mechanics.parameter_set: k17",
+        "mechanics.parameter_set: anatomical\n    camera.roi_width_px: 128",
     )
     for one, profile in ((run, "paper"), (other, "precise")):
         document = yaml.safe_load(one.configuration)
         document["/**/experiment_manager"] = {"ros__parameters": {"profile": profile}}
-        monkeypatch.setattr(one, "configuration", yaml.safe_dump(document))
+        one.configuration = yaml.safe_dump(document)
     first, second = groups_of([run, other])
     assert first.label.endswith(", profile paper, 1 run")
     assert second.label.endswith(", profile precise, 1 run")
     assert second.name == "M, profile precise"
     # Where runs of one profile differ, it does not say in what.
-    third = ReportedRun(run.directory)
-    text = other.configuration.replace("parameter_set: anatomical", "parameter_set: k17")
-    monkeypatch.setattr(third, "configuration", text)
+    third = copy.copy(run)
+    third.configuration = other.configuration.replace("set: anatomical", "set: k17")
     names = [group.name for group in groups_of([run, other, third])]
     assert names == [
         "M, profile paper",
@@ -75,33 +69,32 @@ def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(runs, monkeyp
     ]
 
 
-def test_a_parameter_that_is_lacking_has_its_default(runs, monkeypatch) -> None:
-    run, other = runs[0], ReportedRun(runs[0].directory)
+def test_a_parameter_that_is_lacking_has_its_default(runs) -> None:
+    run, other = runs[0], copy.copy(runs[0])
     text = configuration_text(configuration_of(request_of(arguments(["--model", "M"])), ""))
     line = "    camera.texture_mipmaps: true\n"
     assert line in text
-    monkeypatch.setattr(run, "configuration", text)
-    monkeypatch.setattr(other, "configuration", text.replace(line, ""))
+    run.configuration = text
+    other.configuration = text.replace(line, "")
     assert len(groups_of([run, other])) == 1
-    monkeypatch.setattr(other, "configuration", text.replace(line, line.replace("true", "false")))
+    other.configuration = text.replace(line, line.replace("true", "false"))
     assert len(groups_of([run, other])) == 2
-    replaced = text.replace(line, line + "    camera.own: 1\n")
-    monkeypatch.setattr(other, "configuration", replaced)
+    other.configuration = text.replace(line, line + "    camera.own: 1\n")
     _, second = groups_of([run, other])
     assert second.name == "M, own 1"
 
 
 @pytest.mark.parametrize("course", ["branched_at_iteration", "extended_from"])
-def test_a_run_of_another_course_is_not_pooled(runs, monkeypatch, course) -> None:
-    run, other = runs[0], ReportedRun(runs[0].directory)
-    monkeypatch.setattr(other, "about", {**run.about, course: 100})
+def test_a_run_of_another_course_is_not_pooled(runs, course) -> None:
+    run, other = runs[0], copy.copy(runs[0])
+    other.about = {**run.about, course: 100}
     first, second = groups_of([run, other])
     assert (first.name, second.name) == ("M", f"M, {course} 100")
 
 
 def test_a_run_without_its_last_test_does_not_hold_back_finished_ones(runs) -> None:
     run, m_c = runs
-    other = ReportedRun(run.directory)
+    other = copy.copy(run)
     other.summaries = run.summaries[:2]
     other.trials = {test.iteration: run.trials[test.iteration] for test in other.summaries}
     assert held_back([run, other, m_c]) == [other]

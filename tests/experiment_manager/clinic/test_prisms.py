@@ -11,7 +11,6 @@ from experiment_manager.clinic.prisms import (
     DIRECTIONS,
     Direction,
     PrismTrial,
-    break_and_recovery_deg,
     prism_trial,
 )
 from experiment_manager.clinic.room import NO_PRISM, Course, Prism
@@ -46,8 +45,7 @@ def _trial(direction: Direction, *eyes: float) -> PrismTrial:
 
 
 def _measures(trial: PrismTrial) -> tuple[float, float]:
-    (broken,), (regained,) = break_and_recovery_deg([trial])
-    return broken, regained
+    return trial.break_deg, trial.recovery_deg
 
 
 def test_fusion_is_lost_beyond_what_eyes_follow_and_regained_below() -> None:

@@ -7,7 +7,6 @@ import pytest
 from experiment_manager.clinic.quartiles import (
     censored_quartiles_of,
     in_prism_dioptres,
-    prism_dioptres,
     quartiles_of,
 )
 
@@ -24,9 +23,9 @@ def test_a_quartile_beyond_what_was_tried_is_none() -> None:
 
 
 def test_prism_dioptres_are_cm_at_one_metre() -> None:
-    assert prism_dioptres(45.0) == pytest.approx(100.0)
-    assert prism_dioptres(-1.0) == pytest.approx(-1.7455, abs=1e-4)
-    assert in_prism_dioptres({"median": None, "upper_quartile": 45.0}) == {
+    quartiles_deg = {"lower_quartile": -1.0, "median": None, "upper_quartile": 45.0}
+    assert in_prism_dioptres(quartiles_deg) == {
+        "lower_quartile": pytest.approx(-1.7455, abs=1e-4),
         "median": None,
         "upper_quartile": pytest.approx(100.0),
     }

@@ -15,8 +15,7 @@ from gymnasium.utils.env_checker import check_env
 
 import experiment_manager.environments  # noqa: F401 (registers them)
 from experiment_manager.environments.active_vergence import VergenceEnvironment
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.protocol import make_protocol
+from experiment_manager.experiment.protocol import protocol_of
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
@@ -118,13 +117,10 @@ def configuration(settings: dict[str, Any]) -> Configuration:
 def test_our_agent_learns_the_same_numbers_as_in_the_loop(bare, settings, rule) -> None:
     parameters = configuration(settings | {"vergence_rl.learning_rule": rule})
     loop = make_loop(parameters)
-    protocol = make_protocol(build(ExperimentManagerConfig, parameters["experiment_manager"]))
     expected_deg = []
-    for segment in protocol.segments:
-        for place in range(segment.first, segment.first + segment.n_episodes):
-            if segment.i_test < 0:
-                *_, last = loop.run_episode(protocol.episode(place))
-                expected_deg.append(last.observation.truth.vergence_error_deg)
+    for episode in protocol_of(parameters).training_episodes():
+        *_, last = loop.run_episode(episode)
+        expected_deg.append(last.observation.truth.vergence_error_deg)
     loop.plant.close()
 
     spec = importlib.util.spec_from_file_location("gymnasium_agent", EXAMPLE)

@@ -2,15 +2,15 @@ import pytest
 
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.experiment.plant_changes import (
+    Change,
     Schedule,
     parse_schedule,
     read_schedule,
-    stages_of,
 )
-from experiment_manager.experiment.protocol import Eyes, Protocol, make_protocol
+from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.experiment.starts import PairStarts
 from eye_plant.config import EyePlantConfig
-from eye_plant.mechanics.muscles import N_MUSCLES
+from eye_plant.mechanics.model import N_MUSCLES
 from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.wire.topics import TEST, TRAINING
@@ -42,9 +42,7 @@ def test_later_changes_add_to_earlier_ones():
     assert schedule.settings(0) == {}
     assert schedule.settings(1) == {"camera.left_occluded": True}
     assert schedule.settings(2) == {"camera.left_occluded": False, "mechanics.baseline_m": 0.06}
-    started_with = build(EyePlantConfig, {"camera.right_blur_px": 2.0})
-    ats, plants = zip(*stages_of(schedule, started_with), strict=True)
-    assert ats == (0, 40, 80)
+    plants = schedule.plants(build(EyePlantConfig, {"camera.right_blur_px": 2.0}))
     assert [plant.camera.left_occluded for plant in plants] == [False, True, False]
     assert [plant.mechanics.baseline_m for plant in plants] == [0.056, 0.056, 0.06]
     assert {plant.camera.right_blur_px for plant in plants} == {2.0}
@@ -123,7 +121,7 @@ def test_a_schedule_that_the_run_or_the_plant_cannot_keep_is_refused(schedule, m
         ExperimentManagerConfig(protocol=protocol, schedule=schedule)
 
 
-def protocol_in_stages(ats):
+def protocol_with_changes(*ats):
     config = ProtocolConfig(
         n_training_iterations=120,
         test_iterations=(0, 50),
@@ -132,17 +130,18 @@ def protocol_in_stages(ats):
         n_stimuli_per_test=1,
     )
 
-    def eyes(stage, at):
+    def starts(stage):
         def activations(_, fraction):
             return pair_activations(0.01 * stage, fraction / 10.0)
 
-        return Eyes(at, 0.056, PairStarts(config, 0.056, activations))
+        return PairStarts(config, 0.056, activations)
 
-    return Protocol(config, 1, [eyes(stage, at) for stage, at in enumerate(ats)], Schedule())
+    schedule = Schedule(tuple(Change(at, {}) for at in ats))
+    return Protocol(config, 1, [starts(stage) for stage in range(1 + len(ats))], schedule)
 
 
 def test_each_episode_starts_from_what_the_eyes_of_its_stage_can_do():
-    protocol = protocol_in_stages([0, 50, 80])
+    protocol = protocol_with_changes(50, 80)
     episodes = [protocol.episode(place) for place in range(len(protocol))]
     for place, episode in enumerate(episodes):
         at = episode.training_iteration
@@ -152,7 +151,7 @@ def test_each_episode_starts_from_what_the_eyes_of_its_stage_can_do():
 
 
 def test_stages_change_neither_numbers_nor_draws_of_episodes():
-    plain, staged = protocol_in_stages([0]), protocol_in_stages([0, 50, 80])
+    plain, staged = protocol_with_changes(), protocol_with_changes(50, 80)
     assert len(plain) == len(staged)
     for place in range(len(plain)):
         before, after = plain.episode(place), staged.episode(place)

@@ -13,8 +13,9 @@ from experiment_manager.experiment.config import (
     ProtocolConfig,
 )
 from experiment_manager.experiment.plant_changes import Schedule
-from experiment_manager.experiment.protocol import Eyes, Protocol, make_protocol
+from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.experiment.starts import PairStarts, conditions
+from eye_plant.episode import Episode
 from lockstep.errors import InputError
 from lockstep.wire.topics import TEST, TRAINING
 from tests.pair import pair_activations
@@ -35,12 +36,17 @@ def _activations(vergence_deg: float, fraction: float) -> tuple[float, ...]:
 
 
 def _protocol(seed: int = 1, **settings: Any) -> Protocol:
-    config = ProtocolConfig(**(SMALL | settings))
-    return Protocol(config, seed, [_eyes(config)], Schedule())
+    return _protocol_of(ProtocolConfig(**(SMALL | settings)), seed)
 
 
-def _eyes(config: ProtocolConfig) -> Eyes:
-    return Eyes(0, BASELINE_M, PairStarts(config, BASELINE_M, _activations))
+def _protocol_of(config: ProtocolConfig, seed: int = 1) -> Protocol:
+    return Protocol(config, seed, [PairStarts(config, BASELINE_M, _activations)], Schedule())
+
+
+def _episodes(protocol: Protocol, phase: int | None = None) -> list[Episode]:
+    """Return all episodes, or those of a phase."""
+    episodes = map(protocol.episode, range(len(protocol)))
+    return [episode for episode in episodes if phase in (None, episode.phase)]
 
 
 def test_the_papers_conditions() -> None:
@@ -55,7 +61,7 @@ def test_the_papers_conditions() -> None:
 
 
 def test_the_papers_tests() -> None:
-    paper = Protocol(ProtocolConfig(), 1, [_eyes(ProtocolConfig())], Schedule())
+    paper = _protocol_of(ProtocolConfig())
     assert paper.n_trials == 1560
     assert paper.test_iterations == PAPER_TEST_ITERATIONS
     assert len(PAPER_TEST_ITERATIONS) == 13
@@ -70,7 +76,7 @@ def test_tests_beyond_the_end_are_left_out_and_one_at_the_end_is_made() -> None:
 def test_the_plane_and_the_first_gaze_have_distances_of_their_own() -> None:
     # gamma = 2 atan(0.028 / 3) = 1.0694 deg, whatever the plane's distance.
     protocol = _protocol(object_distance_m=(1.0, 1.0), fixation_distance_m=(3.0, 3.0))
-    trained = [e for e in map(protocol.episode, range(len(protocol))) if e.phase == TRAINING]
+    trained = _episodes(protocol, TRAINING)
     assert {episode.object_distance_m for episode in trained} == {1.0}
     assert [episode.activations[0] for episode in trained] == pytest.approx(
         [0.010694] * 12, rel=1e-4
@@ -87,15 +93,15 @@ def test_the_order_of_phases() -> None:
     protocol = _protocol()
     n_trials = 2 * 39
     assert protocol.n_trials == n_trials
-    episodes = [protocol.episode(place) for place in range(len(protocol))]
+    episodes = _episodes(protocol)
     assert len(episodes) == 3 * n_trials + 12
     phases = "".join("T" if e.phase == TEST else "-" for e in episodes)
     assert phases == "T" * n_trials + "-" * 5 + "T" * n_trials + "-" * 7 + "T" * n_trials
-    trained = [e for e in episodes if e.phase == TRAINING]
+    trained = _episodes(protocol, TRAINING)
     assert [e.episode for e in trained] == list(range(12))
     assert [e.training_iteration for e in trained] == list(range(0, 120, 10))
     assert {(e.test, e.trial) for e in trained} == {(-1, -1)}
-    tests = [e for e in episodes if e.phase == TEST]
+    tests = _episodes(protocol, TEST)
     assert [e.trial for e in tests] == 3 * list(range(n_trials))
     assert {(e.test, e.episode, e.training_iteration) for e in tests} == {
         (0, 0, 0),
@@ -106,8 +112,7 @@ def test_the_order_of_phases() -> None:
 
 def test_the_kind_of_a_place_is_that_of_its_episode() -> None:
     protocol = _protocol()
-    for place in range(len(protocol)):
-        episode = protocol.episode(place)
+    for place, episode in enumerate(_episodes(protocol)):
         number = episode.episode if episode.phase == TRAINING else episode.trial
         assert protocol.kind(place) == (episode.phase, number)
 
@@ -115,18 +120,15 @@ def test_the_kind_of_a_place_is_that_of_its_episode() -> None:
 def test_training_iterations_before_each_place() -> None:
     protocol = _protocol()
     counted = 0
-    for place in range(len(protocol)):
-        episode = protocol.episode(place)
+    for place, episode in enumerate(_episodes(protocol)):
         assert protocol.training_iterations_before(place) == counted == episode.training_iteration
         counted += episode.n_iterations if episode.phase == TRAINING else 0
     assert protocol.training_iterations_before(len(protocol)) == counted == 120
 
 
 def test_observations_are_numbered_without_a_gap() -> None:
-    protocol = _protocol()
     expected = 0
-    for place in range(len(protocol)):
-        episode = protocol.episode(place)
+    for episode in _episodes(_protocol()):
         assert episode.first_observation == expected
         assert episode.n_iterations == (20 if episode.phase == TEST else 10)
         expected += episode.n_iterations + 1
@@ -204,11 +206,9 @@ def test_more_tests_do_not_change_what_is_trained() -> None:
     few, many = _protocol(test_iterations=(0,)), _protocol(test_iterations=(0, 10, 20, 30, 110))
 
     def trained(protocol: Protocol) -> list[tuple[object, ...]]:
-        episodes = (protocol.episode(place) for place in range(len(protocol)))
         return [
             (e.episode, e.stimulus, e.object_distance_m, e.activations[0], e.activations[1])
-            for e in episodes
-            if e.phase == TRAINING
+            for e in _episodes(protocol, TRAINING)
         ]
 
     assert trained(few) == trained(many)

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +12,11 @@ import numpy as np
 import pytest
 
 from experiment_manager.commands.evaluate import main
-from experiment_manager.commands.run_experiment import main as run_experiment
 from experiment_manager.frozen.evaluation import FrozenResults, evaluated
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.measures.results import Summary, read_results
 from lockstep.errors import InputError
-from tests.command_lines import set_words
 
 
 @pytest.fixture
@@ -102,14 +101,6 @@ def test_a_run_without_checkpoints_is_one_line(run, capsys) -> None:
     assert "expected a checkpoint, found none" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("line", [("--out", "x.json"), ("--json",)])
-def test_options_that_do_not_go_together(run, line, capsys) -> None:
-    with pytest.raises(SystemExit) as exit_info:
-        main([str(run), *line])
-    assert exit_info.value.code == 2
-    assert capsys.readouterr().err.startswith("evaluate.sh: error: ")
-
-
 def test_a_test_with_altered_input_is_another_one(small_run: Path, run: Path) -> None:
     same = _evaluated(run, settings={"camera.left_blur_px": 0.0})
     assert same.test == _tests(small_run)[-1]
@@ -166,21 +157,9 @@ def test_two_kinds_of_stimuli_are_refused(run: Path, pictures: Path) -> None:
         _evaluated(run, Shown(stimuli=pictures, random_dots=True))
 
 
-@pytest.fixture(scope="module")
-def twelve(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
-    """Return the directory of a run of twelve muscles, hardly trained."""
-    directory = tmp_path_factory.mktemp("twelve") / "run"
-    settings = {
-        "eye_plant.camera.renderer": "plane",
-        "eye_plant.stimuli.size_px": 64,
-        "experiment_manager.protocol.test_distances_m": "[2.0]",
-        "experiment_manager.protocol.iterations_per_trial": 2,
-        "experiment_manager.protocol.n_starts_per_distance": 2,
-    }
-    line = ["--in-process", "--profile", "twelve", "--iterations", "20", "--tests", "0"]
-    line += ["--stimuli", str(pictures), "--out", str(directory)]
-    assert run_experiment([*line, *set_words(settings)]) == 0
-    return directory
+@pytest.fixture
+def twelve(run_of: Callable[[str], Path]) -> Path:
+    return run_of("twelve")
 
 
 def test_twelve_muscles_are_tested_as_in_their_run_and_from_farther_off(twelve: Path) -> None:

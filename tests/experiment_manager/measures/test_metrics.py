@@ -1,5 +1,6 @@
 """The measures, by hand."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -166,6 +167,16 @@ def test_shares_of_errors_by_hand() -> None:
     assert result.share_beyond_1_deg == pytest.approx(2 / 7), "1 deg itself is not beyond it"
 
 
+def _ended(ends: Sequence[Sequence[float]]) -> np.ndarray:
+    """Rows of trials that end with (distance, medial, lateral) or (..., error in deg)."""
+    rows: list[list[float]] = []
+    for trial, (distance_m, medial, lateral, *error_deg) in enumerate(ends):
+        muscles = {"medial_rectus": medial, "lateral_rectus": lateral}
+        errors_deg = [-1.0, *(error_deg or [0.0])]
+        rows += _trial(errors_deg, [1.0, 1.0], trial=trial, object_distance_m=distance_m, **muscles)
+    return np.array(rows)
+
+
 def test_the_antagonist_is_the_lateral_one_near_and_the_medial_one_far() -> None:
     # distance, medial, lateral after the trial; a muscle is silent below 0.005
     ends = [
@@ -177,20 +188,9 @@ def test_the_antagonist_is_the_lateral_one_near_and_the_medial_one_far() -> None
         (6.0, 0.004, 0.3),  # silent as it should be
         (6.0, 0.2, 0.0),  # the wrong one is silent
     ]
-    rows = [
-        _trial(
-            [-1.0, 0.0],
-            [1.0, 1.0],
-            trial=i,
-            object_distance_m=distance_m,
-            medial_rectus=medial,
-            lateral_rectus=lateral,
-        )
-        for i, (distance_m, medial, lateral) in enumerate(ends)
-    ]
-    assert summary_of(np.concatenate(rows)).share_antagonist_silent == pytest.approx(3 / 5)
-    assert summary_of(np.array(rows[2])).share_antagonist_silent is None
-    unknown = np.concatenate(rows)
+    assert summary_of(_ended(ends)).share_antagonist_silent == pytest.approx(3 / 5)
+    assert summary_of(_ended(ends[2:3])).share_antagonist_silent is None
+    unknown = _ended(ends)
     unknown[:2, INDEX["lateral_rectus"]] = np.nan
     assert summary_of(unknown).share_antagonist_silent == pytest.approx(2 / 4)
 
@@ -256,20 +256,7 @@ def test_of_a_test_that_ended_in_its_first_trial_nothing_counts() -> None:
 def test_what_counts_is_that_of_the_runs_own_eyes_and_cameras() -> None:
     # Twice the pixels per degree, a higher floor, eyes that rest on something nearer.
     other = Criteria(0.11132, 0.01, 0.5, 1.0, (0.0, 0.0))
-    ends = [(0.5, 0.07, 0.009, 0.2), (2.0, 0.009, 0.1, 0.1)]
-    rows = np.concatenate(
-        [
-            _trial(
-                [-1.0, error_deg],
-                [1.0, 1.0],
-                trial=i,
-                object_distance_m=distance_m,
-                medial_rectus=medial,
-                lateral_rectus=lateral,
-            )
-            for i, (distance_m, medial, lateral, error_deg) in enumerate(ends)
-        ]
-    )
+    rows = _ended([(0.5, 0.07, 0.009, 0.2), (2.0, 0.009, 0.1, 0.1)])
     ours, theirs = (summary_of(rows, criteria) for criteria in (CRITERIA, other))
     assert (ours.share_within_1_px, theirs.share_within_1_px) == (1.0, 0.5)
     assert ours.share_antagonist_silent == 0.0

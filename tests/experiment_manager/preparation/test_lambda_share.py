@@ -6,8 +6,7 @@ import pytest
 import yaml
 
 from experiment_manager.commands import run_experiment
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.protocol import make_protocol
+from experiment_manager.experiment.protocol import protocol_of
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.preparation.command_line import arguments
 from experiment_manager.preparation.lambda_share import (
@@ -16,7 +15,6 @@ from experiment_manager.preparation.lambda_share import (
     with_weight,
 )
 from experiment_manager.run.config_file import read_configuration
-from lockstep.configuration import build
 from tests.command_lines import configured, set_words
 
 
@@ -39,10 +37,8 @@ def test_the_rewards_of_a_run_have_the_share(pictures: Path) -> None:
     assert first.n_iterations == 40
     weight = first.weight_for(0.3)
     loop = make_loop(with_weight(configuration, weight))
-    manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
-    protocol = make_protocol(manager)
     reward = cost = 0.0
-    for episode in protocol.training_episodes():
+    for episode in protocol_of(configuration).training_episodes():
         for step in loop.run_episode(episode):
             if step.answer is not None:
                 reward += step.answer.percept.reward

@@ -5,9 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import Change, Schedule
-from experiment_manager.experiment.protocol import make_protocol
+from experiment_manager.experiment.protocol import protocol_of
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.preparation.profiles import (
     Profile,
@@ -93,7 +92,7 @@ def test_every_condition_tests_its_end(name: str) -> None:
 def test_every_profile_runs_in_each_stage_of_its_schedule(name, pictures) -> None:
     line = ["--profile", name, "--stimuli", str(pictures), "--test-stimuli", "1"]
     configuration = configured(*line, "--set", "eye_plant.stimuli.size_px=64")
-    protocol = make_protocol(build(ExperimentManagerConfig, configuration["experiment_manager"]))
+    protocol = protocol_of(configuration)
     loop = make_loop(configuration)
     try:
         first_segments = {(s.stage, s.i_test < 0): s for s in reversed(protocol.segments)}
@@ -131,8 +130,7 @@ def _changes_the_eyes(name: str) -> bool:
 
 @pytest.mark.parametrize("name", [name for name in profile_names() if _changes_the_eyes(name)])
 def test_unlike_eyes_come_to_all_that_their_protocol_draws(name: str) -> None:
-    manager = configured("--profile", name)["experiment_manager"]
-    protocol = make_protocol(build(ExperimentManagerConfig, manager))
+    protocol = protocol_of(configured("--profile", name))
     for segment in protocol.segments:
         # Of tests, these are all conditions.
         for place in range(segment.first, segment.first + min(segment.n_episodes, 40)):

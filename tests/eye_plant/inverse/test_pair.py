@@ -75,7 +75,7 @@ def test_the_optimum_is_the_least_cost_along_the_line(config, inverse):
         for fraction in np.linspace(0.0, 1.0, 21):
             pair = inverse.activation_pair(wanted_deg, fraction, limits)
             eyes.settle(eyes.activations_from(*pair))
-            rates_w.append(eyes.horizontal_metabolic_rate_w(eyes.state().metabolic_rate_w))
+            rates_w.append(eyes.horizontal_metabolic_rate_w())
         assert best.metabolic_rate_w == pytest.approx(min(rates_w), rel=1e-6)
         assert min(best.medial, best.lateral) == 0.0
         reached_deg = settled_vergence_deg(config, best.medial, best.lateral)

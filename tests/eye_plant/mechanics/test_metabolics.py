@@ -75,8 +75,7 @@ def test_k17_cost_is_the_power_law_with_a_floor_of_the_charged_activation():
         expected_w = 2.0 * (
             2.2295 * max(medial, 0.005) ** 0.6 + 2.0295 * max(lateral, 0.005) ** 0.6
         )
-        charged_w = eyes.horizontal_metabolic_rate_w(state.metabolic_rate_w)
-        assert charged_w == pytest.approx(expected_w, rel=1e-3)
+        assert eyes.horizontal_metabolic_rate_w() == pytest.approx(expected_w, rel=1e-3)
         np.testing.assert_array_equal(state.activations[:2], [medial, lateral])
 
 

@@ -4,7 +4,6 @@ import pytest
 
 from eye_plant.mechanics.anatomical import ANATOMICAL
 from eye_plant.mechanics.model import AXES, MechanicsConfig, build_spec, receded_insertion_m
-from eye_plant.validation.passive_energy import passive_energy_j
 from eye_plant.validation.static_checks import ACTIONS
 from lockstep.command_space import MUSCLE_NAMES, MUSCLES
 
@@ -106,11 +105,3 @@ def test_a_recession_moves_the_insertion_back_along_the_globe():
 def test_bad_settings_are_refused_by_name(changes, message):
     with pytest.raises(ValueError, match=message):
         MechanicsConfig(**changes)
-
-
-@pytest.mark.parametrize("parameter_set", SETS)
-def test_a_passive_eye_without_damping_keeps_its_energy(parameter_set):
-    config = MechanicsConfig(parameter_set=parameter_set)
-    energy_j = passive_energy_j(config, duration_s=0.2)
-    assert energy_j[0] > 0.0
-    np.testing.assert_allclose(energy_j, energy_j[0], rtol=1e-4)

@@ -41,14 +41,6 @@ def test_a_command_turns_the_eyes_whatever_its_stamp(bench: Bench) -> None:
     )
 
 
-def test_what_takes_no_arguments_says_so(bench: Bench) -> None:
-    bench.wait_heard("episode", 1)
-    assert bench.request("start_run", speed=2.0) == (
-        False,
-        "start_run: expected no arguments, got speed",
-    )
-
-
 def test_a_bad_command_is_refused_and_the_plant_goes_on(bench: Bench) -> None:
     bench.outsider.send("muscle_command", vector_message(0, ["medial_rectus"], [1.5]))
     status = bench.next_status()

@@ -151,9 +151,3 @@ def test_a_refused_episode_leaves_the_one_under_way_alone(bench: Bench) -> None:
     assert not begin(bench, stimulus=99, first_observation=90)[0]
     send_command(bench, 44)
     wait_for(bench, 45, "episode")
-
-
-def test_another_runs_episode_is_refused(bench: Bench) -> None:
-    refusal = f"expected a request of run {bench.RUN}, got one of run somebody_elses"
-    assert begin(bench, run_id="somebody_elses") == (False, refusal)
-    assert bench.outsider.heard["episode"] == []

@@ -111,6 +111,7 @@ def test_a_refusal_tells_why_counts_and_changes_nothing(servant: Servant, bench:
         ({"run_id": "a"}, "kind of request: expected end_run, start_run, work, got None"),
         ({"run_id": "a", "request": "dance"}, "expected end_run, start_run, work, got 'dance'"),
         ({"run_id": "a", "request": [1.0]}, "expected end_run, start_run, work, got [1.0]"),
+        ({"run_id": "a", "request": START_RUN, "x": 2}, "start_run: expected no arguments, got x"),
     ],
 )
 def test_requests_without_sense(servant, bench, values, reason) -> None:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiment_manager.analysis.gabor import GOOD_RESIDUAL, Gabors, fit_gabors
-from eye_plant.vergence import degrees_per_px
 from lockstep.errors import InputError
 from sparse_coder.patches import N_PIXELS
 
@@ -52,16 +51,6 @@ class Tuning:
     disparity_px: Array
 
     @property
-    def gabor_share(self) -> float:
-        """Share of the atoms whose dominant half is a Gabor function."""
-        return float(self.is_gabor.mean())
-
-    @property
-    def common_gabor_share(self) -> float:
-        """Share of the atoms that one Gabor function describes in both eyes."""
-        return float(self.is_common_gabor.mean())
-
-    @property
     def binocular_share(self) -> float:
         """Share of the Gabor atoms with |binocularity| below 0.5; nan where there are none."""
         counts = self.binocularity_counts()
@@ -76,11 +65,6 @@ class Tuning:
     def binocularity_counts(self) -> NDArray[np.int64]:
         """Return the Gabor atoms in the seven bins between BINOCULARITY_EDGES, left to right."""
         return np.histogram(self.binocularity[self.is_gabor], BINOCULARITY_EDGES)[0]
-
-    def disparities_deg(self, focal_length_px: float) -> Array:
-        """Return the preferred disparities of the atoms that have one, as angles at the centre."""
-        known_px = self.disparity_px[~np.isnan(self.disparity_px)]
-        return known_px * degrees_per_px(focal_length_px)
 
 
 def tuning(atoms: Array, px_per_pixel: float) -> Tuning:
@@ -127,8 +111,7 @@ def _balance(of_eyes: Array) -> Array:
     """Return (R - L) / (R + L) of an amount (n, 2) per eye; 0 where both have none."""
     left, right = of_eyes.T
     both = left + right
-    balance: Array = (right - left) / np.where(both > 0.0, both, 1.0)
-    return balance
+    return (right - left) / np.where(both > 0.0, both, 1.0)
 
 
 def _residual_of_half(alone: Gabors, halves: Array) -> Array:

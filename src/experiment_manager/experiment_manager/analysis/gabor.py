@@ -47,19 +47,13 @@ class Gabors:
 
     orientation_deg (n,): of the stripes, in [0, 180): 0 horizontal, 90 vertical, counter-clockwise.
     wave_angle_deg (n,): direction in which the phase grows, in [-90, 90), 0 to the right.
-    wavelength_px, x_px, y_px, width_px (s_x), length_px (s_y): (n,). amplitude (n, n_eyes) >= 0;
-    phase_rad (n, n_eyes). patches (n, n_eyes, 64): the functions themselves. residual (n,): share
-    of the squared entries that the fit leaves; 1 where there are none.
+    wavelength_px (n,). phase_rad (n, n_eyes). patches (n, n_eyes, 64): the functions themselves.
+    residual (n,): share of the squared entries that the fit leaves; 1 where there are none.
     """
 
     orientation_deg: Array
     wave_angle_deg: Array
     wavelength_px: Array
-    x_px: Array
-    y_px: Array
-    width_px: Array
-    length_px: Array
-    amplitude: Array
     phase_rad: Array
     patches: Array
     residual: Array
@@ -67,8 +61,7 @@ class Gabors:
     @property
     def is_good(self) -> NDArray[np.bool_]:
         """Which fits count (n,)."""
-        good: NDArray[np.bool_] = self.residual <= GOOD_RESIDUAL
-        return good
+        return self.residual <= GOOD_RESIDUAL
 
 
 def fit_gabors(patches: Array) -> Gabors:
@@ -114,11 +107,6 @@ def _as_gabors(parameters: Array, coefficients: Array, patches: Array, residual:
         orientation_deg=np.mod(wave_angle_deg + 90.0, 180.0),
         wave_angle_deg=wave_angle_deg,
         wavelength_px=np.exp(parameters[:, 1]),
-        x_px=parameters[:, 2],
-        y_px=parameters[:, 3],
-        width_px=np.exp(parameters[:, 4]),
-        length_px=np.exp(parameters[:, 5]),
-        amplitude=np.hypot(coefficients[..., 0], sines),
         phase_rad=np.arctan2(-sines, coefficients[..., 0]),
         patches=patches,
         residual=residual,
@@ -135,8 +123,7 @@ def _best_parameters(targets: Array) -> Array:
     repeated = np.repeat(targets, n_starts, axis=0)
     fitted, cost = _levenberg_marquardt(starts.reshape(-1, 6), repeated)
     fitted, cost = fitted.reshape(-1, n_starts, 6), cost.reshape(-1, n_starts)
-    best: Array = fitted[np.arange(len(targets)), cost.argmin(axis=1)]
-    return best
+    return fitted[np.arange(len(targets)), cost.argmin(axis=1)]
 
 
 def _starts(targets: Array) -> Array:
@@ -162,8 +149,7 @@ def _starts(targets: Array) -> Array:
     n_per_angle = len(grid) // len(angles)
     places = explained.argmax(axis=2) + n_per_angle * np.arange(len(angles))
     promising = np.argsort(-explained.max(axis=2), axis=1)[:, :_N_STARTS]
-    chosen: Array = grid[np.take_along_axis(places, promising, axis=1)]
-    return chosen
+    return grid[np.take_along_axis(places, promising, axis=1)]
 
 
 def _levenberg_marquardt(parameters: Array, targets: Array) -> tuple[Array, Array]:
@@ -202,8 +188,7 @@ def _stepped(parameters: Array, residuals: Array, jacobian: Array, damping: Arra
     scaled = damping[:, None] * (diagonal + 1e-6)
     normal = normal + scaled[:, :, None] * np.eye(6)
     step = np.linalg.solve(normal, gradient[:, :, None])[:, :, 0]
-    bounded: Array = np.clip(parameters - step, _LOWEST, _HIGHEST)
-    return bounded
+    return np.clip(parameters - step, _LOWEST, _HIGHEST)
 
 
 def _linearised(parameters: Array, targets: Array) -> tuple[Array, Array]:
@@ -225,8 +210,7 @@ def _linearised(parameters: Array, targets: Array) -> tuple[Array, Array]:
 def _coefficients(waves: Array, targets: Array) -> Array:
     """Return the best amplitudes (m, n_eyes, 2) of cosine and sine."""
     inside = np.einsum("mpk,mep->mke", waves, targets, optimize=True)
-    solved: Array = np.linalg.solve(_gram(waves), inside).transpose(0, 2, 1)
-    return solved
+    return np.linalg.solve(_gram(waves), inside).transpose(0, 2, 1)
 
 
 def _gram(waves: Array) -> Array:
@@ -236,8 +220,7 @@ def _gram(waves: Array) -> Array:
 
 
 def _combined(waves: Array, coefficients: Array) -> Array:
-    combined: Array = np.einsum("mpk,mek->mep", waves, coefficients, optimize=True)
-    return combined
+    return np.einsum("mpk,mek->mep", waves, coefficients, optimize=True)
 
 
 def _waves(parameters: Array) -> tuple[Array, Array]:

@@ -2,13 +2,12 @@
 
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import yaml
 
-from experiment_manager.analysis.recorded_pictures import pictured_episodes
+from experiment_manager.analysis.recorded_run import PicturedEpisodes, pictured_episodes
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
 from experiment_manager.bag.reader import Bag
 from experiment_manager.live.page import Page
@@ -20,53 +19,19 @@ from lockstep.state_file import read_state
 _NS_PER_S = 1e9
 _LOOK_S = 0.1
 
-Wait = Callable[[float], None]
-
-
-class Player:
-    """Shows the episodes of a bag that have pictures; what lies between them is only counted."""
-
-    def __init__(self, bag: Bag, view: View) -> None:
-        """Raises InputError for a bag without pictures of both eyes."""
-        self._bag, self._view = bag, view
-        self._episodes = pictured_episodes(bag)
-        truth = self._episodes.truth
-        self._stamps_ns = truth.stamps_ns
-        self._truth = np.stack([truth.column(name) for name in TRUTH_NAMES], axis=1)
-
-    def play(self, rate: float, wait: Wait = time.sleep) -> None:
-        """Show all; rate: simulated seconds in a second; wait: what to do for so many seconds."""
-        counted = 0
-        for rows in self._episodes.rows:
-            messages = self._messages(self._stamps_ns[rows])
-            period_s = float(np.diff(self._stamps_ns[rows]).min(initial=_NS_PER_S)) / _NS_PER_S
-            for row in rows.tolist():
-                for truth in self._truth[counted : row + 1]:
-                    self._view.count_values(truth)
-                counted = row + 1
-                self._view.show(messages.get(int(self._stamps_ns[row]), {}))
-                wait(period_s / rate)
-
-    def _messages(self, stamps_ns: np.ndarray) -> dict[int, dict[str, bytes]]:
-        """Return the messages of an episode, by stamp and topic."""
-        found: dict[int, dict[str, bytes]] = {}
-        for topic in filter(self._bag.has, SHOWN_TOPICS):
-            for stamp_ns, message in self._bag.messages(topic, stamps_ns.tolist()):
-                found.setdefault(stamp_ns, {})[topic] = message
-        return found
-
 
 def play(path: Path, host: str, port: int, rate: float) -> None:
     """Serve a bag until it has been played to whoever watches.
 
-    path: of the bag; beside it, checkpoints/ have the dictionaries for the reconstruction.
+    path: of the bag; beside it, checkpoints/ have the dictionaries for the reconstruction. rate:
+    simulated seconds in a second.
     Raises InputError for a bag without pictures, or when nobody can listen there.
     """
     bag = Bag(path)
     server = open_server(f"bag {path}", host, port)
     try:
         view = View(server, _n_selections(bag))
-        player = Player(bag, view)
+        episodes = pictured_episodes(bag)
         page = Page(host, port + 1 if port else 0, f"ws://{host}:{server.port}")
         print(f"live view: ws://{host}:{server.port}; http://{host}:{page.port} opens it in")
         print("Lichtblick or Foxglove; playing begins when someone watches", flush=True)
@@ -74,10 +39,35 @@ def play(path: Path, host: str, port: int, rate: float) -> None:
             print("no checkpoint beside the bag: no reconstruction", file=sys.stderr)
         while not view.is_watched():
             time.sleep(_LOOK_S)
-        player.play(rate)
+        _show(bag, episodes, view, rate)
         page.close()
     finally:
         server.close()
+
+
+def _show(bag: Bag, episodes: PicturedEpisodes, view: View, rate: float) -> None:
+    """Show the episodes with pictures; what lies between them is only counted."""
+    stamps_ns = episodes.truth.stamps_ns
+    truth = np.stack([episodes.truth.column(name) for name in TRUTH_NAMES], axis=1)
+    counted = 0
+    for rows in episodes.rows:
+        messages = _messages(bag, stamps_ns[rows])
+        period_s = float(np.diff(stamps_ns[rows]).min(initial=_NS_PER_S)) / _NS_PER_S
+        for row in rows.tolist():
+            for values in truth[counted : row + 1]:
+                view.count_values(values)
+            counted = row + 1
+            view.show(messages.get(int(stamps_ns[row]), {}))
+            time.sleep(period_s / rate)
+
+
+def _messages(bag: Bag, stamps_ns: np.ndarray) -> dict[int, dict[str, bytes]]:
+    """Return the messages of an episode, by stamp and topic."""
+    found: dict[int, dict[str, bytes]] = {}
+    for topic in filter(bag.has, SHOWN_TOPICS):
+        for stamp_ns, message in bag.messages(topic, stamps_ns.tolist()):
+            found.setdefault(stamp_ns, {})[topic] = message
+    return found
 
 
 def _n_selections(bag: Bag) -> int:

@@ -15,11 +15,19 @@ from experiment_manager.measures.trials import Trials, TrialTable, split_tests
 from experiment_manager.run.described_run import DescribedRun
 from lockstep.command_space import CommandSpace
 from lockstep.errors import InputError
-from lockstep.wire.topics import GROUND_TRUTH_NAMES, TRAINING
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TRAINING
 
 # The error of a single episode says how hard it was; a median over some says what was learned.
 _MOST_CURVE_BINS = 100
 _EPISODES_PER_BIN = 25
+
+
+@dataclass(frozen=True)
+class PicturedEpisodes:
+    """truth: all of the bag's ground truth; rows: those of each episode with pictures, by time."""
+
+    truth: VectorTable
+    rows: tuple[np.ndarray, ...]
 
 
 @dataclass(frozen=True)
@@ -140,6 +148,18 @@ class RecordedRun(DescribedRun):
         return share(0, SHARE_ITERATIONS), share(max(0, n - SHARE_ITERATIONS), n)
 
 
+def pictured_episodes(bag: Bag) -> PicturedEpisodes:
+    """Return the episodes with a pair of pictures; InputError when there is none."""
+    truth = bag.vectors("ground_truth")["ground_truth"]
+    number = np.cumsum(truth.column("iteration") == 0)
+    left, right = (set(bag.stamps_ns(t).tolist() if bag.has(t) else ()) for t in PICTURES)
+    both = np.array(sorted(left & right), np.int64)
+    wanted = np.unique(number[np.isin(truth.stamps_ns, both)])
+    if not len(wanted):
+        raise InputError(f"bag {bag.path}: expected pictures of both eyes, it has none")
+    return PicturedEpisodes(truth, tuple(np.flatnonzero(number == n) for n in wanted))
+
+
 def evaluation_settings_of(bag: Bag) -> EvaluationSettings:
     """Return how the run of a bag was tested; of a bag without its configuration, the defaults."""
     try:
@@ -155,10 +175,7 @@ def _sum_in_order(values: np.ndarray) -> float:
 
 
 def _total_error(reward: VectorTable) -> np.ndarray:
-    error: np.ndarray = reward.column("reconstruction_error_coarse") + reward.column(
-        "reconstruction_error_fine"
-    )
-    return error
+    return reward.column("reconstruction_error_coarse") + reward.column("reconstruction_error_fine")
 
 
 def trial_table(

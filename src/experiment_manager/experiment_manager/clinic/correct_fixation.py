@@ -1,19 +1,17 @@
 """Activations with which eyes look correctly at a plane, or off by a chosen horizontal error."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from experiment_manager.experiment.config import ProtocolConfig
-from eye_plant.inverse.gaze import TURNED_ANGLES, GazeInverse
+from experiment_manager.experiment.starts import Activations, gaze_inverse
+from eye_plant.inverse.gaze import TURNED_ANGLES
 from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import PAIR
-
-Activations = tuple[float, ...]
 
 # Where on the line of pairs of equal vergence the pair begins: half-way.
 _FRACTION = 0.5
@@ -34,7 +32,9 @@ class CorrectFixation:
         """parallax_m: of a stereogram, as desired_vergence_deg takes it."""
         self._protocol = protocol
         self._baseline_m = mechanics.baseline_m + parallax_m
-        self._find = self._finder(replace(mechanics, baseline_m=self._baseline_m))
+        eyes = replace(mechanics, baseline_m=self._baseline_m)
+        is_pair = protocol.command_space == PAIR
+        self._inverse = Inverse(eyes) if is_pair else gaze_inverse(protocol, eyes)
 
     def activations(self, distance_m: float, error_deg: float = 0.0) -> Activations:
         """Return activations (12,) with a horizontal error before a plane, other errors 0.
@@ -42,28 +42,14 @@ class CorrectFixation:
         error_deg: above 0 where the eyes converge too little. Raises InputError for a gaze that the
         muscles do not reach.
         """
-        return self._find(distance_m, error_deg)
-
-    def _finder(self, mechanics: MechanicsConfig) -> Callable[[float, float], Activations]:
-        protocol = self._protocol
-        if protocol.command_space == PAIR:
-            pair = Inverse(mechanics)
-
-            def of_pair(distance_m: float, error_deg: float) -> Activations:
-                vergence_deg = desired_vergence_deg(distance_m, self._baseline_m) - error_deg
-                return pair.activations(vergence_deg, _FRACTION, protocol.pair_limits)
-
-            return of_pair
-        limits, space = protocol.limits, protocol.space
-        inverse = GazeInverse(mechanics, space, limits.lowest, limits.highest)
-
-        def of_muscles(distance_m: float, error_deg: float) -> Activations:
-            wanted_deg = dict.fromkeys(TURNED_ANGLES[protocol.command_space], 0.0)
-            wanted_deg["horizontal"] = error_deg
-            if protocol.fixation_iterations:
-                right_deg = math.degrees(math.atan(self._baseline_m / distance_m)) - error_deg
-                wanted_deg["version"] = -right_deg / 2.0
-            nowhere_aside = np.zeros(len(space.names))
-            return tuple(inverse.activations(wanted_deg, distance_m, nowhere_aside).tolist())
-
-        return of_muscles
+        protocol, inverse = self._protocol, self._inverse
+        if isinstance(inverse, Inverse):
+            vergence_deg = desired_vergence_deg(distance_m, self._baseline_m) - error_deg
+            return inverse.activations(vergence_deg, _FRACTION, protocol.pair_limits)
+        wanted_deg = dict.fromkeys(TURNED_ANGLES[protocol.command_space], 0.0)
+        wanted_deg["horizontal"] = error_deg
+        if protocol.fixation_iterations:
+            right_deg = math.degrees(math.atan(self._baseline_m / distance_m)) - error_deg
+            wanted_deg["version"] = -right_deg / 2.0
+        nowhere_aside = np.zeros(len(protocol.space.names))
+        return tuple(inverse.activations(wanted_deg, distance_m, nowhere_aside).tolist())

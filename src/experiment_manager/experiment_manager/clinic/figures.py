@@ -70,7 +70,8 @@ def prisms_figure(results: PrismResults) -> Figure:
     """
     figure = new_figure(WIDTH_IN, 5.4)
     rows = figure.subplots(2, 3, sharex="col")
-    for column, pair in zip(rows.T, _opposite_directions(), strict=True):
+    pairs = zip(prisms.DIRECTIONS[::2], prisms.DIRECTIONS[1::2], strict=True)
+    for column, pair in zip(rows.T, pairs, strict=True):
         for distance_m, colour in zip(prisms.DISTANCES_M, _COLOURS, strict=True):
             for sign, direction in zip((1.0, -1.0), pair, strict=True):
                 for trial in results.trials[direction.name, distance_m]:
@@ -102,12 +103,6 @@ def _prism_handles() -> list[Line2D]:
         Line2D([], [], label="recovery", mfc="w", **dots),
         Line2D([], [], color=GREY, lw=0.8, ls=":", label="response = demand; 1 px"),
     ]
-
-
-def _opposite_directions() -> list[tuple[prisms.Direction, prisms.Direction]]:
-    """Return the directions by axis, the one drawn as positive first."""
-    every = iter(prisms.DIRECTIONS)
-    return list(zip(every, every, strict=True))
 
 
 def _draw_prisms(axes: Axes, trial: PrismTrial, values: Array, sign: float, colour: str) -> None:

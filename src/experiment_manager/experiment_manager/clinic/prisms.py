@@ -124,6 +124,21 @@ class PrismTrial:
         return int(back[0]) if len(back) else None
 
     @property
+    def break_deg(self) -> float:
+        """Demand of the break; infinite: fusion was not lost up to the strongest prism."""
+        return math.inf if self.i_break is None else float(self.demand_deg[self.i_break])
+
+    @property
+    def recovery_deg(self) -> float:
+        """Demand of the recovery.
+
+        Infinite: fusion was not lost; below 0 without limit: it was not regained without a prism.
+        """
+        if self.i_recovery is not None:
+            return float(self.demand_deg[self.i_recovery])
+        return math.inf if self.i_break is None else -math.inf
+
+    @property
     def gain(self) -> float:
         """Slope of the response over a growing demand: least squares through 0."""
         demand_deg, response_deg = (
@@ -220,25 +235,9 @@ def examine(learners: FrozenLearners, shown: Shown = OWN_TEST_STIMULI) -> PrismR
         return PrismResults(learners, shown.text, room.px_deg, trials)
 
 
-def break_and_recovery_deg(trials: Sequence[PrismTrial]) -> tuple[list[float], list[float]]:
-    """Return break and recovery of each trial.
-
-    Infinite: fusion was not lost up to the strongest prism; recovery below 0 without limit: it was
-    not regained without a prism.
-    """
-    breaks, recoveries = [], []
-    for trial in trials:
-        lost, regained = trial.i_break, trial.i_recovery
-        breaks.append(math.inf if lost is None else float(trial.demand_deg[lost]))
-        if regained is not None:
-            recoveries.append(float(trial.demand_deg[regained]))
-        else:
-            recoveries.append(math.inf if lost is None else -math.inf)
-    return breaks, recoveries
-
-
 def _condition(trials: Sequence[PrismTrial]) -> dict[str, Any]:
-    breaks_deg, recoveries_deg = break_and_recovery_deg(trials)
+    breaks_deg = [trial.break_deg for trial in trials]
+    recoveries_deg = [trial.recovery_deg for trial in trials]
     break_deg, recovery_deg = map(censored_quartiles_of, (breaks_deg, recoveries_deg))
     return {
         "break_deg": break_deg,

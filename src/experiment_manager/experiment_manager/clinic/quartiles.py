@@ -2,10 +2,9 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from experiment_manager.measures.metrics import QUARTILES
 
@@ -14,8 +13,7 @@ _NAMES = ("lower_quartile", "median", "upper_quartile")
 
 def quartiles_of(values: ArrayLike) -> dict[str, float | None]:
     """Return the quartiles of values (n,) by name; linear between two values."""
-    found = np.quantile(np.asarray(values, dtype=np.float64), QUARTILES)
-    return dict(zip(_NAMES, map(_plain, found.tolist()), strict=True))
+    return _named(np.quantile(np.asarray(values, np.float64), QUARTILES))
 
 
 def censored_quartiles_of(values: Sequence[float]) -> dict[str, float | None]:
@@ -23,19 +21,17 @@ def censored_quartiles_of(values: Sequence[float]) -> dict[str, float | None]:
 
     Each is one of the values, None where that is infinite.
     """
-    found = np.quantile(values, QUARTILES, method="inverted_cdf")
-    return dict(zip(_NAMES, map(_plain, found.tolist()), strict=True))
+    return _named(np.quantile(values, QUARTILES, method="inverted_cdf"))
 
 
-def _plain(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
+def _named(quartiles: NDArray[np.float64]) -> dict[str, float | None]:
+    values = (value if math.isfinite(value) else None for value in quartiles.tolist())
+    return dict(zip(_NAMES, values, strict=True))
 
 
-def prism_dioptres(angle_deg: float | None) -> float | None:
-    """Return 100 tan(angle), the deviation in cm at 1 m (Prentice 1890); None of None."""
-    return None if angle_deg is None else 100.0 * math.tan(math.radians(angle_deg))
-
-
-def in_prism_dioptres(quartiles_deg: dict[str, float | None]) -> dict[str, Any]:
-    """Return quartiles in deg as prism dioptres."""
-    return {name: prism_dioptres(angle_deg) for name, angle_deg in quartiles_deg.items()}
+def in_prism_dioptres(quartiles_deg: dict[str, float | None]) -> dict[str, float | None]:
+    """Return quartiles in deg as 100 tan(angle), the deviation in cm at 1 m (Prentice 1890)."""
+    return {
+        name: None if angle_deg is None else 100.0 * math.tan(math.radians(angle_deg))
+        for name, angle_deg in quartiles_deg.items()
+    }

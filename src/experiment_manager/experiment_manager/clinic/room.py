@@ -16,7 +16,6 @@ from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import Shown
 from experiment_manager.frozen.viewing import Viewing
 from experiment_manager.in_process.loop import InProcessLoop
-from eye_plant.camera.config import CameraConfig
 from eye_plant.gaze_error import gaze_error
 from eye_plant.observation import Observation
 from eye_plant.stimuli.stimulus_set import StimulusSet
@@ -80,12 +79,13 @@ class Sitting:
     """Eyes before one picture at one distance."""
 
     def __init__(
-        self, learners: FrozenLearners, loop: InProcessLoop, viewing: Viewing, parallax_m: float
+        self, room: "Room", i_picture: int, distance_m: float, activations: Sequence[float]
     ) -> None:
-        """parallax_m: of the picture."""
-        self._loop, self._viewing, self._parallax_m = loop, viewing, parallax_m
-        self._own = learners.plant.camera
-        self._fixation_iterations = learners.manager.protocol.fixation_iterations
+        """activations: (12,) at the beginning."""
+        self._plant, self._parallax_m = room.loop.plant, room.parallax_m(i_picture)
+        self._viewing = Viewing(room.loop, i_picture, distance_m, activations)
+        self._own = room.learners.plant.camera
+        self._fixation_iterations = room.learners.manager.protocol.fixation_iterations
 
     def look(self, n_iterations: int, *, covered: str = "", prism: Prism = NO_PRISM) -> Course:
         """Let the eyes go on from where they are, for so many iterations.
@@ -122,15 +122,14 @@ class Sitting:
         return settings
 
     def _course(self, observations: Sequence[Observation]) -> Course:
-        plant = self._loop.plant
-        camera: CameraConfig = plant.config.camera
-        positions_m = plant.oculomotor.eye_positions_m()
+        turns_deg = self._plant.config.camera.turns_deg
+        positions_m = self._plant.oculomotor.eye_positions_m()
         eyes_deg: list[tuple[float, ...]] = []
         seen_deg: list[tuple[float, ...]] = []
         lines_of_sight = []
         for observation in observations:
             rotations = eye_rotations(observation.state.eye_angles_rad)
-            cameras = turned(rotations, camera.turns_deg)
+            cameras = turned(rotations, turns_deg)
             distance_m = observation.episode.object_distance_m
             for errors_deg, axes in ((eyes_deg, rotations), (seen_deg, cameras)):
                 error = gaze_error(positions_m, axes, distance_m, self._parallax_m)
@@ -159,25 +158,22 @@ class Room:
 
     def seat(self, i_picture: int, distance_m: float, error_deg: float = 0.0) -> Sitting:
         """Return eyes before a picture with a horizontal error; see CorrectFixation.activations."""
-        parallax_m = self._parallax_m(i_picture)
+        parallax_m = self.parallax_m(i_picture)
         manager = self.learners.manager
         if parallax_m not in self._correct:
             self._correct[parallax_m] = CorrectFixation(
                 manager.protocol, manager.mechanics, parallax_m
             )
         first = self._correct[parallax_m].activations(distance_m, error_deg)
-        return self._sitting(i_picture, distance_m, first)
+        return Sitting(self, i_picture, distance_m, first)
 
     def seat_at_rest(self, i_picture: int, distance_m: float) -> Sitting:
         """Return eyes before a picture, all muscles at their tonic level, wherever they look."""
         first = self.loop.plant.oculomotor.tonic_activations
-        return self._sitting(i_picture, distance_m, first.tolist())
+        return Sitting(self, i_picture, distance_m, first.tolist())
 
-    def _sitting(self, i_picture: int, distance_m: float, first: Sequence[float]) -> Sitting:
-        viewing = Viewing(self.loop, i_picture, distance_m, first)
-        return Sitting(self.learners, self.loop, viewing, self._parallax_m(i_picture))
-
-    def _parallax_m(self, i_picture: int) -> float:
+    def parallax_m(self, i_picture: int) -> float:
+        """Return the parallax of a stereogram on the plane, 0 of a picture."""
         i_stereogram = i_picture - len(self._stimuli.all)
         if i_stereogram < 0:
             return 0.0
@@ -191,9 +187,7 @@ def examination_room(learners: FrozenLearners, shown: Shown, n_pictures: int) ->
 
     Raises InputError for pictures and learners that cannot be used.
     """
-    n_most = n_pictures if shown.n_most is None else shown.n_most
-    chosen = dataclasses.replace(shown, n_most=n_most)
-    stimuli = chosen.load(learners.plant.stimuli, n_most)
+    stimuli = shown.load(learners.plant.stimuli, n_pictures)
     with learners.loop(stimuli) as loop:
         yield Room(learners, loop, stimuli)
 

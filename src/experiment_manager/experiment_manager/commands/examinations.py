@@ -12,9 +12,8 @@ from matplotlib.figure import Figure
 from experiment_manager.clinic import acuity, cover, figures, prisms
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import Shown
-from experiment_manager.positions.figures import activations_figure, hess_chart
-from experiment_manager.positions.listing_figure import listing_figure
-from experiment_manager.positions.results import examine_positions
+from experiment_manager.positions.document import examine_positions
+from experiment_manager.positions.figures import activations_figure, hess_chart, listing_figure
 from experiment_manager.saccades.examination import examine_saccades
 from experiment_manager.saccades.figure import main_sequence_figure
 from lockstep.command_space import SIDES

@@ -112,13 +112,11 @@ def check_agreements(configuration: Configuration) -> None:
 
     configuration: by node, then by parameter; nodes that are not in it are not asked.
     """
+    values = by_key(configuration)
     for agreement in AGREEMENTS:
-        (node, _, name), (other, _, its_name) = (
-            key.partition(".") for key in (agreement.first, agreement.second)
-        )
-        if name not in configuration.get(node, {}) or its_name not in configuration.get(other, {}):
+        if agreement.first not in values or agreement.second not in values:
             continue
-        value, its_value = configuration[node][name], configuration[other][its_name]
+        value, its_value = values[agreement.first], values[agreement.second]
         if agreement.second_from(value) != its_value:
             times = f"{agreement.factor} times " if agreement.factor > 1 else ""
             raise InputError(

@@ -7,7 +7,7 @@ after it: a test at that very iteration still finds the plant as it was.
 
 import itertools
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -164,8 +164,3 @@ def check_places(schedule: Schedule, n_training_iterations: int, per_episode: in
                 f"schedule: expected a multiple of {per_episode} (iterations per episode) below "
                 f"{n_training_iterations} (the run's iterations), got {change.at}"
             )
-
-
-def stages_of(schedule: Schedule, plant: EyePlantConfig) -> Sequence[tuple[int, EyePlantConfig]]:
-    """Return from which training iteration on each stage lasts, and its plant; 0 is the start."""
-    return list(zip([0, *(c.at for c in schedule.changes)], schedule.plants(plant), strict=True))

@@ -6,29 +6,16 @@ function of (configuration, seed, place in the sequence), so a run goes on where
 
 import bisect
 import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.experiment.plant_changes import (
-    Change,
-    Schedule,
-    read_schedule,
-    stages_of,
-)
-from experiment_manager.experiment.starts import (
-    Activations,
-    GazeStarts,
-    Starts,
-    conditions,
-    starts,
-)
-from experiment_manager.experiment.targets import drawn_targets_deg
+from experiment_manager.experiment.plant_changes import Change, Schedule, read_schedule
+from experiment_manager.experiment.starts import Starts, conditions, starts
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
+from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.randomness import generator
 from lockstep.wire.topics import TEST, TRAINING
@@ -49,15 +36,6 @@ class Segment:
     stage: int = 0
 
 
-@dataclass(frozen=True)
-class Eyes:
-    """What the protocol must know of the eyes, as they are from training iteration `at` on."""
-
-    at: int
-    baseline_m: float
-    starts: Starts
-
-
 class Protocol:
     """The sequence of episodes of one experiment."""
 
@@ -65,18 +43,18 @@ class Protocol:
         self,
         config: ProtocolConfig,
         seed: int,
-        eyes: Sequence[Eyes],
+        starts_of_stages: Sequence[Starts],
         schedule: Schedule,
     ) -> None:
-        """eyes: one entry per stage of the schedule, the first one at 0.
+        """starts_of_stages: how episodes begin in each stage of the schedule.
 
         All tests have the same trials, so that they compare: the first stage's conditions.
         """
         self.config = config
         self._schedule = schedule
         self._seed = seed
-        self._eyes = tuple(eyes)
-        self.conditions = conditions(config, self._eyes[0].baseline_m)
+        self._starts = tuple(starts_of_stages)
+        self.conditions = conditions(config, self._starts[0].baseline_m)
         self.n_trials = config.n_stimuli_per_test * len(self.conditions)
         self.segments = self._segments()
         self._firsts = [segment.first for segment in self.segments]
@@ -100,7 +78,8 @@ class Protocol:
         first = observation = trained = stage = 0
         # A test comes before the change at its iteration.
         ends = [(at, i_test, -1) for i_test, at in enumerate(self.test_iterations)]
-        ends += [(eyes.at, len(ends), stage) for stage, eyes in enumerate(self._eyes) if stage]
+        changes = enumerate(self._schedule.changes, start=1)
+        ends += [(change.at, len(ends), stage) for stage, change in changes]
         for at, i_test, next_stage in sorted(ends):
             n_episodes = (at - trained) // config.iterations_per_episode
             if n_episodes:
@@ -200,7 +179,8 @@ class Protocol:
         number = segment.training_iteration // config.iterations_per_episode + offset
         draw = generator(self._seed, "episode", number)
         stimulus = int(draw.integers(config.n_training_stimuli))
-        object_distance_m, activations = self._eyes[segment.stage].starts.training(draw)
+        of_stage = self._starts[segment.stage]
+        object_distance_m, activations = of_stage.training(draw)
         return Episode(
             phase=TRAINING,
             test=-1,
@@ -211,7 +191,7 @@ class Protocol:
             object_distance_m=object_distance_m,
             activations=activations,
             targets_deg=(
-                self._targets_deg(segment, activations, config.iterations_per_episode, draw)
+                of_stage.targets_deg(activations, config.iterations_per_episode, draw)
                 if config.gives_targets
                 else ()
             ),
@@ -225,7 +205,8 @@ class Protocol:
         i_stimulus, i_condition = divmod(trial, len(self.conditions))
         condition = self.conditions[i_condition]
         draw = generator(self._seed, "trial", trial)
-        activations = self._eyes[segment.stage].starts.trial(condition, draw)
+        of_stage = self._starts[segment.stage]
+        activations = of_stage.trial(condition, draw)
         return Episode(
             phase=TEST,
             test=segment.i_test,
@@ -235,32 +216,20 @@ class Protocol:
             stimulus=config.n_training_stimuli + i_stimulus,
             object_distance_m=condition.object_distance_m,
             activations=activations,
-            targets_deg=self._targets_deg(segment, activations, config.iterations_per_trial, draw),
+            targets_deg=of_stage.targets_deg(activations, config.iterations_per_trial, draw),
             n_iterations=config.iterations_per_trial,
             first_observation=segment.first_observation + trial * (config.iterations_per_trial + 1),
         )
-
-    def _targets_deg(
-        self,
-        segment: Segment,
-        activations: Activations,
-        n_iterations: int,
-        draw: np.random.Generator,
-    ) -> tuple[float, ...]:
-        if not self.config.fixation_iterations:
-            return ()
-        of_stage = self._eyes[segment.stage].starts
-        assert isinstance(of_stage, GazeStarts), "the configuration has a command for each muscle"
-        gaze_deg = of_stage.left_gaze_deg(activations)
-        return drawn_targets_deg(self.config, n_iterations, gaze_deg, draw)
 
 
 def make_protocol(config: ExperimentManagerConfig) -> Protocol:
     """Return the sequence of episodes of a configuration."""
     schedule = read_schedule(config.schedule)
-    plant = EyePlantConfig(mechanics=config.mechanics)
-    eyes = [
-        Eyes(at, changed.mechanics.baseline_m, starts(config.protocol, changed.mechanics))
-        for at, changed in stages_of(schedule, plant)
-    ]
-    return Protocol(config.protocol, config.seed, eyes, schedule)
+    plants = schedule.plants(EyePlantConfig(mechanics=config.mechanics))
+    starts_of_stages = [starts(config.protocol, plant.mechanics) for plant in plants]
+    return Protocol(config.protocol, config.seed, starts_of_stages, schedule)
+
+
+def protocol_of(parameters: Mapping[str, Mapping[str, Any]]) -> Protocol:
+    """Return the sequence of episodes of a run; parameters: of all nodes, by node."""
+    return make_protocol(build(ExperimentManagerConfig, parameters["experiment_manager"]))

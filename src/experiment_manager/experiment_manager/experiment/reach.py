@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.experiment.plant_changes import read_schedule, stages_of
+from experiment_manager.experiment.plant_changes import read_schedule
 from experiment_manager.experiment.starts import (
     Condition,
     conditions,
@@ -44,7 +44,9 @@ def check_reach(parameters: Mapping[str, Mapping[str, Any]]) -> None:
     manager = build(ExperimentManagerConfig, parameters["experiment_manager"])
     started_with = build(EyePlantConfig, parameters["eye_plant"])
     tested = conditions(manager.protocol, started_with.mechanics.baseline_m)
-    for at, plant in stages_of(read_schedule(manager.schedule), started_with):
+    schedule = read_schedule(manager.schedule)
+    ats = [0, *(change.at for change in schedule.changes)]
+    for at, plant in zip(ats, schedule.plants(started_with), strict=True):
         try:
             _check_eyes(manager.protocol, plant, tested)
         except InputError as error:

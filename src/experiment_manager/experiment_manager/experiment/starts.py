@@ -2,7 +2,7 @@
 
 Eyes that one command turns alike begin as K17's, looking straight ahead at another distance than
 the plane's. Eyes with a command for each muscle begin with errors of their own about all axes that
-the commands turn, and look aside.
+the commands turn, and look aside; those that make saccades have gaze targets.
 """
 
 import math
@@ -25,6 +25,7 @@ ActivationsOfVergence = Callable[[float, float], Activations]
 
 # Tests of all runs start alike, so that they compare.
 _SEED_OF_TESTS = 0
+_MOST_DRAWS = 1000
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ..
     if config.command_space != PAIR:
         planes_m = np.repeat(config.test_distances_m, config.n_starts_per_distance).tolist()
         return tuple(
-            Condition(distance_m, _drawn_deg(config, start)["horizontal"], start)
+            Condition(distance_m, draw_angles_deg(config, _draw_of(start))["horizontal"], start)
             for start, distance_m in enumerate(planes_m)
         )
     return tuple(
@@ -63,31 +64,35 @@ def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ..
 
 
 class PairStarts:
-    """Vergences, and fractions of the line of pairs that give them."""
+    """Vergences, and fractions of the line of pairs that give them; no gaze targets."""
 
     def __init__(
         self, config: ProtocolConfig, baseline_m: float, activations: ActivationsOfVergence
     ) -> None:
         """activations: (vergence_deg, fraction in [0, 1]) -> those of the twelve muscles."""
-        self._config, self._baseline_m, self._of_vergence = config, baseline_m, activations
+        self._config, self.baseline_m, self._of_vergence = config, baseline_m, activations
 
     def training(self, draw: np.random.Generator) -> tuple[float, Activations]:
         """Draw the plane's distance in m, and activations of eyes that look at another one."""
         config = self._config
         object_distance_m, fixation_distance_m = (
-            drawn_distance_m(config, draw, ends_m, self._baseline_m)
+            drawn_distance_m(config, draw, ends_m, self.baseline_m)
             for ends_m in (config.object_distance_m, config.fixation_distance_m)
         )
-        vergence_deg = desired_vergence_deg(fixation_distance_m, self._baseline_m)
+        vergence_deg = desired_vergence_deg(fixation_distance_m, self.baseline_m)
         return object_distance_m, self._activations(vergence_deg, draw)
 
     def trial(self, condition: Condition, draw: np.random.Generator) -> Activations:
         """Return activations with the condition's error."""
-        desired_deg = desired_vergence_deg(condition.object_distance_m, self._baseline_m)
+        desired_deg = desired_vergence_deg(condition.object_distance_m, self.baseline_m)
         return self._activations(desired_deg - condition.start_error_deg, draw)
 
     def _activations(self, vergence_deg: float, draw: np.random.Generator) -> Activations:
         return self._of_vergence(vergence_deg, float(draw.random()))
+
+    def targets_deg(self, *_: object) -> tuple[float, ...]:
+        """Return none, since saccades turn each eye about all axes."""
+        return ()
 
 
 class GazeStarts:
@@ -95,19 +100,18 @@ class GazeStarts:
 
     def __init__(self, config: ProtocolConfig, mechanics: MechanicsConfig) -> None:
         """Build an inverse of the eyes."""
-        self._config, self._baseline_m = config, mechanics.baseline_m
+        self._config, self.baseline_m = config, mechanics.baseline_m
         self._inverse = gaze_inverse(config, mechanics)
 
     def training(self, draw: np.random.Generator) -> tuple[float, Activations]:
         """Draw the plane's distance in m, and activations with a gaze."""
         ends_m = self._config.object_distance_m
-        distance_m = drawn_distance_m(self._config, draw, ends_m, self._baseline_m)
+        distance_m = drawn_distance_m(self._config, draw, ends_m, self.baseline_m)
         return distance_m, self._activations(distance_m, draw)
 
     def trial(self, condition: Condition, draw: np.random.Generator) -> Activations:
         """Return activations with the condition's gaze."""
-        own_draw = generator(_SEED_OF_TESTS, "start", condition.start)
-        return self._activations(condition.object_distance_m, own_draw)
+        return self._activations(condition.object_distance_m, _draw_of(condition.start))
 
     def _activations(self, distance_m: float, draw: np.random.Generator) -> Activations:
         config = self._config
@@ -115,9 +119,17 @@ class GazeStarts:
         aside = draw.normal(0.0, config.start_spread, len(config.space.names))
         return tuple(self._inverse.activations(angles_deg, distance_m, aside).tolist())
 
-    def left_gaze_deg(self, activations: Activations) -> tuple[float, float]:
-        """Return azimuth and elevation of the left eye at rest with activations (12,)."""
-        return self._inverse.left_gaze_deg(np.array(activations))
+    def targets_deg(
+        self, activations: Activations, n_iterations: int, draw: np.random.Generator
+    ) -> tuple[float, ...]:
+        """Draw the targets of an episode that begins with activations (12,); see drawn_targets_deg.
+
+        None for eyes that make no saccades.
+        """
+        if not self._config.fixation_iterations:
+            return ()
+        gaze_deg = self._inverse.left_gaze_deg(np.array(activations))
+        return drawn_targets_deg(self._config, n_iterations, gaze_deg, draw)
 
 
 # The first activations (12,) of episodes, for eyes as they are in one stage of a run.
@@ -158,8 +170,35 @@ def largest_angles_deg(config: ProtocolConfig) -> dict[str, float]:
     return {name: largest[name] for name in TURNED_ANGLES[config.command_space]}
 
 
-def _drawn_deg(config: ProtocolConfig, start: int) -> dict[str, float]:
-    return draw_angles_deg(config, generator(_SEED_OF_TESTS, "start", start))
+def _draw_of(start: int) -> np.random.Generator:
+    return generator(_SEED_OF_TESTS, "start", start)
+
+
+def drawn_targets_deg(
+    config: ProtocolConfig,
+    n_iterations: int,
+    gaze_deg: tuple[float, float],
+    draw: np.random.Generator,
+) -> tuple[float, ...]:
+    """Draw azimuth and elevation of the target of each fixation, one after the other.
+
+    gaze_deg: those of the left eye at the start. Each target lies at a drawn distance from the one
+    before, in a direction that is drawn until it is within range; a gaze so far aside that none is
+    comes back to the nearest place within range.
+    """
+    targets_deg: list[float] = []
+    least_deg, most_deg = config.target_distance_deg
+    place, most = np.array(gaze_deg), np.array(config.largest_target_deg)
+    for _ in range(n_iterations // config.fixation_iterations):
+        for _ in range(_MOST_DRAWS):
+            away = draw.uniform(least_deg, most_deg)
+            direction = draw.uniform(0.0, 2.0 * np.pi)
+            target = place + away * np.array([np.cos(direction), np.sin(direction)])
+            if (np.abs(target) <= most).all():
+                break
+        place = np.clip(target, -most, most)
+        targets_deg += place.tolist()
+    return tuple(targets_deg)
 
 
 def drawn_distance_m(

@@ -21,6 +21,9 @@ from eye_plant.episode import Episode
 from lockstep.command_space import PAIR
 from lockstep.errors import InputError
 
+# How many random-dot stereograms a test shows by default.
+_N_STEREOGRAMS = 10
+
 
 @dataclass(frozen=True)
 class FrozenResults:
@@ -57,7 +60,8 @@ def evaluated(
     """
     manager = learners.manager
     criteria = criteria_of(learners.plant, manager.protocol.fixation_iterations)
-    stimuli = shown.load(learners.plant.stimuli, manager.protocol.n_stimuli_per_test)
+    n_default = _N_STEREOGRAMS if shown.random_dots else manager.protocol.n_stimuli_per_test
+    stimuli = shown.load(learners.plant.stimuli, n_default)
     n_stimuli = len(stimuli.all) + len(stimuli.stereograms)
     started = dataclasses.replace(manager, protocol=_with_starts(manager.protocol, start_scale))
     protocol = _test_protocol(started, learners.trained, n_stimuli)

@@ -9,7 +9,7 @@ from typing import Any
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import read_schedule
-from experiment_manager.experiment.protocol import make_protocol
+from experiment_manager.experiment.protocol import protocol_of
 from experiment_manager.in_process.loop import InProcessLoop, make_loop
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
@@ -60,8 +60,7 @@ class FrozenLearners:
     @cached_property
     def trained(self) -> int:
         """Training iterations before the checkpoint."""
-        manager = build(ExperimentManagerConfig, self._of_run["experiment_manager"])
-        return make_protocol(manager).training_iterations_before(self.place)
+        return protocol_of(self._of_run).training_iterations_before(self.place)
 
     @cached_property
     def configuration(self) -> Configuration:

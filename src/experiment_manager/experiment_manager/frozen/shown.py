@@ -14,9 +14,6 @@ from eye_plant.stimuli.stimulus_set import (
 )
 from lockstep.errors import InputError
 
-# How many random-dot stereograms are shown by default.
-_N_STEREOGRAMS = 10
-
 
 @dataclass(frozen=True)
 class Shown:
@@ -25,7 +22,7 @@ class Shown:
     stimuli: a directory of pictures; stereograms: a directory of pairs; random_dots: random-dot
     stereograms, nothing else; generated: the generated test stimuli, for a run that was trained on
     others; without any of them the run's own test stimuli. n_most: so many at most, None is as many
-    as in the run's own tests.
+    as who shows them has by default.
     """
 
     stimuli: Path | None = None
@@ -44,10 +41,10 @@ class Shown:
         directory = self.stimuli or self.stereograms
         return str(directory.resolve()) if directory else ""
 
-    def load(self, config: StimuliConfig, n_per_test: int) -> StimulusSet:
+    def load(self, config: StimuliConfig, n_default: int) -> StimulusSet:
         """Return the stimuli, as test stimuli without any for training.
 
-        config: of the run's own; n_per_test: shown in the run's own tests. Raises InputError for
+        config: of the run's own; n_default: how many where n_most is None. Raises InputError for
         what cannot be shown.
         """
         directories = (self.stimuli is not None, self.stereograms is not None)
@@ -56,10 +53,8 @@ class Shown:
                 "expected one of a directory, stereograms, random dots and generated stimuli, "
                 "got more"
             )
-        n_most = self.n_most
-        if n_most is None:
-            n_most = _N_STEREOGRAMS if self.random_dots else n_per_test
-        elif n_most < 1:
+        n_most = n_default if self.n_most is None else self.n_most
+        if n_most < 1:
             raise InputError(f"stimuli per test: expected 1 or more, got {n_most}")
         if self.random_dots:
             dots = random_dot_stereograms(config.seed, n_most, config.size_px)

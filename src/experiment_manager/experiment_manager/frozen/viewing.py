@@ -48,12 +48,9 @@ class Viewing:
         self._activations = tuple(observations[-1].state.activations.tolist())
         return observations
 
-    def code(self, settings: Mapping[str, Any] | None = None) -> Encoding:
-        """Return the code of what the eyes see where they are; they do not move.
-
-        settings: as `look` takes them.
-        """
-        self._loop.plant.reconfigure(settings or {})
+    def code(self) -> Encoding:
+        """Return the code of what the eyes see now, without settings; they do not move."""
+        self._loop.plant.reconfigure({})
         observation = self._loop.plant.begin(self._episode(1, ()))
         assert observation.pictures is not None
         return self._loop.coder.encode(*observation.pictures)

@@ -5,12 +5,12 @@ pooled. The target's place is that from the left eye's line of sight.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from typing import Any, Self
 
 import numpy as np
 
-from experiment_manager.measures.trials import Trials
+from experiment_manager.measures.trials import ERROR_NAMES, Trials
 from lockstep.wire.topics import N_SACCADES, TARGET_NAMES
 
 # Vergence is judged, and gaze with it, so many iterations after the saccades.
@@ -50,13 +50,7 @@ class FixationMeasures:
 
     def to_json(self) -> dict[str, Any]:
         """Return the entries of results.json."""
-        document = {name: vars(value) for name, value in self._spreads().items()}
-        after = {name: vars(spread) for name, spread in self.saccade_error_deg.items()}
-        share = self.share_fixated_within_1_px
-        return {"saccade_error_deg": after, **document, "share_fixated_within_1_px": share}
-
-    def _spreads(self) -> dict[str, Spread]:
-        return {f.name: getattr(self, f.name) for f in fields(self) if f.type is Spread}
+        return asdict(self)
 
     @classmethod
     def from_json(cls, document: Mapping[str, Any]) -> Self:
@@ -78,8 +72,7 @@ def fixation_measures(
     verged = begin + min(N_SACCADES + VERGED, fixation_iterations - 1)
     target_deg = np.stack([trials.column(name) for name in TARGET_NAMES], axis=-1)
     horizontal_deg, vertical_deg, torsional_deg = (
-        trials.column(name)[:, verged].ravel()
-        for name in ("vergence_error_deg", "vertical_error_deg", "cyclovergence_error_deg")
+        trials.column(name)[:, verged].ravel() for name in ERROR_NAMES
     )
     known = np.isfinite(horizontal_deg) & np.isfinite(target_deg[:, verged]).all(axis=2).ravel()
     if not known.any():

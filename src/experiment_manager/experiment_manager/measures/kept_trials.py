@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS
-from experiment_manager.measures.trials import Trials, space_of
+from experiment_manager.measures.trials import ERROR_NAMES, Trials, space_of
 from lockstep.errors import InputError
 from lockstep.state_file import read_state, write_state
 
@@ -20,7 +20,7 @@ _KIND = "trials_of_run"
 OTHER_STARTS = ("began_otherwise", "started_with")
 # ... and what only where the eyes have commands of their own, which turn them about other axes.
 OTHER_ERRORS = ("final_other_errors_deg", "other_errors_deg")
-_OTHER_ERROR_COLUMNS = ("vertical_error_deg", "cyclovergence_error_deg")
+_OTHER_ERROR_COLUMNS = ERROR_NAMES[1:]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.fixations import fixation_measures
 from experiment_manager.measures.results import AntagonistPair, Measures, SetSummary, Summary
-from experiment_manager.measures.trials import Trials
+from experiment_manager.measures.trials import ERROR_NAMES, Trials
 from lockstep.command_space import MUSCLES, SIDES, CommandSpace
 
 # K17 Fig. 3 shows these; the last one is what all tables report.
@@ -31,6 +31,7 @@ _ZERO_ERROR_DEG = 0.1
 def summary_of(trials: Trials, criteria: Criteria) -> Summary:
     """Return the measures of one test."""
     start_deg = trials.vergence_error_deg[:, 0]
+    is_of_authors = np.isin(np.round(start_deg), AUTHORS_START_ERRORS_DEG)
     return Summary(
         **vars(_set_summary(trials, criteria)),
         iteration=trials.training_iteration,
@@ -42,14 +43,8 @@ def summary_of(trials: Trials, criteria: Criteria) -> Summary:
         without_zero_start_error=_set_summary(
             trials.chosen(np.abs(start_deg) >= _ZERO_ERROR_DEG), criteria
         ),
-        authors_test_set=_set_summary(trials.chosen(in_authors_test_set(trials)), criteria),
+        authors_test_set=_set_summary(trials.chosen(is_of_authors), criteria),
     )
-
-
-def in_authors_test_set(trials: Trials) -> np.ndarray:
-    """Return which trials (n_trials,) the authors' code would have made, too."""
-    start_deg = np.round(trials.vergence_error_deg[:, 0])
-    return np.isin(start_deg, AUTHORS_START_ERRORS_DEG)
 
 
 def _set_summary(trials: Trials, criteria: Criteria) -> SetSummary:
@@ -73,8 +68,7 @@ def _set_summary(trials: Trials, criteria: Criteria) -> SetSummary:
 def _measures(trials: Trials, iteration: int, criteria: Criteria) -> Measures:
     """Return the measures after an iteration (quartiles by linear interpolation)."""
     error_deg, vertical_deg, torsional_deg = (
-        np.abs(trials.column(name)[:, iteration])
-        for name in ("vergence_error_deg", "vertical_error_deg", "cyclovergence_error_deg")
+        np.abs(trials.column(name)[:, iteration]) for name in ERROR_NAMES
     )
     is_known = ~np.isnan(error_deg)
     is_within = error_deg < criteria.px_deg

@@ -10,6 +10,8 @@ from lockstep.command_space import COMMAND_SPACES, PAIR, CommandSpace
 from lockstep.errors import InputError
 from lockstep.wire.topics import EPISODE_NAMES, GROUND_TRUTH_NAMES, TEST
 
+# Of errors about the axes that commands may turn the eyes about; the pair's turn them about one.
+ERROR_NAMES = ("vergence_error_deg", "vertical_error_deg", "cyclovergence_error_deg")
 # Where the start costs what the optimum costs, the share saved (eq. 8) divides by nothing.
 LEAST_COST_RANGE_W = 0.01
 
@@ -72,8 +74,7 @@ class TrialTable:
 
     def column(self, name: str) -> np.ndarray:
         """Return one column (n,)."""
-        column: np.ndarray = self.rows[:, self.names.index(name)]
-        return column
+        return self.rows[:, self.names.index(name)]
 
 
 @dataclass(frozen=True)
@@ -138,8 +139,7 @@ class Trials:
 
     def delta_cost_w(self, iteration: int) -> np.ndarray:
         """Return C - C* (n_trials,) after an iteration."""
-        cost_w: np.ndarray = self.metabolic_rate_w[:, iteration] - self.optimal_metabolic_rate_w
-        return cost_w
+        return self.metabolic_rate_w[:, iteration] - self.optimal_metabolic_rate_w
 
     def cost_reduction(self, iteration: int) -> np.ndarray:
         """Return the share of the possible saving that was made (n_trials,).

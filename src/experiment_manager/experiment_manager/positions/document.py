@@ -1,14 +1,17 @@
-"""The document of the nine positions, with the numbers of all looks."""
+"""What eyes did at the nine positions, as evaluate.sh writes and prints it."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from experiment_manager.frozen.learners import FrozenLearners
+from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.measures.yoked import SharedChange
-from experiment_manager.positions.examination import Examined, Gazes
+from experiment_manager.positions.examination import Examined, Gazes, examine
 from experiment_manager.positions.measures import (
     Planes,
     planes_of_eyes,
@@ -17,15 +20,42 @@ from experiment_manager.positions.measures import (
     yoked_changes,
 )
 from experiment_manager.positions.posture import ERROR_AXES
+from experiment_manager.positions.text import tables
 from lockstep.command_space import SIDES
 
 SUMMARISED = ("missed_deg", *(f"{axis}_error_deg" for axis in ERROR_AXES), "metabolic_rate_w")
 
 
+@dataclass(frozen=True)
+class NinePositions:
+    """An examination that was made."""
+
+    examined: Examined
+
+    @cached_property
+    def _document(self) -> dict[str, Any]:
+        return document(self.examined)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what evaluate.sh writes."""
+        return self._document
+
+    def table(self) -> str:
+        """Return the tables as text."""
+        return tables(self._document)
+
+
+def examine_positions(
+    learners: FrozenLearners, shown: Shown = OWN_TEST_STIMULI, covered: str = ""
+) -> NinePositions:
+    """Make the examination; covered, errors: as `examine` has them."""
+    return NinePositions(examine(learners, shown, covered))
+
+
 def document(examined: Examined) -> dict[str, Any]:
     """Return what evaluate.sh writes; docs/gaze.md says what it is."""
     random = examined.random
-    positions = list(gaze_entries(examined.nine, examined.positions_m))
+    positions = list(gaze_entries(examined.nine))
     return examined.learners.said() | {
         "examination": "nine-positions",
         "stimuli": examined.stimuli,
@@ -34,7 +64,7 @@ def document(examined: Examined) -> dict[str, Any]:
         "covered": examined.covered,
         "summary": summary(positions),
         "positions": positions,
-        "random": list(gaze_entries(random, examined.positions_m)),
+        "random": list(gaze_entries(random)),
         "antagonists": {name: vars(s) for name, s in silences_of(examined).items()},
         "listing": {
             name: _listing(planes)
@@ -50,13 +80,12 @@ def document(examined: Examined) -> dict[str, Any]:
     }
 
 
-def gaze_entries(gazes: Gazes, positions_m: NDArray[np.float64]) -> Iterator[dict[str, Any]]:
+def gaze_entries(gazes: Gazes) -> Iterator[dict[str, Any]]:
     """Yield an entry for each distance and target.
 
     learned: medians over pictures; least: with the least energy, None for a gaze that the muscles
     do not reach; cost_ratio: C of both; looks: with each picture.
     """
-    wanted_deg = gazes.wanted_gaze_deg(positions_m)
     looks, least = gazes.eyes.readings(), gazes.optimum.readings()
     for i_distance, distance_m in enumerate(gazes.distances_m):
         for i, target_deg in enumerate(gazes.targets_deg.tolist()):
@@ -67,7 +96,9 @@ def gaze_entries(gazes: Gazes, positions_m: NDArray[np.float64]) -> Iterator[dic
             yield {
                 "object_distance_m": distance_m,
                 "target_deg": target_deg,
-                "wanted_gaze_deg": dict(zip(SIDES, wanted_deg[at].tolist(), strict=True)),
+                "wanted_gaze_deg": dict(
+                    zip(SIDES, gazes.wanted_gaze_deg[at].tolist(), strict=True)
+                ),
                 "learned": learned,
                 "least": of_least if is_reached else None,
                 "cost_ratio": (

@@ -1,6 +1,6 @@
 """Frozen learners look at the nine positions and at random places; the least energy beside them."""
 
-import dataclasses
+import itertools
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -14,11 +14,12 @@ from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.frozen.viewing import Viewing
 from experiment_manager.in_process.loop import InProcessLoop
 from experiment_manager.positions.posture import Posture
-from experiment_manager.positions.start import activations_ahead, check_looks_at_targets
 from experiment_manager.positions.targets import (
     DISTANCES_M,
     N_RANDOM,
     NINE_POSITIONS_DEG,
+    activations_ahead,
+    check_looks_at_targets,
     random_targets_deg,
     wanted_angles_deg,
     wanted_gaze_deg,
@@ -39,24 +40,17 @@ class Gazes:
     """Where eyes were to look, and what they did in the end.
 
     targets_deg: (n, 2) azimuth and elevation from the left eye; pictures: (n, n_pictures) numbers
-    of those that were shown; eyes: (n_distances, n, n_pictures) the learners' own; optimum:
-    (n_distances, n) those with the least energy.
+    of those that were shown; wanted_gaze_deg: (n_distances, n, 2, 2) of eyes that look there; eyes:
+    (n_distances, n, n_pictures) the learners' own; optimum: (n_distances, n) those with the least
+    energy.
     """
 
     targets_deg: Array
     distances_m: tuple[float, ...]
     pictures: NDArray[np.int64]
+    wanted_gaze_deg: Array
     eyes: Posture
     optimum: Posture
-
-    def wanted_gaze_deg(self, positions_m: Array) -> Array:
-        """Return the gaze (n_distances, n, 2, 2) of eyes at positions_m (2, 3) that look there."""
-        return np.array(
-            [
-                [wanted_gaze_deg(positions_m, target_deg, d) for target_deg in self.targets_deg]
-                for d in self.distances_m
-            ]
-        )
 
 
 @dataclass(frozen=True)
@@ -64,8 +58,7 @@ class Examined:
     """What frozen learners did at the nine positions and at random places.
 
     stimuli: what was shown, in words, "" for the run's own; covered: side of an eye, "" for none;
-    positions_m: (2, 3) of the eyes; nine: each position with each picture; random: each place with
-    one picture.
+    nine: each position with each picture; random: each place with one picture.
     """
 
     learners: FrozenLearners
@@ -73,7 +66,6 @@ class Examined:
     n_pictures: int
     n_iterations: int
     covered: str
-    positions_m: Array
     nine: Gazes
     random: Gazes
 
@@ -91,9 +83,13 @@ def examine(
     covered: the side of an eye that sees black, "" for none. Raises InputError for learners,
     pictures or a covered eye that cannot be used.
     """
-    _check(learners, shown, covered)
-    n_pictures = _N_PICTURES if shown.n_most is None else shown.n_most
-    stimuli = dataclasses.replace(shown, n_most=n_pictures).load(learners.plant.stimuli, n_pictures)
+    check_looks_at_targets(learners, shown, "--nine-positions")
+    if covered not in ("", _COVERABLE):
+        raise InputError(
+            f"--cover-eye: expected {_COVERABLE}, since the target is a place in the left eye's "
+            f"picture, got {covered}"
+        )
+    stimuli = shown.load(learners.plant.stimuli, _N_PICTURES)
     n_pictures = len(stimuli.all)
     with learners.loop(stimuli) as loop:
         looking = _Looking(learners, loop, covered)
@@ -101,25 +97,8 @@ def examine(
         in_turn = np.arange(n_random)[:, None] % n_pictures
         nine = looking.at(NINE_POSITIONS_DEG, distances_m, each)
         random = looking.at(random_targets_deg(n_random), distances_m, in_turn)
-        return Examined(
-            learners,
-            shown.text,
-            n_pictures,
-            looking.n_iterations,
-            covered,
-            looking.positions_m,
-            nine,
-            random,
-        )
-
-
-def _check(learners: FrozenLearners, shown: Shown, covered: str) -> None:
-    check_looks_at_targets(learners, shown, "--nine-positions")
-    if covered not in ("", _COVERABLE):
-        raise InputError(
-            f"--cover-eye: expected {_COVERABLE}, since the target is a place in the left eye's "
-            f"picture, got {covered}"
-        )
+    n_iterations = looking.n_iterations
+    return Examined(learners, shown.text, n_pictures, n_iterations, covered, nine, random)
 
 
 class _Looking:
@@ -134,7 +113,7 @@ class _Looking:
         self._settings = {f"camera.{covered}_occluded": True} if covered else {}
         self._commanded = protocol.space.indices
         self._eyes = Oculomotor(manager.mechanics)
-        self.positions_m = self._eyes.eye_positions_m()
+        self._positions_m = self._eyes.eye_positions_m()
         self._inverse = gaze_inverse(protocol, manager.mechanics)
 
     def at(
@@ -144,23 +123,22 @@ class _Looking:
         pictures: NDArray[np.int64],
     ) -> Gazes:
         """Look at all targets (n, 2) from all distances; pictures: (n, n_pictures) for each."""
-        gazes = [
-            (i, target_deg, distance_m)
-            for distance_m in distances_m
-            for i, target_deg in enumerate(targets_deg)
-        ]
+        gazes = list(itertools.product(distances_m, zip(targets_deg, pictures, strict=True)))
+        wanted_deg: list[Array] = []
         eyes: list[Posture] = []
         optimum: list[Posture] = []
-        for i, target_deg, distance_m in progress(
+        for distance_m, (target_deg, numbers) in progress(
             gazes, file=sys.stderr, desc="nine positions", unit="gaze"
         ):
-            eyes += self._looks(target_deg, distance_m, pictures[i].tolist())
-            optimum.append(self._least(target_deg, distance_m))
+            wanted_deg.append(wanted_gaze_deg(self._positions_m, target_deg, distance_m))
+            eyes += self._looks(target_deg, distance_m, numbers.tolist())
+            optimum.append(self._least(target_deg, distance_m, wanted_deg[-1]))
         shape = len(distances_m), len(targets_deg)
         return Gazes(
             targets_deg,
             distances_m,
             pictures,
+            np.reshape(wanted_deg, (*shape, 2, 2)),
             Posture.stacked(eyes, (len(distances_m), *pictures.shape)),
             Posture.stacked(optimum, shape),
         )
@@ -169,16 +147,15 @@ class _Looking:
         self, target_deg: Array, distance_m: float, pictures: Sequence[int]
     ) -> Iterator[Posture]:
         """Yield where the eyes end before each picture."""
-        first = activations_ahead(self._learners, self.positions_m, distance_m)
+        first = activations_ahead(self._learners, self._positions_m, distance_m)
         for i_picture in pictures:
             viewing = Viewing(self._loop, i_picture, distance_m, first.tolist())
             viewing.look(self.n_iterations, self._settings, target_deg.tolist() * self._n_fixations)
             eyes = self._loop.plant.oculomotor
             yield Posture.of(eyes, self._commanded, target_deg, distance_m)
 
-    def _least(self, target_deg: Array, distance_m: float) -> Posture:
+    def _least(self, target_deg: Array, distance_m: float, wanted_deg: Array) -> Posture:
         """Return the cheapest posture without errors, cycloversion being free."""
-        wanted_deg = wanted_gaze_deg(self.positions_m, target_deg, distance_m)
         try:
             least = self._inverse.least(wanted_angles_deg(wanted_deg), distance_m)
         except InputError:

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiment_manager.measures.criteria import criteria_of
-from experiment_manager.measures.metrics import silent_below
+from experiment_manager.measures.metrics import antagonist_names, silent_below
 from experiment_manager.measures.yoked import SharedChange, shared_change, yoked_names
-from experiment_manager.positions.antagonists import Silence, silences
 from experiment_manager.positions.examination import Examined
 from experiment_manager.positions.listing import (
     DisplacementPlane,
@@ -25,6 +24,22 @@ Array = NDArray[np.float64]
 
 # A plane through three points has no thickness.
 _FEWEST_GAZES = 4
+
+
+@dataclass(frozen=True)
+class Silence:
+    """Sherrington's law: of two antagonists, or of all pairs together.
+
+    share_silent, share_silent_in_optimum: of the gazes at which one of both is silent;
+    share_optimally_silent: of the muscles that are silent with the least energy, how many are
+    silent in these eyes, over all gazes; None where none is; n_silent_in_optimum: muscles that are,
+    over all gazes.
+    """
+
+    share_silent: float
+    share_silent_in_optimum: float
+    share_optimally_silent: float | None
+    n_silent_in_optimum: int
 
 
 def is_silent(activations: Array, plant: EyePlantConfig) -> NDArray[np.bool_]:
@@ -43,6 +58,32 @@ def silences_of(examined: Examined) -> dict[str, Silence]:
         return {}
     return silences(
         is_silent(nine.eyes.activations[reached], plant), is_silent(optimum[reached], plant)
+    )
+
+
+def silences(silent: NDArray[np.bool_], optimum: NDArray[np.bool_]) -> dict[str, Silence]:
+    """Return the measures of each two antagonists, and of "all".
+
+    silent: (n, n_pictures, 12) of the eyes at n gazes; optimum: (n, 12) of the least energy.
+    """
+    pairs = antagonist_names(COMMAND_SPACES[ALL_MUSCLES])
+    indices = np.array([[MUSCLE_NAMES.index(name) for name in names] for names in pairs])
+    chosen = {"-".join(names): i[None] for names, i in zip(pairs, indices, strict=True)}
+    return {
+        name: _silence(silent[..., i], optimum[..., i])
+        for name, i in (chosen | {"all": indices}).items()
+    }
+
+
+def _silence(silent: NDArray[np.bool_], optimum: NDArray[np.bool_]) -> Silence:
+    """Return the measures of k pairs; silent: (n, n_pictures, k, 2), optimum: (n, k, 2)."""
+    both = np.broadcast_to(optimum[:, None], silent.shape)
+    n_cases = int(optimum.sum())
+    return Silence(
+        share_silent=float(silent.any(axis=-1).mean()),
+        share_silent_in_optimum=float(optimum.any(axis=-1).mean()),
+        share_optimally_silent=float(silent[both].mean()) if n_cases else None,
+        n_silent_in_optimum=n_cases,
     )
 
 
@@ -67,31 +108,30 @@ class Planes:
 
 def planes_of_eyes(examined: Examined) -> dict[str, Planes]:
     """Return the planes of both eyes, of medians over pictures at nine positions and all others."""
+    eyes = examined.nine.eyes, examined.random.eyes
     return _planes(
         examined.nine.distances_m,
-        [
-            (np.median(p.rotation_vectors, axis=2), np.median(p.vergence_deg, axis=2))
-            for p in (examined.nine.eyes, examined.random.eyes)
-        ],
+        [np.median(posture.rotation_vectors, axis=2) for posture in eyes],
+        [np.median(posture.vergence_deg, axis=2) for posture in eyes],
     )
 
 
 def planes_of_optimum(examined: Examined) -> dict[str, Planes]:
     """Return the planes of both eyes with the least energy, at the same places."""
+    optimum = examined.nine.optimum, examined.random.optimum
     return _planes(
         examined.nine.distances_m,
-        [
-            (p.rotation_vectors, p.vergence_deg)
-            for p in (examined.nine.optimum, examined.random.optimum)
-        ],
+        [posture.rotation_vectors for posture in optimum],
+        [posture.vergence_deg for posture in optimum],
     )
 
 
 def _planes(
-    distances_m: Sequence[float], places: Sequence[tuple[Array, Array]]
+    distances_m: Sequence[float], parts: Sequence[Array], vergences_of_parts_deg: Sequence[Array]
 ) -> dict[str, Planes]:
-    """Return planes; places: rotation vectors (n_distances, n, 2, 3) and vergence in deg."""
-    vectors, vergence_deg = (np.concatenate(p, axis=1) for p in zip(*places, strict=True))
+    """Return planes; parts: rotation vectors (n_distances, n, 2, 3) of some of the places."""
+    vectors = np.concatenate(parts, axis=1)
+    vergence_deg = np.concatenate(vergences_of_parts_deg, axis=1)
     reached = np.isfinite(vergence_deg)
     found = {}
     for i_side, side in enumerate(SIDES):

@@ -1,11 +1,16 @@
-"""Where the eyes are to look: the nine positions of the clinic, and random places."""
+"""Where looks begin, and where they are to end: nine positions of the clinic, random places."""
 
+import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from experiment_manager.experiment.starts import gaze_inverse
+from experiment_manager.frozen.learners import FrozenLearners
+from experiment_manager.frozen.shown import Shown
 from eye_plant.inverse.gaze import ERRORS
+from lockstep.errors import InputError
 from lockstep.randomness import generator
 
 Array = NDArray[np.float64]
@@ -17,6 +22,7 @@ N_RANDOM = 40
 _LARGEST_RANDOM_DEG = 10.0
 # The same places for all runs, so that they compare.
 _SEED = 0
+_AHEAD_DEG = (0.0, 0.0)
 
 
 def random_targets_deg(n_targets: int) -> Array:
@@ -52,3 +58,26 @@ def wanted_angles_deg(gaze_deg: Array) -> dict[str, float]:
     """Return what GazeInverse takes for eyes whose wanted gaze is (2, 2): all angles, no errors."""
     version_deg, elevation_deg = gaze_deg.mean(axis=0).tolist()
     return dict.fromkeys(ERRORS, 0.0) | {"version": version_deg, "elevation": elevation_deg}
+
+
+def check_looks_at_targets(learners: FrozenLearners, shown: Shown, option: str) -> None:
+    """Raise InputError, which names the option, unless the learners can look at targets."""
+    if not learners.manager.protocol.fixation_iterations:
+        raise InputError(
+            f"{option}: expected eyes that make saccades, as those of profile gaze, got a run with "
+            "protocol.fixation_iterations 0"
+        )
+    if shown.random_dots or shown.stereograms is not None:
+        raise InputError(f"{option}: expected pictures on a plane, got stereograms")
+
+
+def activations_ahead(learners: FrozenLearners, positions_m: Array, distance_m: float) -> Array:
+    """Return activations (12,) with which the left eye looks straight ahead, without errors.
+
+    positions_m: (2, 3) of the eyes. Eyes with a palsy get what healthy ones need.
+    """
+    healthy = dataclasses.replace(learners, settings={}).manager
+    wanted_deg = wanted_angles_deg(wanted_gaze_deg(positions_m, _AHEAD_DEG, distance_m))
+    nowhere_aside = np.zeros(len(healthy.protocol.space.indices))
+    inverse = gaze_inverse(healthy.protocol, healthy.mechanics)
+    return inverse.activations(wanted_deg, distance_m, nowhere_aside)

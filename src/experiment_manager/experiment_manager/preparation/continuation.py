@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from experiment_manager.experiment.agreements import by_key, by_node, with_partners
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.protocol import Protocol, make_protocol
+from experiment_manager.experiment.protocol import Protocol, protocol_of
 from experiment_manager.measures.trials import TrialTable
 from experiment_manager.preparation.configuration import configuration_with, schedule_of
 from experiment_manager.preparation.profiles import read_profile
@@ -96,14 +95,14 @@ def extend(directory: Path, n_more: int) -> None:
     tests = sorted({*before["experiment_manager"]["protocol.test_iterations"], end})
     longer = with_partners({ITERATIONS: end + n_more, TESTS: tests})
     after = by_node(by_key(before) | longer, CONFIG_CLASSES)
-    manager = build(ExperimentManagerConfig, after["experiment_manager"])
-    protocol = make_protocol(manager)
+    protocol = protocol_of(after)
+    space = protocol.config.space
     manifests = []
     for manifest, states in checkpoint.everyone(directory / "checkpoints"):
         check_unchanged(directory, manifest, before)
-        progress = Progress(end, manager.protocol.space)
+        progress = Progress(end, space)
         rows = read_state(states / TRIALS_FILE, TRIALS_KIND)["rows"]
-        progress.restore(manifest.progress, TrialTable.saved(rows, manager.protocol.space))
+        progress.restore(manifest.progress, TrialTable.saved(rows, space))
         progress.extend(end + n_more, protocol.training_iterations_before(manifest.place))
         manifests.append(
             dataclasses.replace(manifest, parameters=after, progress=progress.document())
@@ -131,12 +130,12 @@ class Branch:
 
         Raises OSError when the disk refuses.
         """
-        manager = build(ExperimentManagerConfig, self.configuration["experiment_manager"])
-        place = make_protocol(manager).place_after(self.training_iterations)
+        protocol = protocol_of(self.configuration)
+        place = protocol.place_after(self.training_iterations)
         checkpoints = directory / "checkpoints"
         to = checkpoint.place_directory(checkpoints, place)
         to.mkdir(parents=True)
-        progress = Progress(manager.protocol.n_training_iterations, manager.protocol.space)
+        progress = Progress(protocol.config.n_training_iterations, protocol.config.space)
         progress.begin_at(self.training_iterations)
         write_state(to / TRIALS_FILE, TRIALS_KIND, {"rows": progress.trial_table().rows})
         for name in _LEARNERS:
@@ -168,15 +167,14 @@ def branch(text: str, request: RunRequest, commit: str) -> Branch:
     iteration = int(word) if at and word.isdigit() else None
     source = Path(text if iteration is None else name).resolve()
     before = read_configuration(source / CONFIG_FILE)
-    protocol = make_protocol(build(ExperimentManagerConfig, before["experiment_manager"]))
-    trained, states = _chosen(source, protocol, iteration)
+    trained, states = _chosen(source, protocol_of(before), iteration)
     _check_command_space(source, before, request)
     settings = {key: value for key, value in by_key(before).items() if key not in _OF_ONE_RUN}
     settings["experiment_manager.commit"] = commit
     configuration = configuration_with(settings, request)
-    manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
-    _check_end(manager.protocol.n_training_iterations, trained, request)
-    make_protocol(manager).place_after(trained)
+    protocol = protocol_of(configuration)
+    _check_end(protocol.config.n_training_iterations, trained, request)
+    protocol.place_after(trained)
     for node, learner in _LEARNERS.items():
         # The nodes would refuse what does not fit; here it costs nothing.
         config: Any = build(CONFIG_CLASSES[node], configuration[node])

@@ -3,13 +3,11 @@
 import sys
 from dataclasses import dataclass
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.protocol import make_protocol
+from experiment_manager.experiment.protocol import protocol_of
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.measures.metrics import SHARE_ITERATIONS
 from experiment_manager.run.config_file import Configuration
 from experiment_manager.terminal.progress_lines import progress
-from lockstep.configuration import build
 
 
 @dataclass(frozen=True)
@@ -34,13 +32,12 @@ def first_iterations(parameters: Configuration) -> FirstIterations:
     parameters: of all nodes, by node.
     """
     free = with_weight(parameters, 0.0)
-    manager = build(ExperimentManagerConfig, free["experiment_manager"])
-    n_iterations = min(SHARE_ITERATIONS, manager.protocol.n_training_iterations)
+    protocol = protocol_of(free)
+    n_iterations = min(SHARE_ITERATIONS, protocol.config.n_training_iterations)
     error = cost_w = 0.0
     loop = make_loop(free)
     try:
         with progress(file=sys.stderr, total=n_iterations, desc="E and C", unit="it") as bar:
-            protocol = make_protocol(manager)
             for episode in protocol.training_episodes():
                 if episode.training_iteration >= n_iterations:
                     break

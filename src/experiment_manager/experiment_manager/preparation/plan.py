@@ -1,7 +1,6 @@
 """What a run is going to do, in a few lines before it starts."""
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.protocol import Protocol, make_protocol
+from experiment_manager.experiment.protocol import Protocol, protocol_of
 from experiment_manager.run.config_file import Configuration
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig, count_missing
@@ -23,8 +22,7 @@ def plan(configuration: Configuration, place: int = 0) -> list[str]:
 
     place: episodes that are already done, as a checkpoint has them.
     """
-    manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
-    protocol = make_protocol(manager)
+    protocol = protocol_of(configuration)
     return [
         _left(protocol, place) if place else _length(protocol),
         *_too_short(configuration, protocol),

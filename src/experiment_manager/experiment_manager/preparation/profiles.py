@@ -6,10 +6,9 @@ base: NAME    of a profile whose settings hold where this one has none; may be l
 schedule: [{at: TRAINING_ITERATION, set: {NODE.PARAMETER: value}}]    may be left out
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib import resources
-from importlib.resources.abc import Traversable
+from pathlib import Path
 from typing import Any
 
 import yaml
@@ -18,7 +17,7 @@ from experiment_manager.experiment.plant_changes import Schedule, parse_schedule
 from lockstep.errors import InputError
 from lockstep.nearest import did_you_mean
 
-_SUFFIX = ".yaml"
+_FOLDER = Path(__file__).parents[1] / "profiles"
 _NEEDED, _KEYS = {"description", "settings"}, {"description", "settings", "base", "schedule"}
 
 
@@ -90,14 +89,6 @@ def _over(base: Profile, settings: Mapping[str, Mapping[str, Any]]) -> dict[str,
     return {node: {**base.settings.get(node, {}), **settings.get(node, {})} for node in nodes}
 
 
-def _files() -> dict[str, Traversable]:
-    folder = resources.files("experiment_manager") / "profiles"
-    return dict(_files_in(folder, ""))
-
-
-def _files_in(folder: Traversable, prefix: str) -> Iterator[tuple[str, Traversable]]:
-    for entry in folder.iterdir():
-        if entry.is_dir():
-            yield from _files_in(entry, f"{prefix}{entry.name}/")
-        elif entry.name.endswith(_SUFFIX):
-            yield prefix + entry.name.removesuffix(_SUFFIX), entry
+def _files() -> dict[str, Path]:
+    paths = _FOLDER.rglob("*.yaml")
+    return {path.relative_to(_FOLDER).with_suffix("").as_posix(): path for path in paths}

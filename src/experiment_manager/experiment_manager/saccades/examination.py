@@ -14,7 +14,7 @@ from experiment_manager.frozen.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.frozen.viewing import Viewing
 from experiment_manager.in_process.loop import InProcessLoop
 from experiment_manager.measures.tables import number, percent, text_table
-from experiment_manager.positions.start import activations_ahead, check_looks_at_targets
+from experiment_manager.positions.targets import activations_ahead, check_looks_at_targets
 from experiment_manager.positions.targets import direction_deg as angles_of_direction_deg
 from experiment_manager.saccades.main_sequence import MainSequence, fitted
 from experiment_manager.terminal.progress_lines import progress
@@ -86,17 +86,14 @@ class Saccades:
     def to_json(self) -> dict[str, Any]:
         """Return what evaluate.sh writes."""
         fit = self.main_sequence
+        velocity = {"greatest_velocity_deg_s": fit.greatest_velocity_deg_s}
         return self.learners.said() | {
             "stimuli": self.stimuli,
             "n_stimuli": 1,
             "object_distance_m": _DISTANCE_M,
             "control_period_s": self.period_s,
             "saccades": self.measures,
-            "main_sequence": {
-                "slope_per_s": fit.slope_per_s,
-                "constant_deg": fit.constant_deg,
-                "greatest_velocity_deg_s": fit.greatest_velocity_deg_s,
-            },
+            "main_sequence": vars(fit) | velocity,
         }
 
     def table(self) -> str:

@@ -4,10 +4,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from eye_plant.export.comparison import difference
 from eye_plant.export.mjcf import mjcf
 from eye_plant.export.readme import readme
-from eye_plant.mechanics.parameter_sets import PARAMETER_SETS
+from eye_plant.mechanics.model import PARAMETER_SETS
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import is_free
 from lockstep.errors import InputError
@@ -19,11 +18,11 @@ def export(directory: Path) -> None:
     if not is_free(directory):
         raise InputError(f"expected a new or empty directory, got {directory}")
     texts = {name: mjcf(name) for name in PARAMETER_SETS}
-    differences = {name: difference(name, text) for name, text in texts.items()}
+    page = readme(texts)
     directory.mkdir(parents=True, exist_ok=True)
     for name, text in texts.items():
         (directory / f"eyes_{name}.xml").write_text(text)
-    (directory / "README.md").write_text(readme(differences))
+    (directory / "README.md").write_text(page)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -94,12 +94,12 @@ class GazeInverse:
 
     def gaze_deg(self, activations: Array, distance_m: float) -> Array:
         """Return GAZE_ANGLES (5,) of eyes at rest with activations (12,) before a plane."""
-        self._eyes.equilibrium.solve(activations)
+        self._eyes.rest(activations)
         return self._present_deg(distance_m)
 
     def left_gaze_deg(self, activations: Array) -> tuple[float, float]:
         """Return azimuth (to the right) and elevation of the left eye at rest."""
-        self._eyes.equilibrium.solve(activations)
+        self._eyes.rest(activations)
         azimuth_deg, elevation_deg = np.degrees(self._eyes.data.qpos[:2]).tolist()
         return azimuth_deg, elevation_deg
 
@@ -249,7 +249,7 @@ class GazeInverse:
         return activations
 
     def _continued_deg(self, values: Array, distance_m: float) -> Array:
-        self._eyes.equilibrium.solve(self._with(values), self._eyes.data.qpos.copy())
+        self._eyes.rest(self._with(values), self._eyes.data.qpos.copy())
         return self._present_deg(distance_m)
 
     def _present_deg(self, distance_m: float) -> Array:

@@ -129,14 +129,12 @@ class Inverse:
         """
         medial, lateral = self._end(vergence_deg, limits, 0)
         self._vergence_deg(medial, lateral)
-        rates_w = self._eyes.settled_metabolic_rate_w()
-        return OptimalPair(
-            float(medial), float(lateral), self._eyes.horizontal_metabolic_rate_w(rates_w)
-        )
+        rate_w = self._eyes.horizontal_metabolic_rate_w()
+        return OptimalPair(float(medial), float(lateral), rate_w)
 
     def _vergence_deg(self, medial: float, lateral: float) -> float:
         activations = self._eyes.activations_from(medial, lateral)
-        self._eyes.equilibrium.solve(activations, self._start_rad)
+        self._eyes.rest(activations, self._start_rad)
         self._start_rad = self._eyes.data.qpos.copy()
         return math.degrees(float(self._start_rad[0] + self._start_rad[3]))
 

@@ -8,17 +8,21 @@ the nose, up, and with the upper pole toward the nose, so mirror images have equ
 
 import math
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import mujoco
 import numpy as np
 
-from eye_plant.mechanics.muscles import N_MUSCLES
-from eye_plant.mechanics.parameter_sets import PARAMETER_SETS
+from eye_plant.mechanics.anatomical import ANATOMICAL
+from eye_plant.mechanics.k17 import K17
 from eye_plant.mechanics.parameters import MuscleParameters, OrbitParameters, ParameterSet, Point
 from lockstep.command_space import MUSCLE_NAMES, MUSCLES, SIDES
 from lockstep.settings import check_settings, setting
 
 AXES = ("adduction", "elevation", "intorsion")
+N_MUSCLES = len(MUSCLE_NAMES)
+
+PARAMETER_SETS = MappingProxyType({"k17": K17, "anatomical": ANATOMICAL})
 
 HIDDEN_GROUP = 4
 

@@ -8,16 +8,19 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from eye_plant.mechanics.compiled import addresses_of, step_and_trace
-from eye_plant.mechanics.equilibrium import Equilibrium
+from eye_plant.mechanics.compiled import addresses_of, creep_to_rest, step_and_trace
 from eye_plant.mechanics.metabolics import MetabolicTerms
-from eye_plant.mechanics.model import AXES, MechanicsConfig, build_spec
-from eye_plant.mechanics.muscles import HORIZONTAL, LATERAL, MEDIAL, N_MUSCLES
+from eye_plant.mechanics.model import AXES, N_MUSCLES, MechanicsConfig, build_spec
 from eye_plant.mechanics.musculature import Musculature
 from lockstep.command_space import SIDES
 from lockstep.errors import InputError
 
 Array = NDArray[np.float64]
+
+# Positions of the horizontal recti among the twelve muscles, left before right.
+MEDIAL = np.array([0, 6])
+LATERAL = np.array([1, 7])
+_HORIZONTAL = np.array([0, 1, 6, 7])
 
 # Of a quotient of two durations, so that three periods of 0.1 s are not four steps.
 _ROUNDING = 1e-9
@@ -62,7 +65,6 @@ class Oculomotor:
         self.config = config
         self.musculature = Musculature(config)
         self.data = mujoco.MjData(self.model)
-        self.equilibrium = Equilibrium(self.model, self.data)
         self._addresses = addresses_of(self.model, self.data)
         # Views, kept: each look-up takes time.
         self._live = (
@@ -72,6 +74,9 @@ class Oculomotor:
             self.data.actuator_force,
         )
         self._angles, self._velocities = self.data.qpos, self.data.qvel
+        self._forces = self.data.qfrc_passive, self.data.qfrc_actuator
+        self._muscles = self.data.ctrl, self.data.act
+        self._at_rest = self.data.qvel, self.data.qacc_warmstart, self.data.actuator_velocity
         self._i_eyes = [self.model.body(f"{side}_eye").id for side in SIDES]
         self._positions_m, self._rotations = self.data.xpos, self.data.xmat
         parameters = config.parameters
@@ -102,9 +107,23 @@ class Oculomotor:
 
     def settle(self, activations: Array) -> None:
         """Forget everything and jump to the static equilibrium at activations (12,)."""
-        self.equilibrium.solve(check_activations(activations))
+        self.rest(check_activations(activations))
         self.data.time = 0.0
         self._forget_trace()
+
+    def rest(self, activations: Array, start_rad: Array | None = None) -> None:
+        """Put data at rest at the static equilibrium of activations (12,), which are not checked.
+
+        start_rad: angles (6,) near it, to be faster. The search starts at zero angles otherwise, so
+        the result has no history. Angles that find no rest within a hundred steps stay where they
+        are then; only muscles that all pull at once, at full strength, can bring that about.
+        """
+        for moving in self._at_rest:
+            moving.fill(0.0)
+        for activation in self._muscles:
+            activation[:] = activations
+        self._angles[:] = 0.0 if start_rad is None else start_rad
+        creep_to_rest(self._addresses, self._forces, self._angles)
 
     def step(self, activations: Array) -> None:
         """Spend one control period on the way to the target activations (12,); ends settled.
@@ -119,7 +138,7 @@ class Oculomotor:
         self._trace = np.empty((self._n_simulated, len(self._live), N_MUSCLES))
         self._excitations = activations.copy()
         step_and_trace(self._addresses, self._trace, self._live)
-        self.equilibrium.solve(activations, self._angles)
+        self.rest(activations, self._angles)
 
     def state(self) -> OculomotorState:
         """Copies of the present state."""
@@ -144,6 +163,10 @@ class Oculomotor:
     def settled_metabolic_rate_w(self) -> Array:
         """Metabolic rate (12,) of the muscles as they are, were they to stay so."""
         return self.musculature.settled_rate_w(*self._live[:2])
+
+    def horizontal_metabolic_rate_w(self) -> float:
+        """Return what the four horizontal recti take together, settled."""
+        return float(self.settled_metabolic_rate_w()[_HORIZONTAL].sum())
 
     def advance(self, activations: Array, duration_s: float) -> None:
         """Simulate towards the target activations (12,) without waiting for the eyes to settle.
@@ -173,10 +196,6 @@ class Oculomotor:
     def _forget_trace(self) -> None:
         self._trace = np.empty((0, len(self._live), N_MUSCLES))
         self._excitations = self.tonic_activations
-
-    def horizontal_metabolic_rate_w(self, rates_w: Array) -> float:
-        """Return the part of rates_w (12,) that is charged: the four horizontal recti."""
-        return float(rates_w[HORIZONTAL].sum())
 
     def eye_positions_m(self) -> Array:
         """Centres of the eyes, (2, 3), in the world frame: x forward, y left, z up."""

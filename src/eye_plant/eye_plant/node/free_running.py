@@ -1,7 +1,5 @@
 """The plant as an instrument: commands act on arrival, observations come at a fixed rate."""
 
-from functools import partial
-
 import numpy as np
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -14,7 +12,7 @@ from eye_plant.node.publisher import ObservationPublisher
 from eye_plant.plant import EyePlant
 from lockstep.errors import InputError
 from lockstep.node.diagnostics import Diagnostics
-from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer, expect_none
+from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import MAX_STAMP_NS, period_ns, stamp_of
 from lockstep.wire.vectors import values_of
@@ -52,11 +50,8 @@ class FreeRunning:
         self._requests = RequestServer(
             node,
             diagnostics,
-            {
-                START_RUN: partial(expect_none, START_RUN),
-                "episode": self._begin,
-                END_RUN: partial(expect_none, END_RUN),
-            },
+            # A run changes nothing.
+            {START_RUN: lambda _: None, "episode": self._begin, END_RUN: lambda _: None},
         )
         node.create_timer(
             self._period_s, self._advance, clock=Clock(clock_type=ClockType.STEADY_TIME)

@@ -17,7 +17,7 @@ from eye_plant.plant import EyePlant
 from lockstep.errors import InputError
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.process import run_node
-from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, RequestServer, expect_none
+from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, Arguments, RequestServer
 from lockstep.node.ros_parameters import declare_config
 from lockstep.wire.cdr import stamp_ns_of
 from lockstep.wire.codec import reader_of
@@ -81,12 +81,11 @@ class EyePlantNode(Node):
             REPEAT_PERIOD_S, self._repeat, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
 
-    def _start_run(self, arguments: dict[str, Any]) -> None:
-        expect_none(START_RUN, arguments)
+    def _start_run(self, _: Arguments) -> None:
         self._observation = None
         self._reconfigure({})
 
-    def _reconfigure(self, arguments: dict[str, Any]) -> None:
+    def _reconfigure(self, arguments: Arguments) -> None:
         """Take over other settings for the episodes to come; {} are those of the start."""
         if self._observation is not None and self._plant.is_waiting:
             raise InputError(
@@ -96,11 +95,10 @@ class EyePlantNode(Node):
         self._plant.reconfigure(arguments)
         self._publisher.reconfigure(self._plant.config)
 
-    def _end_run(self, arguments: dict[str, Any]) -> None:
-        expect_none(END_RUN, arguments)
+    def _end_run(self, _: Arguments) -> None:
         self._observation = None
 
-    def _begin(self, arguments: dict[str, Any]) -> None:
+    def _begin(self, arguments: Arguments) -> None:
         episode = Episode.from_arguments(arguments)
         stamp_of(episode.first_observation + episode.n_iterations, self._period_ns)
         self._publish(self._plant.begin(episode))

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from eye_plant.mechanics.parameter_sets import PARAMETER_SETS
+from eye_plant.mechanics.model import PARAMETER_SETS
 from eye_plant.validation.dynamic_checks import (
     disparity_row,
     energy_row,

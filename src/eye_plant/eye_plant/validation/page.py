@@ -85,8 +85,7 @@ def _draw_cost_map(axis: Axes, maps: Maps | None) -> str:
         cost_w = []
         for activation in medial:
             eyes.settle(eyes.activations_from(activation, lateral))
-            rates_w = eyes.settled_metabolic_rate_w()
-            cost_w.append(0.5 * eyes.horizontal_metabolic_rate_w(rates_w))
+            cost_w.append(0.5 * eyes.horizontal_metabolic_rate_w())
         axis.plot(medial, cost_w, color=colour, label=f"lateral rectus {lateral:g}")
         law_w = [power_law_w(activation, lateral) for activation in medial]
         axis.plot(medial, law_w, "k:", label="power law" if lateral == 0.0 else None)

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from eye_plant.mechanics.muscles import LATERAL, MEDIAL
-from eye_plant.mechanics.oculomotor import Oculomotor
+from eye_plant.mechanics.oculomotor import LATERAL, MEDIAL, Oculomotor
 
 Array = NDArray[np.float64]
 
@@ -106,9 +105,8 @@ def make_saccade(
     eyes: of a time step of 1 ms. A step in which the command changes gets the mean of both.
     """
     step = eyes.activations_from(*pair)
-    pulse, brake = step.copy(), step.copy()
-    pulse[MEDIAL], pulse[LATERAL] = command.pulse, 0.0
-    brake[MEDIAL], brake[LATERAL] = 0.0, command.brake
+    pulse = eyes.activations_from(command.pulse, 0.0)
+    brake = eyes.activations_from(0.0, command.brake)
     eyes.settle(eyes.tonic_activations)
     timestep_s = float(eyes.model.opt.timestep)
     n_steps = round(duration_s / timestep_s)

@@ -56,7 +56,7 @@ def _k17_cost_rows(maps: Maps | None) -> Iterator[Row]:
 
     def cost_w(medial: float, lateral: float) -> float:
         eyes.settle(eyes.activations_from(medial, lateral))
-        return 0.5 * eyes.horizontal_metabolic_rate_w(eyes.settled_metabolic_rate_w())
+        return 0.5 * eyes.horizontal_metabolic_rate_w()
 
     error = math.nan
     if maps is not None:

@@ -13,7 +13,7 @@ from rclpy.subscription import Subscription
 from lockstep.errors import InputError
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.gather import Gather
-from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer, expect_none
+from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer
 from lockstep.node.ros_parameters import declare_config
 from lockstep.state_file import read_state, write_state
 from lockstep.wire.cdr import stamp_ns_of
@@ -72,7 +72,7 @@ class LearnerNode(Node, Generic[L]):
                 START_RUN: self._start_run,
                 "save": self._save,
                 "load": self._load,
-                END_RUN: self._end_run,
+                END_RUN: lambda _: self._forget_observations(),
             },
         )
         self.get_logger().info("ready, untrained")
@@ -121,14 +121,9 @@ class LearnerNode(Node, Generic[L]):
         self._answered_ns = stamp_ns
         self.diagnostics.count()
 
-    def _start_run(self, arguments: Arguments) -> None:
-        expect_none(START_RUN, arguments)
+    def _start_run(self, _: Arguments) -> None:
         self._forget_observations()
         self.learner = self.make_learner()
-
-    def _end_run(self, arguments: Arguments) -> None:
-        expect_none(END_RUN, arguments)
-        self._forget_observations()
 
     def _forget_observations(self) -> None:
         self._gather.reset()

@@ -38,7 +38,8 @@ class RequestServer:
     """Answers the requests of the one run that the node belongs to.
 
     The node belongs to the first run that asks for `start_run`, until that run's `end_run`; both
-    are kinds of every node. `start_run` of the same run starts it again: so does a resume.
+    are kinds of every node, without arguments. `start_run` of the same run starts it again: so does
+    a resume.
     """
 
     def __init__(
@@ -83,6 +84,8 @@ class RequestServer:
         if not self._run_id and kind != START_RUN:
             raise InputError(f"expected {START_RUN} first, got {kind} of run {run_id}")
         values = {k: v for k, v in arguments.items() if k not in ("run_id", "request")}
+        if values and kind in (START_RUN, END_RUN):
+            raise InputError(f"{kind}: expected no arguments, got {', '.join(values)}")
         self._handlers[kind](values)
         self._run_id = "" if kind == END_RUN else run_id
         self._last_accepted = text
@@ -101,12 +104,6 @@ def _arguments_of(request: SetParametersAtomically.Request) -> Arguments:
             raise InputError(f"expected each name once, got {parameter.name} twice")
         arguments[parameter.name] = list(value) if is_list else value
     return arguments
-
-
-def expect_none(kind: str, arguments: Arguments) -> None:
-    """Raise InputError for any arguments of a request that takes none."""
-    if arguments:
-        raise InputError(f"{kind}: expected no arguments, got {', '.join(arguments)}")
 
 
 class RequestClient:

@@ -1,17 +1,17 @@
 """Each basis function is a tile, in the order of preferred disparity."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import pytest
 
 from experiment_manager.analysis.figures.dictionaries import dictionary_figure
 from lockstep.errors import InputError
 from sparse_coder.patches import PX_PER_PIXEL
+from tests.experiment_manager.analysis.gabor_patch import atom, gabor_patch, shifted_wave
 
 
 def test_both_scales_show_the_atoms_that_prefer_a_disparity_first() -> None:
-    atoms = _gabor_atoms([2.0, None, -1.0, 0.5])
+    one_eyed = atom(gabor_patch(), 0.0 * gabor_patch())
+    atoms = np.stack([shifted_wave(2.0), one_eyed, shifted_wave(-1.0), shifted_wave(0.5)])
     figure = dictionary_figure(np.stack([atoms, atoms]))
     for axes in figure.axes[:2]:
         mosaic = np.asarray(axes.images[0].get_array())
@@ -26,19 +26,6 @@ def test_both_scales_show_the_atoms_that_prefer_a_disparity_first() -> None:
         pixels = [(x, 0.0) for x in middles_px]
         middles = histogram.transData.inverted().transform(pixels)[:, 0]
         np.testing.assert_allclose(np.divide(middles, px_per_pixel), [-1.0, 0.5, 2.0], atol=0.15)
-
-
-def _gabor_atoms(shifts_px: Sequence[float | None]) -> np.ndarray:
-    """Atoms (n, 128) whose left half is the right one, its wave moved to the right; None: alone."""
-    y, x = np.mgrid[-3.5:4.0, -3.5:4.0]
-    envelope = np.exp(-(x**2 + y**2) / 6)
-    right = envelope * np.cos(2 * np.pi * 0.12 * x + 0.4)
-    atoms = []
-    for shift_px in shifts_px:
-        left = envelope * np.cos(2 * np.pi * 0.12 * (x - (shift_px or 0.0)) + 0.4)
-        other = right if shift_px is not None else 0.0 * right
-        atoms.append(np.concatenate([left.ravel(), other.ravel()]))
-    return np.array(atoms)
 
 
 def test_each_atom_becomes_one_tile() -> None:

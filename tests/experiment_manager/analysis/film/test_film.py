@@ -134,7 +134,9 @@ def test_an_mp4_shows_pictures_and_growing_curves_of_each_iteration(bag: Path) -
     assert n_dark[1] > n_dark[0] + 200
 
 
-def test_each_muscle_and_each_error_has_its_curve(bag_of_twelve: Path) -> None:
+def test_each_muscle_and_each_error_has_its_curve_and_text_that_can_be_read(
+    bag_of_twelve: Path,
+) -> None:
     shown = scenes(Bag(bag_of_twelve))
     assert shown[0].errors_deg[4].tolist() == pytest.approx([1.6, -1.0, 3.0])
     page = Page(shown)
@@ -147,6 +149,7 @@ def test_each_muscle_and_each_error_has_its_curve(bag_of_twelve: Path) -> None:
             assert str(line.get_label()).replace(" ", "_") == name.partition("_")[2]
     ends_deg = {line.get_label(): np.asarray(line.get_ydata())[-1] for line in errors.get_lines()}
     assert ends_deg == pytest.approx({"vergence": 1.6, "vertical": -1.0, "cyclovergence": 3.0})
+    assert_readable(page.figure)
 
 
 def test_the_pair_has_its_metabolic_rate_and_text_that_can_be_read(bag: Path) -> None:
@@ -155,13 +158,6 @@ def test_the_pair_has_its_metabolic_rate_and_text_that_can_be_read(bag: Path) ->
     page.draw(shown[0], 4)
     _, _, rate = page.figure.axes
     assert np.asarray(rate.lines[0].get_ydata()).tolist() == pytest.approx([1.5] * 5)
-    assert_readable(page.figure)
-
-
-def test_text_about_twelve_muscles_can_be_read(bag_of_twelve: Path) -> None:
-    shown = scenes(Bag(bag_of_twelve))
-    page = Page(shown)
-    page.draw(shown[0], 4)
     assert_readable(page.figure)
 
 

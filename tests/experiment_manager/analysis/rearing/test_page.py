@@ -18,14 +18,14 @@ from experiment_manager.analysis.rearing.figures import (
     landscapes_figure,
     samples_figure,
 )
-from experiment_manager.analysis.rearing.measures_file import (
+from experiment_manager.analysis.rearing.measuring import scale_tuning
+from experiment_manager.analysis.rearing.page import condition_table, finished_runs, left_out
+from experiment_manager.analysis.rearing.reared_run import (
+    RearedRun,
     read_measures,
     run_measures,
     write_measures,
 )
-from experiment_manager.analysis.rearing.measuring import scale_tuning
-from experiment_manager.analysis.rearing.page import condition_table, finished_runs, left_out
-from experiment_manager.analysis.rearing.reared_run import RearedRun
 from experiment_manager.analysis.rearing.reward_landscape import RewardLandscape
 from experiment_manager.commands.report import main
 from experiment_manager.measures.results import Results
@@ -38,22 +38,11 @@ from tests.readable import assert_readable
 ERRORS_DEG = np.array([-1.0, 0.0, 1.0])
 
 
-def half(wave_angle_deg):
-    return gabor_patch(
-        wave_angle_deg=wave_angle_deg,
-        wavelength_px=5.0,
-        x_px=0.0,
-        y_px=0.0,
-        width_px=1.7,
-        length_px=2.0,
-        phase_rad=0.3,
-    )
-
-
 def atoms(right_eyes_share):
     """Four unit atoms of four orientations, the right eye's half so much weaker or stronger."""
-    halves = [np.concatenate([half(a), right_eyes_share * half(a)]) for a in (0.0, 45.0, 90.0, -45)]
-    return np.stack([h / np.linalg.norm(h) for h in halves])
+    lefts = [gabor_patch(wave_angle_deg=angle) for angle in (0.0, 45.0, 90.0, -45.0)]
+    both = np.stack([np.concatenate([left, right_eyes_share * left]) for left in lefts])
+    return both / np.linalg.norm(both, axis=1, keepdims=True)
 
 
 def reared(
@@ -204,13 +193,20 @@ def test_measures_of_a_run_are_for_programs_to_read():
         assert measures[scale]["preferred_disparities_deg"] == []
 
 
-def test_what_is_undefined_is_null_in_the_file(tmp_path):
+def test_what_is_undefined_is_null_in_the_file_and_read_back(tmp_path):
     run = reared()
     run.landscape.reconstruction_error[0] = np.nan
     write_measures(tmp_path / "rearing.json", [run])
     (measures,) = json.loads((tmp_path / "rearing.json").read_text())["runs"]
     assert measures["landscape"]["reconstruction_error_fine"] == [None, 0.1, 0.3]
     assert measures["landscape"]["depth"] == pytest.approx(0.5)
+    found = read_measures(tmp_path / "rearing.json", "run")
+    assert found is not None
+    landscape, scales = found
+    assert np.isnan(landscape.reconstruction_error[0]).all()
+    assert landscape.depth == pytest.approx(run.landscape.depth)
+    assert scales[0].gabor_share == 1.0
+    assert read_measures(tmp_path / "rearing.json", "other") is None
 
 
 def test_vergence_errors_without_a_place_in_the_landscape_are_named():
@@ -255,16 +251,3 @@ def test_a_run_without_a_checkpoint_needs_its_line_in_the_file(small_run, tmp_pa
     (tmp_path / "rearing.json").write_text('{"runs": [{}]}')
     assert main([str(run), "--rearing"]) == 2
     assert "expected the measures of runs" in capsys.readouterr().err
-
-
-def test_undefined_measures_are_read_back(tmp_path):
-    run = reared()
-    run.landscape.reconstruction_error[0] = np.nan
-    write_measures(tmp_path / "rearing.json", [run])
-    found = read_measures(tmp_path / "rearing.json", "run")
-    assert found is not None
-    landscape, scales = found
-    assert np.isnan(landscape.reconstruction_error[0]).all()
-    assert landscape.depth == pytest.approx(run.landscape.depth)
-    assert scales[0].gabor_share == 1.0
-    assert read_measures(tmp_path / "rearing.json", "other") is None

@@ -15,6 +15,7 @@ from experiment_manager.analysis.groups import Group, groups_of
 from experiment_manager.analysis.report.drawings import drawings
 from experiment_manager.analysis.report.tables import antagonists_table, comparison_table
 from experiment_manager.analysis.reported_run import ReportedRun
+from experiment_manager.measures.trials import ERROR_NAMES
 from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI, PAIR
 from tests.experiment_manager.own_commands import N_ITERATIONS, write_run
 from tests.readable import assert_readable
@@ -33,8 +34,7 @@ def _median_line(axes: Axes) -> np.ndarray:
 def test_each_error_is_drawn_over_a_trial_and_over_training(group: Group) -> None:
     figure = errors_figure([group])
     during, over = figure.axes[:3], figure.axes[3:]
-    names = ("vergence_error_deg", "vertical_error_deg", "cyclovergence_error_deg")
-    for name, of_trial, of_training in zip(names, during, over, strict=True):
+    for name, of_trial, of_training in zip(ERROR_NAMES, during, over, strict=True):
         errors_deg = np.abs(group.last_trials.column(name))
         shown = [0, 1, 2, 3, N_ITERATIONS]
         assert np.asarray(of_trial.lines[0].get_xdata()).tolist() == shown, "those that are kept"
@@ -74,8 +74,7 @@ def test_prices_show_the_errors_about_all_axes(tmp_path: Path) -> None:
     assert_readable(figure)
     error, _, _ = figure.axes
     drawn = [np.asarray(line.get_ydata()) for line in error.lines[::2]]
-    names = ("vergence_error_deg", "vertical_error_deg", "cyclovergence_error_deg")
-    for medians, name in zip(drawn, names, strict=False):
+    for medians, name in zip(drawn, ERROR_NAMES, strict=False):
         expected = np.median(np.abs(groups[0].last_trials.column(name)[:, -1]))
         assert np.allclose(medians, expected)
     labels = [text.get_text() for text in figure.legends[0].get_texts()]

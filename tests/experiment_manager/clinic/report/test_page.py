@@ -14,9 +14,18 @@ from experiment_manager.clinic.report.examined_run import EXAMINED_FILE, Examine
 from experiment_manager.commands.report import main
 from experiment_manager.commands.run_experiment import main as run_experiment
 from experiment_manager.measures.kept_trials import read_trials
+from tests.command_lines import set_words
 from tests.made_once import made_once
 
 _HEALTHY = f"{{eye_plant.mechanics.recession_mm: {[0.0] * 12}}}"
+_SETTINGS = {
+    "experiment_manager.schedule": f"[{{at: 40, set: {_HEALTHY}}}]",
+    "experiment_manager.protocol.test_distances_m": "[2.0]",
+    "experiment_manager.protocol.n_starts_per_distance": 1,
+    "eye_plant.camera.renderer": "plane",
+    "eye_plant.stimuli.size_px": 64,
+    "sparse_coder.n_bases": 20,
+}
 
 
 @pytest.fixture
@@ -26,15 +35,7 @@ def run(tmp_path_factory: pytest.TempPathFactory, pictures: Path, tmp_path: Path
     def make(directory: Path) -> None:
         line = ["--in-process", "--profile", "clinic/esotropia_10", "--iterations", "80"]
         line += ["--tests", "0,40", "--test-stimuli", "1", "--stimuli", str(pictures)]
-        for setting in (
-            f"experiment_manager.schedule=[{{at: 40, set: {_HEALTHY}}}]",
-            "experiment_manager.protocol.test_distances_m=[2.0]",
-            "experiment_manager.protocol.n_starts_per_distance=1",
-            "eye_plant.camera.renderer=plane",
-            "eye_plant.stimuli.size_px=64",
-            "sparse_coder.n_bases=20",
-        ):
-            line += ["--set", setting]
+        line += set_words(_SETTINGS)
         with redirect_stdout(sys.stderr):
             assert run_experiment([*line, "--out", str(directory / "run")]) == 0
 

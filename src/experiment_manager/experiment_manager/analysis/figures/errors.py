@@ -6,11 +6,12 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from experiment_manager.analysis.figures.quartiles import (
     draw_band,
     draw_quartiles,
+    final_errors_deg,
+    group_handle,
     offset_of,
     px_deg_of,
     scale_errors,
@@ -49,13 +50,7 @@ def errors_figure(groups: Sequence[Group]) -> Figure:
         axes.set_ylabel("|error| / deg")
     _scale_trial(rows[0, 0])
     title_panels(rows.ravel(), [*_ERRORS.values(), *_ERRORS.values()])
-    legend_below(
-        figure,
-        [
-            Line2D([], [], color=group.colour, marker=group.marker, ms=4, label=group.label)
-            for group in groups
-        ],
-    )
+    legend_below(figure, [group_handle(group) for group in groups])
     return figure
 
 
@@ -77,5 +72,5 @@ def _over_a_trial(group: Group, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 def _over_training(group: Group, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Return training iterations (n,) and quartiles of the absolute error (3, n)."""
-    errors_deg = [np.abs(group.trials_at(n).column(name)[:, -1]) for n in group.iterations]
+    errors_deg = [final_errors_deg(group.trials_at(n), name) for n in group.iterations]
     return np.array(group.iterations), np.nanquantile(errors_deg, QUARTILES, axis=1)

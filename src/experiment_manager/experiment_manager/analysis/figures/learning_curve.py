@@ -17,6 +17,7 @@ from experiment_manager.analysis.figures.quartiles import (
     draw_band,
     draw_quartiles,
     final_errors_deg,
+    group_handle,
     offset_of,
     px_deg_of,
     scale_errors,
@@ -58,7 +59,7 @@ def performance_figure(groups: Sequence[Group], training: TrainingCurve | None =
     """
     figure = new_figure(7.0, 5.2)
     errors, deltas = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-    handles: list[Any] = [_group_handle(group) for group in groups]
+    handles: list[Any] = [group_handle(group) for group in groups]
     if training is not None:
         for axes, quartiles in ((errors, training.quartiles_deg), (deltas, training.quartiles_w)):
             draw_band(axes, training.iteration, quartiles, GREY, lw=1.0)
@@ -83,10 +84,6 @@ def performance_figure(groups: Sequence[Group], training: TrainingCurve | None =
 
 def _final_deltas_w(trials: Trials) -> np.ndarray:
     return trials.delta_cost_w(trials.n_iterations)
-
-
-def _group_handle(group: Group) -> Line2D:
-    return Line2D([], [], color=group.colour, marker=group.marker, ms=4, label=group.label)
 
 
 def _draw_tests(

@@ -58,7 +58,7 @@ def motor_space(mechanics: MechanicsConfig, n_medial: int = 81, n_lateral: int =
         eyes.settle(eyes.activations_from(float(medial[i]), float(lateral[j])))
         state = eyes.state()
         vergence_deg[i, j] = math.degrees(float(state.eye_angles_rad[:, 0].sum()))
-        rate_w[i, j] = eyes.horizontal_metabolic_rate_w(state.metabolic_rate_w)
+        rate_w[i, j] = eyes.horizontal_metabolic_rate_w()
     return MotorSpace(medial, lateral, vergence_deg, rate_w, mechanics.baseline_m)
 
 

@@ -128,15 +128,14 @@ def _draw_trial(
         axes.imshow(anaglyph(left, right))
         height, width = left.shape
         corner = ((width - COARSE_WINDOW_PX) / 2 - 0.5, (height - COARSE_WINDOW_PX) / 2 - 0.5)
-        axes.add_patch(_frame(corner))
+        axes.add_patch(
+            Rectangle(
+                corner, COARSE_WINDOW_PX, COARSE_WINDOW_PX, fill=False, edgecolor="white", lw=0.8
+            )
+        )
         error_deg = trials.vergence_error_deg[i_trial, iteration]
         axes.set_axis_off()
         yield (
             f"{trials.training_iteration:,} training iterations, iteration {iteration} of the trial"
             f"\nvergence error {error_deg:+.2f} deg ({error_deg / px_deg:+.1f} px)"
         )
-
-
-def _frame(corner: tuple[float, float]) -> Rectangle:
-    side = COARSE_WINDOW_PX
-    return Rectangle(corner, side, side, fill=False, edgecolor="white", lw=0.8)

@@ -54,13 +54,7 @@ Box = tuple[float, float, float, float]
 
 def _reductions_percent(trials: Trials) -> np.ndarray:
     reductions = trials.cost_reduction(trials.n_iterations)
-    defined: np.ndarray = 100 * reductions[~np.isnan(reductions)]
-    return defined
-
-
-def _rates_w(trials: Trials) -> np.ndarray:
-    rates_w: np.ndarray = trials.metabolic_rate_w[:, -1]
-    return rates_w
+    return 100 * reductions[~np.isnan(reductions)]
 
 
 def over_prices(groups: Sequence[Group]) -> list[Group]:
@@ -108,16 +102,10 @@ def _draw_errors(figure: Figure, axes: Axes, groups: Sequence[Group]) -> None:
     """Draw the errors about all axes, each with its colour, and name them below the figure."""
     handles = []
     for (name, label), (colour, marker) in zip(_ERRORS.items(), _LOOKS, strict=True):
-        _draw(axes, groups, partial(_final_deg, name), colour, marker=marker)
+        _draw(axes, groups, partial(final_errors_deg, name=name), colour, marker=marker)
         handles.append(Line2D([], [], color=colour, marker=marker, ms=4, label=label))
     axes.set_ylabel("|error| / deg")
     legend_below(figure, handles)
-
-
-def _final_deg(name: str, trials: Trials) -> np.ndarray:
-    """Return the absolute error of that name after the last iteration, (n_trials,)."""
-    errors_deg: np.ndarray = np.abs(trials.column(name)[:, -1])
-    return errors_deg
 
 
 def _draw(
@@ -160,20 +148,18 @@ def _break_axis(axes: Axes, at: float) -> None:
 
 def _draw_trade(axes: Axes, groups: Sequence[Group]) -> None:
     """Draw the median error against the median metabolic rate, a point per lambda."""
-    rate_w = [float(np.median(_rates_w(group.last_trials))) for group in groups]
-    error_deg = [float(np.median(final_errors_deg(group.last_trials))) for group in groups]
+    rate_w = [float(np.median(g.last_trials.metabolic_rate_w[:, -1])) for g in groups]
+    error_deg = [float(np.median(final_errors_deg(g.last_trials))) for g in groups]
     axes.margins(x=0.12)
     axes.plot(rate_w, error_deg, color=VERMILION, marker="o", ms=4, lw=0.8)
     scale_errors(axes, px_deg_of(groups))
     weights = [group.common.weight for group in groups]
-    for weight, w, deg, place in zip(
-        weights, rate_w, error_deg, _label_places(axes, weights, rate_w, error_deg), strict=True
-    ):
-        dx, dy = place
+    places = _label_places(axes, weights, rate_w, error_deg)
+    for weight, w, deg, (dx, dy) in zip(weights, rate_w, error_deg, places, strict=True):
         axes.annotate(
             f"{weight:g}",
             (w, deg),
-            place,
+            (dx, dy),
             textcoords="offset points",
             ha="left" if dx > 0 else "right",
             va="bottom" if dy > 0 else "top",

@@ -27,15 +27,19 @@ def offset_of(i: int, groups: Sequence[Group]) -> float:
     return i - (len(groups) - 1) / 2
 
 
-def final_errors_deg(trials: Trials) -> np.ndarray:
-    """Return |vergence error| after a trial's last iteration, (n_trials,)."""
-    errors_deg: np.ndarray = np.abs(trials.vergence_error_deg[:, -1])
-    return errors_deg
+def final_errors_deg(trials: Trials, name: str = "vergence_error_deg") -> np.ndarray:
+    """Return the absolute error of that name after a trial's last iteration, (n_trials,)."""
+    return np.abs(trials.column(name)[:, -1])
 
 
 def px_deg_of(groups: Sequence[Group]) -> float:
     """Return the visual angle of a pixel in the first group's last test, for lines at 1 px."""
     return groups[0].last_criteria.px_deg
+
+
+def group_handle(group: Group) -> Line2D:
+    """Return what stands for a group in a legend."""
+    return Line2D([], [], color=group.colour, marker=group.marker, ms=4, label=group.label)
 
 
 def draw_quartiles(

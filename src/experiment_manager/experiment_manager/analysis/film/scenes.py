@@ -5,8 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from experiment_manager.analysis.recorded_pictures import PicturedEpisodes, pictured_episodes
-from experiment_manager.analysis.recorded_run import commanded, evaluation_settings_of
+from experiment_manager.analysis.recorded_run import (
+    PicturedEpisodes,
+    commanded,
+    evaluation_settings_of,
+    pictured_episodes,
+)
 from experiment_manager.bag.reader import Bag, VectorTable
 from lockstep.command_space import PAIR
 from lockstep.wire.topics import PICTURES, TARGET_NAMES, TEST

@@ -30,11 +30,11 @@ from lockstep.figures import (
     panel_grid,
     title_panels,
 )
+from sparse_coder.patches import PATCH_SIZE_PX
 
 Condition = tuple[str, Sequence[RearedRun]]
 
 _N_COLUMNS = 4
-_SIDE_PX = 8
 _LARGEST_DISPARITY_DEG = 4.0
 _N_DISPARITY_BINS = 33  # odd: one is centred on 0
 _LONGEST_ROW_NAME = 15  # characters of a line
@@ -107,7 +107,7 @@ def samples_figure(conditions: Sequence[Condition]) -> Figure | None:
     for row, (label, samples) in zip(panels, shown, strict=True):
         for axes, of_scale in zip(row, samples, strict=True):
             axes.imshow(_strip(of_scale), cmap="gray", vmin=-1, vmax=1)
-            axes.set(xticks=[], yticks=[(_SIDE_PX - 1) / 2, (3 * _SIDE_PX - 1) / 2])
+            axes.set(xticks=[], yticks=[(PATCH_SIZE_PX - 1) / 2, (3 * PATCH_SIZE_PX - 1) / 2])
             axes.set_yticklabels(["L", "R"], fontsize=SMALLEST_PT)
             axes.tick_params(length=0)
             axes.spines[:].set_visible(False)
@@ -162,8 +162,7 @@ _DISPARITY_EDGES_DEG = np.linspace(
 
 
 def _disparity_counts(tuning: ScaleTuning) -> np.ndarray:
-    counts: np.ndarray = np.histogram(tuning.preferred_disparities_deg, _DISPARITY_EDGES_DEG)[0]
-    return counts
+    return np.histogram(tuning.preferred_disparities_deg, _DISPARITY_EDGES_DEG)[0]
 
 
 def _draw_shares(axes: Axes, edges: np.ndarray, counts: Sequence[np.ndarray]) -> None:
@@ -211,9 +210,9 @@ def _name_row(first: Axes, label: str) -> None:
 
 def _strip(atoms: np.ndarray) -> np.ndarray:
     """Return atoms (n, 128) beside one another, left eye above right eye, each to its own scale."""
-    strip = np.ones((2 * _SIDE_PX, len(atoms) * (_SIDE_PX + 1) - 1))
+    strip = np.ones((2 * PATCH_SIZE_PX, len(atoms) * (PATCH_SIZE_PX + 1) - 1))
     for i, atom in enumerate(atoms):
-        first = i * (_SIDE_PX + 1)
-        halves = (atom / (np.abs(atom).max() or 1.0)).reshape(2 * _SIDE_PX, _SIDE_PX)
-        strip[:, first : first + _SIDE_PX] = halves
+        first = i * (PATCH_SIZE_PX + 1)
+        halves = (atom / (np.abs(atom).max() or 1.0)).reshape(2 * PATCH_SIZE_PX, PATCH_SIZE_PX)
+        strip[:, first : first + PATCH_SIZE_PX] = halves
     return strip

@@ -6,8 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiment_manager.analysis.basis_functions import Tuning, tuning
-from experiment_manager.analysis.rearing.measures_file import MEASURES_FILE, read_measures
-from experiment_manager.analysis.rearing.reared_run import RearedRun, ScaleTuning
+from experiment_manager.analysis.rearing.reared_run import (
+    MEASURES_FILE,
+    RearedRun,
+    ScaleTuning,
+    read_measures,
+)
 from experiment_manager.analysis.rearing.reward_landscape import RewardLandscape, reward_landscape
 from experiment_manager.experiment.plant_changes import Schedule, read_schedule
 from experiment_manager.measures.results import RESULTS_FILE, read_results
@@ -16,6 +20,7 @@ from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli
+from eye_plant.vergence import degrees_per_px
 from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.state_file import read_state
@@ -92,15 +97,19 @@ def _measured(
 
 
 def scale_tuning(tuned: Tuning, use: NDArray[np.float64], focal_length_px: float) -> ScaleTuning:
-    """Return what is kept of the tuning of a scale's atoms; use: of each atom, (n_bases,)."""
+    """Return what is kept of the tuning of a scale's atoms; use: of each atom, (n_bases,).
+
+    Disparities become angles at the picture's centre.
+    """
+    known_px = tuned.disparity_px[~np.isnan(tuned.disparity_px)]
     return ScaleTuning(
-        gabor_share=tuned.gabor_share,
+        gabor_share=float(tuned.is_gabor.mean()),
         gabor_share_by_use=float(use[tuned.is_gabor].sum()),
-        common_gabor_share=tuned.common_gabor_share,
+        common_gabor_share=float(tuned.is_common_gabor.mean()),
         binocular_share=tuned.binocular_share,
         orientation_counts=tuned.orientation_counts(),
         binocularity_counts=tuned.binocularity_counts(),
-        preferred_disparities_deg=np.sort(tuned.disparities_deg(focal_length_px)),
+        preferred_disparities_deg=np.sort(known_px * degrees_per_px(focal_length_px)),
     )
 
 

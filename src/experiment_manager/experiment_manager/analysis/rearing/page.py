@@ -16,9 +16,13 @@ from experiment_manager.analysis.rearing.figures import (
     landscapes_figure,
     samples_figure,
 )
-from experiment_manager.analysis.rearing.measures_file import MEASURES_FILE, write_measures
 from experiment_manager.analysis.rearing.measuring import read_reared_run
-from experiment_manager.analysis.rearing.reared_run import RearedRun, ScaleTuning
+from experiment_manager.analysis.rearing.reared_run import (
+    MEASURES_FILE,
+    RearedRun,
+    ScaleTuning,
+    write_measures,
+)
 from experiment_manager.analysis.report import page as report_page
 from experiment_manager.analysis.reported_run import FIGURES
 from experiment_manager.measures.results import RESULTS_FILE, Summary
@@ -134,23 +138,8 @@ def _conditions(runs: Sequence[RearedRun]) -> list[Condition]:
 
 def condition_table(conditions: Sequence[Condition]) -> str:
     """Return the table of conditions, means over seeds, beside the published numbers."""
-    header = (
-        "condition",
-        "seeds",
-        "iterations",
-        "error",
-        "IQR",
-        "within 1 px",
-        "depth",
-        "Gabor",
-        "by use",
-        "common",
-        "binocular",
-        "left",
-        "c",
-        "delta C / W",
-        "published",
-    )
+    header = ["condition", "seeds", "iterations", "error", "IQR", "within 1 px", "depth", "Gabor"]
+    header += ["by use", "common", "binocular", "left", "c", "delta C / W", "published"]
     return report_page.table(header, [_row(*condition) for condition in conditions])
 
 

@@ -38,8 +38,7 @@ class RewardLandscape:
     @property
     def total_error(self) -> Array:
         """Reconstruction error of both scales together, (n_errors,): the reward, negated."""
-        total: Array = self.reconstruction_error.sum(axis=1)
-        return total
+        return self.reconstruction_error.sum(axis=1)
 
     @property
     def depth(self) -> float:

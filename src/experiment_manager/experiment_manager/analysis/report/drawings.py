@@ -1,6 +1,7 @@
 """The figures of a report, with their captions, and what they need that a run may not have."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -49,6 +50,8 @@ class Drawing:
 
 def drawings(groups: Sequence[Group]) -> Iterator[Drawing]:
     """Yield all figures of a report in their order."""
+    with_trials = [group for group in groups if group.has_trials]
+    without_trials = [group for group in groups if not group.has_trials]
     yield Drawing(
         "performance",
         "Test performance over training (K17 Fig. 2)",
@@ -57,10 +60,9 @@ def drawings(groups: Sequence[Group]) -> Iterator[Drawing]:
         "trials of all seeds. Bands or bars: quartiles over the trials, not the uncertainty of the "
         "median. Thin lines: medians of single seeds. Fewer than five tests are not joined.",
         lambda: performance_figure(groups),
-        left_out=_left_out("Without quartiles, which need", _NEEDS_TRIALS, groups, _has_trials),
+        left_out=_left_out(f"Without quartiles, which need {_NEEDS_TRIALS}", without_trials),
     )
-    with_trials = [group for group in groups if group.has_trials]
-    left_out = _left_out("Not drawn without", _NEEDS_TRIALS, groups, _has_trials)
+    left_out = _left_out(f"Not drawn without {_NEEDS_TRIALS}", without_trials)
     yield Drawing(
         "boxes",
         "Test performance at the end of training (K17 Fig. 3)",
@@ -72,7 +74,7 @@ def drawings(groups: Sequence[Group]) -> Iterator[Drawing]:
         left_out,
         left_out,
     )
-    yield from _motor_spaces(groups)
+    yield from _motor_spaces(groups, left_out)
     yield from _of_own_commands(with_trials)
     yield Drawing(
         "conditions",
@@ -80,7 +82,7 @@ def drawings(groups: Sequence[Group]) -> Iterator[Drawing]:
         "Median absolute vergence error in deg after the last iteration of the last test's trials, "
         "by object distance and by the vergence error at the start of the trial. White is 1 px, "
         "blue less, red more. Hatched: no trials."
-        + ("" if all(_is_of_pair(g) for g in groups) else " Starts are rounded to whole degrees."),
+        + ("" if all(g.is_of_pair for g in groups) else " Starts are rounded to whole degrees."),
         lambda: conditions_figure(with_trials) if with_trials else None,
         left_out,
         left_out,
@@ -89,18 +91,20 @@ def drawings(groups: Sequence[Group]) -> Iterator[Drawing]:
     yield from _drawings_from_bags(groups)
 
 
-def _motor_spaces(all_groups: Sequence[Group]) -> Iterator[Drawing]:
+def _motor_spaces(all_groups: Sequence[Group], without_trials: str) -> Iterator[Drawing]:
+    """Yield a plane of activations for each plant; without_trials: the runs left out for that."""
     title = "Muscles and their cost (K17 Fig. 4)"
-    what = "Not drawn without"
-    reasons = [
-        _left_out(what, _NEEDS_TRIALS, all_groups, _has_trials),
-        _left_out(what, _NEEDS_PAIR, all_groups, _is_of_pair),
-    ]
-    left_out = " ".join(reason for reason in reasons if reason)
+    not_of_pair = _left_out(
+        f"Not drawn without {_NEEDS_PAIR}", (g for g in all_groups if not g.is_of_pair)
+    )
+    left_out = " ".join(filter(None, (without_trials, not_of_pair)))
     groups = [group for group in all_groups if group.has_trials and group.is_of_pair]
     if not groups:
         yield Drawing("motor_space", title, "", lambda: None, left_out)
-    for number, (mechanics, members) in enumerate(_by_plant(groups)):
+    by_plant: dict[MechanicsConfig, list[Group]] = defaultdict(list)
+    for group in groups:
+        by_plant[_mechanics(group.runs[0])].append(group)
+    for number, (mechanics, members) in enumerate(by_plant.items()):
         yield Drawing(
             f"motor_space_{number}" if number else "motor_space",
             title,
@@ -158,7 +162,7 @@ def _prices(groups: Sequence[Group]) -> Iterator[Drawing]:
 
 def _drawings_from_bags(groups: Sequence[Group]) -> Iterator[Drawing]:
     recorded = [group for group in groups if _has_bag(group)]
-    left_out = _left_out("Not drawn without", _NEEDS_BAG, groups, _has_bag)
+    left_out = _left_out(f"Not drawn without {_NEEDS_BAG}", (g for g in groups if not _has_bag(g)))
     yield Drawing(
         "encoding",
         "Reconstruction error, from which the reward follows",
@@ -172,19 +176,9 @@ def _drawings_from_bags(groups: Sequence[Group]) -> Iterator[Drawing]:
         yield from _drawings_of_run(group.runs[0], f"{number}_{group.model}")
 
 
-def _left_out(
-    what: str, need: str, groups: Sequence[Group], is_there: Callable[[Group], bool]
-) -> str:
-    names = [run.name for group in groups if not is_there(group) for run in group.runs]
-    return f"{what} {need}: {', '.join(names)}." if names else ""
-
-
-def _has_trials(group: Group) -> bool:
-    return group.has_trials
-
-
-def _is_of_pair(group: Group) -> bool:
-    return group.is_of_pair
+def _left_out(what: str, groups: Iterable[Group]) -> str:
+    names = [run.name for group in groups for run in group.runs]
+    return f"{what}: {', '.join(names)}." if names else ""
 
 
 def _has_bag(group: Group) -> bool:
@@ -228,20 +222,6 @@ def _dictionaries(run: ReportedRun) -> Figure | None:
 def _motor_space(mechanics: MechanicsConfig, groups: Sequence[Group]) -> Figure:
     chosen = sorted({round(i) for i in np.linspace(0, len(groups) - 1, _MOST_GROUPS)})
     return motor_space_figure(motor_space(mechanics), [groups[i] for i in chosen])
-
-
-def _by_plant(groups: Sequence[Group]) -> list[tuple[MechanicsConfig, list[Group]]]:
-    """Return the groups by the plant of their first runs."""
-    found: list[tuple[MechanicsConfig, list[Group]]] = []
-    for group in groups:
-        mechanics = _mechanics(group.runs[0])
-        for known, members in found:
-            if known == mechanics:
-                members.append(group)
-                break
-        else:
-            found.append((mechanics, [group]))
-    return found
 
 
 def _mechanics(run: ReportedRun) -> MechanicsConfig:

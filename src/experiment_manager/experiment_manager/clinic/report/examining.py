@@ -9,9 +9,8 @@ from experiment_manager.analysis.basis_functions import tuning
 from experiment_manager.clinic import acuity, cover
 from experiment_manager.clinic.report.examined_run import ExaminedAge, ExaminedRun, ages_of
 from experiment_manager.clinic.room import examination_room
-from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import read_schedule
-from experiment_manager.experiment.protocol import make_protocol
+from experiment_manager.experiment.protocol import protocol_of
 from experiment_manager.frozen.learners import FrozenLearners
 from experiment_manager.frozen.shown import Shown
 from experiment_manager.measures.kept_trials import read_trials
@@ -65,8 +64,7 @@ def examined_run(directory: Path) -> ExaminedRun:
 def _examined(
     directory: Path, configuration: Configuration, results: Results, when: str, iteration: int
 ) -> ExaminedAge:
-    manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
-    learners = FrozenLearners(directory, make_protocol(manager).place_after(iteration))
+    learners = FrozenLearners(directory, protocol_of(configuration).place_after(iteration))
     covers = cover.examine(learners, distances_m=(_DISTANCE_M,), at_rest=True).to_json()
     left, right = covers["conditions"]
     deviation_pd = right["phoria_prism_dioptres"]

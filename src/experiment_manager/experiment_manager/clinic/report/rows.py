@@ -10,15 +10,8 @@ from experiment_manager.clinic.report.examined_run import ExaminedRun
 
 # By the name of the profile that has the condition.
 _NAMES = {
-    "esotropia_5": "esotropia 5°",
-    "esotropia_10": "esotropia 10°",
-    "esotropia_20": "esotropia 20°",
-    "exotropia_5": "exotropia 5°",
-    "exotropia_10": "exotropia 10°",
-    "exotropia_20": "exotropia 20°",
-    "anisometropia_2": "anisometropia 2 px",
-    "anisometropia_4": "anisometropia 4 px",
-    "anisometropia_8": "anisometropia 8 px",
+    **{f"{way}tropia_{n}": f"{way}tropia {n}°" for way in ("eso", "exo") for n in (5, 10, 20)},
+    **{f"anisometropia_{n}": f"anisometropia {n} px" for n in (2, 4, 8)},
     "patching": "glasses, patching",
     "patching_half": "glasses, patching half",
 }

@@ -13,7 +13,6 @@ from eye_plant.camera.opengl.scene import (
     PLANE_GEOM,
     build_scene,
     build_scene_model,
-    set_pose,
     set_projection,
 )
 from eye_plant.camera.opengl.textures import upload_both_sizes, upload_picture
@@ -69,7 +68,13 @@ class MujocoRenderer:
         """Make a scene and a renderer of it, beside those that draw now."""
         size_px = _buffer_size_px(config)
         model = build_scene_model(config, self._eye_height_m, size_px)
-        return model, _context(model, size_px)
+        try:
+            return model, mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)
+        except mujoco.FatalError as error:
+            raise GraphicsError(
+                f"camera: expected pictures that fit into one buffer of OpenGL here; for "
+                f"{size_px[0]} x {size_px[1]} pixels it reports: {error}"
+            ) from error
 
     def _draw_with(self, drawing: _Drawing, config: CameraConfig) -> None:
         """Draw with these from here on."""
@@ -93,10 +98,10 @@ class MujocoRenderer:
     def start(self, view: View) -> None:
         """Let the graphics hardware, or the threads that stand in for it, begin to draw."""
         self._offscreen.make_current()
-        for i_eye in range(N_EYES):
-            set_pose(
-                self._scene.camera[i_eye], view.eye_positions_m[i_eye], view.eye_rotations[i_eye]
-            )
+        for camera, position_m, rotation in zip(
+            self._scene.camera, view.eye_positions_m, view.eye_rotations, strict=True
+        ):
+            camera.pos, camera.forward, camera.up = position_m, rotation[:, 0], rotation[:, 2]
         self._scene.geoms[PLANE_GEOM].pos = (view.distance_m, 0.0, self._eye_height_m)
         left, right = view.i_stimuli
         self._left_pictures = None
@@ -176,16 +181,6 @@ class MujocoRenderer:
         )
         upright = rows[::-1]  # OpenGL's row 0 is at the bottom
         return np.stack((upright[:, :width_px], upright[:, span_px - width_px :]))
-
-
-def _context(model: mujoco.MjModel, buffer_size_px: tuple[int, int]) -> mujoco.MjrContext:
-    try:
-        return mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_50)
-    except mujoco.FatalError as error:
-        raise GraphicsError(
-            f"camera: expected pictures that fit into one buffer of OpenGL here; for "
-            f"{buffer_size_px[0]} x {buffer_size_px[1]} pixels it reports: {error}"
-        ) from error
 
 
 def _buffer_size_px(config: CameraConfig) -> tuple[int, int]:

@@ -5,7 +5,6 @@ the eyes' poses. World frame: x forward, y left, z up, origin on the ground betw
 """
 
 import mujoco
-import numpy as np
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.renderer import FAR_M, NEAR_M
@@ -99,10 +98,3 @@ def set_projection(camera: mujoco.MjvGLCamera, config: CameraConfig, magnificati
     camera.frustum_bottom = -half_height_m
     camera.frustum_top = half_height_m
     camera.frustum_center = 0.0
-
-
-def set_pose(camera: mujoco.MjvGLCamera, position_m: np.ndarray, rotation: np.ndarray) -> None:
-    """Put one eye's camera at position_m (3,), looking along x of rotation (3, 3), upward z."""
-    camera.pos = position_m
-    camera.forward = rotation[:, 0]
-    camera.up = rotation[:, 2]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from experiment_manager.positions.antagonists import silences
+from experiment_manager.positions.measures import silences
 
 MEDIAL, LATERAL, LEFT_IO = 0, 1, 5
 HORIZONTAL = "left_medial_rectus-left_lateral_rectus"
