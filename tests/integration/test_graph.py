@@ -205,23 +205,27 @@ def test_vergence_by_turns_without_saccades_is_recorded_as_the_loop_has_it(
 
 def _assert_same_files(one: Path, other: Path) -> None:
     assert _configuration(one) == _configuration(other)
-    assert _order(one) == _order(other)
+    assert _messages(one) == _messages(other)
     assert (one / "results.json").read_text() == (other / "results.json").read_text()
     assert {path.name for path in (one / "figures").iterdir()} == {
         path.name for path in (other / "figures").iterdir()
     }
 
 
-def _order(directory: Path) -> list[tuple[str, int]]:
-    """Return topic and stamp of one message after the other, as the files have them."""
+def _messages(directory: Path) -> list[tuple[str, int]]:
+    """Return topic and stamp of each message, sorted.
+
+    Those that reach a graph's recorder more than a second late lie behind younger ones, as on a
+    machine with more work than it can do; test_writer_files.py checks the order.
+    """
     found = []
-    for i_file in range(len([*(directory / "bag").glob("*.mcap")])):
-        with (directory / "bag" / f"bag_{i_file}.mcap").open("rb") as stream:
-            for _, channel, message in make_reader(stream).iter_messages(log_time_order=False):
+    for path in (directory / "bag").glob("*.mcap"):
+        with path.open("rb") as stream:
+            for _, channel, message in make_reader(stream).iter_messages():
                 # The plant may repeat its clock, as nobody misses it.
                 if channel.topic not in ("/clock", NOT_COMPARED):
                     found.append((channel.topic, message.log_time))
-    return found
+    return sorted(found)
 
 
 def _configuration(directory: Path) -> dict[str, dict[str, object]]:
