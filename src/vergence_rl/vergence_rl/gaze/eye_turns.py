@@ -105,8 +105,7 @@ class EyeTurns(FadingRegression):
 
     def _solved(self) -> Floats:
         """Return the weights of places in the slopes, (n_turns, n_muscles, n_places)."""
-        weights = self.weights().T.reshape(N_TURNS, self._n_muscles, -1)
-        return np.ascontiguousarray(weights)
+        return self.weights().reshape(N_TURNS, self._n_muscles, -1)
 
     def _scaled(self, activations: Floats, change: Floats) -> tuple[Floats, Floats]:
         return (

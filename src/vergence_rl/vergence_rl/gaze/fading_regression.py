@@ -36,12 +36,12 @@ class FadingRegression:
         self._weights = None
 
     def weights(self) -> Floats:
-        """Return W, (n_inputs,) or (n_inputs, n_outputs); 0 before the first observation."""
+        """Return W^T, (n_inputs,) or (n_outputs, n_inputs); 0 before the first observation."""
         if self._weights is None:
             n_inputs = len(self._squares)
             penalty = self._ridge_share * np.trace(self._squares) / n_inputs or 1.0
             squares = self._squares + penalty * np.eye(n_inputs)
-            self._weights = np.asarray(np.linalg.solve(squares, self._products), np.float64)
+            self._weights = np.ascontiguousarray(np.linalg.solve(squares, self._products).T)
         return self._weights
 
     def state(self) -> dict[str, NDArray[Any]]:
