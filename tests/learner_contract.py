@@ -137,7 +137,7 @@ class LearnerContract:
         successful, reason = bench.request("save", path=str(tmp_path / "nowhere" / "state.npz"))
         assert not successful
         assert "cannot be written" in reason
-        for arguments in ({}, {"path": ""}, {"path": 3}, {"path": "a", "more": 1}):
+        for arguments in ({}, {"path": ""}, {"path": "."}, {"path": 3}, {"path": "a", "more": 1}):
             assert "expected the path of a state file" in bench.request("save", **arguments)[1]
 
     def test_it_answers_without_a_run(self, bench: LearnerBench) -> None:

@@ -84,6 +84,13 @@ def test_a_refused_change_leaves_the_plant_as_it_was(plain, made):
     assert seen(plant) == before
 
 
+def test_a_refused_episode_changes_nothing(plain, made):
+    plant = made(replace(plain, lowest_activations=(0.0, 0.9)))
+    with pytest.raises(InputError, match="no medial activation in"):
+        plant.begin(Episode.alone(0, 0.5, pair_activations(0.04, 0.9), n_iterations=2))
+    assert not plant.is_waiting
+
+
 @pytest.mark.parametrize("mechanics", [{}, {"mechanics.baseline_m": 0.062}])
 def test_a_change_that_cannot_be_drawn_leaves_the_plant_as_it_was(made, mechanics, monkeypatch):
     plant = made(build(EyePlantConfig, {"camera.renderer": "mujoco"}))

@@ -71,6 +71,7 @@ def test_a_list_becomes_a_tuple_of_its_type() -> None:
         ({"label": 3}, "label: expected a string, got 3"),
         ({"inner.gain": True}, "inner.gain: expected a number, got True"),
         ({"inner.gain": None}, "inner.gain: expected a number, got None"),
+        ({"inner.gain": 10**400}, "inner.gain: expected a number of 64 bits, got 1000"),
         ({"inner.limits": []}, "inner.limits: expected a list with entries, got []"),
         ({"inner.limits": 1.0}, "inner.limits: expected a list with entries, got 1.0"),
         ({"inner.names": "abc"}, "inner.names: expected a list with entries, got 'abc'"),

@@ -88,6 +88,7 @@ def test_another_nodes_state_is_refused(path: Path) -> None:
     ("arrays", "message"),
     [
         ({"__kind__": "coder", "__version__": 2}, "state of coder, version 1; got coder, .* 2"),
+        ({"__kind__": "coder", "__version__": "2.0"}, "state of coder, version 1; got coder, .* 2"),
         ({"weights": np.zeros(3)}, "got None, version None"),
         # Pickled objects are never loaded.
         ({"__kind__": "coder", "__version__": 1, "x": np.array([{}], object)}, "expected a state"),

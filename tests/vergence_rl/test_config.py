@@ -36,6 +36,10 @@ from vergence_rl.config import VergenceRlConfig
             r"hindsight.n_best: expected less than 10 \(iterations of vergence in a row\), got 10",
         ),
         (
+            {"hindsight.exploration_variance": 0.0, "hindsight.target_noise_scale": 3.0},
+            "hindsight.exploration_variance: expected more than 0 with least_noise_share or",
+        ),
+        (
             {"learning_rule": "hindsight", "iterations_per_episode": 1},
             "iterations_per_episode: expected 2 or more, whose rewards",
         ),

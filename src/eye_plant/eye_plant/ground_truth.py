@@ -40,7 +40,7 @@ class GroundTruth:
 
     @property
     def deviations_deg(self) -> tuple[float, float]:
-        """How far each eye is turned in beyond the fixation of the plane's centre (K17 eq. 6).
+        """How far each eye is turned in beyond half of the desired vergence (K17 eq. 6).
 
         An eye behind a cover deviates by its phoria; below 0 it is turned out.
         """

@@ -76,7 +76,7 @@ class ObservationMessages:
         return self._muscles.of(stamp_ns, observation.state.mean_metabolic_rate_w)
 
     def pictures(self, stamp_ns: int, pictures: np.ndarray) -> Iterator[tuple[str, bytes]]:
-        """Yield the pictures (2, height_px, width_px)."""
+        """Yield the pictures (2, roi_height_px, roi_width_px)."""
         for topic, layout, picture in zip(PICTURES, self._pictures, pictures, strict=True):
             yield topic, layout.of(stamp_ns, picture)
 

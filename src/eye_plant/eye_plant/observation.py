@@ -15,8 +15,8 @@ from lockstep.wire.topics import TRAINING
 class Observation:
     """Observation `iteration` of an episode, 0 to n_iterations.
 
-    pictures: (2, height_px, width_px) uint8, left then right, valid until the next observation is
-    made; None in the last observation, which nobody answers.
+    pictures: (2, roi_height_px, roi_width_px) uint8, left then right, valid until the next
+    observation is made; None in the last observation, which nobody answers.
     """
 
     episode: Episode

@@ -81,8 +81,8 @@ class EyePlant:
     def begin(self, episode: Episode) -> Observation:
         """Start an episode and return its observation 0.
 
-        Raises InputError, having changed nothing, for an unknown stimulus or a distance out of the
-        camera's range.
+        Raises InputError, having changed nothing, for an unknown stimulus, and a distance that the
+        camera does not draw or at which the muscles cannot converge.
         """
         self._camera.check(episode.stimulus, episode.object_distance_m)
         desired_deg = desired_vergence_deg(
@@ -90,13 +90,14 @@ class EyePlant:
             self.config.mechanics.baseline_m,
             self._camera.parallax_m(episode.stimulus),
         )
-        self._cost.check(desired_deg)
+        optimal_rate_w = self._cost.least_w(desired_deg)
+        # Nothing is refused from here on.
         self._episode, self._iteration = episode, 0
         self._desired_deg = desired_deg
         self._held_activations = np.array(episode.activations)
         self.oculomotor.settle(self._held_activations)
         self._start_drawing(episode)
-        self._optimal_rate_w = self._cost.least_w(desired_deg)
+        self._optimal_rate_w = optimal_rate_w
         state = self.oculomotor.state()
         self._initial_rate_w = self._charged_rate_w(state)
         return self._observe(episode, state)

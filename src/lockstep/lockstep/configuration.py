@@ -75,7 +75,10 @@ def typed(name: str, hint: Any, value: Any) -> Any:
             raise InputError(f"{name}: expected a list with entries, got {value!r}")
         return tuple(typed(f"{name}[{i}]", kind, entry) for i, entry in enumerate(value))
     if hint is float and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
+        try:
+            return float(value)
+        except OverflowError as error:
+            raise InputError(f"{name}: expected a number of 64 bits, got {value}") from error
     if type(value) is not hint:
         raise InputError(f"{name}: expected {_NAMES[hint]}, got {value!r}")
     return value

@@ -82,7 +82,7 @@ def title_panels(panels: Iterable[Axes], titles: Iterable[str]) -> None:
 
 
 def legend_below(figure: Figure, handles: Sequence[Any]) -> None:
-    """Put a legend below a figure, in two columns if they have room, otherwise in one.
+    """Put a legend below a figure, in as many of three columns as have room.
 
     The figure grows by what a long one needs.
     """

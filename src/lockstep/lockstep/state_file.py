@@ -35,7 +35,7 @@ def read_state(path: Path, kind: str) -> dict[str, np.ndarray]:
     except Exception as error:  # zip, zlib, numpy and its tokenizer raise errors of their own
         raise InputError(f"state file {path}: expected a state of {kind}: {error}") from error
     found, version = arrays.pop(_KIND, None), arrays.pop(_FORMAT, None)
-    if found is None or version is None or str(found) != kind or int(version) != _VERSION:
+    if found is None or version is None or str(found) != kind or str(version) != str(_VERSION):
         raise InputError(
             f"state file {path}: expected a state of {kind}, version {_VERSION}; "
             f"got {found}, version {version}"

@@ -4,6 +4,7 @@ Dimensions: n_patches of one scale, n_pixels of one binocular patch (left eye's 
 eye's 64, each row by row).
 """
 
+import cv2
 import numpy as np
 from numba import float32, njit, void
 from numpy.typing import NDArray
@@ -47,16 +48,15 @@ def check_images(left: Image, right: Image) -> None:
 
 
 def coarse_window(image: Image) -> Window:
-    """Return the central 128 x 128 px, reduced twice by a Gaussian pyramid to 32 x 32.
+    """Return the central 128 x 128 px, reduced twice by a Gaussian pyramid to 32 x 32 (Burt &
+    Adelson 1983).
 
     Cropped first (D4), so that a picture of the central region alone gives the same window. In
     float32 each sum of the pyramid is exact: 8 bits, and 8 more per reduction, fit in 24.
     """
     window = _centre(image, COARSE_WINDOW_PX)
     for _ in range(N_REDUCTIONS):
-        reduced = np.empty((window.shape[0] // 2, window.shape[1] // 2), np.float32)
-        _reduce(window, reduced)
-        window = reduced
+        window = np.asarray(cv2.pyrDown(window), np.float32)
     return window
 
 
@@ -81,31 +81,6 @@ def binocular_patches(left: Window, right: Window) -> Patches:
 def _centre(image: Image, size_px: int) -> Window:
     top, first = ((side - size_px) // 2 for side in image.shape)
     return image[top : top + size_px, first : first + size_px].astype(np.float32)
-
-
-@njit(void(float32[:, ::1], float32[:, ::1]), cache=True, nogil=True)
-def _reduce(window: Window, reduced: Window) -> None:
-    """Blur by (1 4 6 4 1)/16 along both axes and keep every other pixel (Burt & Adelson 1983).
-
-    Mirrored at the border without repeating its pixel, as cv2.pyrDown does; that one would start
-    threads for these few pixels.
-    """
-    height, width = window.shape
-    padded = np.empty(width + 4, np.float32)
-    inner = padded[2:-2]
-    for y in range(reduced.shape[0]):
-        above_2, above, here = window[abs(2 * y - 2)], window[abs(2 * y - 1)], window[2 * y]
-        below, below_2 = window[2 * y + 1], window[min(2 * y + 2, 2 * height - 2 * y - 4)]
-        for x in range(width):
-            ends = above_2[x] + below_2[x]
-            inner[x] = ends + float32(4) * (above[x] + below[x]) + float32(6) * here[x]
-        padded[0], padded[1] = inner[2], inner[1]
-        padded[-2], padded[-1] = inner[-2], inner[-3]
-        for x in range(reduced.shape[1]):
-            ends = padded[2 * x] + padded[2 * x + 4]
-            sides = padded[2 * x + 1] + padded[2 * x + 3]
-            centre = padded[2 * x + 2]
-            reduced[y, x] = (ends + float32(4) * sides + float32(6) * centre) / float32(256)
 
 
 # "reassoc" lets the sums use the vector unit; the order is fixed once compiled, so that the same

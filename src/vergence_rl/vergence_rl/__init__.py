@@ -1,1 +1,1 @@
-"""The CACLA+VAR actor-critic that commands the eye muscles."""
+"""The learner that commands the eye muscles: CACLA+VAR, or hindsight regression."""

@@ -188,7 +188,7 @@ class Agent:
     def _checked_entries(
         self, features: NDArray[Any], activations: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Return features and activations as one vector, (n_features + n_muscles,)."""
+        """Return features, products and activations as one vector, (n_features + n_felt,)."""
         n_features = self.config.n_features
         if np.size(features) != n_features:
             raise InputError(f"features: expected {n_features}, got shape {np.shape(features)}")
@@ -255,9 +255,9 @@ def _check_state(state: Mapping[str, NDArray[Any]], expected: Mapping[str, NDArr
             )
         if not np.isfinite(got).all():
             raise InputError(f"{name}: expected finite numbers, got others")
-    for name in ("learning_steps", "statistics_count", "statistics_squared_deviation"):
-        if np.any(state[name] < 0):
-            raise InputError(f"{name}: expected 0 or more, got {np.min(state[name])}")
+        is_count = np.issubdtype(array.dtype, np.integer)
+        if (is_count or name == "statistics_squared_deviation") and np.any(got < 0):
+            raise InputError(f"{name}: expected 0 or more, got {np.min(got)}")
     for name in {"td_variance", "sum_weight"} & set(state):
         if not state[name] > 0.0:
             raise InputError(f"{name}: expected more than 0, got {state[name]}")

@@ -281,6 +281,14 @@ def test_a_broken_file_is_named(
         load_stimuli(of_directory(tmp_path))
 
 
+def test_what_a_camera_appends_to_a_picture_does_not_break_it(tmp_path: Path) -> None:
+    write_pictures(tmp_path, 2, ".jpg")
+    photo = tmp_path / "001.jpg"
+    photo.write_bytes(photo.read_bytes() + b"a film\xff\xda\x12\x34")
+    assert count_stimuli(of_directory(tmp_path)) == (1, 1)
+    load_stimuli(of_directory(tmp_path))
+
+
 def _small_picture(directory: Path) -> None:
     write_pictures(directory, 2)
     cv2.imwrite(str(directory / "000.png"), np.zeros((63, 500), np.uint8))

@@ -80,6 +80,25 @@ def test_maps_are_optional_but_a_wrong_path_is_named(monkeypatch, tmp_path):
             load_maps()
 
 
+def test_rows_of_maps_may_have_any_order(monkeypatch, tmp_path):
+    grid = np.linspace(0.0, 1.0, N_GRID)
+    # The lateral activation varies slowest here.
+    rows = np.array(
+        [(medial, lateral, 10 * medial, lateral) for lateral in grid for medial in grid]
+    )
+    path = tmp_path / "maps.csv"
+    monkeypatch.setenv("ABV_OPENEYESIM_MAPS", str(path))
+    np.savetxt(path, rows, delimiter=",", header="four columns", fmt="%.1f")
+    maps = load_maps()
+    assert maps is not None
+    np.testing.assert_allclose(maps.adduction_deg, np.repeat(10 * grid[:, None], N_GRID, axis=1))
+    np.testing.assert_allclose(maps.cost_w, np.repeat(grid[None], N_GRID, axis=0))
+    rows[3, 0] = 0.35
+    np.savetxt(path, rows, delimiter=",", header="four columns", fmt="%.2f")
+    with pytest.raises(ValueError, match="expected each pair of medial and lateral activations"):
+        load_maps()
+
+
 def test_validation_says_in_a_line_what_it_cannot_use(monkeypatch, tmp_path, capsys):
     monkeypatch.setenv("ABV_OPENEYESIM_MAPS", str(tmp_path / "no.csv"))
     with pytest.raises(SystemExit) as maps:
@@ -87,8 +106,13 @@ def test_validation_says_in_a_line_what_it_cannot_use(monkeypatch, tmp_path, cap
     (tmp_path / "file").write_text("")
     with pytest.raises(SystemExit) as out:
         validation.main(["--out", str(tmp_path / "file")])
-    assert maps.value.code == out.value.code == 2
+    monkeypatch.delenv("ABV_OPENEYESIM_MAPS")
+    monkeypatch.setenv("MUJOCO_GL", "glfw")
+    with pytest.raises(SystemExit) as graphics:
+        validation.main(["--out", str(tmp_path / "out")])
+    assert maps.value.code == out.value.code == graphics.value.code == 2
     told = capsys.readouterr().err
+    assert "MUJOCO_GL: expected egl or osmesa, got glfw" in told
     assert "ABV_OPENEYESIM_MAPS: expected the name of a file" in told
     assert f"--out: expected a directory to write to, got {tmp_path / 'file'}" in told
 

@@ -142,10 +142,10 @@ def test_malformed_parameters_are_refused(graph: Graph, servant: Servant, bench:
     assert servant.done == []
 
 
-def test_the_client_repeats_itself_until_somebody_answers(graph: Graph) -> None:
+def test_the_client_repeats_itself_until_somebody_answers(graph: Graph, monkeypatch) -> None:
+    monkeypatch.setattr(RequestClient, "REPEAT_AFTER_S", 0.05)
     asker = graph.add(lambda **kwargs: Node("asker", **kwargs))
     client = RequestClient(asker, "servant")
-    client.REPEAT_AFTER_S = 0.05
     answers: list[tuple[bool, str]] = []
     client.ask("a", START_RUN, {}, lambda *answer: answers.append(answer))
     with pytest.raises(RuntimeError, match="servant: the last request has no answer yet"):

@@ -52,16 +52,13 @@ def test_a_movement_is_found_in_the_pictures(texture, turn: tuple[float, float, 
     found = movement(
         seen(texture, begin), seen(texture, begin @ rotation(np.array(turn))), FOCAL_PX
     )
-    assert not found.refused
-    np.testing.assert_allclose(found.turns_deg, turn, atol=0.05)
+    np.testing.assert_allclose(found, turn, atol=0.05)
 
 
-def test_what_is_not_clear_is_refused(texture) -> None:
+def test_what_is_not_clear_is_not_a_number(texture) -> None:
     picture, other = seen(texture, np.eye(3)), seen(texture[::-1, ::-1].copy(), np.eye(3))
-    assert movement(picture, np.full_like(picture, 9), FOCAL_PX).refused == "a picture is uniform"
-    unlike = movement(picture, other, FOCAL_PX)
-    assert np.isnan(unlike.turns_deg).all()
-    assert unlike.refused in ("the pictures differ too much", "the pictures do not align")
+    for later in (np.full_like(picture, 9), other):
+        assert np.isnan(movement(picture, later, FOCAL_PX)).all()
 
 
 @pytest.mark.parametrize("side_px", [128, 130, 134])
@@ -71,4 +68,4 @@ def test_a_picture_of_any_size_that_stays_has_not_moved(side_px: int) -> None:
     smooth = cv2.resize(few, (side_px, side_px), interpolation=cv2.INTER_CUBIC)
     picture = np.asarray(np.clip(smooth, 0.0, 255.0), np.uint8)
     found = movement(picture, picture.copy(), 257.34)
-    np.testing.assert_allclose(found.turns_deg, 0.0, atol=1e-3)
+    np.testing.assert_allclose(found, 0.0, atol=1e-3)

@@ -121,7 +121,7 @@ def test_only_what_a_saccade_led_to_is_learned_from() -> None:
     # An episode begins.
     see(control, MID, turned_deg(MID), iteration=0)
     see(control, MID, turned_deg(MID))
-    assert not control.state()["left_eye_squares"].any()
+    assert control.state()["left_eye_n_movements"] == 0
 
 
 def test_an_eye_that_was_not_seen_clearly_learns_nothing() -> None:

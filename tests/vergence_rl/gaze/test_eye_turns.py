@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from lockstep.errors import InputError
 from vergence_rl.gaze.eye_turns import EyeTurns
 
 LOWEST, HIGHEST = np.zeros(4), np.full(4, 0.2)
@@ -93,18 +92,3 @@ def test_the_regression_is_that_of_all_movements_at_once(memory_share, memory) -
     solved = np.linalg.inv(x.T @ w @ x + penalty) @ x.T @ w @ y
     got = eye.turns_deg(np.array([0.1]), np.array([0.02]))
     np.testing.assert_allclose(got, 2.0 * np.array([1.0, 0.1, 0.01]) @ solved, rtol=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("change", "turns", "message"),
-    [
-        (np.zeros(3), np.zeros(3), "change: expected 4 finite numbers"),
-        (np.zeros(4), np.array([np.nan, 0.0, 0.0]), "turns: expected 3 finite numbers"),
-    ],
-)
-def test_refuses_what_is_no_movement_and_learns_nothing(change, turns, message) -> None:
-    eye = EyeTurns(LOWEST, HIGHEST)
-    with pytest.raises(InputError, match=message):
-        eye.learn(np.full(4, 0.1), change, turns)
-    assert eye.n_learned == 0
-    assert not eye.state()["squares"].any()

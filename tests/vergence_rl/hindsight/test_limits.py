@@ -33,6 +33,11 @@ def test_no_residuals_make_up_for_nothing() -> None:
     np.testing.assert_allclose(got, [0.05, 0.0])
 
 
+def test_a_muscle_that_cannot_change_stays_held() -> None:
+    got = within_limits(np.array([0.2471, 0.0671]), TOGETHER, LOWEST, np.array([0.2, 0.0]))
+    np.testing.assert_allclose(got, [0.2471 - 0.0671 * 0.99 / 1.01, 0.0])
+
+
 def test_a_best_place_within_the_limits_is_the_target_of_all() -> None:
     best, wanted = np.array([0.1, 0.02]), np.array([[-0.1, -0.1], [0.3, 0.3], [0.1, 0.02]])
     targets = freed_targets(best, wanted, TOGETHER, LOWEST, HIGHEST)

@@ -23,12 +23,8 @@ class PairCost:
         """limits: ((lowest, highest) medial, (lowest, highest) lateral)."""
         self._inverse, self._limits = Inverse(mechanics), limits
 
-    def check(self, vergence_deg: float) -> None:
-        """Raise InputError unless some pair gives the vergence; quick."""
-        self._inverse.check(vergence_deg)
-
     def least_w(self, vergence_deg: float) -> float:
-        """Return the least metabolic rate with a vergence."""
+        """Return the least metabolic rate with a vergence; InputError where no pair gives it."""
         return self._inverse.optimal(vergence_deg, self._limits).metabolic_rate_w
 
 
@@ -42,10 +38,6 @@ class MuscleCost:
     def __init__(self, mechanics: MechanicsConfig, space: str, lowest: tuple[float, ...]) -> None:
         """lowest: least activation of each muscle of the space."""
         self._table = mechanics, space, lowest
-
-    def check(self, vergence_deg: float) -> None:
-        """Raise InputError unless the muscles can give the vergence, and the table has it."""
-        self.least_w(vergence_deg)
 
     def least_w(self, vergence_deg: float) -> float:
         """Return the least metabolic rate with a vergence, between those of a table.

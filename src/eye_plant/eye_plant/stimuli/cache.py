@@ -13,6 +13,7 @@ import numpy as np
 
 from eye_plant.stimuli import generator as stimulus_generator
 from eye_plant.stimuli import noise
+from lockstep import randomness
 from lockstep.errors import InputError
 
 
@@ -58,7 +59,9 @@ def _set_directory(cache_directory: str, seed: int, size_px: int) -> Path:
     else:
         user_cache = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
         root = Path(user_cache).expanduser() / "active_binocular_vision" / "stimuli"
-    sources = (inspect.getsource(module).encode() for module in (stimulus_generator, noise))
+    sources = (
+        inspect.getsource(module).encode() for module in (stimulus_generator, noise, randomness)
+    )
     libraries = f"{np.__version__} {cv2.__version__}".encode()
     version = hashlib.blake2b(b"".join([*sources, libraries]), digest_size=8).hexdigest()
     return root / f"{version}-seed{seed}-{size_px}px"

@@ -118,12 +118,28 @@ def _shuffled(paths: list[Path], seed: int, role: str) -> tuple[Path, ...]:
 
 
 def _is_cut_off(content: bytes) -> bool:
-    """Whether a JPEG or PNG file lacks its end, which decoders fill with grey and say nothing.
-
-    A JPEG's last scan is followed by an end-of-image marker; embedded thumbnails come before it.
-    """
+    """Whether a JPEG or PNG file lacks its end, which decoders fill with grey and say nothing."""
     if content.startswith(b"\xff\xd8"):
-        return content.rfind(b"\xff\xd9") < content.rfind(b"\xff\xda")
+        return not _has_end_of_jpeg(content)
     if content.startswith(b"\x89PNG"):
         return b"IEND" not in content
+    return False
+
+
+def _has_end_of_jpeg(content: bytes) -> bool:
+    """Whether a JPEG's segments lead to its end-of-image marker (ITU-T T.81, annex B).
+
+    Thumbnails lie inside segments, and what a camera has appended lies behind the marker.
+    """
+    at = 2
+    while 0 <= (at := content.find(b"\xff", at)) < len(content) - 1:
+        marker = content[at + 1]
+        if marker == 0xD9:
+            return True
+        if marker == 0xFF:  # fill byte
+            at += 1
+        elif marker in (0x00, 0x01) or 0xD0 <= marker <= 0xD8:  # without a length; 00: coded data
+            at += 2
+        else:
+            at += 2 + int.from_bytes(content[at + 2 : at + 4], "big")
     return False

@@ -53,7 +53,8 @@ class Maps:
 def load_maps() -> Maps | None:
     """Read the maps that the environment names, None when it names none.
 
-    Raises InputError for a file that does not hold 121 rows of four numbers below its header.
+    Raises InputError for a file that does not hold 121 rows of four numbers below its header, one
+    for each pair of activations of the grid, in any order.
     """
     path = os.environ.get(MAPS_VARIABLE, "")
     if not path:
@@ -66,4 +67,11 @@ def load_maps() -> Maps | None:
         raise InputError(f"{path}: expected {N_GRID**2} rows of 4 numbers: {error}") from error
     if rows.shape != (N_GRID**2, 4):
         raise InputError(f"{path}: expected 121 rows of 4 numbers, got shape {rows.shape}")
-    return Maps(rows[:, 2].reshape(N_GRID, N_GRID), rows[:, 3].reshape(N_GRID, N_GRID))
+    rows = rows[np.lexsort((rows[:, 1], rows[:, 0]))]
+    medial, lateral, adduction_deg, cost_w = rows.T.reshape(4, N_GRID, N_GRID)
+    if not (np.allclose(medial, _GRID[:, None]) and np.allclose(lateral, _GRID)):
+        raise InputError(
+            f"{path}: expected each pair of medial and lateral activations 0, 0.1, ..., 1 once, in "
+            f"the first two columns, got others"
+        )
+    return Maps(adduction_deg, cost_w)

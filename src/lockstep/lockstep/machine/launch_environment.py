@@ -9,7 +9,9 @@ _DEFAULTS = {
     # Each process works on matrices too small to share out; threads would only fight for the cores.
     "OPENBLAS_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",
+    "OPENCV_FOR_THREADS_NUM": "1",
     "MUJOCO_GL": "egl",
+    "PYTHONUTF8": "1",
     "PYTHONUNBUFFERED": "1",
 }
 

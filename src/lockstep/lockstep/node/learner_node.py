@@ -151,6 +151,6 @@ class LearnerNode(Node, Generic[L]):
 
 def _path_of(arguments: Arguments) -> Path:
     path = arguments.get("path")
-    if set(arguments) != {"path"} or not isinstance(path, str) or not path:
+    if set(arguments) != {"path"} or not isinstance(path, str) or not Path(path).name:
         raise InputError(f"expected the path of a state file, got {arguments}")
     return Path(path)

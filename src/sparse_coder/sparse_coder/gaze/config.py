@@ -28,5 +28,5 @@ class GazeConfig:
         check_settings(self)
         if self.fixation_iterations and self.measures_turns:
             raise InputError(
-                "gaze.measures_turns: expected false with saccades, whose turns are measured anyway"
+                "measures_turns: expected false with saccades, whose turns are measured anyway"
             )

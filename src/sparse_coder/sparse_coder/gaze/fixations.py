@@ -73,7 +73,7 @@ class Turns:
         if self._before is None:
             return UNSEEN_DEG
         pairs = zip(self._before, pictures, strict=True)
-        return np.array([movement(*pair, self._focal_length_px).turns_deg for pair in pairs])
+        return np.array([movement(*pair, self._focal_length_px) for pair in pairs])
 
 
 class Fixations(Turns):
@@ -125,7 +125,11 @@ class Fixations(Turns):
         return Gaze(target_deg, turns_deg)
 
     def _worst_deg(self, encoding: Encoding) -> Floats:
-        """Return the place (2,) whose code leaves most, apart from those looked at before."""
+        """Return the place (2,) whose code leaves most, apart from those looked at before.
+
+        Up to 1.5 px (0.3 deg) off to the right and down: the pyramid keeps every fourth pixel, from
+        the first one on, so that coarse patches lie a little to the left of and above these places.
+        """
         patches, selections = encoding.patches[_COARSE], encoding.selections[_COARSE]
         left = residual_energies(patches, selections).astype(np.float64)
         n_columns = math.isqrt(len(patches))

@@ -10,7 +10,6 @@ it. So the place in the earlier picture that is sideways and up from its centre 
 """
 
 import math
-from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -25,22 +24,13 @@ _STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 30, 1e-4)
 _BLUR_PX = 5
 # Of both pictures once aligned, in [-1, 1]; below it the movement is not clear.
 _LEAST_CORRELATION = 0.8
+_UNCLEAR = np.full(3, np.nan)
 
 
-@dataclass(frozen=True)
-class Movement:
-    """How an eye turned.
+def movement(earlier: Picture, later: Picture, focal_length_px: float) -> Floats:
+    """Return the movement (3,) between two pictures (height_px, width_px) of one eye, in deg.
 
-    turns_deg: (3,) to the right, up, and clockwise as the observer sees it, NaN where refused;
-    refused: why the movement is not clear, "" where it is.
-    """
-
-    turns_deg: Floats
-    refused: str = ""
-
-
-def movement(earlier: Picture, later: Picture, focal_length_px: float) -> Movement:
-    """Return the movement between two pictures (height_px, width_px) of one eye.
+    NaN where it is not clear: a picture is uniform, or the two do not align or differ too much.
 
     First the peak of their phase correlation (Kuglin & Hines 1975), then the shift and rotation of
     largest correlation of their centres (Evangelidis & Psarakis 2008), both pictures turned half
@@ -48,7 +38,7 @@ def movement(earlier: Picture, later: Picture, focal_length_px: float) -> Moveme
     """
     side_px = _side_px(min(earlier.shape))
     if earlier.min() == earlier.max() or later.min() == later.max():
-        return _refused("a picture is uniform")
+        return _UNCLEAR.copy()
     window = cv2.createHanningWindow((side_px, side_px), cv2.CV_32F)
     first, second = (_centre(picture, side_px) for picture in (earlier, later))
     (to_right, down), _ = cv2.phaseCorrelate(first, second, window)
@@ -65,15 +55,15 @@ def movement(earlier: Picture, later: Picture, focal_length_px: float) -> Moveme
                 a, b, start, cv2.MOTION_EUCLIDEAN, _STOP, everywhere, _BLUR_PX
             )
         except cv2.error:
-            return _refused("the pictures do not align")
+            return _UNCLEAR.copy()
         centre = np.array([(size_px - 1) / 2.0, (size_px - 1) / 2.0, 1.0])
         warp = np.asarray(found, np.float64)
         to_right, down = warp @ centre - centre[:2]
         rest = _turned(-to_right, -down, -math.atan2(warp[1, 0], warp[0, 0]), focal_length_px)
         turned = half @ rest @ half
     if not correlation >= _LEAST_CORRELATION:  # also true of NaN
-        return _refused("the pictures differ too much")
-    return Movement(angles_deg(turned))
+        return _UNCLEAR.copy()
+    return angles_deg(turned)
 
 
 def rotation(movement_deg: Floats) -> Floats:
@@ -132,7 +122,3 @@ def _seen(picture: Picture, turned: Floats, size_px: int, focal_length_px: float
         ),
         np.uint8,
     )
-
-
-def _refused(reason: str) -> Movement:
-    return Movement(np.full(3, np.nan), reason)

@@ -44,11 +44,11 @@ class GazeConfig:
         check_settings(self)
         if self.fixation_iterations and self.measures_turns:
             raise InputError(
-                "gaze.measures_turns: expected false with saccades, whose turns are measured anyway"
+                "measures_turns: expected false with saccades, whose turns are measured anyway"
             )
         if 0 < self.fixation_iterations < _LEAST_FIXATION:
             raise InputError(
-                f"gaze.fixation_iterations: expected 0, or {_LEAST_FIXATION} or more, of which "
+                f"fixation_iterations: expected 0, or {_LEAST_FIXATION} or more, of which "
                 f"{N_SACCADES} are saccades, got {self.fixation_iterations}"
             )
 

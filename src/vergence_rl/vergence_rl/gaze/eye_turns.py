@@ -15,7 +15,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.errors import InputError
 from vergence_rl.gaze.descent import (
     ACTIVATION,
     CHANGE,
@@ -54,16 +53,14 @@ class EyeTurns(FadingRegression):
         """Learn from a movement.
 
         activations: (n_muscles,) before it; change: (n_muscles,) that was made; turns_deg:
-        (n_turns,) that it led to.
-        Raises InputError, and learns nothing, for other shapes or numbers that are not finite.
+        (n_turns,) that it led to. All finite.
         """
         a, d = self._scaled(activations, change)
-        y = _checked("turns", turns_deg, N_TURNS)
         x = np.outer(d, places_half_way(a, HALF * d)).ravel()
         kept = 1.0
         if self._memory_share:
             kept = math.exp(-1.0 / max(_LEAST_MEMORY, self._memory_share * self.n_learned))
-        self.add(x, y, kept=kept)
+        self.add(x, turns_deg, kept=kept)
 
     def turns_deg(self, activations: Floats, change: Floats) -> Floats:
         """Return the turns (n_turns,) that a change is expected to lead to; see `learn`."""
@@ -108,14 +105,4 @@ class EyeTurns(FadingRegression):
         return self.weights().reshape(N_TURNS, self._n_muscles, -1)
 
     def _scaled(self, activations: Floats, change: Floats) -> tuple[Floats, Floats]:
-        return (
-            _checked("activations", activations, self._n_muscles) / ACTIVATION - 1.0,
-            _checked("change", change, self._n_muscles) / CHANGE,
-        )
-
-
-def _checked(name: str, values: Floats, n: int) -> Floats:
-    values = np.asarray(values, np.float64)
-    if values.shape != (n,) or not np.isfinite(values).all():
-        raise InputError(f"{name}: expected {n} finite numbers, got {values.tolist()}")
-    return values
+        return activations / ACTIVATION - 1.0, change / CHANGE

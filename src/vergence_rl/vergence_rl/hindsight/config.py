@@ -68,10 +68,10 @@ class HindsightConfig:
     )
     memory_share: float = setting(
         0.5,
-        "iterations after which a visit has 1 / e of its weight, as a share of all so far",
+        "visits after which one has 1 / e of its weight, as a share of all iterations so far",
         above=0,
     )
-    least_memory: float = setting(1000.0, "least number of these iterations", above=0)
+    least_memory: float = setting(1000.0, "least number of these visits", above=0)
     regression_period: int = setting(
         100,
         "iterations between two solutions of the regression; a multiple of an episode",
@@ -79,8 +79,13 @@ class HindsightConfig:
     )
 
     def __post_init__(self) -> None:
-        """Refuse values out of range."""
+        """Refuse values out of range, and no noise where its shape is needed."""
         check_settings(self)
+        if not self.exploration_variance and (self.least_noise_share or self.target_noise_scale):
+            raise InputError(
+                "exploration_variance: expected more than 0 with least_noise_share or "
+                "target_noise_scale, which measure in its noise, got 0"
+            )
 
     def check_fits(self, iterations_per_episode: int, n_visits: int) -> None:
         """Raise InputError unless whole episodes of two iterations or more fit a period.

@@ -29,7 +29,7 @@ def within_limits(wanted: Floats, covariance: Floats, lowest: Floats, highest: F
         found = made_up(wanted, clipped, covariance, held)
         beyond = ~held & ((found < lowest) | (found > highest))
         clipped = np.where(beyond, np.clip(found, lowest, highest), clipped)
-        let_go = _turning_back(wanted, found, covariance, held, lowest)
+        let_go = _turning_back(wanted, found, covariance, held, lowest) & (lowest < highest)
         if not (beyond.any() or let_go.any()):
             break
         held = (held | beyond) & ~let_go
