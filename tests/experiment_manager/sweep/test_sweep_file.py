@@ -192,7 +192,7 @@ def test_what_a_cell_cannot_be_is_said_with_its_name(tmp_path, pictures, axes, e
 
 
 # A life in the clinic, and a comparison of how soon vergence comes.
-SHORT = ("clinic", "clinic_memory", "clinic_treatment", "gaze_saliency")
+SHORT = ("clinic", "clinic_memory", "clinic_treatment", "clinic_untreated", "gaze_saliency")
 
 
 @pytest.mark.parametrize("path", sorted(SWEEPS.rglob("*.yaml")), ids=lambda path: path.stem)
