@@ -2,7 +2,10 @@
 
 from typing import Any
 
+from rclpy.clock import Clock as NodeClock
+from rclpy.clock import ClockType
 from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image, JointState
 
 from eye_plant.episode import Episode
@@ -10,12 +13,14 @@ from lockstep.errors import InputError
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.requests import RequestServer
 from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import EPISODE_NAMES, GROUND_TRUTH_NAMES, PLANT_VECTORS, REWARD_NAMES
 from lockstep.wire.vectors import VectorPublisher
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES, HORIZONTAL_RECTI
 from tests.stamps import to_ns
 
 PERIOD_NS = 200_000_000
+_REPEAT_PERIOD_S = 0.1
 
 
 class Scripted(Node):
@@ -48,7 +53,7 @@ class Scripted(Node):
 
 
 class ScriptedPlant(Scripted):
-    """Publishes observations of constant content."""
+    """Publishes observations of constant content, and repeats the last one again and again."""
 
     kinds = ("start_run", "episode", "end_run")
 
@@ -62,15 +67,23 @@ class ScriptedPlant(Scripted):
             "muscle_activations": HORIZONTAL_RECTI,
         }
         self._ends = {t: VectorPublisher(self, t, names.get(t, ("x",))) for t in PLANT_VECTORS}
+        self._clock_end = self.create_publisher(Clock, "/clock", LOCKSTEP_QOS)
         self.create_publisher(Image, "left/image_raw", LOCKSTEP_QOS)
         self.create_subscription(JointState, "muscle_command", self._answered, LOCKSTEP_QOS)
+        self._repeat_timer = self.create_timer(
+            _REPEAT_PERIOD_S, self.send, clock=NodeClock(clock_type=ClockType.STEADY_TIME)
+        )
+        self._repeat_timer.cancel()
 
     def do(self, kind: str, arguments: dict[str, Any]) -> None:
-        """Begin an episode."""
+        """Begin an episode, or end the run."""
         if kind == "episode":
             self.episodes.append(Episode.from_arguments(arguments))
             self._iteration = 0
+            self._repeat_timer.reset()
             self.send()
+        elif kind == "end_run":
+            self._repeat_timer.cancel()
 
     def _answered(self, message: JointState) -> None:
         episode = self.episodes[-1]
@@ -80,7 +93,7 @@ class ScriptedPlant(Scripted):
             self.send()
 
     def send(self) -> None:
-        """Publish the observation of now, as often as wanted."""
+        """Publish the observation of now."""
         episode, i = self.episodes[-1], self._iteration
         number = episode.first_observation + i
         training = episode.training_iteration + (i if episode.phase == 0 else 0)
@@ -105,6 +118,7 @@ class ScriptedPlant(Scripted):
         }
         for topic, end in self._ends.items():
             end.publish(number * PERIOD_NS, values.get(topic, (0.0,)))
+        self._clock_end.publish(Clock(clock=to_time(number * PERIOD_NS)))
 
 
 class ScriptedCoder(Scripted):

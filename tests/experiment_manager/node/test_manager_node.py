@@ -142,12 +142,11 @@ def test_under_supervision_learning_steps_must_fit(graph, nodes, tmp_path, capfd
 
 
 def test_without_supervision_a_gap_is_waited_out(graph, nodes, tmp_path, capfd) -> None:
-    plant, coder, _ = nodes
+    _, coder, _ = nodes
     coder.is_mute = True
     manager = _start(graph, tmp_path / "run", gap_s=0.3)
     _spin_until_said(graph, capfd, "no message for 0.3 s; missing: ")
     coder.is_mute = False
-    plant.send()
     assert _finished(graph, manager) == 0
     tables = Bag(tmp_path / "run" / "bag").vectors("episode")
     # What the plant said twice is recorded once.
@@ -167,7 +166,7 @@ def test_a_second_publisher_is_a_fault(graph, nodes, tmp_path, capfd) -> None:
 def test_a_message_without_a_stamp_is_a_fault(graph, nodes, tmp_path, capfd) -> None:
     plant, coder, _ = nodes
     coder.is_mute = True
-    clock = plant.create_publisher(Clock, "/clock", LOCKSTEP_QOS)
+    clock = coder.create_publisher(Clock, "/clock", LOCKSTEP_QOS)
     manager = _start(graph, tmp_path / "run")
     graph.spin_until(lambda: plant.episodes and clock.get_subscription_count(), "an episode")
     clock.publish(b"\x00\x01\x00\x00")
@@ -191,7 +190,6 @@ def test_an_interrupt_ends_the_run_after_the_episode_and_it_can_be_resumed(graph
     graph.spin_until(lambda: plant.episodes, "the first episode")
     manager.interrupt()
     coder.is_mute = False
-    plant.send()
     assert _finished(graph, manager) == EXIT_INTERRUPTED
     assert len(plant.episodes) == 1
     manifests = sorted((tmp_path / "run" / "checkpoints").glob("*/manifest.json"))

@@ -145,7 +145,9 @@ class Recorder:
             return
         if topic in self._small_topics and not record.expects(topic, stamp_ns):
             return
-        if not self._run.writer.write(topic, message, stamp_ns):
+        is_new = self._run.writer.write(topic, message, stamp_ns)
+        if topic in FREE_TOPICS or not is_new:
+            # What a plant repeats while it waits in vain is no sign of progress.
             return
         self._hear()
         if topic in self._small_topics:
