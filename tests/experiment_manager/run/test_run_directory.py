@@ -190,19 +190,45 @@ def test_pictures_are_listened_to_around_a_sampled_episode(tmp_path: Path, drive
     run.close()
 
 
-def test_the_next_interruption_finds_the_new_bag(tmp_path, drive, undisturbed) -> None:
-    directory = _interrupted(tmp_path / "first", drive, 10)
-    second = Run(_config(directory, resume=True))
-    drive(second, 13)
-    _commit(second)
-    drive(second, 14)
-    second.close()
-    third = Run(_config(directory, resume=True))
-    assert third.place == 13
-    assert _end(third, drive) == undisturbed
+def _killed(run: Run, to: Path) -> Path:
+    """Return a copy of what a run that is killed now leaves behind."""
+    shutil.copytree(run.directory, to)
+    run.close()
+    return to
+
+
+def _ends_with_a_bag_from(place: int, directory: Path, drive: Drive) -> dict[str, Any]:
+    """Resume a run to its end; return its results."""
+    run = Run(_config(directory, resume=True))
+    results = _end(run, drive)
     stamps_ns = RecordedRun(directory).bag.stamps_ns("ground_truth")
     assert (np.diff(stamps_ns) == PERIOD_NS).all()
-    assert stamps_ns[0] == third.protocol.episode(10).first_observation * PERIOD_NS
+    assert stamps_ns[0] == run.protocol.episode(place).first_observation * PERIOD_NS
+    return results
+
+
+@pytest.mark.parametrize("committed", [10, 13])
+def test_the_next_interruption_finds_the_new_bag(tmp_path, drive, undisturbed, committed) -> None:
+    second = Run(_config(_interrupted(tmp_path / "first", drive, 10), resume=True))
+    if committed > 10:
+        drive(second, committed)
+        _commit(second)
+    drive(second, committed + 1)
+    directory = _killed(second, tmp_path / "killed")
+    assert _ends_with_a_bag_from(10, directory, drive) == undisturbed
+
+
+def test_an_older_checkpoint_without_its_bag_is_enough_too(tmp_path, drive, undisturbed) -> None:
+    first = _begin(tmp_path / "first")
+    for place in (5, 10):
+        drive(first, place)
+        _commit(first)
+    first.close()
+    second = Run(_config(_copied_without_bag(first.directory, tmp_path / "second"), resume=True))
+    drive(second, 11)
+    directory = _killed(second, tmp_path / "killed")
+    shutil.rmtree(max((directory / "checkpoints").iterdir()))
+    assert _ends_with_a_bag_from(5, directory, drive) == undisturbed
 
 
 def test_what_is_not_in_the_bag_is_not_compared(tmp_path, drive, capsys) -> None:

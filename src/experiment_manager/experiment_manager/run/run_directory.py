@@ -1,5 +1,6 @@
 """One run on disk: where it stands, its bag, its checkpoints and its results. No ROS."""
 
+import dataclasses
 import datetime
 import math
 import shutil
@@ -217,7 +218,12 @@ class Run:
         self._bag_is_elsewhere = bool(manifest.bag_files) and not (
             bag.is_dir() and any(bag.iterdir())
         )
-        return () if self._bag_is_elsewhere else manifest.bag_files
+        if not self._bag_is_elsewhere:
+            return manifest.bag_files
+        # Before a new bag begins: the next resumption must not look for the old files in it.
+        for each, _ in checkpoint.everyone(self._checkpoints):
+            checkpoint.write(self._checkpoints, dataclasses.replace(each, bag_files=()))
+        return ()
 
     def describe(self, parameters: Configuration) -> None:
         """Take note of the parameters that the nodes say they run with, before the first episode.
