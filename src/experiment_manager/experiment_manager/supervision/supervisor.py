@@ -3,6 +3,7 @@
 import re
 import signal
 import sys
+from collections import deque
 from collections.abc import Collection, Sequence
 from contextlib import nullcontext
 from pathlib import Path
@@ -44,6 +45,8 @@ _LEAST_GAP_ELSEWHERE_S = 30.0
 _SAME_FAULT_LIMIT = 3
 # Faults of different kinds without a checkpoint between them: somebody should look.
 _ANY_FAULT_LIMIT = 10
+# What is left of killed nodes may linger in their domain: the last ones are not taken again yet.
+_N_AVOIDED_DOMAINS = 10
 # The same fault may name another time or count.
 _NUMBER = re.compile(r"[0-9.]+")
 
@@ -78,11 +81,11 @@ class Supervisor:
         """
         self._interrupts = Interrupts(self._interrupt_manager)
         faults: list[tuple[int, str]] = []
-        used: set[int] = set()
+        used: deque[int] = deque(maxlen=_N_AVOIDED_DOMAINS)
         known = known_domain(self._elsewhere)
         while True:
             with own_domain(frozenset(used)) if known is None else nullcontext(known) as domain:
-                used.add(domain)
+                used.append(domain)
                 print(f"to listen from another terminal: export ROS_DOMAIN_ID={domain}")
                 try:
                     code, fault = self._attempt(domain)
