@@ -1,7 +1,9 @@
 """A run on disk goes on from its newest checkpoint, with its bag or without it."""
 
 import dataclasses
+import errno
 import json
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +14,7 @@ import pytest
 
 from experiment_manager.analysis.figures.learning_curve import learning_curve
 from experiment_manager.analysis.recorded_run import RecordedRun
+from experiment_manager.bag.reader import Bag
 from experiment_manager.commands.evaluate import main as evaluate
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.run.config_file import CONFIG_CLASSES, configuration_text
@@ -134,6 +137,27 @@ def test_a_run_that_ended_before_its_first_episode_goes_on(tmp_path: Path, drive
     _commit(first)
     first.close()
     resumed = Run(_config(tmp_path / "run", resume=True))
+    assert _end(resumed, drive)["tests"]
+
+
+def test_a_disk_that_refuses_leaves_what_was_recorded(tmp_path, drive, monkeypatch) -> None:
+    run = _begin(tmp_path / "run")
+    _commit(run)
+    drive(run, 2)
+    n_recorded = 2 * (PROTOCOL.iterations_per_trial + 1)
+    run.writer.release(n_recorded * PERIOD_NS)
+
+    def refuse(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as full:
+        full.setattr(os, "fsync", refuse)
+        with pytest.raises(OSError, match="No space left"):
+            run.commit_bag()
+    run.close()
+    bag = Bag(run.directory / "bag")
+    assert len(bag.stamps_ns("ground_truth")) == n_recorded
+    resumed = Run(_config(run.directory, resume=True))
     assert _end(resumed, drive)["tests"]
 
 

@@ -283,9 +283,11 @@ class Run:
         """
         self._bar.close()
         self.writer.close()
-        if self.writer.files:
+        bag = self.directory / "bag"
+        # After a failed write its only file may be cut off, and none of the writer's whole ones.
+        if any(bag.glob("*.mcap")):
             return
-        shutil.rmtree(self.directory / "bag")
+        shutil.rmtree(bag)
         if not any(self.directory.iterdir()):
             self.directory.rmdir()
 
