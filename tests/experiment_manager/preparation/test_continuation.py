@@ -5,6 +5,7 @@ import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ import yaml
 from experiment_manager.analysis.recorded_run import RecordedRun
 from experiment_manager.commands.evaluate import main as evaluate
 from experiment_manager.commands.run_experiment import main as run_experiment
+from experiment_manager.preparation import continuation
 from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.continuation import check_settings
@@ -128,7 +130,12 @@ def test_what_touches_no_number_may_be_edited(run: Path) -> None:
     assert run_experiment(["--in-process", "--resume", str(run)]) == 0
 
 
-def test_an_extended_run_has_the_numbers_of_the_new_schedule(small_run: Path, run: Path) -> None:
+def test_an_extended_run_has_the_numbers_of_the_new_schedule(small_run, run, monkeypatch) -> None:
+    # The first time it is killed when all but config.yaml is written.
+    with monkeypatch.context() as killed:
+        killed.setattr(continuation, "replace_file", Mock(side_effect=KeyboardInterrupt))
+        with pytest.raises(KeyboardInterrupt):
+            continuation.extend(run, 40)
     assert run_experiment(["--in-process", "--resume", str(run), "--extend", "40"]) == 0
     results = json.loads((run / "results.json").read_text())
     before = json.loads((small_run / "results.json").read_text())

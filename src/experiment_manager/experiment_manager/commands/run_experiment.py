@@ -19,6 +19,7 @@ from experiment_manager.preparation.continuation import (
     Branch,
     branch,
     check_resumable,
+    check_settings,
     contradiction,
     extend,
 )
@@ -159,8 +160,12 @@ def _prepare_old(options: argparse.Namespace, request: RunRequest) -> Path:
         raise InputError("--branch: expected it without --resume, got both")
     if options.out is not None and options.out.resolve() != directory:
         raise contradiction(f"--out {options.out}", directory, "a directory of its own")
-    check_old(directory, request)
-    if options.extend is not None:
+    if options.extend is None:
+        check_old(directory, request)
+    else:
+        # Its checkpoints may already be longer: an extension that was killed writes them first.
+        check_settings(request, directory, read_configuration(directory / CONFIG_FILE))
+        _check_writable(directory)
         extend(directory, options.extend)
     check_graphics(read_configuration(directory / CONFIG_FILE), options.elsewhere)
     return directory
@@ -169,6 +174,10 @@ def _prepare_old(options: argparse.Namespace, request: RunRequest) -> Path:
 def check_old(directory: Path, request: RunRequest) -> None:
     """Raise InputError unless the run in a directory can go on, as the request asks."""
     check_resumable(request, directory)
+    _check_writable(directory)
+
+
+def _check_writable(directory: Path) -> None:
     if why := why_unwritable(directory):
         raise InputError(f"{directory}: cannot be written: {why}")
 

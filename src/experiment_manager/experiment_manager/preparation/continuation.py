@@ -85,7 +85,8 @@ def contradiction(by: str, directory: Path, has: str) -> InputError:
 def extend(directory: Path, n_more: int) -> None:
     """Give a run n_more training iterations; its old end keeps its test.
 
-    Raises InputError when the run cannot be extended; then nothing has been changed.
+    If it is killed, the same call completes it. Raises InputError when the run cannot be extended;
+    then nothing has been changed.
     """
     if n_more < 1:
         raise InputError(f"--extend: expected 1 or more, got {n_more}")
@@ -99,6 +100,9 @@ def extend(directory: Path, n_more: int) -> None:
     space = protocol.config.space
     manifests = []
     for manifest, states in checkpoint.everyone(directory / "checkpoints"):
+        if manifest.parameters == after:
+            # By an extension that was killed before it came to config.yaml.
+            continue
         check_unchanged(directory, manifest, before)
         progress = Progress(end, space)
         rows = read_state(states / TRIALS_FILE, TRIALS_KIND)["rows"]
