@@ -1,6 +1,7 @@
 """The Gymnasium environments: Gymnasium's own checks, and the in-process loop as the oracle."""
 
 import importlib.util
+import json
 import math
 import subprocess
 import sys
@@ -34,6 +35,19 @@ EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "gymnasium_agent.py"
 IDS = ("ActiveVergence-v0", "ActiveVergenceFeatures-v0")
 N_EPISODES = 8
 PRICE = 0.08
+# The left eye is covered in episodes 2 to 4; from 5 on the muscles are weaker.
+SCHEDULE = json.dumps(
+    [
+        {"at": 20, "set": {"eye_plant.camera.left_occluded": True}},
+        {
+            "at": 50,
+            "set": {
+                "eye_plant.camera.left_occluded": False,
+                "eye_plant.mechanics.strength": [0.9] * 12,
+            },
+        },
+    ]
+)
 
 
 @pytest.fixture(scope="module")
@@ -114,11 +128,14 @@ def configuration(settings: dict[str, Any]) -> Configuration:
 
 
 @pytest.mark.parametrize("rule", ["cacla", "hindsight"])
-def test_our_agent_learns_the_same_numbers_as_in_the_loop(bare, settings, rule) -> None:
-    parameters = configuration(settings | {"vergence_rl.learning_rule": rule})
+def test_our_agent_learns_the_same_numbers_as_in_the_loop(settings, rule) -> None:
+    scheduled = settings | {"experiment_manager.schedule": SCHEDULE}
+    parameters = configuration(scheduled | {"vergence_rl.learning_rule": rule})
     loop = make_loop(parameters)
+    protocol = protocol_of(parameters)
     expected_deg = []
-    for episode in protocol_of(parameters).training_episodes():
+    for episode in protocol.training_episodes():
+        loop.plant.reconfigure(protocol.plant_settings(episode))
         *_, last = loop.run_episode(episode)
         expected_deg.append(last.observation.truth.vergence_error_deg)
     loop.plant.close()
@@ -129,7 +146,9 @@ def test_our_agent_learns_the_same_numbers_as_in_the_loop(bare, settings, rule) 
     example = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(example)
     agent = Agent(build(VergenceRlConfig, parameters["vergence_rl"]))
-    got_deg = example.train(bare, agent, N_EPISODES, seed=1)
+    environment = gymnasium.make(IDS[1], model="M_C", settings=scheduled)
+    got_deg = example.train(environment, agent, N_EPISODES, seed=1)
+    environment.close()
 
     assert got_deg == expected_deg
     assert len(got_deg) == N_EPISODES
@@ -202,6 +221,20 @@ def test_options_choose_an_episode_of_the_protocol(bare: VergenceEnvironment) ->
     ends = [bare.step(np.zeros(2))[3] for _ in range(20)]
     assert ends == [False] * 19 + [True]
     assert bare.reset()[1]["ground_truth"]["episode"] == 5
+
+
+def test_any_episode_has_the_plant_of_its_stage_of_the_schedule(settings) -> None:
+    scheduled = settings | {"experiment_manager.schedule": SCHEDULE}
+    made = gymnasium.make(IDS[0], model="M_C", settings=scheduled)
+
+    def is_covered(**options: int) -> list[bool]:
+        return [not picture.any() for picture in made.reset(seed=1, options=options)[0]["pictures"]]
+
+    assert is_covered(episode=2) == [True, False]
+    assert is_covered(episode=1) == [False, False]
+    assert is_covered(episode=4) == [True, False]
+    assert is_covered(trial=0) == [False, False]
+    made.close()
 
 
 def test_a_saved_coder_may_be_used_and_left_as_it_is(settings, tmp_path) -> None:

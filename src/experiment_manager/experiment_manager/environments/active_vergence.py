@@ -124,6 +124,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
             self._next_episode = 0
         episode = self._chosen(options or {})
         self._episode = episode
+        self._plant.reconfigure(self._experiment.plant_settings(episode))
         observed, _, info = self._observe(self._plant.begin(episode))
         return observed, info
 

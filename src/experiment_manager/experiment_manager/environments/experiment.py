@@ -4,6 +4,7 @@ import dataclasses
 import operator
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -73,6 +74,10 @@ class Experiment:
     def trial(self, number: int) -> Episode:
         """Return a trial of the test; raises InputError when the test has no such."""
         return self._episode("trial", number, self._n_training, self._protocol.n_trials)
+
+    def plant_settings(self, episode: Episode) -> dict[str, Any]:
+        """Return the plant's parameters that the schedule has changed by an episode."""
+        return self._protocol.plant_settings(episode)
 
     def _episode(self, name: str, number: int, first: int, count: int) -> Episode:
         expected = f"{name}: expected a whole number from 0 to {count - 1}, got {number!r}"
