@@ -78,9 +78,10 @@ def test_other_pictures_and_fewer_of_them(run: Path, tmp_path: Path) -> None:
         (("--checkpoint", "7"), "checkpoints: expected a checkpoint after 7 episodes, there is"),
         (("--stimuli", "/nowhere"), "expected a directory of pictures, got /nowhere"),
         (("--stimuli", ".", "--stimuli-per-test", "0"), "stimuli per test: expected 1 or more"),
+        (("--start-scale", "0"), "start_scale: expected a run with a command for each muscle"),
     ],
 )
-def test_what_is_not_there_is_one_line(run, line, message, capsys) -> None:
+def test_what_cannot_be_tested_is_one_line(run, line, message, capsys) -> None:
     assert main([str(run), *line]) == 2
     error = capsys.readouterr().err
     assert error.startswith("error: ")
@@ -179,8 +180,3 @@ def test_a_muscle_may_be_lost_before_a_test_of_twelve(twelve: Path) -> None:
     lost = _evaluated(twelve, settings={"mechanics.strength": strength})
     assert lost.test.n_trials == _tests(twelve)[-1].n_trials
     assert lost.test != _tests(twelve)[-1]
-
-
-def test_the_pair_has_no_ranges_of_first_errors(run: Path) -> None:
-    with pytest.raises(InputError, match="start_scale: expected a run with a command for each mus"):
-        evaluated(FrozenLearners(run), start_scale=1.5)

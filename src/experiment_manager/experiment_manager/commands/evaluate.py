@@ -29,8 +29,9 @@ from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIFFERENT
 
 # Sums may be taken in another order; everything else is the same arithmetic on the same doubles.
 _RELATIVE_TOLERANCE = 1e-9
-# What asks for a test of frozen learners, besides --checkpoint.
+# What asks for a test of frozen learners.
 _FROZEN = (
+    "checkpoint",
     "stimuli",
     "stereograms",
     "random_dots",
@@ -42,7 +43,7 @@ _FROZEN = (
     "examination",
 )
 _FROZEN_OPTIONS = ", ".join(
-    f"--{name.replace('_', '-')}" for name in ("checkpoint", *_FROZEN[:-1], *EXAMINATIONS)
+    f"--{name.replace('_', '-')}" for name in (*_FROZEN[:-1], *EXAMINATIONS)
 )
 
 
@@ -50,7 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return 0, 1 when the bag has other numbers, 2 for bad input."""
     line = parser()
     options = line.parse_args(arguments)
-    is_frozen = any(getattr(options, name) for name in _FROZEN) or options.checkpoint is not None
+    is_frozen = any(getattr(options, name) != line.get_default(name) for name in _FROZEN)
     if not is_frozen and (
         options.stimuli_per_test is not None or options.out is not None or options.json
     ):
