@@ -253,12 +253,21 @@ def test_config_yaml_says_what_the_run_is() -> None:
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["", "[]", "{", "a: 1", "\x00", "/**/eye_plant: {}", "/**/eye_plant: {ros__parameters: []}"],
+    "content",
+    [
+        b"",
+        b"[]",
+        b"{",
+        b"a: 1",
+        b"\x00",
+        b"\xff",
+        b"/**/eye_plant: {}",
+        b"/**/eye_plant: {ros__parameters: []}",
+    ],
 )
-def test_what_is_no_config_yaml_is_refused(tmp_path: Path, text: str) -> None:
+def test_what_is_no_config_yaml_is_refused(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "config.yaml"
-    path.write_text(text)
+    path.write_bytes(content)
     with pytest.raises(InputError, match=r"config\.yaml: expected the configuration of a run"):
         read_configuration(path)
 

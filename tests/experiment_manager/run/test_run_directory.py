@@ -132,6 +132,12 @@ def test_a_run_that_never_began_leaves_nothing_of_its_own(tmp_path: Path) -> Non
     assert [path.name for path in (tmp_path / "configured").iterdir()] == ["config.yaml"]
 
 
+def test_a_config_yaml_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "config.yaml").write_bytes(b"\xff")
+    with pytest.raises(InputError, match=r"config\.yaml: expected text in UTF-8"):
+        Run(_config(tmp_path))
+
+
 def test_a_run_that_ended_before_its_first_episode_goes_on(tmp_path: Path, drive: Drive) -> None:
     first = _begin(tmp_path / "run")
     _commit(first)

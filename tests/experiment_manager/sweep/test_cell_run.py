@@ -87,9 +87,10 @@ def test_a_run_is_done_until_it_is_made_longer(run: CellRun) -> None:
     text = config.read_text()
     config.write_text(text.replace("n_training_iterations: 200", "n_training_iterations: 300"))
     was_done.append(run.is_done)
-    config.write_text("")
-    was_done.append(run.is_done)
-    assert was_done == [False, True, False, False]
+    for damaged in (b"", b"\xff" + text.encode()):
+        config.write_bytes(damaged)
+        was_done.append(run.is_done)
+    assert was_done == [False, True, False, False, False]
 
 
 def test_a_run_whose_log_cannot_be_written_fails_alone(tmp_path, capsys) -> None:

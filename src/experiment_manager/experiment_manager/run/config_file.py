@@ -103,7 +103,7 @@ def read_configuration(path: Path) -> Configuration:
         _check_header(header, about(configuration))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    except (OSError, yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
+    except (OSError, ValueError, yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: expected the configuration of a run: {error}") from error
     return configuration
 

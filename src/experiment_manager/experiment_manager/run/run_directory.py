@@ -56,7 +56,10 @@ class Run:
     """Owns a run directory: a new one, or one that goes on from its newest checkpoint."""
 
     def __init__(self, config: ExperimentManagerConfig) -> None:
-        """Raise InputError for a directory that holds a run, nothing to resume, or another run."""
+        """Raise InputError for a directory that holds a run, nothing to resume, or another run.
+
+        So it is for a config.yaml that cannot be read.
+        """
         self._config = config
         self.protocol = make_protocol(config)
         self.directory = Path(config.run_directory or _new_directory())
@@ -70,7 +73,10 @@ class Run:
         found = self._newest() if config.resume else None
         self.directory.mkdir(parents=True, exist_ok=True)
         config_file = self.directory / CONFIG_FILE
-        text = config_file.read_text() if config_file.exists() else ""
+        try:
+            text = config_file.read_text() if config_file.exists() else ""
+        except UnicodeDecodeError as error:
+            raise InputError(f"{config_file}: expected text in UTF-8: {error}") from error
         self._parameters = parameters_in(text) | {_MANAGER: flatten(config)}
         self._bag_is_elsewhere = False
         bag_files = self._resume(*found) if found else None

@@ -42,7 +42,7 @@ class CellRun:
             results = read_results(self.directory / RESULTS_FILE)
             text = (self.directory / CONFIG_FILE).read_text()
             run = DescribedRun(self.directory, text, CONFIG_FILE)
-        except (InputError, OSError):
+        except (InputError, OSError, UnicodeDecodeError):
             return False
         return results.iterations >= run.n_iterations
 
