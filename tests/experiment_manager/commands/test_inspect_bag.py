@@ -178,16 +178,18 @@ def test_repairing_keeps_each_whole_chunk_before_and_after_damage(bag, is_cut_of
     if is_cut_off:
         path.write_bytes(path.read_bytes()[: places[last].offset + 30])
         n_lost_bytes += 30
-        # The first chunk announces the topics; without an index their messages have no name.
+        # The first chunk announces the topics; without an index nothing else does.
         lost |= set(range(last + 1)) if 0 in broken else {last}
     lost_ns = set().union(*(stamps_ns[i] for i in lost))
     expected = [row for row in messages if row[1] not in lost_ns]
 
     assert main([str(bag), "--repair"]) == 0
     n_kept = len(set().union(*stamps_ns) - lost_ns)
+    n_unnamed = sum(len(stamps_ns[i]) for i in lost - {*broken, last})
+    unnamed = f", {n_unnamed} messages whose topics a broken chunk announced" if n_unnamed else ""
     assert (
         f"bag_1.mcap: {n_kept} messages kept; lost: {len(broken)} broken chunks, "
-        f"{n_lost_bytes} bytes in all\n"
+        f"{n_lost_bytes} unreadable bytes{unnamed}\n"
     ) in capsys.readouterr().out
     assert _messages(bag) == expected
     assert main([str(bag), "--repair"]) == 0
@@ -203,7 +205,7 @@ def test_repairing_makes_a_broken_index_anew(bag: Path, capsys: pytest.CaptureFi
     assert main([str(bag)]) == 2
     assert "broken index of the chunk" in capsys.readouterr().err
     assert main([str(bag), "--repair"]) == 0
-    assert "lost: 0 broken chunks, 0 bytes in all" in capsys.readouterr().out
+    assert "lost: 0 broken chunks, 0 unreadable bytes\n" in capsys.readouterr().out
     assert _messages(bag) == expected
 
 

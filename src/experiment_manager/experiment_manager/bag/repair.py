@@ -25,20 +25,24 @@ from lockstep.errors import InputError
 class Repair:
     """What was done to one file.
 
-    n_messages: kept; n_broken_chunks: lost; n_lost_bytes: in these and behind the last record.
+    n_messages: kept; n_broken_chunks: lost; n_lost_bytes: in these and behind the last record;
+    n_unnamed: messages that are lost with the name of their topic.
     """
 
     name: str
     n_messages: int
     n_broken_chunks: int
     n_lost_bytes: int
+    n_unnamed: int
 
 
 def repair_bag(path: Path) -> list[Repair]:
     """Rewrite each cut-off or damaged file of a bag and its metadata.yaml; return what was done.
 
-    Every chunk that fits its checksum is kept, those behind a broken one, too. The
-    metadata is only rewritten when it does not fit the files. Each file is replaced as a whole.
+    The messages of every chunk that fits its checksum are kept, also behind a broken one, except
+    those whose topic has lost its name: the first chunk announces all topics, and only the index,
+    which a cut-off file lacks, does so again. The metadata is only rewritten when it does not fit
+    the files. Each file is replaced as a whole.
     Raises InputError when there is no bag at path.
     """
     bag = Bag(path)
@@ -61,35 +65,36 @@ def _rewrite(path: Path) -> Repair:
     file = McapFile.open(path, beyond_damage=True)
     beside = path.with_name(path.name + ".part")
     with beside.open("wb") as stream:
-        n_messages, broken = _copy(file, stream)
+        n_messages, n_unnamed, broken = _copy(file, stream)
         stream.flush()
         os.fsync(stream.fileno())
     beside.replace(path)
     sync_directory(path.parent)
     n_lost_bytes = file.n_lost_bytes + sum(chunk.n_bytes for chunk in broken)
-    return Repair(path.name, n_messages, len(broken), n_lost_bytes)
+    return Repair(path.name, n_messages, len(broken), n_lost_bytes, n_unnamed)
 
 
-def _copy(file: McapFile, stream: BinaryIO) -> tuple[int, list[IndexedChunk]]:
-    """Write what can be read; return the number of messages, and the chunks that are broken."""
+def _copy(file: McapFile, stream: BinaryIO) -> tuple[int, int, list[IndexedChunk]]:
+    """Write what can be read; return how many messages are kept and unnamed, and broken chunks."""
     writer = Writer(stream)
     writer.start(profile="ros2")
     channels = _announce(file, writer)
-    n_messages, broken = 0, []
+    n_messages, n_unnamed, broken = 0, 0, []
     for chunk in file.chunks:
         try:
             messages = file.messages(chunk)
         except InputError:
             broken.append(chunk)
             continue
-        # Of a topic that was announced in a broken chunk nothing can be read.
+        # A topic that was announced in a broken chunk has no name.
         known = [m for m in messages if m.channel_id in channels]
         for m in known:
             channel = channels[m.channel_id]
             writer.add_message(channel, m.log_time, m.data, m.publish_time, m.sequence)
         n_messages += len(known)
+        n_unnamed += len(messages) - len(known)
     writer.finish()
-    return n_messages, broken
+    return n_messages, n_unnamed, broken
 
 
 def _announce(file: McapFile, writer: Writer) -> dict[int, int]:
