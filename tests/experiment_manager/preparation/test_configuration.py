@@ -218,6 +218,18 @@ def test_a_bad_command_line_is_one_clear_error(line: tuple[str, ...], message: s
 
 
 @pytest.mark.parametrize(
+    "line",
+    [
+        (),
+        ("--profile", "precise_m_c"),
+        ("--iterations", "500", "--set", "experiment_manager.model=M_C"),
+    ],
+)
+def test_energy_may_have_a_share_however_the_model_is_chosen(line: tuple[str, ...]) -> None:
+    assert configured("--lambda-share", "0.2", *line) == configured(*line)
+
+
+@pytest.mark.parametrize(
     "words",
     [
         ["--model", "X"],

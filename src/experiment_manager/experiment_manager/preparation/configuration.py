@@ -85,7 +85,7 @@ def configuration_with(settings: Mapping[str, Any], request: RunRequest) -> Conf
         for node, of_node in by_node(values, CONFIG_CLASSES).items()
     }
     check_agreements(configuration)
-    _check_price(configuration, given)
+    _check_price(configuration, request, given)
     check_reach(configuration)
     return configuration
 
@@ -97,10 +97,17 @@ def _default_weight(values: Mapping[str, Any]) -> float:
     return DEFAULT_METABOLIC_COST_WEIGHTS[values.get("eye_plant.mechanics.parameter_set", default)]
 
 
-def _check_price(configuration: Configuration, given: Mapping[str, Given]) -> None:
+def _check_price(
+    configuration: Configuration, request: RunRequest, given: Mapping[str, Given]
+) -> None:
     manager = configuration["experiment_manager"]
+    if manager["model"] != "M":
+        return
+    if request.cost_share is not None:
+        by = request.by("cost_share")
+        raise InputError(f"{by}: expected model M_C, M has no price on energy")
     weight = manager["metabolic_cost_weight"]
-    if manager["model"] == "M" and weight > 0.0:
+    if weight > 0.0:
         by = given[WEIGHT].by if WEIGHT in given else "metabolic_cost_weight"
         raise InputError(
             f"{by}: expected 0 with model M, which has no price on energy, got {weight:g}; "

@@ -147,8 +147,6 @@ class RunRequest:
             )
         if not 0.0 <= share < 1.0:
             raise InputError(f"{by}: expected a share in [0, 1), got {share}")
-        if self.model != "M_C":
-            raise InputError(f"{by}: expected model M_C, M has no price on energy")
 
     def _plain(self, key: str, value: Any) -> Any:
         """Return a value as a parameter has it: of JSON's kinds, a number if it reads as one."""
