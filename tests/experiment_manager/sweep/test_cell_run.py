@@ -55,6 +55,11 @@ def test_a_run_stands_where_its_newest_checkpoint_is(run: CellRun) -> None:
     assert status.last_test.iteration == 0
 
 
+def test_an_extended_run_has_no_rate_until_its_next_checkpoint(run: CellRun) -> None:
+    _begin(run, (44, 100.0), (49, 100.002))  # --extend writes both again
+    assert status_of(run).rate_hz is None
+
+
 def test_a_run_is_running_as_long_as_a_process_holds_its_log(run: CellRun) -> None:
     _begin(run, (39, 100.0), (44, 101.0))
     # The child takes the lock with the open file; both ends of it must be gone.

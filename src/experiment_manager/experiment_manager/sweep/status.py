@@ -18,6 +18,8 @@ from lockstep.errors import InputError
 
 _COLUMNS = ("run", "state", "iterations", "it/s", "time left", "last test")
 _MINUTE_S, _HOUR_S = 60, 3600
+# Closer manifests are not from the run itself: --extend writes all of them again at once.
+_LEAST_BETWEEN_S = 1.0
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,8 @@ class Status:
     """state: done, running, failed, stopped or waiting.
 
     iterations, n_iterations: those of training and of tests that are made, and all of them;
-    rate_hz: between the last two checkpoints, None before; last_test: its summary, None before.
+    rate_hz: between the last two checkpoints, None before, and after an extension until the next
+    one; last_test: its summary, None before.
     """
 
     name: str
@@ -113,7 +116,7 @@ def _checkpoints(directory: Path) -> list[tuple[int, float, tuple[Summary, ...]]
 
 
 def _rate_hz(made: Sequence[int], times_s: Sequence[float]) -> float | None:
-    if len(made) < 2 or times_s[-1] <= times_s[-2]:
+    if len(made) < 2 or times_s[-1] - times_s[-2] < _LEAST_BETWEEN_S:
         return None
     return (made[-1] - made[-2]) / (times_s[-1] - times_s[-2])
 
