@@ -234,6 +234,21 @@ def test_the_diagnostics_of_a_healthy_run_show_no_gaps(small_run, capsys) -> Non
     assert lines["/ground_truth"][4:] == ["0", "-"]
 
 
+def test_changes_of_the_plant_show_no_gaps(tmp_path, vector_bytes, capsys) -> None:
+    topics = {"muscle_states": VECTOR, "parameter_changes": VECTOR}
+    with BagWriter(tmp_path / "bag", topics, {}) as writer:
+        for observation in range(90):
+            stamp_ns = observation * PERIOD_NS
+            message = vector_bytes(["x"], [1.0], stamp_ns)
+            writer.write("muscle_states", message, stamp_ns)
+            if observation in (20, 70):
+                writer.write("parameter_changes", message, stamp_ns)
+    assert main([str(tmp_path / "bag")]) == 0
+    lines = _words(capsys.readouterr().out)
+    assert lines["/parameter_changes"][2:] == ["2", "-", "-", "-"]
+    assert lines["/muscle_states"][2:] == ["90", "10", "0", "-"]
+
+
 def test_a_reader_that_has_seen_enough_is_no_error(bag: Path) -> None:
     # The reader is gone before the first line is written, which "head" is at some moment, too.
     done = subprocess.run(

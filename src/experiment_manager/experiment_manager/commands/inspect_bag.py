@@ -24,6 +24,7 @@ from lockstep.command_line import CommandLine
 from lockstep.durable_files import is_free
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
+from lockstep.wire.topics import PARAMETER_CHANGES
 
 _VECTOR = "sensor_msgs/msg/JointState"
 _IMAGE = "sensor_msgs/msg/Image"
@@ -126,9 +127,12 @@ def _files(bag: Bag) -> str:
 
 def _topics(bag: Bag) -> str:
     stamps = {topic: np.unique(bag.stamps_ns(topic)) for topic in sorted(bag.types)}
-    periods = [
-        np.diff(s).min() for t, s in stamps.items() if bag.types[t] == _VECTOR and s.size > 1
-    ]
+    regular = {
+        topic
+        for topic, type_name in bag.types.items()
+        if type_name == _VECTOR and not topic.endswith(f"/{PARAMETER_CHANGES}")
+    }
+    periods = [np.diff(s).min() for t, s in stamps.items() if t in regular and s.size > 1]
     period_ns = min(periods, default=0)
     header = ("topic", "type", "messages", "rate/Hz", "gaps", "longest gap/s")
     rows = [
@@ -136,14 +140,14 @@ def _topics(bag: Bag) -> str:
             topic,
             bag.types[topic],
             str(len(bag.stamps_ns(topic))),
-            *(_rhythm(s, period_ns) if bag.types[topic] == _VECTOR else ("-", "-", "-")),
+            *(_rhythm(s, period_ns) if topic in regular else ("-", "-", "-")),
         )
         for topic, s in stamps.items()
     ]
     note = (
         f"Rates and gaps in simulated time. A gap is longer than two periods of {period_ns / 1e9:g}"
-        " s; an episode's last observation is not answered. Pictures (a sample) and diagnostics "
-        "(in real time) have no gaps."
+        " s; an episode's last observation is not answered. Pictures (a sample), changes of the "
+        "plant and diagnostics (in real time) have no gaps."
     )
     return f"{text_table(header, rows, n_left=2)}\n{note}"
 
