@@ -31,6 +31,16 @@ def test_the_weight_of_a_share() -> None:
     assert FirstIterations(10, 0.3, 1.5).weight_for(0.0) == 0.0
 
 
+def test_the_means_are_over_whole_episodes(pictures: Path, monkeypatch) -> None:
+    def measured(n_iterations: int) -> FirstIterations:
+        monkeypatch.setattr(
+            "experiment_manager.preparation.lambda_share.SHARE_ITERATIONS", n_iterations
+        )
+        return first_iterations(configured(*_line(pictures)))
+
+    assert measured(25) == measured(30)
+
+
 def test_the_rewards_of_a_run_have_the_share(pictures: Path) -> None:
     configuration = configured(*_line(pictures))
     first = first_iterations(configuration)

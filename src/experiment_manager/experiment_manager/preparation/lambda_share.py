@@ -1,5 +1,6 @@
 """How large lambda must be for the cost to have a given share of the reward (K17 II)."""
 
+import math
 import sys
 from dataclasses import dataclass
 
@@ -29,11 +30,14 @@ class FirstIterations:
 def first_iterations(parameters: Configuration) -> FirstIterations:
     """Train a run's learners in process over its first 5,000 iterations, with lambda 0.
 
-    parameters: of all nodes, by node.
+    The last episode of these is made whole, and all of it counts. parameters: of all nodes, by
+    node.
     """
     free = with_weight(parameters, 0.0)
     protocol = protocol_of(free)
-    n_iterations = min(SHARE_ITERATIONS, protocol.config.n_training_iterations)
+    per_episode = protocol.config.iterations_per_episode
+    n_of_share = math.ceil(SHARE_ITERATIONS / per_episode) * per_episode
+    n_iterations = min(n_of_share, protocol.config.n_training_iterations)
     error = cost_w = 0.0
     loop = make_loop(free)
     try:
