@@ -56,9 +56,9 @@ class Run:
     """Owns a run directory: a new one, or one that goes on from its newest checkpoint."""
 
     def __init__(self, config: ExperimentManagerConfig) -> None:
-        """Raise InputError for a directory that holds a run, nothing to resume, or another run.
+        """Raise InputError for a directory that holds a run, another run or nothing to resume.
 
-        So it is for a config.yaml that cannot be read.
+        And for one whose config.yaml cannot be read.
         """
         self._config = config
         self.protocol = make_protocol(config)
