@@ -174,8 +174,7 @@ def _test_frozen(options: argparse.Namespace) -> int:
     if options.examination is not None:
         covered = {"covered": options.cover_eye} if options.cover_eye else {}
         name, figure = options.examination, options.figure
-        examination = examined(name, learners, shown, figure, **covered)
-        document, table = examination.to_json(), examination.table()
+        document, table = examined(name, learners, shown, figure, **covered)
     else:
         start_scale = 1.0 if options.start_scale is None else options.start_scale
         results = evaluated(learners, shown, start_scale)

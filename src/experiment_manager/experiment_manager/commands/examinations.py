@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
@@ -21,21 +21,12 @@ from lockstep.errors import InputError
 from lockstep.figures import STYLE, save
 
 
-class Examined(Protocol):
-    """What an examination found."""
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the measures as a document."""
-
-    def table(self) -> str:
-        """Return the measures as text."""
-
-
 @dataclass(frozen=True)
 class Examination:
     """An examination: how it is made, what --help says of it, and how its figures are drawn.
 
-    figures: by what is added to the name of the file.
+    examine: what it returns has `to_json` and `table`; figures: by what is added to the name of the
+    file.
     """
 
     examine: Callable[..., Any]
@@ -105,17 +96,17 @@ def add_examinations(parser: argparse.ArgumentParser) -> None:
 
 def examined(
     name: str, learners: FrozenLearners, shown: Shown, figure: Path | None, **how: Any
-) -> Examined:
-    """Make an examination and draw its figures; raises InputError for what cannot be examined.
+) -> tuple[dict[str, Any], str]:
+    """Make an examination and draw its figures; return the measures as a document and as text.
 
-    how: what this examination takes besides.
+    how: what this examination takes besides. Raises InputError for what cannot be examined.
     """
     if figure is not None and figure.suffix.lower() != ".png":
         raise InputError(f"--figure: expected a name that ends in .png, got {figure}")
     examination = EXAMINATIONS[name]
-    results: Examined = examination.examine(learners, shown, **how)
+    results = examination.examine(learners, shown, **how)
     if figure is not None:
         with mpl.rc_context(STYLE):
             for addition, draw in examination.figures.items():
                 save(draw(results), figure.with_stem(f"{figure.stem}{addition}"))
-    return results
+    return results.to_json(), results.table()
