@@ -103,6 +103,11 @@ class Group:
         return sorted(set.intersection(*made))
 
     @property
+    def recorded_iterations(self) -> list[int]:
+        """Those of `iterations` whose test is in a bag; a bag may begin at a later checkpoint."""
+        return [iteration for iteration in self.iterations if self.recorded_at(iteration)]
+
+    @property
     def has_trials(self) -> bool:
         """Whether the trials of all runs are known, and not their measures alone."""
         return all(run.trials for run in self.runs)

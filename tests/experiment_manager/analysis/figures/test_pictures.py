@@ -1,6 +1,8 @@
 """Figures of what was seen show the numbers of the bag."""
 
+import copy
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from experiment_manager.analysis.figures.pictures import (
     encoding_figure,
 )
 from experiment_manager.analysis.groups import groups_of
+from experiment_manager.analysis.report.drawings import drawings
 from experiment_manager.analysis.reported_run import ReportedRun
 
 
@@ -32,6 +35,44 @@ def test_encoding_is_binned_by_vergence_error(runs: list[ReportedRun]) -> None:
 def test_there_is_no_encoding_of_too_few_observations(runs, monkeypatch) -> None:
     monkeypatch.setattr("experiment_manager.analysis.figures.pictures._LEAST_PER_BIN", 10**6)
     assert encoding_figure(groups_of(runs)) is None
+
+
+def _with_a_bag_from_test(run: ReportedRun, i_test: int) -> None:
+    """Make it a run that was continued from a copied checkpoint, without the bag before it."""
+    run.summaries, run.trials = run.summaries, run.trials  # of results.json and trials.npz
+    recorded = copy.copy(run.recorded)
+    assert recorded is not None
+    recorded.measured = replace(recorded.measured, tests=recorded.tests[i_test:])
+    run.recorded = recorded
+
+
+def test_a_bag_without_the_first_tests_shows_those_that_it_has(runs: list[ReportedRun]) -> None:
+    whole, other = runs
+    _with_a_bag_from_test(other, 2)
+    (_, group) = groups = groups_of(runs)
+    assert (group.iterations, group.recorded_iterations) == ([0, 130, 270, 400], [270, 400])
+    figure = encoding_figure(groups)
+    assert figure is not None
+    assert whole.recorded is not None
+    assert other.recorded is not None
+    for axes, run in zip(figure.axes, (whole.recorded, other.recorded), strict=True):
+        test = run.tests[0]
+        here = np.abs(test.trials.vergence_error_deg[:, :20]) < 0.125
+        line = axes.lines[0]
+        value = np.asarray(line.get_ydata())[np.asarray(line.get_xdata()) == 0.0]
+        assert value == pytest.approx(np.median(test.reconstruction_error[:, :20][here]))
+
+
+def test_a_bag_without_a_test_is_left_out_and_named(runs: list[ReportedRun]) -> None:
+    for run in runs:
+        _with_a_bag_from_test(run, 4)
+    found = {drawing.name: drawing for drawing in drawings(groups_of(runs))}
+    encoding, anaglyphs = found["encoding"], found["anaglyphs_0_M"]
+    assert encoding.draw() is None
+    names = f"{runs[0].name}, {runs[1].name}"
+    assert encoding.absence == f"Not drawn without a test in a bag: {names}."
+    assert anaglyphs.draw() is None
+    assert anaglyphs.absence.startswith("Not drawn without a bag with pictures")
 
 
 def test_an_anaglyph_is_red_for_the_left_eye_and_cyan_for_the_right() -> None:

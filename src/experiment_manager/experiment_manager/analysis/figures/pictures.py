@@ -27,14 +27,15 @@ _LEAST_START_ERROR_DEG = 0.5
 def encoding_figure(groups: Sequence[Group]) -> Figure | None:
     """Return reconstruction error against vergence error, in the first and in the last test.
 
-    groups: of runs whose bags are there. Median and quartiles of E = E_c + E_f in bins of 0.25 deg,
-    over all iterations of all trials; bins of less than 20 are left out. None where all are.
+    groups: with a test in a bag; a bag may lack the first ones. Median and quartiles of E = E_c +
+    E_f in bins of 0.25 deg, over all iterations of all trials; bins of less than 20 are left out.
+    None where all are.
     """
     figure, panels = panel_grid(len(groups), _N_COLUMNS, 2.8, share=True)
     is_drawn = False
     for axes, group in zip(panels, groups, strict=True):
-        first, last = group.iterations[0], group.iterations[-1]
-        for iteration, colour in {first: GREY, last: group.colour}.items():
+        recorded = group.recorded_iterations
+        for iteration, colour in {recorded[0]: GREY, recorded[-1]: group.colour}.items():
             is_drawn |= _draw_binned(axes, group.recorded_at(iteration), colour)
         for px_deg in (-group.last_criteria.px_deg, group.last_criteria.px_deg):
             axes.axvline(px_deg, color=GREY, lw=0.8, ls=":")
@@ -97,6 +98,8 @@ def anaglyph_figure(run: RecordedRun) -> Figure | None:
     last test is the median; None when there is none. Red and cyan fringes are disparity; the frame
     is the coarse scale's window.
     """
+    if not run.tests:
+        return None
     tests = (run.tests[0], run.tests[-1])
     first, last = (_trials_with_pictures(run, test) for test in tests)
     end_deg = np.abs(tests[1].trials.vergence_error_deg[:, -1])

@@ -28,7 +28,6 @@ _PLANT_PREFIX = "mechanics."
 # More than these cannot be told apart in one plane of activations; they are chosen evenly.
 _MOST_GROUPS = 4
 _NEEDS_TRIALS = "trials.npz or a bag"
-_NEEDS_BAG = "a bag"
 _NEEDS_PAIR = "a plane of two activations, those of both eyes alike"
 
 
@@ -161,13 +160,16 @@ def _prices(groups: Sequence[Group]) -> Iterator[Drawing]:
 
 
 def _drawings_from_bags(groups: Sequence[Group]) -> Iterator[Drawing]:
-    recorded = [group for group in groups if _has_bag(group)]
-    left_out = _left_out(f"Not drawn without {_NEEDS_BAG}", (g for g in groups if not _has_bag(g)))
+    recorded = [group for group in groups if group.recorded_iterations]
+    left_out = _left_out(
+        "Not drawn without a test in a bag", (g for g in groups if not g.recorded_iterations)
+    )
     yield Drawing(
         "encoding",
         "Reconstruction error, from which the reward follows",
-        "Reconstruction error against vergence error in the first and the last test: medians, and "
-        "quartiles as bands, over all iterations of all trials, in bins of 0.25 deg. Dotted: 1 px.",
+        "Reconstruction error against vergence error in the first and the last test of the bags: "
+        "medians, and quartiles as bands, over all iterations of all trials, in bins of 0.25 deg. "
+        "Dotted: 1 px.",
         lambda: encoding_figure(recorded) if recorded else None,
         left_out or "Too few observations in any bin.",
         left_out,
@@ -179,10 +181,6 @@ def _drawings_from_bags(groups: Sequence[Group]) -> Iterator[Drawing]:
 def _left_out(what: str, groups: Iterable[Group]) -> str:
     names = [run.name for group in groups for run in group.runs]
     return f"{what}: {', '.join(names)}." if names else ""
-
-
-def _has_bag(group: Group) -> bool:
-    return any(run.recorded is not None for run in group.runs)
 
 
 def _drawings_of_run(run: ReportedRun, mark: str) -> Iterator[Drawing]:
@@ -202,13 +200,12 @@ def _drawings_of_run(run: ReportedRun, mark: str) -> Iterator[Drawing]:
     yield Drawing(
         f"anaglyphs_{mark}",
         f"What the eyes of {run.name} see",
-        "One trial in the first test (a, b) and in the last test (c, d), at its start and at its "
+        "One trial in the bag's first test (a, b) and last test (c, d), at its start and at its "
         "end: left eye in red, right eye in cyan. Coloured fringes are disparity. The frame is the "
         "window of the coarse scale. Of the trials with pictures, this one ends with the median "
         "error.",
         lambda: anaglyph_figure(recorded) if recorded is not None else None,
-        f"Not drawn without {_NEEDS_BAG} with pictures of a trial common to its first and last"
-        " test.",
+        "Not drawn without a bag with pictures of a trial common to its first and last test.",
     )
 
 
