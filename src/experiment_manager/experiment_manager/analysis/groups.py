@@ -21,6 +21,7 @@ from experiment_manager.run.config_file import (
     completed,
     parameters_in,
 )
+from experiment_manager.run.described_run import DescribedRun
 from lockstep.errors import InputError
 from lockstep.figures import BLUE, VERMILION
 
@@ -162,7 +163,7 @@ def groups_of(runs: Sequence[ReportedRun]) -> list[Group]:
         members = tuple(by_key[key])
         same_model = [other for other in different if other.model == key.model]
         colour = _colour(key.model, same_model.index(key), len(same_model))
-        own = _own_settings(key, same_model)
+        own = own_settings(key, same_model)
         name = ", ".join([key.model, *own])
         group = Group(name, _label(key, own, len(members)), colour, key, members)
         if not group.iterations:
@@ -186,15 +187,20 @@ def held_back(runs: Sequence[ReportedRun]) -> list[ReportedRun]:
     ]
 
 
-def _by_key(runs: Sequence[ReportedRun]) -> dict[Common, list[ReportedRun]]:
+def common_of(runs: Sequence[DescribedRun]) -> list[Common]:
+    """Return what each run has in common: the same for those that differ in their seeds alone."""
     keys = [_key(run) for run in runs]
     seeds: dict[Common, set[int]] = {}
     for run, key in zip(runs, keys, strict=True):
         seeds.setdefault(key, set()).add(run.seed)
     pooled_keys = _with_own_pictures(seeds)
+    return [pooled_keys.get(key, key) for key in keys]
+
+
+def _by_key(runs: Sequence[ReportedRun]) -> dict[Common, list[ReportedRun]]:
     by_key: dict[Common, list[ReportedRun]] = {}
-    for run, key in zip(runs, keys, strict=True):
-        by_key.setdefault(pooled_keys.get(key, key), []).append(run)
+    for run, key in zip(runs, common_of(runs), strict=True):
+        by_key.setdefault(key, []).append(run)
     return by_key
 
 
@@ -225,7 +231,7 @@ def _colour(model: str, i: int, n: int) -> str:
     return to_hex(colormaps[shades](_DARKEST + (_LIGHTEST - _DARKEST) * i / (n - 1)))
 
 
-def _key(run: ReportedRun) -> Common:
+def _key(run: DescribedRun) -> Common:
     parameters = parameters_in(run.configuration)
     if parameters.keys() >= CONFIG_CLASSES.keys():
         # What is not there is the default; the parameters of a replaced node stay as they are.
@@ -252,8 +258,11 @@ def _label(key: Common, own: Sequence[str], n_runs: int) -> str:
     return ", ".join([names.get(key.model, key.model), *price, *own, count])
 
 
-def _own_settings(key: Common, same_model: Sequence[Common]) -> list[str]:
-    """Return how a group differs from the others of its model, lambda aside."""
+def own_settings(key: Common, same_model: Sequence[Common]) -> list[str]:
+    """Return how a group differs from the others of its model, lambda aside.
+
+    same_model: what each of these has in common, its own included.
+    """
     lengths = {other.n_iterations for other in same_model}
     length = [f"{key.n_iterations:,} iterations"] if len(lengths) > 1 else []
     common = frozenset.intersection(*(other.settings for other in same_model))

@@ -7,6 +7,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
+from experiment_manager.analysis.groups import Common
 from experiment_manager.clinic.report.examined_run import (
     AGES,
     BEFORE,
@@ -19,7 +20,7 @@ from experiment_manager.clinic.report.examined_run import (
 )
 from experiment_manager.clinic.report.figures import clinic_figure
 from experiment_manager.clinic.report.page import clinic_table
-from experiment_manager.clinic.report.rows import Range, rows_of
+from experiment_manager.clinic.report.rows import Range, Row, rows_of
 from experiment_manager.preparation.profiles import profile_names
 from lockstep.errors import InputError
 from lockstep.figures import STYLE
@@ -43,6 +44,22 @@ def examined(condition: str = "healthy", seed: int = 1, **other: object) -> Exam
         "ages": tuple(map(examined_age, AGES)),
     }
     return ExaminedRun(condition=condition, seed=seed, **values | other)  # type: ignore[arg-type]
+
+
+def rows(*runs: ExaminedRun) -> list[Row]:
+    """Return the rows of runs that have lambda and all other settings in common."""
+    return rows_of(runs, [common(run) for run in runs])
+
+
+def common(run: ExaminedRun, weight: float = 0.0, **settings: object) -> Common:
+    """Return what a run has in common with its other seeds."""
+    named = {
+        "profile": run.condition,
+        "changed_at": run.changed_at,
+        "rate": run.final_learning_rate,
+    }
+    texts = {(f"experiment_manager.{name}", str(v)) for name, v in (named | settings).items()}
+    return Common(run.model, weight, run.iterations, frozenset(texts))
 
 
 @pytest.mark.parametrize(
@@ -76,21 +93,32 @@ def test_seeds_are_one_row_and_what_differs_is_in_its_name() -> None:
         for changed_at in (200, 1200)
         for rate in (0.0, 0.2)
     ]
-    rows = rows_of([*runs, examined("patching_half", model="M_C")])
-    assert [(row.name.replace("\N{NO-BREAK SPACE}", " "), len(row.runs)) for row in rows] == [
+    found = rows(*runs, examined("patching_half", model="M_C"))
+    assert [(row.name.replace("\N{NO-BREAK SPACE}", " "), len(row.runs)) for row in found] == [
         ("surgery, at 10 %, resting, M", 2),
         ("surgery, at 10 %, plastic, M", 2),
         ("surgery, at 60 %, resting, M", 2),
         ("surgery, at 60 %, plastic, M", 2),
         ("glasses, patching half, M_C", 1),
     ]
-    assert [row.name for row in rows_of([examined("esotropia_5")])] == ["esotropia 5°"]
+    assert [row.name for row in rows(examined("esotropia_5"))] == ["esotropia 5°"]
+
+
+def test_runs_with_other_settings_or_another_price_are_rows_of_their_own() -> None:
+    runs = [examined(seed=seed) for seed in (1, 2, 1, 2)]
+    keys = [common(run, memory_share=share) for run, share in zip(runs, "1122", strict=True)]
+    found = rows_of(runs, keys)
+    assert [row.name for row in found] == ["healthy, memory_share 1", "healthy, memory_share 2"]
+    assert [row.runs for row in found] == [tuple(runs[:2]), tuple(runs[2:])]
+    keys = [common(runs[0], weight) for weight in (0.1, 0.3)]
+    names = [row.name for row in rows_of(runs[:2], keys)]
+    assert names == ["healthy, λ = 0.1 / W", "healthy, λ = 0.3 / W"]
 
 
 def test_a_measure_over_the_seeds_that_have_it() -> None:
     values = (0.2, None, 0.6, 0.3)
     ages = [examined_age(END, share_fused=1.0, stereo_threshold_arcsec=v) for v in values]
-    (row,) = rows_of([examined(seed=seed, ages=(age,)) for seed, age in enumerate(ages)])
+    (row,) = rows(*(examined(seed=seed, ages=(age,)) for seed, age in enumerate(ages)))
     assert row.over_seeds(END, "stereo_threshold_arcsec") == Range(0.3, 0.2, 0.6, 3)
     assert row.over_seeds(END, "share_fused") == Range(1.0, 1.0, 1.0, 4)
     assert row.over_seeds(BIRTH, "share_fused") is None
@@ -105,7 +133,7 @@ def test_the_table_has_a_line_for_each_age() -> None:
     )
     birth = examined_age(BIRTH, left_acuity_cycles_per_deg=None)
     runs = [examined(ages=(birth, first)), examined(seed=2, ages=(birth, second))]
-    cells = re.findall(r"<td>(.*?)</td>", clinic_table(rows_of(runs)))
+    cells = re.findall(r"<td>(.*?)</td>", clinic_table(rows(*runs)))
     assert len(cells) == 2 * 14
     assert cells[:3] == ["healthy", "2", "birth"]
     assert cells[7] == "-"
@@ -126,7 +154,7 @@ def test_marks_are_medians_and_lines_ranges() -> None:
         examined(seed=seed, ages=(examined_age(END, share_fused=share),))
         for seed, share in enumerate(shares)
     ]
-    axes = clinic_figure(rows_of(runs)).axes[2]
+    axes = clinic_figure(rows(*runs)).axes[2]
     spread, mark = (line.get_xdata() for line in axes.lines)
     assert np.asarray(spread) == pytest.approx([20.0, 90.0])
     assert np.asarray(mark) == pytest.approx([40.0])
@@ -137,4 +165,4 @@ def test_the_figure_of_all_conditions_can_be_read() -> None:
     runs = [examined(name, model=model) for name in names for model in ("M", "M_C")]
     runs += [examined("patching_half", changed_at=200, final_learning_rate=r) for r in (0.0, 0.2)]
     with mpl.rc_context(STYLE):
-        assert_readable(clinic_figure(rows_of(runs)))
+        assert_readable(clinic_figure(rows(*runs)))

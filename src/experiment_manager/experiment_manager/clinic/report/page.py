@@ -8,6 +8,7 @@ from pathlib import Path
 
 import matplotlib as mpl
 
+from experiment_manager.analysis.groups import common_of
 from experiment_manager.analysis.one_a_core import of_each_run
 from experiment_manager.analysis.rearing.page import finished_runs
 from experiment_manager.analysis.report import page as report_page
@@ -17,6 +18,8 @@ from experiment_manager.clinic.report.examining import examined_run
 from experiment_manager.clinic.report.figures import clinic_figure
 from experiment_manager.clinic.report.rows import Range, Row, rows_of
 from experiment_manager.measures.tables import number
+from experiment_manager.run.config_file import CONFIG_FILE
+from experiment_manager.run.described_run import DescribedRun
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
 from lockstep.figures import STYLE, save
@@ -59,12 +62,12 @@ def write_clinic_page(directories: Sequence[Path], out: Path) -> Path:
     clinic.json. What cannot be examined is left out, with a line on standard error. Raises
     InputError, with the first reason, when nothing is left.
     """
-    runs, reasons = _examined(directories)
-    if not runs:
+    examined, reasons = _examined(directories)
+    if not examined:
         raise InputError(reasons[0])
     for reason in reasons:
         print(f"left out: {reason}", file=sys.stderr)
-    rows = rows_of(runs)
+    rows = rows_of(list(examined.values()), common_of([_described(run) for run in examined]))
     with mpl.rc_context(STYLE):
         figure = clinic_figure(rows)
         save(figure, out / FIGURES / "clinic.png")
@@ -95,8 +98,12 @@ def clinic_table(rows: Sequence[Row]) -> str:
     return report_page.table(header, lines)
 
 
-def _examined(directories: Sequence[Path]) -> tuple[list[ExaminedRun], list[str]]:
-    """Return the examined runs, and why others are left out."""
+def _described(directory: Path) -> DescribedRun:
+    return DescribedRun(directory, (directory / CONFIG_FILE).read_text(), str(directory))
+
+
+def _examined(directories: Sequence[Path]) -> tuple[dict[Path, ExaminedRun], list[str]]:
+    """Return the examined runs by their directories, and why others are left out."""
     found: list[Path] = []
     reasons = []
     for directory in directories:
@@ -105,8 +112,12 @@ def _examined(directories: Sequence[Path]) -> tuple[list[ExaminedRun], list[str]
         except InputError as error:
             reasons.append(str(error))
     results = of_each_run(_examined_or_why, found, "examining") if found else []
-    runs = [result for result in results if isinstance(result, ExaminedRun)]
-    return runs, reasons + [result for result in results if isinstance(result, str)]
+    examined = {
+        directory: result
+        for directory, result in zip(found, results, strict=True)
+        if isinstance(result, ExaminedRun)
+    }
+    return examined, reasons + [result for result in results if isinstance(result, str)]
 
 
 def _examined_or_why(directory: Path) -> ExaminedRun | str:

@@ -1,11 +1,12 @@
 """Runs that differ in their seeds alone, as one row of the page."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from experiment_manager.analysis.groups import Common, own_settings
 from experiment_manager.clinic.report.examined_run import ExaminedRun
 
 # By the name of the profile that has the condition.
@@ -42,18 +43,28 @@ class Row:
         return Range(float(np.median(values)), min(values), max(values), len(values))
 
 
-def rows_of(runs: Sequence[ExaminedRun]) -> list[Row]:
+def rows_of(runs: Sequence[ExaminedRun], common: Sequence[Common]) -> list[Row]:
     """Return the rows of runs, in the order of their first runs.
 
-    A name says what other rows differ in: the age of the change and the dictionaries, if that is
-    not the same in all rows of the condition, and the model, if there are two.
+    common: what each run has in common with those that differ in their seeds alone. A name says
+    what other rows differ in: the age of the change and the dictionaries, if that is not the same
+    in all rows of the condition, the model, if there are two, and lambda and settings, where rows
+    would have the same name otherwise.
     """
-    by_key: dict[tuple[str, str, int | None, float, int], list[ExaminedRun]] = {}
-    for run in runs:
-        key = (run.condition, run.model, run.changed_at, run.final_learning_rate, run.iterations)
+    by_key: dict[Common, list[ExaminedRun]] = {}
+    for run, key in zip(runs, common, strict=True):
         by_key.setdefault(key, []).append(run)
     firsts = [of_key[0] for of_key in by_key.values()]
-    return [Row(_name(of_key[0], firsts), tuple(of_key)) for of_key in by_key.values()]
+    names = {key: _name(of_key[0], firsts) for key, of_key in by_key.items()}
+    return [Row(_full_name(key, names), tuple(of_key)) for key, of_key in by_key.items()]
+
+
+def _full_name(key: Common, names: Mapping[Common, str]) -> str:
+    alike = [other for other, name in names.items() if name == names[key]]
+    parts = [names[key]]
+    if len({other.weight for other in alike}) > 1:
+        parts.append(f"\N{GREEK SMALL LETTER LAMDA} = {key.weight:.3g} / W")
+    return ", ".join([*parts, *own_settings(key, alike)])
 
 
 def _name(run: ExaminedRun, others: Sequence[ExaminedRun]) -> str:
