@@ -50,6 +50,7 @@ def reared(
     error_deg=0.1,
     *,
     right_eyes_share=1.0,
+    model="M",
     seed=1,
     changed_at=(),
     within_1_px=0.25,
@@ -70,7 +71,7 @@ def reared(
         directory=Path("run"),
         condition=condition,
         results=Results(
-            model="M",
+            model=model,
             profile="",
             seed=seed,
             iterations=2000,
@@ -141,6 +142,21 @@ def test_each_seed_has_a_curve_before_those_of_normal_eyes():
     assert [np.asarray(line.get_ydata())[-1] for line in first.lines[:1]] == [0.1]
     assert [np.asarray(line.get_ydata())[-1] for line in second.lines[:3]] == [0.1, 0.3, 0.5]
     assert list(np.asarray(second.lines[0].get_xdata())) == [0, 2000]
+
+
+def test_normal_eyes_of_the_same_model_are_drawn_beside_a_condition():
+    conditions = [
+        (f"{name}, {model}", [reared(name, error_deg, model=model)])
+        for model, errors_deg in (("M", (0.1, 0.3)), ("M_C", (0.2, 0.4)))
+        for name, error_deg in zip(("normal", "other"), errors_deg, strict=True)
+    ]
+    curves = [axes.lines[:2] for axes in curves_figure(conditions).axes]
+    ends = [[np.asarray(line.get_ydata())[-1] for line in lines] for lines in curves]
+    assert [of_panel[0] for of_panel in ends] == [0.1, 0.1, 0.2, 0.2]
+    assert [ends[1], ends[3]] == [[0.1, 0.3], [0.2, 0.4]]
+    # Beside the line at an error of 0.
+    n_lines = [len(axes.lines) for axes in landscapes_figure(conditions).axes]
+    assert n_lines == [2, 3, 2, 3]
 
 
 def test_landscapes_are_shares_of_their_mean_so_that_a_low_one_is_not_flat():

@@ -47,8 +47,8 @@ def curves_figure(conditions: Sequence[Condition]) -> Figure:
     A vertical line stands where the condition's schedule changes the plant.
     """
     figure, panels = panel_grid(len(conditions), _N_COLUMNS, 1.7, share=True)
-    for axes, (label, runs) in zip(panels, conditions, strict=True):
-        for of_yardstick in _yardstick(conditions, label):
+    for axes, (_, runs) in zip(panels, conditions, strict=True):
+        for of_yardstick in _yardstick(conditions, runs[0]):
             _draw_curve(axes, of_yardstick, GREY, lw=0.8)
         for run in runs:
             _draw_curve(axes, run, BLUE, marker="o", ms=2.5)
@@ -76,8 +76,8 @@ def landscapes_figure(conditions: Sequence[Condition]) -> Figure:
     Mean over seeds. The depth stands in the corner.
     """
     figure, panels = panel_grid(len(conditions), _N_COLUMNS, 1.7, share=True)
-    for axes, (label, runs) in zip(panels, conditions, strict=True):
-        if yardstick := _yardstick(conditions, label):
+    for axes, (_, runs) in zip(panels, conditions, strict=True):
+        if yardstick := _yardstick(conditions, runs[0]):
             _draw_landscape(axes, yardstick, GREY, 0.8)
         _draw_landscape(axes, runs, BLUE, 1.6)
         axes.axvline(0.0, color=GREY, lw=0.8, ls=":", zorder=1)
@@ -174,9 +174,16 @@ def _draw_shares(axes: Axes, edges: np.ndarray, counts: Sequence[np.ndarray]) ->
     axes.set_title(f"n = {numbers}", loc="right", fontsize=SMALLEST_PT)
 
 
-def _yardstick(conditions: Sequence[Condition], label: str) -> Sequence[RearedRun]:
-    """Return the runs of normal eyes, for all other panels than their own."""
-    return () if label == _YARDSTICK else dict(conditions).get(_YARDSTICK, ())
+def _yardstick(conditions: Sequence[Condition], run: RearedRun) -> Sequence[RearedRun]:
+    """Return the runs of normal eyes and a run's model, for all other panels than their own."""
+    if run.condition == _YARDSTICK:
+        return ()
+    return [
+        other
+        for _, runs in conditions
+        for other in runs
+        if other.condition == _YARDSTICK and other.results.model == run.results.model
+    ]
 
 
 def _draw_curve(axes: Axes, run: RearedRun, colour: str, **style: Any) -> None:
