@@ -1,5 +1,6 @@
 """A film of a bag of three stages, read back frame by frame."""
 
+import resource
 from collections.abc import Callable
 from pathlib import Path
 
@@ -197,6 +198,18 @@ def test_a_file_that_cannot_be_is_one_error(bag, name, message, capsys) -> None:
     before = sorted(bag.parent.rglob("*"))
     assert main([str(bag), "--film", str(bag.parent / name)]) == 2
     assert message in capsys.readouterr().err
+    assert sorted(bag.parent.rglob("*")) == before
+
+
+def test_an_mp4_that_the_disk_cuts_short_is_one_error_and_not_left(bag, capsys) -> None:
+    before = sorted(bag.parent.rglob("*"))
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
+    try:
+        assert main([str(bag), "--film", str(bag.parent / "film.mp4")]) == 2
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert f"expected a film of {N_FRAMES} frames, got 0" in capsys.readouterr().err
     assert sorted(bag.parent.rglob("*")) == before
 
 

@@ -62,6 +62,13 @@ def _write_mp4(file: Path, shown: Frames, frames_per_s: float) -> int:
         n_frames += n_periods
     if writer is not None:
         writer.release()
+    # OpenCV raises nothing where the disk is full.
+    n_written = int(cv2.VideoCapture(str(file)).get(cv2.CAP_PROP_FRAME_COUNT))
+    if n_written != n_frames:
+        raise OSError(
+            f"{file}: expected a film of {n_frames} frames, got {max(n_written, 0)}; the disk may "
+            "be full"
+        )
     return n_frames
 
 
