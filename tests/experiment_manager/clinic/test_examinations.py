@@ -1,6 +1,7 @@
 """evaluate.sh --cover, --prisms and --acuity on small runs of all kinds of eyes."""
 
 import json
+import re
 
 import cv2
 import pytest
@@ -55,6 +56,16 @@ def test_a_blurred_eye_has_a_lower_acuity_and_less_of_the_code(run_of, capsys) -
     assert document["acuity"]["right"]["acuity_cycles_per_deg"] is None
     share = document["share_in_code"]
     assert share["left"] + share["right"] == pytest.approx(1.0)
+
+
+def test_eyes_that_are_both_covered_have_no_shares_in_the_code(run_of, tmp_path, capsys) -> None:
+    out = tmp_path / "it.json"
+    line = [str(run_of("pair")), "--acuity", "--stimuli-per-test", "1", "--out", str(out)]
+    for side in SIDES:
+        line += ["--set", f"eye_plant.camera.{side}_occluded=true"]
+    assert main(line) == 0
+    assert json.loads(out.read_text())["share_in_code"] == dict.fromkeys(SIDES)
+    assert re.search(r"left +[-0-9.]+ +[0-9.]+ +-\n", capsys.readouterr().out)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """Acuity of each eye, stereo threshold, and each eye's share in the code (suppression)."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,7 +28,7 @@ class AcuityResults:
 
     stimuli: of left_share, in words, "" for the run's own; resolutions: of left and right eye;
     left_share: the left eye's share in the code of pictures at correct fixation, 0.5 where neither
-    eye is suppressed.
+    eye is suppressed, nan where neither sees anything.
     """
 
     learners: FrozenLearners
@@ -63,9 +64,10 @@ class AcuityResults:
                 "share_right_converged_too_little": self.stereo.right_by_sign[1].tolist(),
                 "n_trials_each": self.stereo.n_trials,
             },
-            "share_in_code": dict(
-                zip(SIDES, (self.left_share, 1.0 - self.left_share), strict=True)
-            ),
+            "share_in_code": {
+                side: None if math.isnan(share) else share
+                for side, share in zip(SIDES, (self.left_share, 1.0 - self.left_share), strict=True)
+            },
         }
 
     def table(self) -> str:
