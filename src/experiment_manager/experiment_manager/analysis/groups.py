@@ -22,6 +22,7 @@ from experiment_manager.run.config_file import (
     parameters_in,
 )
 from experiment_manager.run.described_run import DescribedRun
+from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
 from lockstep.figures import BLUE, VERMILION
 
@@ -126,6 +127,11 @@ class Group:
     def last_criteria(self) -> Criteria:
         """What the measures count in the last common test: the same in all runs."""
         return self.runs[0].evaluation_settings.criteria(self.iterations[-1])
+
+    @property
+    def last_mechanics(self) -> MechanicsConfig:
+        """The eyes and muscles of the last common test: the same in all runs."""
+        return self.runs[0].evaluation_settings.tested_plant(self.iterations[-1]).mechanics
 
     def summaries_at(self, iteration: int) -> list[Summary]:
         """Return each run's measures after so many training iterations."""

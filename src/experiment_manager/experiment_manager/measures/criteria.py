@@ -105,9 +105,12 @@ class EvaluationSettings:
 
     def criteria(self, training_iterations: int) -> Criteria:
         """Return what counts in the test after so many training iterations."""
+        return criteria_of(self.tested_plant(training_iterations), self.fixation_iterations)
+
+    def tested_plant(self, training_iterations: int) -> EyePlantConfig:
+        """Return the plant of the test after so many training iterations."""
         stage = self.schedule.stage(TEST, training_iterations)
-        plant = changed(self.plant, self.schedule.settings(stage))
-        return criteria_of(plant, self.fixation_iterations)
+        return changed(self.plant, self.schedule.settings(stage))
 
 
 def _distance_m(vergence_deg: float, baseline_m: float) -> float:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -19,6 +20,8 @@ from experiment_manager.analysis.figures.motor_space import (
 from experiment_manager.analysis.groups import groups_of
 from experiment_manager.analysis.report.drawings import drawings
 from experiment_manager.analysis.reported_run import ReportedRun
+from experiment_manager.experiment.plant_changes import read_schedule
+from eye_plant.mechanics.model import MechanicsConfig
 from tests.experiment_manager.analysis.changed_runs import priced
 from tests.readable import assert_readable, drawn_texts
 
@@ -60,6 +63,18 @@ def test_a_long_legend_leaves_a_figure_its_height(drawn, runs) -> None:
         figure.draw_without_rendering()
     heights = [figure.axes[0].get_window_extent().height for figure in (few, many)]
     assert heights[1] > 0.7 * heights[0]
+
+
+def test_the_motor_space_is_that_of_the_last_test(runs, monkeypatch) -> None:
+    run = runs[0]
+    turned_in = {"eye_plant.mechanics.rest_adduction_deg": [5.0, 5.0]}
+    schedule = read_schedule(yaml.safe_dump([{"at": 200, "set": turned_in}]))
+    run.evaluation_settings = replace(run.evaluation_settings, schedule=schedule)
+    drawn: list[MechanicsConfig] = []
+    monkeypatch.setattr(f"{drawings.__module__}.motor_space", drawn.append)
+    monkeypatch.setattr(f"{drawings.__module__}.motor_space_figure", lambda *_: None)
+    next(d for d in drawings(groups_of([run])) if d.name == "motor_space").draw()
+    assert [mechanics.rest_adduction_deg for mechanics in drawn] == [(5.0, 5.0)]
 
 
 def test_every_figure_of_a_report_can_be_read(runs: list[ReportedRun]) -> None:

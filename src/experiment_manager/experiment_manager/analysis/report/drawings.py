@@ -21,10 +21,8 @@ from experiment_manager.analysis.groups import Group
 from experiment_manager.analysis.reported_run import ReportedRun
 from experiment_manager.run import checkpoint
 from eye_plant.mechanics.model import MechanicsConfig
-from lockstep.configuration import build
 from lockstep.state_file import read_state
 
-_PLANT_PREFIX = "mechanics."
 # More than these cannot be told apart in one plane of activations; they are chosen evenly.
 _MOST_GROUPS = 4
 _NEEDS_TRIALS = "trials.npz or a bag"
@@ -102,7 +100,7 @@ def _motor_spaces(all_groups: Sequence[Group], without_trials: str) -> Iterator[
         yield Drawing("motor_space", title, "", lambda: None, left_out)
     by_plant: dict[MechanicsConfig, list[Group]] = defaultdict(list)
     for group in groups:
-        by_plant[_mechanics(group.runs[0])].append(group)
+        by_plant[group.last_mechanics].append(group)
     for number, (mechanics, members) in enumerate(by_plant.items()):
         yield Drawing(
             f"motor_space_{number}" if number else "motor_space",
@@ -219,13 +217,3 @@ def _dictionaries(run: ReportedRun) -> Figure | None:
 def _motor_space(mechanics: MechanicsConfig, groups: Sequence[Group]) -> Figure:
     chosen = sorted({round(i) for i in np.linspace(0, len(groups) - 1, _MOST_GROUPS)})
     return motor_space_figure(motor_space(mechanics), [groups[i] for i in chosen])
-
-
-def _mechanics(run: ReportedRun) -> MechanicsConfig:
-    parameters = run.parameters("eye_plant")
-    chosen = {
-        name.removeprefix(_PLANT_PREFIX): value
-        for name, value in parameters.items()
-        if name.startswith(_PLANT_PREFIX)
-    }
-    return build(MechanicsConfig, chosen)
