@@ -70,13 +70,15 @@ def _criteria(
 class EvaluationSettings:
     """How a run is tested: the plant that it was started with, and how a schedule changes that.
 
-    iterations_per_trial: of a whole trial; fixation_iterations: of a fixation, 0 without saccades.
+    iterations_per_trial: of a whole trial; fixation_iterations: of a fixation, 0 without saccades;
+    gives_targets: whether training gives gaze targets, as tests do.
     """
 
     plant: EyePlantConfig
     schedule: Schedule
     iterations_per_trial: int
     fixation_iterations: int = 0
+    gives_targets: bool = True
 
     @classmethod
     def of(cls, parameters: Mapping[str, Mapping[str, Any]]) -> "EvaluationSettings":
@@ -88,6 +90,7 @@ class EvaluationSettings:
             read_schedule(manager.get("schedule", "")),
             int(length),
             int(manager.get("protocol.fixation_iterations", 0)),
+            bool(manager.get("protocol.gives_targets", True)),
         )
 
     @classmethod

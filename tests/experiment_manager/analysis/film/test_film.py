@@ -51,6 +51,16 @@ def bag(tmp_path, vector_bytes, image_bytes) -> Path:
     return _write(tmp_path / "bag", muscles, vector_bytes, image_bytes)
 
 
+OWN_TARGETS = (
+    TWELVE
+    + """/**/experiment_manager:
+  ros__parameters:
+    protocol.fixation_iterations: 6
+    protocol.gives_targets: false
+"""
+)
+
+
 @pytest.fixture
 def bag_of_twelve(tmp_path, vector_bytes, image_bytes) -> Path:
     """The same with a command for each muscle."""
@@ -217,6 +227,14 @@ def test_a_bag_without_pictures_is_one_error(make_bag, capsys) -> None:
     bag = make_bag({"/ground_truth": (GROUND_TRUTH_NAMES, np.zeros((3, len(GROUND_TRUTH_NAMES))))})
     assert main([str(bag), "--film", str(bag.parent / "film.gif")]) == 2
     assert "expected pictures of both eyes, it has none" in capsys.readouterr().err
+
+
+def test_training_without_given_targets_has_none_to_ring(
+    tmp_path, vector_bytes, image_bytes
+) -> None:
+    muscles = dict.fromkeys(MUSCLE_NAMES, 0.01)
+    bag = _write(tmp_path / "own", muscles, vector_bytes, image_bytes, configuration=OWN_TARGETS)
+    assert [scene.targets_deg is None for scene in scenes(Bag(bag))] == [False, True, False]
 
 
 def test_the_gaze_target_is_ringed_in_the_left_picture() -> None:

@@ -29,7 +29,7 @@ class Scene:
     pictures: (n, 2, height, width) uint8; errors_deg: (n, 3) vergence, vertical and cyclovergence
     error, of the pair (n, 1) the first; metabolic_rate_w: (n,) of both eyes; activations: (n,
     n_commands) what commands set, with their names; px_deg: visual angle of a pixel; targets_deg:
-    (n, 2) gaze target, to the right and up of the left picture's centre, None without saccades.
+    (n, 2) gaze target, to the right and up of the left picture's centre, None where none is given.
     """
 
     caption: str
@@ -143,6 +143,7 @@ def _scene(
     most = _MOST_FIXATIONS * fixation if fixation else _MOST_ITERATIONS
     stamps_ns = [s for s in wanted.tolist() if all(s in pair for pair in pairs)][:most]
     rows = truth.at(np.array(stamps_ns))
+    has_targets = fixation and (episode.is_trial or settings.gives_targets)
     errors = ERRORS[: 1 if settings.plant.command_space == PAIR else None]
     return Scene(
         caption,
@@ -152,5 +153,7 @@ def _scene(
         commanded(muscles, settings.plant.space)[muscles.at(np.array(stamps_ns))],
         settings.plant.space.names,
         settings.criteria(episode.training_iteration).px_deg,
-        np.stack([truth.column(name)[rows] for name in TARGET_NAMES], axis=1) if fixation else None,
+        np.stack([truth.column(name)[rows] for name in TARGET_NAMES], axis=1)
+        if has_targets
+        else None,
     )
