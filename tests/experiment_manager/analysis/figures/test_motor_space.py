@@ -48,6 +48,8 @@ def test_fig_4_draws_each_trial_to_its_end(runs: list[ReportedRun]) -> None:
             assert np.array_equal(found, runs[0].trials[400].activations[i_trial])
     assert near.get_title("left").endswith("object at 0.5 m, 4 trials of each model")
     assert far.get_title("left").endswith("object at 6 m, 2 trials of each model")
+    figure = motor_space_figure(space, groups_of([runs[0], *runs]))
+    assert figure.axes[0].get_title("left").endswith("object at 0.5 m, trials: 8 of M, 4 of M_C")
 
 
 def test_ends_of_both_models_in_one_point_can_be_told_apart(runs: list[ReportedRun]) -> None:

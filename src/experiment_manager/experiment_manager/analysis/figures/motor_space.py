@@ -78,15 +78,25 @@ def motor_space_figure(space: MotorSpace, groups: Sequence[Group]) -> Figure:
     titles = []
     for axes, distance_m in zip(panels, (distances_m.min(), distances_m.max()), strict=True):
         _draw_maps(axes, space, float(distance_m), criteria)
-        for i, (group, tests) in enumerate(zip(groups, last, strict=True)):
-            n_trials = _draw_paths(axes, tests, float(distance_m), group, i)
-        titles.append(f"object at {distance_m:g} m, {n_trials} trials of each model")
+        n_trials = [
+            _draw_paths(axes, tests, float(distance_m), group, i)
+            for i, (group, tests) in enumerate(zip(groups, last, strict=True))
+        ]
+        titles.append(f"object at {distance_m:g} m, {_n_trials_text(groups, n_trials)}")
         axes.set_xlabel("lateral rectus activation")
     title_panels(panels, titles)
     panels[0].set_ylabel("medial rectus activation")
     panels[0].set(xlim=(0, _LATERAL_LIMIT), ylim=(0, _MEDIAL_LIMIT))
     legend_below(figure, _handles(groups, criteria))
     return figure
+
+
+def _n_trials_text(groups: Sequence[Group], n_trials: Sequence[int]) -> str:
+    """Return how many trials are drawn, in the order of the groups where that differs."""
+    if len(set(n_trials)) == 1:
+        return f"{n_trials[0]} trials of each model"
+    counts = (f"{n} of {group.model}" for n, group in zip(n_trials, groups, strict=True))
+    return f"trials: {', '.join(counts)}"
 
 
 def _handles(groups: Sequence[Group], criteria: Criteria) -> list[Line2D]:
