@@ -74,6 +74,12 @@ def test_the_share_of_the_cost_is_that_of_the_first_and_the_last_training_iterat
         pytest.approx(first),
         pytest.approx(last),
     )
+    # As if the run had been interrupted an episode before its end.
+    for n_share, expected in ((100, (pytest.approx(first), None)), (5000, (None, None))):
+        monkeypatch.setattr("experiment_manager.analysis.recorded_run.SHARE_ITERATIONS", n_share)
+        interrupted = RecordedRun(run.directory)
+        interrupted.about = {**interrupted.about, "n_training_iterations": 410}
+        assert interrupted.measured.cost_shares == expected
 
 
 def test_results_from_the_bag_agree_with_themselves(run_directories, tmp_path, capsys) -> None:

@@ -133,11 +133,12 @@ class RecordedRun(DescribedRun):
         iteration = truth.column("training_iteration")[rows]
         error, cost_w = _total_error(reward), reward.column("metabolic_rate_w")
         begin = iteration[training].min(initial=self.n_iterations)
+        reached = iteration[training].max(initial=-1) + 1
 
         def share(first: int, end: int) -> float | None:
-            chosen = training & (iteration >= first) & (iteration < end)
-            if begin > first:
+            if begin > first or reached < end:
                 return None
+            chosen = training & (iteration >= first) & (iteration < end)
             return cost_share(
                 _sum_in_order(error[chosen]),
                 _sum_in_order(cost_w[chosen]),
@@ -145,7 +146,7 @@ class RecordedRun(DescribedRun):
             )
 
         n = self.n_iterations
-        return share(0, SHARE_ITERATIONS), share(max(0, n - SHARE_ITERATIONS), n)
+        return share(0, min(SHARE_ITERATIONS, n)), share(max(0, n - SHARE_ITERATIONS), n)
 
 
 def pictured_episodes(bag: Bag) -> PicturedEpisodes:
