@@ -140,7 +140,7 @@ def test_dictionary_and_actor_of_another_age(small_run: Path, run: Path) -> None
     # All but its age is that of the first test.
     assert both.test == dataclasses.replace(oldest, iteration=60)
     mixed = _evaluated(run, dictionary=first).test
-    assert mixed != [_tests(small_run)[-1]]
+    assert mixed != _tests(small_run)[-1]
     assert mixed != both.test
 
 
