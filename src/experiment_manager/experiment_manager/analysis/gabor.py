@@ -32,7 +32,6 @@ _HALF_PX = PATCH_SIZE_PX / 2.0
 # the patch waves and envelopes are all alike.
 _LOWEST = np.array([-np.inf, np.log(2.0), -_HALF_PX, -_HALF_PX, np.log(0.5), np.log(0.5)])
 _HIGHEST = np.array([np.inf, np.log(16.0), _HALF_PX, _HALF_PX, np.log(8.0), np.log(8.0)])
-# Eight raise the share of good fits by at most 0.8 points (docs/rearing.md).
 _N_STARTS = 4
 _N_STEPS = 60
 _CONVERGED = 1e-9

@@ -91,7 +91,8 @@ class Sitting:
         """Let the eyes go on from where they are, for so many iterations.
 
         covered: the side of an eye that sees black; prism: added to the turn that the right camera
-        has anyway. Eyes that make saccades complete the fixation that they are in.
+        has anyway. Eyes that make saccades complete their last fixation, unless fewer iterations
+        than one fixation has were asked for.
         """
         n_iterations, n_targets = self._whole_fixations(n_iterations)
         observations = self._viewing.look(

@@ -150,7 +150,7 @@ def _prices(groups: Sequence[Group]) -> Iterator[Drawing]:
             "The price of energy",
             "After the last iteration of the last test's trials: (a) absolute error and "
             "(b) c, the share of the possible saving, over lambda, and (c) median error against "
-            "median metabolic rate, a point per lambda, some with their lambda. Points are medians "
+            "median metabolic rate, a point per lambda, with its lambda. Points are medians "
             "over all trials of all seeds; bars are quartiles over the trials, not the uncertainty "
             "of the median. Model M is lambda 0 where there is no M_C with lambda 0.",
             lambda: price_figure(family),
