@@ -118,5 +118,5 @@ def test_without_saccades_the_turns_of_two_commands_are_measured_and_no_target_i
 
 
 def test_saccades_measure_turns_anyway() -> None:
-    with pytest.raises(InputError, match="^measures_turns: expected false with saccades"):
+    with pytest.raises(InputError, match=r"^measures_turns: expected false with saccades"):
         GazeConfig(fixation_iterations=10, measures_turns=True)
