@@ -5,7 +5,6 @@ import time
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from experiment_manager.analysis.recorded_run import PicturedEpisodes, pictured_episodes
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
@@ -13,6 +12,7 @@ from experiment_manager.bag.reader import Bag
 from experiment_manager.live.page import Page
 from experiment_manager.live.view import SHOWN_TOPICS, TRUTH_NAMES, View, open_server
 from experiment_manager.run import checkpoint
+from experiment_manager.run.config_file import parameters_in
 from lockstep.errors import InputError
 from lockstep.state_file import read_state
 
@@ -73,9 +73,9 @@ def _messages(bag: Bag, stamps_ns: np.ndarray) -> dict[int, dict[str, bytes]]:
 def _n_selections(bag: Bag) -> int:
     """Return n_selections of the run's coder; of a bag without configuration, the default."""
     try:
-        document = yaml.safe_load(bag.attachment(CONFIGURATION_ATTACHMENT))
-        return int(document["/**/sparse_coder"]["ros__parameters"]["n_selections"])
-    except (InputError, yaml.YAMLError, KeyError, TypeError, ValueError):
+        parameters = parameters_in(bag.attachment(CONFIGURATION_ATTACHMENT).decode())
+        return int(parameters["sparse_coder"]["n_selections"])
+    except (InputError, KeyError, TypeError, ValueError):
         return 10
 
 
