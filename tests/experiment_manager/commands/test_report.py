@@ -147,7 +147,7 @@ def test_a_sweep_without_bags_pools_its_seeds(kept, run_directories, capsys) -> 
         "motor_space",
         "conditions",
     }
-    assert "Not drawn without a bag: M_1, M_2, M_C_1, M_C_2." in text
+    assert "Not drawn without a test in a bag: M_1, M_2, M_C_1, M_C_2." in text
     whole = RecordedRun(run_directories["M"]).summaries()[-1]
     median_deg = whole.median_abs_vergence_error_deg
     assert median_deg is not None
