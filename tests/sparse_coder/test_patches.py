@@ -1,11 +1,10 @@
-import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from lockstep.errors import InputError
 from sparse_coder.patches import binocular_patches, check_images, coarse_window, fine_window
-from tests.sparse_coder.slow import slow_patches
+from tests.sparse_coder.slow import slow_patches, slow_reduction
 
 IMAGE = np.zeros((240, 320), np.uint8)
 
@@ -15,7 +14,7 @@ def test_fine_window_is_the_central_40_px(picture: NDArray[np.uint8]) -> None:
 
 
 def test_coarse_window_is_the_central_128_px_reduced_twice(picture: NDArray[np.uint8]) -> None:
-    expected = cv2.pyrDown(cv2.pyrDown(picture[66:194, 106:234].astype(np.float32)))
+    expected = slow_reduction(slow_reduction(picture[66:194, 106:234]))
     np.testing.assert_array_equal(coarse_window(picture), expected)
 
 

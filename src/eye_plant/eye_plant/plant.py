@@ -93,11 +93,10 @@ class EyePlant:
         optimal_rate_w = self._cost.least_w(desired_deg)
         # Nothing is refused from here on.
         self._episode, self._iteration = episode, 0
-        self._desired_deg = desired_deg
+        self._desired_deg, self._optimal_rate_w = desired_deg, optimal_rate_w
         self._held_activations = np.array(episode.activations)
         self.oculomotor.settle(self._held_activations)
         self._start_drawing(episode)
-        self._optimal_rate_w = optimal_rate_w
         state = self.oculomotor.state()
         self._initial_rate_w = self._charged_rate_w(state)
         return self._observe(episode, state)

@@ -48,11 +48,11 @@ def check_images(left: Image, right: Image) -> None:
 
 
 def coarse_window(image: Image) -> Window:
-    """Return the central 128 x 128 px, reduced twice by a Gaussian pyramid to 32 x 32 (Burt &
-    Adelson 1983).
+    """Return the central 128 x 128 px, reduced twice by a Gaussian pyramid to 32 x 32.
 
-    Cropped first (D4), so that a picture of the central region alone gives the same window. In
-    float32 each sum of the pyramid is exact: 8 bits, and 8 more per reduction, fit in 24.
+    The pyramid is Burt & Adelson's (1983). Cropped first (D4), so that a picture of the central
+    region alone gives the same window. In float32 each sum of the pyramid is exact: 8 bits, and 8
+    more per reduction, fit in 24.
     """
     window = _centre(image, COARSE_WINDOW_PX)
     for _ in range(N_REDUCTIONS):

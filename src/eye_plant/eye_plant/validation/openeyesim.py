@@ -72,6 +72,6 @@ def load_maps() -> Maps | None:
     if not (np.allclose(medial, _GRID[:, None]) and np.allclose(lateral, _GRID)):
         raise InputError(
             f"{path}: expected each pair of medial and lateral activations 0, 0.1, ..., 1 once, in "
-            f"the first two columns, got others"
+            "the first two columns, got others"
         )
     return Maps(adduction_deg, cost_w)
