@@ -227,9 +227,12 @@ def _killed(run: Run, to: Path) -> Path:
     return to
 
 
-def _ends_with_a_bag_from(place: int, directory: Path, drive: Drive) -> dict[str, Any]:
-    """Resume a run to its end; return its results."""
+def _ends_with_a_bag_from(
+    place: int, directory: Path, drive: Drive, *, goes_on_at: int
+) -> dict[str, Any]:
+    """Resume a run, which goes on at a checkpoint, to its end; return its results."""
     run = Run(_config(directory, resume=True))
+    assert run.place == goes_on_at
     results = _end(run, drive)
     stamps_ns = RecordedRun(directory).bag.stamps_ns("ground_truth")
     assert (np.diff(stamps_ns) == PERIOD_NS).all()
@@ -245,7 +248,7 @@ def test_the_next_interruption_finds_the_new_bag(tmp_path, drive, undisturbed, c
         _commit(second)
     drive(second, committed + 1)
     directory = _killed(second, tmp_path / "killed")
-    assert _ends_with_a_bag_from(10, directory, drive) == undisturbed
+    assert _ends_with_a_bag_from(10, directory, drive, goes_on_at=committed) == undisturbed
 
 
 def test_an_older_checkpoint_without_its_bag_is_enough_too(tmp_path, drive, undisturbed) -> None:
@@ -258,7 +261,7 @@ def test_an_older_checkpoint_without_its_bag_is_enough_too(tmp_path, drive, undi
     drive(second, 11)
     directory = _killed(second, tmp_path / "killed")
     shutil.rmtree(max((directory / "checkpoints").iterdir()))
-    assert _ends_with_a_bag_from(5, directory, drive) == undisturbed
+    assert _ends_with_a_bag_from(5, directory, drive, goes_on_at=5) == undisturbed
 
 
 def test_what_is_not_in_the_bag_is_not_compared(tmp_path, drive, capsys) -> None:
