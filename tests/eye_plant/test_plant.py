@@ -9,6 +9,7 @@ import pytest
 from eye_plant.camera.opengl.offscreen import GraphicsError
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.episode import Episode
+from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stereograms import random_dot_stereograms
 from eye_plant.stimuli.stimulus_set import StimulusSet
@@ -115,6 +116,21 @@ def test_the_eyes_should_meet_where_a_stereograms_dots_fuse(plain, made, stimuli
     assert parallax_m != 0.0
     desired_deg = seen(made(plain), stimulus=1)[0][1][10]
     assert desired_deg == pytest.approx(np.degrees(2 * np.arctan((0.056 + parallax_m) / 2.0)))
+
+
+def test_a_prism_adds_to_the_errors_of_eyes_with_commands_of_their_own(plain, made) -> None:
+    anatomical = MechanicsConfig(parameter_set="anatomical")
+    own = replace(plain, command_space=ALL_MUSCLES, lowest_activations=(0.0,), mechanics=anatomical)
+    episode = Episode.alone(0, 1.0, pair_activations(0.04, 0.01), n_iterations=1)
+    for config, added_deg in ((own, 10.0), (plain, 0.0)):
+        plant = made(config)
+        before = plant.begin(episode).truth
+        # Base out: the eyes converge too little, and have to converge more.
+        plant.reconfigure({"camera.right_rotation_deg": -10.0})
+        with_prism = plant.begin(episode).truth
+        errors = with_prism.gaze_error.horizontal_deg, with_prism.desired_vergence_deg
+        expected = before.gaze_error.horizontal_deg, before.desired_vergence_deg
+        assert np.subtract(errors, expected) == pytest.approx([added_deg] * 2, abs=0.01)
 
 
 def test_each_command_adds_to_those_before_it(plain, made) -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from eye_plant.turns import eye_rotations, turned
+from eye_plant.turns import NO_TURNS_DEG, eye_rotations, turned
 
 _STRAIGHT = np.stack([np.eye(3)] * 2)
 
@@ -22,6 +22,10 @@ def test_by_a_right_angle() -> None:
     rolled = turned(_STRAIGHT, [(0.0, 0.0, 90.0)] * 2)
     np.testing.assert_allclose(rolled[:, :, 2], [(0.0, -1.0, 0.0), (0.0, 1.0, 0.0)], atol=1e-12)
     np.testing.assert_allclose(rolled[:, :, 0], [(1.0, 0.0, 0.0)] * 2, atol=1e-12)
+
+
+def test_without_a_turn_nothing_is_computed() -> None:
+    assert turned(_STRAIGHT, NO_TURNS_DEG) is _STRAIGHT
 
 
 @pytest.mark.parametrize("parameter_set", ["k17", "anatomical"])

@@ -8,6 +8,7 @@ from eye_plant.camera.config import CameraConfig
 from eye_plant.inverse.least_cost import CostOfVergence, cost_of_vergence
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig
+from eye_plant.turns import TurnsDeg
 from lockstep.command_space import (
     COMMAND_SPACES,
     LOWEST_ACTIVATIONS,
@@ -66,10 +67,15 @@ class EyePlantConfig:
         activation_limits(self.space, self.lowest_activations, (1.0,))
 
     @property
+    def least_costs_of(self) -> tuple[MechanicsConfig, str, tuple[float, ...], TurnsDeg]:
+        """What the least costs depend on, as cost_of_vergence takes it."""
+        limits = activation_limits(self.space, self.lowest_activations, (1.0,))
+        return self.mechanics, self.command_space, limits.lowest, self.camera.turns_deg
+
+    @property
     def cost_of_vergence(self) -> CostOfVergence:
         """The least costs of these eyes."""
-        limits = activation_limits(self.space, self.lowest_activations, (1.0,))
-        return cost_of_vergence(self.mechanics, self.command_space, limits.lowest)
+        return cost_of_vergence(*self.least_costs_of)
 
     @property
     def space(self) -> CommandSpace:

@@ -15,6 +15,7 @@ from eye_plant.mechanics.oculomotor import Oculomotor, OculomotorState
 from eye_plant.observation import Observation
 from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli
+from eye_plant.turns import turned
 from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import PAIR
 from lockstep.errors import InputError
@@ -70,7 +71,9 @@ class EyePlant:
             return
         oculomotor, cost = self.oculomotor, self._cost
         if config.mechanics != self.config.mechanics:
-            oculomotor, cost = Oculomotor(config.mechanics), config.cost_of_vergence
+            oculomotor = Oculomotor(config.mechanics)
+        if config.least_costs_of != self.config.least_costs_of:
+            cost = config.cost_of_vergence
         if config.camera != self.config.camera:
             self._camera.reconfigure(config.camera)
         # Nothing is refused from here on.
@@ -152,18 +155,17 @@ class EyePlant:
     def _observe(self, episode: Episode, state: OculomotorState) -> Observation:
         adduction_deg, elevation_deg, _ = np.degrees(state.eye_angles_rad).T.tolist()
         rotations = self.oculomotor.eye_rotations()
+        is_pair = self.config.command_space == PAIR
+        # Eyes that one command turns alike have K17's errors, which are the eyes' own.
+        seeing = rotations if is_pair else turned(rotations, self.config.camera.turns_deg)
         error = gaze_error(
             self.oculomotor.eye_positions_m(),
-            rotations,
+            seeing,
             episode.object_distance_m,
             self._camera.parallax_m(episode.stimulus),
         )
-        # Eyes that one command turns alike look straight ahead, where K17's formula holds.
-        desired_deg = (
-            self._desired_deg
-            if self.config.command_space == PAIR
-            else sum(adduction_deg) + error.horizontal_deg
-        )
+        # Those look straight ahead, where K17's formula holds.
+        desired_deg = self._desired_deg if is_pair else sum(adduction_deg) + error.horizontal_deg
         target_deg = episode.target_deg(self._iteration)
         truth = GroundTruth(
             adduction_deg=tuple(adduction_deg),
@@ -174,7 +176,7 @@ class EyePlant:
             metabolic_rate_w=self._charged_rate_w(state),
             initial_metabolic_rate_w=self._initial_rate_w,
             optimal_metabolic_rate_w=self._optimal_rate_w,
-            target_deg=target_place_deg(rotations[0], *target_deg) if target_deg else (0.0, 0.0),
+            target_deg=target_place_deg(seeing[0], *target_deg) if target_deg else (0.0, 0.0),
         )
         pictures = self._camera.finish() if self.is_waiting else None
         return Observation(episode, self._iteration, pictures, state, truth)

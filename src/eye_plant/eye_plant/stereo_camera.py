@@ -97,9 +97,7 @@ class StereoCamera:
         drawn, for those.
         """
         self.check(i_stimulus, distance_m)
-        turns_deg = self._config.turns_deg
-        is_turned = any(map(any, turns_deg))
-        rotations = turned(eye_rotations, turns_deg) if is_turned else eye_rotations
+        rotations = turned(eye_rotations, self._config.turns_deg)
         view = View(eye_positions_m, rotations, self._i_textures[i_stimulus], distance_m)
         self._renderer.start(view)
 

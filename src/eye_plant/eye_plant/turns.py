@@ -10,8 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+# Of the left and the right eye: turn toward the nose, elevation, roll.
+TurnsDeg = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 _FORWARD, _LEFT, _UP = range(3)
+NO_TURNS_DEG: TurnsDeg = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 # A turn toward the nose goes this far to the left, of the left and the right eye.
 _NASAL_TO_LEFT = (-1.0, 1.0)
 
@@ -20,8 +23,11 @@ def turned(rotations: Array, turns_deg: Sequence[Sequence[float]] | Array) -> Ar
     """Return rotations (2, 3, 3) of left and right eye, each turned further.
 
     turns_deg: (2, 3) of each eye the turn toward the nose, the elevation, and the roll of the upper
-    side toward the nose, made in that order about the eye's own axes.
+    side toward the nose, made in that order about the eye's own axes. Without any turn, the
+    rotations themselves.
     """
+    if not np.any(turns_deg):
+        return rotations
     result = np.array(rotations, dtype=np.float64)
     for axes, (inward, up, roll), to_left in zip(result, turns_deg, _NASAL_TO_LEFT, strict=True):
         _turn(axes, _FORWARD, _LEFT, to_left * inward)

@@ -65,6 +65,15 @@ def test_a_prism_adds_to_the_eyes_own_camera_and_is_gone_afterwards(room_of) -> 
     np.testing.assert_allclose(seen_deg, (-4.0, -2.0, -3.0), atol=0.01)
 
 
+def test_eyes_with_commands_of_their_own_begin_with_the_error_that_turned_cameras_see(
+    room_of,
+) -> None:
+    room = room_of("twelve", **{"camera.right_rotation_deg": -3.0})
+    first = room.seat(0, 2.0, 0.5).look(1)
+    np.testing.assert_allclose(first.seen_deg[0], (0.5, 0.0, 0.0), atol=2e-3)
+    assert first.eyes_deg[0, 0] == pytest.approx(-2.5, abs=0.01)
+
+
 def test_a_cover_hides_the_picture_of_one_eye_only(room_of) -> None:
     room = room_of("pair")
     sitting = room.seat(0, 2.0)

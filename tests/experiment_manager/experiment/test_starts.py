@@ -1,9 +1,12 @@
 """How episodes begin where each muscle has a command, and what saccades go to: within ranges."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from experiment_manager.experiment.config import ProtocolConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
+from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.experiment.starts import (
     GazeStarts,
     conditions,
@@ -11,11 +14,13 @@ from experiment_manager.experiment.starts import (
     drawn_targets_deg,
     gaze_inverse,
 )
+from eye_plant.camera.config import CameraTurns
 from eye_plant.inverse.gaze import GAZE_ANGLES
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI
 from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
+from lockstep.wire.topics import TEST
 
 MECHANICS = MechanicsConfig(parameter_set="anatomical")
 LARGEST_DEG = {"horizontal": 3, "vertical": 1.5, "torsional": 4, "version": 5, "elevation": 5}
@@ -53,6 +58,28 @@ def test_a_test_has_the_same_starts_for_all_seeds_and_pictures() -> None:
     inverse = gaze_inverse(config, MECHANICS)
     gaze_deg = inverse.gaze_deg(np.array(one), found[5].object_distance_m)
     assert gaze_deg[0] == pytest.approx(found[5].start_error_deg, abs=1e-5)
+
+
+def test_eyes_behind_a_prism_begin_with_the_errors_that_they_see() -> None:
+    timing = {"n_training_iterations": 20, "test_iterations": (0,)}
+    config = ExperimentManagerConfig(
+        schedule="[{at: 10, set: {eye_plant.camera.right_rotation_deg: -5.0}}]",
+        protocol=replace(_config(), **timing),
+        mechanics=MECHANICS,
+    )
+    sequence, inverse = make_protocol(config), gaze_inverse(config.protocol, MECHANICS)
+    first, last = (sequence.episode(sequence.place_after(n)) for n in (0, 20))
+    assert (first.phase, last.phase) == (TEST, TEST)
+    eyes_deg = [
+        inverse.gaze_deg(np.array(episode.activations), episode.object_distance_m)
+        for episode in (first, last)
+    ]
+    assert eyes_deg[1][0] - eyes_deg[0][0] == pytest.approx(-5.0, abs=0.05)
+    assert eyes_deg[1][1:] == pytest.approx(eyes_deg[0][1:], abs=0.2)
+
+    # The same where the cameras are turned from the start.
+    turned = replace(config, schedule="", camera=CameraTurns(right_rotation_deg=-5.0))
+    assert make_protocol(turned).episode(0).activations == last.activations
 
 
 def test_horizontal_recti_begin_with_what_they_turn() -> None:

@@ -62,6 +62,21 @@ def test_the_place_aside_is_kept_but_for_what_the_gaze_needs() -> None:
     assert (aside > at_tonic).all()
 
 
+def test_turned_cameras_count_in_the_wanted_errors_and_their_least_cost() -> None:
+    # A prism of 5 deg, base out, before the right eye: correct eyes converge by 5 deg more.
+    turns_deg = ((0.0, 0.0, 0.0), (-5.0, 0.0, 0.0))
+    space = COMMAND_SPACES[ALL_MUSCLES]
+    inverse = GazeInverse(ANATOMICAL, space, [0.0] * 12, [0.2] * 12, turns_deg)
+    settled = _settled_deg(inverse.activations(FUSED, 1.0, np.zeros(12)), 1.0)
+    assert settled["horizontal"] == pytest.approx(-5.0, abs=1e-5)
+    lowest = (0.0,) * 12
+    plain, with_prism = (
+        cost_of_vergence(ANATOMICAL, ALL_MUSCLES, lowest, *turns) for turns in ((), (turns_deg,))
+    )
+    assert with_prism.least_w(2.0) > 1.1 * plain.least_w(2.0)
+    assert with_prism.least_w(2.0) == pytest.approx(plain.least_w(7.0), rel=0.05)
+
+
 def test_a_gaze_out_of_reach_is_refused_by_its_angle() -> None:
     with pytest.raises(InputError, match=r"reach a version of 40\.00 deg with a horizontal"):
         _inverse(ALL_MUSCLES).activations(FUSED | {"version": 40.0}, 1.0, np.zeros(12))

@@ -48,9 +48,13 @@ _NO_SETTINGS = (
     "camera.roi_width_px",
     "camera.roi_height_px",
 )
-# Parts of a node's parameters: the manager has the plant's mechanics once more, and a run's plant
+# Parts of a node's parameters: the manager has some of the plant's once more, and a run's plant
 # does not run freely.
-_NO_PARTS = (("experiment_manager", "mechanics"), ("eye_plant", "free_running"))
+_NO_PARTS = (
+    ("experiment_manager", "mechanics"),
+    ("experiment_manager", "camera"),
+    ("eye_plant", "free_running"),
+)
 # Of what a run is, the course that settings do not show.
 _COURSE = ("branched_at_iteration", "extended_from")
 _MOST_SETTINGS_NAMED = 2

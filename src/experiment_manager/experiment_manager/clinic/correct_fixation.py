@@ -10,6 +10,7 @@ from experiment_manager.experiment.starts import Activations, gaze_inverse
 from eye_plant.inverse.gaze import TURNED_ANGLES
 from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.turns import NO_TURNS_DEG, TurnsDeg
 from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import PAIR
 
@@ -27,14 +28,21 @@ class CorrectFixation:
     """
 
     def __init__(
-        self, protocol: ProtocolConfig, mechanics: MechanicsConfig, parallax_m: float = 0.0
+        self,
+        protocol: ProtocolConfig,
+        mechanics: MechanicsConfig,
+        turns_deg: TurnsDeg = NO_TURNS_DEG,
+        parallax_m: float = 0.0,
     ) -> None:
-        """parallax_m: of a stereogram, as desired_vergence_deg takes it."""
+        """turns_deg: of the cameras, which do not count for the pair.
+
+        parallax_m: of a stereogram, as desired_vergence_deg takes it.
+        """
         self._protocol = protocol
         self._baseline_m = mechanics.baseline_m + parallax_m
         eyes = replace(mechanics, baseline_m=self._baseline_m)
         is_pair = protocol.command_space == PAIR
-        self._inverse = Inverse(eyes) if is_pair else gaze_inverse(protocol, eyes)
+        self._inverse = Inverse(eyes) if is_pair else gaze_inverse(protocol, eyes, turns_deg)
 
     def activations(self, distance_m: float, error_deg: float = 0.0) -> Activations:
         """Return activations (12,) with a horizontal error before a plane, other errors 0.

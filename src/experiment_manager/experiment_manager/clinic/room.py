@@ -163,7 +163,7 @@ class Room:
         manager = self.learners.manager
         if parallax_m not in self._correct:
             self._correct[parallax_m] = CorrectFixation(
-                manager.protocol, manager.mechanics, parallax_m
+                manager.protocol, manager.mechanics, manager.camera.turns_deg, parallax_m
             )
         first = self._correct[parallax_m].activations(distance_m, error_deg)
         return Sitting(self, i_picture, distance_m, first)

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from eye_plant.camera.config import CameraTurns
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.configuration import flatten
 from lockstep.errors import InputError
@@ -72,6 +73,10 @@ AGREEMENTS = (
     *(
         Agreement(f"eye_plant.mechanics.{name}", f"experiment_manager.mechanics.{name}")
         for name in flatten(MechanicsConfig())
+    ),
+    *(
+        Agreement(f"eye_plant.camera.{name}", f"experiment_manager.camera.{name}")
+        for name in flatten(CameraTurns())
     ),
 )
 

@@ -1,8 +1,10 @@
 """Settings of the experiment manager."""
 
+import dataclasses
 from dataclasses import dataclass, field
 
 from experiment_manager.experiment.plant_changes import check_places, read_schedule
+from eye_plant.camera.config import CameraConfig, CameraTurns
 from eye_plant.config import EyePlantConfig
 from eye_plant.inverse.pair import Limits as PairLimits
 from eye_plant.inverse.pair import pair_limits
@@ -242,8 +244,9 @@ class ExperimentManagerConfig:
         " [{at: ITERATION, set: {NODE.PARAMETER: value}}]; empty: none",
     )
     protocol: ProtocolConfig = field(default_factory=ProtocolConfig)
-    # As the plant has it, for the first activations of an episode.
+    # As the plant has them, for the first activations of an episode.
     mechanics: MechanicsConfig = field(default_factory=MechanicsConfig)
+    camera: CameraTurns = field(default_factory=CameraTurns)
 
     def __post_init__(self) -> None:
         """Refuse values out of range, and a schedule that the run or the plant cannot keep."""
@@ -252,4 +255,10 @@ class ExperimentManagerConfig:
         check_places(
             schedule, self.protocol.n_training_iterations, self.protocol.iterations_per_episode
         )
-        schedule.plants(EyePlantConfig(mechanics=self.mechanics))
+        schedule.plants(self.plant)
+
+    @property
+    def plant(self) -> EyePlantConfig:
+        """Of the plant's configuration what the first activations of episodes depend on."""
+        camera = CameraConfig(**dataclasses.asdict(self.camera))
+        return EyePlantConfig(mechanics=self.mechanics, camera=camera)

@@ -13,7 +13,6 @@ from typing import Any
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.experiment.plant_changes import Change, Schedule, read_schedule
 from experiment_manager.experiment.starts import Starts, conditions, starts
-from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from lockstep.configuration import build
 from lockstep.errors import InputError
@@ -225,8 +224,10 @@ class Protocol:
 def make_protocol(config: ExperimentManagerConfig) -> Protocol:
     """Return the sequence of episodes of a configuration."""
     schedule = read_schedule(config.schedule)
-    plants = schedule.plants(EyePlantConfig(mechanics=config.mechanics))
-    starts_of_stages = [starts(config.protocol, plant.mechanics) for plant in plants]
+    starts_of_stages = [
+        starts(config.protocol, plant.mechanics, plant.camera.turns_deg)
+        for plant in schedule.plants(config.plant)
+    ]
     return Protocol(config.protocol, config.seed, starts_of_stages, schedule)
 
 

@@ -20,6 +20,7 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.inverse.least_cost import check_tabled
 from eye_plant.inverse.pair import Inverse, Limits
 from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.turns import TurnsDeg
 from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import PAIR
 from lockstep.configuration import build
@@ -58,7 +59,7 @@ def _check_eyes(
 ) -> None:
     mechanics, plane_m = plant.mechanics, plant.camera.plane_size_m
     if protocol.command_space != PAIR:
-        _check_gazes(protocol, mechanics, plane_m)
+        _check_gazes(protocol, mechanics, plant.camera.turns_deg, plane_m)
         return
     inverse, limits = Inverse(mechanics), protocol.pair_limits
     distances_m = _distances_m(protocol)
@@ -71,7 +72,9 @@ def _check_eyes(
 
 
 @functools.lru_cache(maxsize=64)
-def _check_gazes(protocol: ProtocolConfig, mechanics: MechanicsConfig, plane_m: float) -> None:
+def _check_gazes(
+    protocol: ProtocolConfig, mechanics: MechanicsConfig, turns_deg: TurnsDeg, plane_m: float
+) -> None:
     """Raise InputError unless the muscles reach the outermost first gazes, and correct ones.
 
     Eyes that look aside must still look at the plane, and the least cost there must be known.
@@ -85,7 +88,7 @@ def _check_gazes(protocol: ProtocolConfig, mechanics: MechanicsConfig, plane_m: 
             f"start_version_deg: expected {most_deg:.1f} deg at most, where the plane ends at "
             f"{distances_m[-1]:g} m, got {list(protocol.start_version_deg)}"
         )
-    inverse = gaze_inverse(protocol, mechanics)
+    inverse = gaze_inverse(protocol, mechanics, turns_deg)
     at_tonic_level = np.zeros(len(protocol.space.names))
     largest_deg = largest_angles_deg(protocol)
     corners = itertools.product(*((-most, most) for most in largest_deg.values()))

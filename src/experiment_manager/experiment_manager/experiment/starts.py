@@ -15,6 +15,7 @@ from experiment_manager.experiment.config import ProtocolConfig
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, GazeInverse
 from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.turns import NO_TURNS_DEG, TurnsDeg
 from eye_plant.vergence import desired_vergence_deg
 from eye_plant.vergence import fixation_distance_m as distance_of_vergence_m
 from lockstep.command_space import PAIR
@@ -98,10 +99,15 @@ class PairStarts:
 class GazeStarts:
     """Errors about all axes that the commands turn, and version, each drawn uniformly."""
 
-    def __init__(self, config: ProtocolConfig, mechanics: MechanicsConfig) -> None:
-        """Build an inverse of the eyes."""
+    def __init__(
+        self,
+        config: ProtocolConfig,
+        mechanics: MechanicsConfig,
+        turns_deg: TurnsDeg = NO_TURNS_DEG,
+    ) -> None:
+        """Build an inverse of the eyes; turns_deg: of the cameras in them."""
         self._config, self.baseline_m = config, mechanics.baseline_m
-        self._inverse = gaze_inverse(config, mechanics)
+        self._inverse = gaze_inverse(config, mechanics, turns_deg)
 
     def training(self, draw: np.random.Generator) -> tuple[float, Activations]:
         """Draw the plane's distance in m, and activations with a gaze."""
@@ -136,20 +142,27 @@ class GazeStarts:
 Starts = PairStarts | GazeStarts
 
 
-def starts(config: ProtocolConfig, mechanics: MechanicsConfig) -> Starts:
-    """Return how episodes begin with eyes of these mechanics."""
+def starts(
+    config: ProtocolConfig, mechanics: MechanicsConfig, turns_deg: TurnsDeg = NO_TURNS_DEG
+) -> Starts:
+    """Return how episodes begin with eyes of these mechanics; turns_deg: of the cameras in them.
+
+    The pair's errors are those of the eyes themselves.
+    """
     if config.command_space == PAIR:
         inverse, limits = Inverse(mechanics), config.pair_limits
         return PairStarts(
             config, mechanics.baseline_m, lambda v, part: inverse.activations(v, part, limits)
         )
-    return GazeStarts(config, mechanics)
+    return GazeStarts(config, mechanics, turns_deg)
 
 
-def gaze_inverse(config: ProtocolConfig, mechanics: MechanicsConfig) -> GazeInverse:
+def gaze_inverse(
+    config: ProtocolConfig, mechanics: MechanicsConfig, turns_deg: TurnsDeg = NO_TURNS_DEG
+) -> GazeInverse:
     """Return what finds activations for a gaze, within the limits of first activations."""
     limits = config.limits
-    return GazeInverse(mechanics, config.space, limits.lowest, limits.highest)
+    return GazeInverse(mechanics, config.space, limits.lowest, limits.highest, turns_deg)
 
 
 def draw_angles_deg(config: ProtocolConfig, draw: np.random.Generator) -> dict[str, float]:

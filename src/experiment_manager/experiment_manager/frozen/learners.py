@@ -72,8 +72,10 @@ class FrozenLearners:
         then = schedule.settings(schedule.stage(TEST, self.trained))
         started_with = build(EyePlantConfig, self._of_run["eye_plant"])
         plant = flatten(changed(started_with, then | dict(self.settings)))
-        mechanics = {name: v for name, v in plant.items() if name.startswith("mechanics.")}
-        manager = self._of_run["experiment_manager"] | mechanics | {"schedule": ""}
+        of_run = self._of_run["experiment_manager"]
+        # The manager has the plant's eyes once more, under the same names.
+        eyes = {name: value for name, value in plant.items() if name in of_run}
+        manager = of_run | eyes | {"schedule": ""}
         return self._of_run | {"eye_plant": plant, "experiment_manager": manager}
 
     @cached_property

@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import Any
 
 from eye_plant.camera.blur import blur_radius_px
+from eye_plant.turns import TurnsDeg
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
 
@@ -29,7 +30,46 @@ def _turn_deg(text: str) -> Any:
 
 
 @dataclass(frozen=True)
-class CameraConfig:
+class CameraTurns:
+    """How each camera is turned in its eye, as a prism before the eye turns its picture."""
+
+    left_rotation_deg: float = _turn_deg(
+        "rotation of the left camera in its eye, positive toward the nose"
+    )
+    right_rotation_deg: float = _turn_deg(
+        "rotation of the right camera in its eye, positive toward the nose"
+    )
+    left_elevation_deg: float = _turn_deg(
+        "elevation of the left camera in its eye, turned after left_rotation_deg; positive upwards"
+    )
+    right_elevation_deg: float = _turn_deg(
+        "elevation of the right camera in its eye, turned after right_rotation_deg; positive"
+        " upwards"
+    )
+    left_roll_deg: float = _turn_deg(
+        "rotation of the left camera about its line of sight, its upper side toward the nose"
+        " positive"
+    )
+    right_roll_deg: float = _turn_deg(
+        "rotation of the right camera about its line of sight, its upper side toward the nose"
+        " positive"
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of range."""
+        check_settings(self)
+
+    @property
+    def turns_deg(self) -> TurnsDeg:
+        """Rotation toward the nose, elevation and roll of the left and the right eye's camera."""
+        return (
+            (self.left_rotation_deg, self.left_elevation_deg, self.left_roll_deg),
+            (self.right_rotation_deg, self.right_elevation_deg, self.right_roll_deg),
+        )
+
+
+@dataclass(frozen=True)
+class CameraConfig(CameraTurns):
     """Two equal pinhole cameras, the plane and the landscape (K17, section on the environment).
 
     Of the two fields of view that K17 gives only F = 257.34 px fits both: 50 deg is the vertical
@@ -80,27 +120,6 @@ class CameraConfig:
     )
     right_vertical_blur_px: float = _blur_px(
         "additional blur of the right picture along its columns"
-    )
-    left_rotation_deg: float = _turn_deg(
-        "rotation of the left camera in its eye, positive toward the nose"
-    )
-    right_rotation_deg: float = _turn_deg(
-        "rotation of the right camera in its eye, positive toward the nose"
-    )
-    left_elevation_deg: float = _turn_deg(
-        "elevation of the left camera in its eye, turned after left_rotation_deg; positive upwards"
-    )
-    right_elevation_deg: float = _turn_deg(
-        "elevation of the right camera in its eye, turned after right_rotation_deg; positive"
-        " upwards"
-    )
-    left_roll_deg: float = _turn_deg(
-        "rotation of the left camera about its line of sight, its upper side toward the nose"
-        " positive"
-    )
-    right_roll_deg: float = _turn_deg(
-        "rotation of the right camera about its line of sight, its upper side toward the nose"
-        " positive"
     )
     left_magnification: float = setting(
         1.0, "magnification of the left picture about its centre", above=0
@@ -155,14 +174,6 @@ class CameraConfig:
         return (
             min(self.width_px, self.roi_width_px + along_rows),
             min(self.height_px, self.roi_height_px + along_columns),
-        )
-
-    @property
-    def turns_deg(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-        """Rotation toward the nose, elevation and roll of the left and the right eye's camera."""
-        return (
-            (self.left_rotation_deg, self.left_elevation_deg, self.left_roll_deg),
-            (self.right_rotation_deg, self.right_elevation_deg, self.right_roll_deg),
         )
 
     @property

@@ -16,6 +16,7 @@ from scipy.optimize import linprog
 from eye_plant.gaze_error import gaze_error
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
+from eye_plant.turns import NO_TURNS_DEG, TurnsDeg, turned
 from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI, CommandSpace
 from lockstep.errors import InputError
 
@@ -85,8 +86,13 @@ class GazeInverse:
         space: CommandSpace,
         lowest: Sequence[float] | Array,
         highest: Sequence[float] | Array,
+        turns_deg: TurnsDeg = NO_TURNS_DEG,
     ) -> None:
-        """lowest, highest: limits of the activation of each muscle of the space."""
+        """lowest, highest: limits of the activation of each muscle of the space.
+
+        turns_deg: of the cameras in the eyes; the errors are those of what the cameras see.
+        """
+        self._turns_deg = turns_deg
         self._eyes = Oculomotor(config)
         self._space = space
         self._tonic = self._eyes.tonic_activations
@@ -253,7 +259,8 @@ class GazeInverse:
         return self._present_deg(distance_m)
 
     def _present_deg(self, distance_m: float) -> Array:
-        error = gaze_error(self._eyes.eye_positions_m(), self._eyes.eye_rotations(), distance_m)
+        seeing = turned(self._eyes.eye_rotations(), self._turns_deg)
+        error = gaze_error(self._eyes.eye_positions_m(), seeing, distance_m)
         left, right = np.degrees(self._eyes.data.qpos).reshape(2, 3)
         return np.array(
             [

@@ -8,6 +8,7 @@ import numpy as np
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, GazeInverse, LeastCost
 from eye_plant.inverse.pair import Inverse, Limits, pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.turns import NO_TURNS_DEG, TurnsDeg
 from eye_plant.vergence import fixation_distance_m
 from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.errors import InputError
@@ -35,9 +36,15 @@ class MuscleCost:
     free. The eyes look at a plane straight ahead at the distance of the vergence.
     """
 
-    def __init__(self, mechanics: MechanicsConfig, space: str, lowest: tuple[float, ...]) -> None:
-        """lowest: least activation of each muscle of the space."""
-        self._table = mechanics, space, lowest
+    def __init__(
+        self,
+        mechanics: MechanicsConfig,
+        space: str,
+        lowest: tuple[float, ...],
+        turns_deg: TurnsDeg = NO_TURNS_DEG,
+    ) -> None:
+        """lowest: least activation of each muscle of the space; turns_deg: as GazeInverse's."""
+        self._table = mechanics, space, lowest, turns_deg
 
     def least_w(self, vergence_deg: float) -> float:
         """Return the least metabolic rate with a vergence, between those of a table.
@@ -67,20 +74,27 @@ def check_tabled(vergence_deg: float) -> None:
 
 
 def cost_of_vergence(
-    mechanics: MechanicsConfig, space: str, lowest: tuple[float, ...]
+    mechanics: MechanicsConfig,
+    space: str,
+    lowest: tuple[float, ...],
+    turns_deg: TurnsDeg = NO_TURNS_DEG,
 ) -> CostOfVergence:
-    """Return the least costs of eyes with a command space and its least activations."""
+    """Return the least costs of eyes with a command space and its least activations.
+
+    turns_deg: of the cameras; the pair's errors are those of the eyes themselves.
+    """
     if space == PAIR:
         return PairCost(mechanics, pair_limits(lowest, (1.0, 1.0)))
-    return MuscleCost(mechanics, space, lowest)
+    return MuscleCost(mechanics, space, lowest, turns_deg)
 
 
 @lru_cache(maxsize=16)
 def _least_rates_w(
-    mechanics: MechanicsConfig, space: str, lowest: tuple[float, ...]
+    mechanics: MechanicsConfig, space: str, lowest: tuple[float, ...], turns_deg: TurnsDeg
 ) -> tuple[float, ...]:
     """Return the least rate at each of _VERGENCES_DEG, infinite where the muscles do not reach."""
-    inverse = GazeInverse(mechanics, COMMAND_SPACES[space], lowest, np.ones(len(lowest)))
+    highest = np.ones(len(lowest))
+    inverse = GazeInverse(mechanics, COMMAND_SPACES[space], lowest, highest, turns_deg)
     wanted_deg = {name: 0.0 for name in ERRORS if name in TURNED_ANGLES[space]}
     rates_w: list[float] = []
     near: LeastCost | None = None

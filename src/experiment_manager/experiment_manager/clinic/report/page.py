@@ -17,6 +17,7 @@ from experiment_manager.clinic.report.examined_run import AGES, ExaminedRun
 from experiment_manager.clinic.report.examining import examined_run
 from experiment_manager.clinic.report.figures import clinic_figure
 from experiment_manager.clinic.report.rows import Range, Row, rows_of
+from experiment_manager.clinic.report.treatments import courses_of, treatments_figure
 from experiment_manager.measures.tables import number
 from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.run.described_run import DescribedRun
@@ -54,9 +55,15 @@ _CAPTION = (
     "or no value."
 )
 
+_TREATMENTS_CAPTION = (
+    "A row for each treatment that began at several ages. Diamonds: medians over seeds at the end; "
+    "lines: from the least to the greatest seed. Circles: right before the treatment. Dotted: at "
+    "the end, without a treatment, where such runs are among those of the page."
+)
+
 
 def write_clinic_page(directories: Sequence[Path], out: Path) -> Path:
-    """Write clinic.html and its figure into out; return the page's path.
+    """Write clinic.html and its figures into out; return the page's path.
 
     directories: of runs, and of sweeps, which stand for their finished runs. Each run gets its
     clinic.json. What cannot be examined is left out, with a line on standard error. Raises
@@ -74,9 +81,12 @@ def write_clinic_page(directories: Sequence[Path], out: Path) -> Path:
         parts = [
             report_page.heading("Conditions"),
             report_page.picture(figure, _CAPTION),
-            clinic_table(rows),
-            report_page.paragraph(_ABOUT),
         ]
+        if courses := courses_of(rows):
+            figure = treatments_figure(courses)
+            save(figure, out / FIGURES / "treatments.png")
+            parts.append(report_page.picture(figure, _TREATMENTS_CAPTION))
+        parts += [clinic_table(rows), report_page.paragraph(_ABOUT)]
     replace_file(out / CLINIC_FILE, report_page.page("Clinic", parts).encode())
     return out / CLINIC_FILE
 

@@ -10,7 +10,7 @@ from experiment_manager.analysis.groups import Common, own_settings
 from experiment_manager.clinic.report.examined_run import ExaminedRun
 
 # By the name of the profile that has the condition.
-_NAMES = {
+NAMES = {
     **{f"{way}tropia_{n}": f"{way}tropia {n}°" for way in ("eso", "exo") for n in (5, 10, 20)},
     **{f"anisometropia_{n}": f"anisometropia {n} px" for n in (2, 4, 8)},
     "patching": "glasses, patching",
@@ -69,7 +69,7 @@ def _full_name(key: Common, names: Mapping[Common, str]) -> str:
 
 def _name(run: ExaminedRun, others: Sequence[ExaminedRun]) -> str:
     alike = [other for other in others if other.condition == run.condition]
-    parts = [_NAMES.get(run.condition, run.condition.replace("_", " "))]
+    parts = [NAMES.get(run.condition, run.condition.replace("_", " "))]
     if len({other.iterations for other in alike}) > 1:
         parts.append(f"{run.iterations:,} iterations")
     if run.changed_at is not None and len({other.changed_at for other in alike}) > 1:
