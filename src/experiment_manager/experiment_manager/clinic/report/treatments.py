@@ -36,7 +36,7 @@ _COLOURS = (BLUE, VERMILION, SKY, ORANGE)
 _END: dict[str, Any] = {"marker": "D", "ms": 4.0, "lw": 1.0}
 _BEFORE: dict[str, Any] = {"marker": "o", "mfc": "w", "ms": 4.0, "ls": ""}
 _UNTREATED: dict[str, Any] = {"lw": 1.0, "ls": ":"}
-_MARGIN_SHARE = 0.15
+_MARGIN_SHARE = 0.2
 _ROW_IN, _OTHER_IN = 1.15, 1.0
 # Of life, between the marks of two courses at the same age.
 _ASIDE_PERCENT = 4.0
