@@ -61,10 +61,9 @@ def test_a_test_has_the_same_starts_for_all_seeds_and_pictures() -> None:
 
 
 def test_eyes_behind_a_prism_begin_with_the_errors_that_they_see() -> None:
-    timing = {"n_training_iterations": 20, "test_iterations": (0,)}
     config = ExperimentManagerConfig(
         schedule="[{at: 10, set: {eye_plant.camera.right_rotation_deg: -5.0}}]",
-        protocol=replace(_config(), **timing),
+        protocol=replace(_config(), n_training_iterations=20, test_iterations=(0,)),
         mechanics=MECHANICS,
     )
     sequence, inverse = make_protocol(config), gaze_inverse(config.protocol, MECHANICS)
