@@ -26,7 +26,7 @@ def turned(rotations: Array, turns_deg: Sequence[Sequence[float]] | Array) -> Ar
     side toward the nose, made in that order about the eye's own axes. Without any turn, the
     rotations themselves.
     """
-    if not np.any(turns_deg):
+    if not any(map(any, turns_deg)):
         return rotations
     result = np.array(rotations, dtype=np.float64)
     for axes, (inward, up, roll), to_left in zip(result, turns_deg, _NASAL_TO_LEFT, strict=True):

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from experiment_manager.clinic.report.examined_run import BEFORE, END, ExaminedRun
-from experiment_manager.clinic.report.rows import Row
+from experiment_manager.clinic.report.rows import Row, rows_of
 from experiment_manager.clinic.report.treatments import TREATED, courses_of, treatments_figure
 from experiment_manager.preparation.profiles import profile_names, read_profile
 from lockstep.figures import STYLE
-from tests.experiment_manager.clinic.report.test_rows import examined, examined_age, rows
+from tests.experiment_manager.clinic.report.test_rows import common, examined, examined_age, rows
 from tests.readable import assert_readable
 
 
@@ -42,6 +42,12 @@ def test_a_treatment_at_several_ages_is_a_course() -> None:
     assert resting.untreated.runs[0].condition == "anisometropia_4"
     assert (other.label, other.untreated) == ("M, plastic dictionaries", None)
     assert not courses_of(rows(glasses(200, 0.5), glasses(None, 0.3)))
+    alike = rows_of(
+        runs := [glasses(200, 0.5)] * 2,
+        [common(run, w) for run, w in zip(runs, (0.1, 0.3), strict=True)],
+    )
+    assert len(alike) == 2
+    assert not courses_of([*alike, *rows(glasses(1800, 0.5))])
     palsies = [examined("sixth_nerve_palsy", changed_at=at) for at in (200, 1800)]
     assert not courses_of(rows(*palsies))
 

@@ -89,24 +89,28 @@ class Course:
 
 
 def courses_of(rows: Sequence[Row]) -> list[Course]:
-    """Return the treatments that began at two or more ages, in the order of their first rows."""
-    of_kind: dict[_Kind, dict[int | None, Row]] = {}
+    """Return the treatments that began at two or more ages, in the order of their first rows.
+
+    Rows of one age that differ in anything else, such as lambda, are in no course.
+    """
+    of_kind: dict[_Kind, dict[int | None, list[Row]]] = {}
     for row in rows:
         first = row.runs[0]
         kind = _Kind(first.condition, first.model, first.iterations, first.final_learning_rate)
-        of_kind.setdefault(kind, {})[first.changed_at] = row
+        of_kind.setdefault(kind, {}).setdefault(first.changed_at, []).append(row)
     courses = []
     for kind, by_age in of_kind.items():
-        ages = sorted(age for age in by_age if age is not None)
+        ages = sorted(age for age, alike in by_age.items() if age is not None and len(alike) == 1)
         if kind.condition in TREATED and len(ages) > 1:
-            untreated = of_kind.get(kind._replace(condition=TREATED[kind.condition]), {})
+            condition = kind._replace(condition=TREATED[kind.condition])
+            untreated = of_kind.get(condition, {}).get(None, [])
             courses.append(
                 Course(
                     treatment=kind.condition,
                     label=kind.label,
                     ages_percent=tuple(100.0 * age / kind.iterations for age in ages),
-                    rows=tuple(by_age[age] for age in ages),
-                    untreated=untreated.get(None),
+                    rows=tuple(by_age[age][0] for age in ages),
+                    untreated=untreated[0] if len(untreated) == 1 else None,
                 )
             )
     return courses
