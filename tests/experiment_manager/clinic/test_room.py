@@ -25,9 +25,18 @@ def test_a_stereogram_is_looked_at_where_it_fuses(room_of, kind) -> None:
     np.testing.assert_allclose(errors_deg, [(0.1, 0.0, 0.0)] * 3, atol=2e-3)
 
 
-def test_eyes_that_make_saccades_begin_with_the_left_one_straight_ahead(room_of) -> None:
-    at_start = room_of("gaze").seat(0, 0.5, 0.3).look(1).lines_of_sight[0, 0]
-    np.testing.assert_allclose(at_start, (1.0, 0.0, 0.0), atol=1e-4)
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("camera_deg", [0.0, -2.0])
+def test_eyes_that_make_saccades_begin_with_the_left_one_straight_ahead(
+    room_of, side, camera_deg
+) -> None:
+    room = room_of("gaze", **{f"camera.{side}_rotation_deg": camera_deg})
+    first = room.seat(0, 0.5, 0.3).look(1)
+    np.testing.assert_allclose(first.seen_deg[0], (0.3, 0.0, 0.0), atol=2e-3)
+    np.testing.assert_allclose(first.lines_of_sight[0, 0], (1.0, 0.0, 0.0), atol=1e-4)
+
+
+def test_eyes_without_saccades_begin_alike(room_of) -> None:
     both = room_of("twelve").seat(0, 0.5).look(1).lines_of_sight[0]
     np.testing.assert_allclose(both[0], both[1] * (1.0, -1.0, 1.0), atol=1e-4)
 

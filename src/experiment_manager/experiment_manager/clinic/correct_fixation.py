@@ -40,6 +40,7 @@ class CorrectFixation:
         """
         self._protocol = protocol
         self._baseline_m = mechanics.baseline_m + parallax_m
+        self._inward_deg = [turn[0] for turn in turns_deg]
         eyes = replace(mechanics, baseline_m=self._baseline_m)
         is_pair = protocol.command_space == PAIR
         self._inverse = Inverse(eyes) if is_pair else gaze_inverse(protocol, eyes, turns_deg)
@@ -57,7 +58,10 @@ class CorrectFixation:
         wanted_deg = dict.fromkeys(TURNED_ANGLES[protocol.command_space], 0.0)
         wanted_deg["horizontal"] = error_deg
         if protocol.fixation_iterations:
-            right_deg = math.degrees(math.atan(self._baseline_m / distance_m)) - error_deg
+            # Of the eye itself, which turns less far where its camera is turned inward.
+            left_deg, camera_deg = self._inward_deg
+            slope = self._baseline_m / distance_m - math.tan(math.radians(left_deg))
+            right_deg = math.degrees(math.atan(slope)) - camera_deg - error_deg
             wanted_deg["version"] = -right_deg / 2.0
         nowhere_aside = np.zeros(len(protocol.space.names))
         return tuple(inverse.activations(wanted_deg, distance_m, nowhere_aside).tolist())
