@@ -19,7 +19,7 @@ from experiment_manager.run.run_directory import Run
 from eye_plant.episode import Episode
 from lockstep.wire.cdr import stamp_of
 from lockstep.wire.codec import reader_of
-from lockstep.wire.qos import LOCKSTEP_QOS
+from lockstep.wire.qos import LOCKSTEP_QOS, QUEUE_DEPTH
 from lockstep.wire.stamps import NS_PER_S, period_ns
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TOPIC_TYPES
 from lockstep.wire.vectors import values_of
@@ -93,11 +93,27 @@ class Recorder:
 
     def begin(self, episode: Episode) -> None:
         """Expect the messages of an episode."""
+        if not self._records:
+            self._forget_what_waits()
         self.record = EpisodeRecord(episode, self._period_ns, self._small_topics)
         self._records.appendleft(self.record)
         # A picture of the last episode may still come, of those before nothing does.
         self._run.writer.release(self._records[-1].first_ns)
         self._hear()
+
+    def _forget_what_waits(self) -> None:
+        """Take what came before the first episode, and do nothing with it.
+
+        A plant that outlives its run repeats its observation until the next run starts. Learners
+        that have just been started answer it before they load their state, and if the run goes on
+        with that very episode, the stamps of their answers are expected now.
+        """
+        for topic in self._small_topics:
+            subscription = self._recorded[topic]
+            kind, raw, handle = subscription.msg_type, subscription.raw, subscription.handle
+            for _ in range(QUEUE_DEPTH):
+                if handle.take_message(kind, raw) is None:
+                    break
 
     def end(self) -> None:
         """Expect nothing until the next episode begins."""
