@@ -5,7 +5,7 @@ from functools import partial
 import pytest
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import Image, JointState
 
 from experiment_manager.bag.reader import Bag
 from experiment_manager.experiment.config import ExperimentManagerConfig
@@ -28,17 +28,17 @@ def node(graph: Graph) -> Node:
 @pytest.fixture
 def learner(graph: Graph) -> Outsider:
     """Return who answers."""
-    found: Outsider = graph.add(partial(Outsider, {"reward": JointState}, {}))
+    found: Outsider = graph.add(partial(Outsider, {"reward": JointState, "features": Image}, {}))
     return found
 
 
-def _wait_for_a_reward(node: Node) -> None:
-    """Wait until one has come, and leave it where it is."""
-    (reward,) = (s for s in node.subscriptions if s.topic_name == "/reward")
+def _has_come(node: Node, topic: str, within_s: float = PATIENCE_S) -> bool:
+    """Wait for a message, and leave it where it is."""
+    (subscription,) = (s for s in node.subscriptions if s.topic_name == f"/{topic}")
     wait_set = _rclpy.WaitSet(1, 0, 0, 0, 0, 0, node.context.handle)
-    wait_set.add_subscription(reward.handle)
-    wait_set.wait(int(PATIENCE_S * NS_PER_S))
-    assert wait_set.get_ready_entities("subscription")
+    wait_set.add_subscription(subscription.handle)
+    wait_set.wait(int(within_s * NS_PER_S))
+    return bool(wait_set.get_ready_entities("subscription"))
 
 
 def test_answers_from_before_the_first_episode_are_not_recorded(
@@ -47,17 +47,21 @@ def test_answers_from_before_the_first_episode_are_not_recorded(
     config = ExperimentManagerConfig(run_directory=str(tmp_path / "run"))
     run = Run(config)
     recorder = Recorder(node, run, config, lambda act: act(), lambda: None)
+    recorder.sample_pictures()
     graph.spin_until(learner.is_matched, "the recorder to listen")
     episode = run.episode()
     first_ns = episode.first_observation * period_ns(config.mechanics.period_s)
 
     def answer(value: float) -> None:
         learner.send("reward", vector_message(first_ns, REWARD_NAMES, [value] * len(REWARD_NAMES)))
-        _wait_for_a_reward(node)
+        assert _has_come(node, "reward")
 
     # Of a learner that does not know yet from where the run goes on.
     answer(1.0)
+    learner.send("features", Image())
+    assert _has_come(node, "features")
     recorder.begin(episode)
+    assert not _has_come(node, "features", within_s=0.0)
     answer(2.0)
     record = recorder.record
     left = f"{episode.n_iterations - 1} of reward"

@@ -59,9 +59,9 @@ class CorrectFixation:
         wanted_deg["horizontal"] = error_deg
         if protocol.fixation_iterations:
             # Of the eye itself, which turns less far where its camera is turned inward.
-            left_deg, camera_deg = self._inward_deg
-            slope = self._baseline_m / distance_m - math.tan(math.radians(left_deg))
-            right_deg = math.degrees(math.atan(slope)) - camera_deg - error_deg
+            left_camera_deg, right_camera_deg = self._inward_deg
+            slope = self._baseline_m / distance_m - math.tan(math.radians(left_camera_deg))
+            right_deg = math.degrees(math.atan(slope)) - right_camera_deg - error_deg
             wanted_deg["version"] = -right_deg / 2.0
         nowhere_aside = np.zeros(len(protocol.space.names))
         return tuple(inverse.activations(wanted_deg, distance_m, nowhere_aside).tolist())

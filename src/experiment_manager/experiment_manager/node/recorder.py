@@ -108,8 +108,8 @@ class Recorder:
         that have just been started answer it before they load their state, and if the run goes on
         with that very episode, the stamps of their answers are expected now.
         """
-        for topic in self._small_topics:
-            subscription = self._recorded[topic]
+        stamped = [self._recorded[topic] for topic in self._small_topics]
+        for subscription in (*stamped, *self._subscriptions_of_pictures):
             kind, raw, handle = subscription.msg_type, subscription.raw, subscription.handle
             for _ in range(QUEUE_DEPTH):
                 if handle.take_message(kind, raw) is None:
