@@ -3,6 +3,8 @@
 import errno
 import os
 import shutil
+import signal
+import threading
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -160,6 +162,22 @@ def test_a_failed_write_leaves_nothing(tmp_path: Path, monkeypatch: pytest.Monke
     with pytest.raises(InputError, match="No space left on device"):
         load_stimuli(small(tmp_path))
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+
+
+def test_ctrl_c_amid_the_locks_of_the_pool(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """CPython makes a RuntimeError of a KeyboardInterrupt just after a condition lets go."""
+
+    def release_and_interrupt(condition: Any) -> None:
+        condition._lock.release()
+        if threading.current_thread() is threading.main_thread():
+            monkeypatch.undo()
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(threading.Condition, "_release_save", release_and_interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        load_stimuli(small(tmp_path, n_training=500))
+    assert len([path for path in tmp_path.rglob("*") if path.is_file()]) < 100
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_the_user_cache_is_the_default(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
