@@ -44,7 +44,8 @@ def _break_and_mend(run: SupervisedRun, hosts: TwoHosts, log: Path) -> None:
     assert "fault" not in run.output()
     # ... and one during which a node dies: those that follow it begin without a network.
     _cut_until_something_is_lost(run, hosts)
-    while _KILLED not in run.output():  # who just starts its nodes again ends this one itself
+    # After a cut while nodes begin, the supervisor starts all again, and a kill then is no fault.
+    while _KILLED not in run.output():
         _kill_the_learner(run, log)
     hosts.heal()
 
