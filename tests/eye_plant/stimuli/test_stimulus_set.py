@@ -3,9 +3,7 @@
 import errno
 import os
 import shutil
-import signal
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import IO, Any
@@ -164,29 +162,11 @@ def test_a_failed_write_leaves_nothing(tmp_path: Path, monkeypatch: pytest.Monke
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
 
 
-@pytest.fixture
-def interruptible() -> Iterator[None]:
-    """Let SIGINT raise KeyboardInterrupt, which a shell's background jobs ignore."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
-@pytest.mark.usefixtures("interruptible")
-def test_ctrl_c_amid_the_locks_of_the_pool(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """CPython makes a RuntimeError of a KeyboardInterrupt just after a condition lets go."""
-
-    def release_and_interrupt(condition: Any) -> None:
-        condition._lock.release()
-        if threading.current_thread() is threading.main_thread():
-            monkeypatch.undo()
-            signal.raise_signal(signal.SIGINT)
-
-    monkeypatch.setattr(threading.Condition, "_release_save", release_and_interrupt)
+@pytest.mark.usefixtures("ctrl_c_amid_locks")
+def test_ctrl_c_amid_the_locks_of_the_pool(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         load_stimuli(small(tmp_path, n_training=500))
     assert len([path for path in tmp_path.rglob("*") if path.is_file()]) < 100
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 def test_the_user_cache_is_the_default(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

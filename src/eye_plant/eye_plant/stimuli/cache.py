@@ -4,7 +4,7 @@ import hashlib
 import inspect
 import os
 import threading
-from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -14,7 +14,7 @@ from eye_plant.stimuli import generator as stimulus_generator
 from eye_plant.stimuli import noise
 from lockstep import randomness
 from lockstep.errors import InputError
-from lockstep.machine.interrupts import interrupted_between_steps
+from lockstep.machine.threads import map_in_threads
 
 
 def load_generated(
@@ -29,14 +29,9 @@ def load_generated(
     directory = _set_directory(cache_directory, seed, size_px)
     try:
         directory.mkdir(parents=True, exist_ok=True)
+        load = partial(_load_one, directory, seed, role, size_px=size_px)
         # NumPy and OpenCV let other threads run meanwhile.
-        with interrupted_between_steps() as check, ThreadPoolExecutor(os.cpu_count()) as pool:
-
-            def load(number: int) -> np.ndarray:
-                check()  # Ctrl-C waits for the pictures under way, not for all
-                return _load_one(directory, seed, role, number, size_px)
-
-            return tuple(pool.map(load, range(n)))
+        return tuple(map_in_threads(load, range(n)))
     except OSError as error:
         raise InputError(
             f"stimuli.cache_directory: expected a directory to write to, got {directory} ({error})"

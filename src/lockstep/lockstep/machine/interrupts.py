@@ -2,9 +2,7 @@
 
 import signal
 import sys
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from types import FrameType
 
 
@@ -33,37 +31,3 @@ class Interrupts:
         # A terminal that is closed says so more than once, a person who wants to stop at once not.
         if not self.count:
             self._interrupt(number, frame)
-
-
-@contextmanager
-def interrupted_between_steps() -> Iterator[Callable[[], None]]:
-    """Keep Ctrl-C from raising inside; yield what raises KeyboardInterrupt if it has come.
-
-    For work of a pool of threads: raised in the midst of a pool's locks, a KeyboardInterrupt may
-    come out as a RuntimeError. It is raised at the end where no step has raised it. A thread other
-    than the main one, or with another handler than Python's, is never interrupted by an exception,
-    and nothing changes for it.
-    """
-    came = False
-
-    def note(number: int, frame: FrameType | None) -> None:
-        nonlocal came
-        came = True
-
-    def check() -> None:
-        if came:
-            raise KeyboardInterrupt
-
-    before = signal.getsignal(signal.SIGINT)
-    is_ours = (
-        threading.current_thread() is threading.main_thread()
-        and before is signal.default_int_handler
-    )
-    if is_ours:
-        signal.signal(signal.SIGINT, note)
-    try:
-        yield check
-    finally:
-        if is_ours:
-            signal.signal(signal.SIGINT, before)
-    check()

@@ -80,3 +80,10 @@ def test_copies_that_cannot_be_kept_stay_in_memory(tmp_path, monkeypatch) -> Non
 def test_textures_cannot_be_written_to() -> None:
     ((full, smaller),) = textures_of([picture_of((8, 8))])
     assert not any(a.flags.writeable for a in (*full, *smaller))
+
+
+@pytest.mark.usefixtures("ctrl_c_amid_locks")
+def test_ctrl_c_while_levels_are_made(tmp_path: Path) -> None:
+    picture = mapped(tmp_path / "picture.npy")
+    with pytest.raises(KeyboardInterrupt):
+        textures_of([picture] * 500)

@@ -6,9 +6,7 @@ time, and several runs share them.
 """
 
 import hashlib
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from itertools import accumulate
 from pathlib import Path
 
@@ -18,6 +16,7 @@ import numpy as np
 from eye_plant.camera import mipmaps
 from eye_plant.camera.mipmaps import level_shapes, mipmap_levels, reduced, reduced_shape
 from eye_plant.stimuli.cache import map_array, write_array
+from lockstep.machine.threads import map_in_threads
 
 # One picture and its successive halves, read only: texels of level 0; those of all other levels,
 # one after the other, row by row; (n_levels, 3) each level's offset in its array, height and width.
@@ -27,8 +26,7 @@ Texture = tuple[np.ndarray, np.ndarray, np.ndarray]
 def textures_of(pictures: Sequence[np.ndarray]) -> list[tuple[Texture, Texture]]:
     """Return each picture (height, width) uint8 as a texture, and reduced by sqrt(2) as another."""
     # OpenCV and file systems let other threads run meanwhile.
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(_both_textures, pictures))
+    return map_in_threads(_both_textures, pictures)
 
 
 def aliased_textures(pictures: Sequence[np.ndarray]) -> list[tuple[Texture, Texture]]:
