@@ -133,7 +133,7 @@ make_environment() {
   pip_install --no-build-isolation --use-pep517 -r "$root/requirements.lock"
   "$python" -m compileall -q -j 0 "$venv/lib" >/dev/null || true # only saves time at the first start
   # From that folder on: Python reads the file in the encoding of the locale, and $root may have an umlaut.
-  printf '../../../../src/%s\n' lockstep eye_plant sparse_coder vergence_rl experiment_manager \
+  printf '../../../../src/%s\n' lockstep eye_plant sparse_coder vergence_rl experiment_manager active_binocular_vision \
     >"$(echo "$venv"/lib/python3*/site-packages)/active_binocular_vision.pth"
 }
 

@@ -15,6 +15,7 @@ os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 STIMULUS_PX = 64
+pytest_plugins = ["tests.made_runs"]
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -44,7 +44,7 @@ def main() -> None:
     """Train on the generated stimuli, and print the running median error."""
     n_episodes = int(sys.argv[1]) if len(sys.argv) > 1 else 2000
     seed = 1
-    environment = gymnasium.make("experiment_manager.environments:ActiveVergenceFeatures-v0")
+    environment = gymnasium.make("active_binocular_vision.environments:ActiveVergenceFeatures-v0")
     agent = Agent(
         VergenceRlConfig(
             seed=seed, n_training_iterations=10 * n_episodes, output_initial_width=0.07

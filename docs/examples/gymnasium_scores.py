@@ -40,7 +40,7 @@ Policy = Callable[[dict[str, np.ndarray], float, dict[str, Any]], np.ndarray]
 def make_environment(action_scale: float | None = None) -> gymnasium.Env:
     """Return the environment of all scores; its dictionaries do not learn."""
     return gymnasium.make(
-        "experiment_manager.environments:ActiveVergenceFeatures-v0",
+        "active_binocular_vision.environments:ActiveVergenceFeatures-v0",
         settings={
             "eye_plant.camera.renderer": "plane",
             "eye_plant.camera.roi_width_px": 128,

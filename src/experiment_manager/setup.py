@@ -7,7 +7,7 @@ package = "experiment_manager"
 setup(
     name=package,
     version="0.1.0",
-    description="Trains and tests active binocular vision, records it, and draws its figures.",
+    description="Drives episodes and tests of active binocular vision and records them.",
     maintainer="Active binocular vision maintainers",
     maintainer_email="maintainers@active-binocular-vision.example",
     license="Apache-2.0",
@@ -27,12 +27,6 @@ setup(
         "console_scripts": [
             "node = experiment_manager.node.manager_node:main",
             "live_view = experiment_manager.live.node:main",
-            "run_experiment = experiment_manager.commands.run_experiment:main",
-            "sweep = experiment_manager.commands.sweep:main",
-            "evaluate = experiment_manager.commands.evaluate:main",
-            "report = experiment_manager.commands.report:main",
-            "list_parameters = experiment_manager.commands.list_parameters:main",
-            "inspect_bag = experiment_manager.commands.inspect_bag:main",
         ]
     },
 )

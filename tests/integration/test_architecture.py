@@ -13,7 +13,7 @@ ROS = ("rclpy", "rosgraph_msgs", "rcl_interfaces", "builtin_interfaces")
 
 
 def modules() -> Iterator[Path]:
-    for package in ("lockstep", *SCIENCE, "experiment_manager"):
+    for package in ("lockstep", *SCIENCE, "experiment_manager", "active_binocular_vision"):
         yield from (SRC / package / package).rglob("*.py")
 
 
@@ -36,7 +36,7 @@ def test_ros_is_imported_only_where_the_name_says_so() -> None:
 
 @pytest.mark.parametrize("package", SCIENCE)
 def test_a_package_of_science_imports_no_other(package: str) -> None:
-    others = {*SCIENCE, "experiment_manager"} - {package}
+    others = {*SCIENCE, "experiment_manager", "active_binocular_vision"} - {package}
     found = {str(m): imported_names(m) & others for m in (SRC / package / package).rglob("*.py")}
     assert found
     assert {module: names for module, names in found.items() if names} == {}

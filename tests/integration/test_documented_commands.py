@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from experiment_manager.commands import evaluate, inspect_bag, report, sweep
-from experiment_manager.preparation import command_line
+from active_binocular_vision.commands import command_line, evaluate, inspect_bag, report, sweep
 from experiment_manager.preparation.configuration import configuration_of
 
 ROOT = Path(__file__).parents[2]

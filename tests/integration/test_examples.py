@@ -11,7 +11,7 @@ import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from experiment_manager.commands.evaluate import main as evaluate
+from active_binocular_vision.commands.evaluate import main as evaluate
 from lockstep.wire.topics import GAZE_TARGET, TARGET_NAMES
 from tests.node_harness import Graph
 from tests.supervisor import finished, started

@@ -105,7 +105,7 @@ def test_a_port_in_use_is_one_error_and_the_run_goes_on(pictures: Path, tmp_path
 def test_a_recorded_bag_is_played_to_the_same_view(tmp_path_factory, pictures) -> None:
     port = _free_port()
     bag = str(whole_graph(tmp_path_factory, pictures))
-    module = "experiment_manager.commands.inspect_bag"
+    module = "active_binocular_vision.commands.inspect_bag"
     words = [sys.executable, "-m", module, bag, "--play", "--rate", "1000", "--at", f":{port}"]
     process = started(words)
     with FoxgloveClient(port) as viewer:

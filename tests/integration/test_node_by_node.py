@@ -7,9 +7,9 @@ from typing import Any
 from rclpy.node import Node
 from sensor_msgs.msg import Image, JointState
 
-from experiment_manager.analysis.recorded_run import RecordedRun
-from experiment_manager.commands.evaluate import main as evaluate
-from experiment_manager.commands.report import main as report
+from active_binocular_vision.commands.evaluate import main as evaluate
+from active_binocular_vision.commands.report import main as report
+from active_binocular_vision.runs.recorded_run import RecordedRun
 from experiment_manager.run.config_file import read_configuration
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.topics import LEARNER_VECTORS

@@ -18,12 +18,12 @@ SCRIPTS = tuple(
 NODES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")
 NOBODY = 65534
 MODULES = {
-    "run_experiment": "experiment_manager.commands.run_experiment",
-    "sweep": "experiment_manager.commands.sweep",
-    "evaluate": "experiment_manager.commands.evaluate",
-    "report": "experiment_manager.commands.report",
-    "list_parameters": "experiment_manager.commands.list_parameters",
-    "inspect_bag": "experiment_manager.commands.inspect_bag",
+    "run_experiment": "active_binocular_vision.commands.run_experiment",
+    "sweep": "active_binocular_vision.commands.sweep",
+    "evaluate": "active_binocular_vision.commands.evaluate",
+    "report": "active_binocular_vision.commands.report",
+    "list_parameters": "active_binocular_vision.commands.list_parameters",
+    "inspect_bag": "active_binocular_vision.commands.inspect_bag",
     "benchmark": "tests.benchmark",
     "torture": "tests.stress",
     "validate_plant": "eye_plant.validation",

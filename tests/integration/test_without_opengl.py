@@ -61,7 +61,7 @@ def test_the_plane_is_drawn(refusing, pictures, tmp_path, in_process, is_named) 
         return
     tested = subprocess.run(
         [
-            *(sys.executable, "-m", "experiment_manager.commands.evaluate", str(directory)),
+            *(sys.executable, "-m", "active_binocular_vision.commands.evaluate", str(directory)),
             *("--stimuli", str(pictures), "--out", str(tmp_path / "tested.json")),
         ],
         env=environment() | dict(variable.split("=", 1) for variable in refusing),

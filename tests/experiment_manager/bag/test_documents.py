@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiment_manager.commands import inspect_bag
+from active_binocular_vision.commands import inspect_bag
 
 DOCS = Path(__file__).parents[3] / "docs"
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from experiment_manager.commands.run_experiment import main as run_experiment
+from active_binocular_vision.commands.run_experiment import main as run_experiment
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError
 from tests.command_lines import configured

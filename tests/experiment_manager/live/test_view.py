@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiment_manager.analysis.play import play
+from active_binocular_vision.film.play import play
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.live import server as server_module
 from experiment_manager.live.page import LAYOUT, Page

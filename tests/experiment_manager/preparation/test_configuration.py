@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 import yaml
 
-from experiment_manager.commands.run_experiment import main as run_experiment
+from active_binocular_vision.commands.command_line import arguments
+from active_binocular_vision.commands.run_experiment import main as run_experiment
 from experiment_manager.experiment.agreements import AGREEMENTS, by_key, check_agreements
 from experiment_manager.experiment.plant_changes import read_schedule
-from experiment_manager.preparation.command_line import arguments
 from experiment_manager.run.config_file import (
     CONFIG_CLASSES,
     configuration_text,

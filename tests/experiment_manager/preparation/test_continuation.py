@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 import yaml
 
-from experiment_manager.analysis.recorded_run import RecordedRun
-from experiment_manager.commands.evaluate import main as evaluate
-from experiment_manager.commands.run_experiment import main as run_experiment
+from active_binocular_vision.commands.command_line import arguments, request_of
+from active_binocular_vision.commands.evaluate import main as evaluate
+from active_binocular_vision.commands.run_experiment import main as run_experiment
+from active_binocular_vision.runs.recorded_run import RecordedRun
 from experiment_manager.preparation import continuation
-from experiment_manager.preparation.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.continuation import check_settings
 from experiment_manager.run import checkpoint

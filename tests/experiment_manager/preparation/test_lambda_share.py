@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 import yaml
 
-from experiment_manager.commands import run_experiment
+from active_binocular_vision.commands import run_experiment
+from active_binocular_vision.commands.command_line import arguments
 from experiment_manager.experiment.protocol import protocol_of
 from experiment_manager.in_process.loop import make_loop
-from experiment_manager.preparation.command_line import arguments
 from experiment_manager.preparation.lambda_share import (
     FirstIterations,
     first_iterations,

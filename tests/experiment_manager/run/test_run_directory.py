@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiment_manager.analysis.figures.learning_curve import learning_curve
-from experiment_manager.analysis.recorded_run import RecordedRun
+from active_binocular_vision.commands.evaluate import main as evaluate
+from active_binocular_vision.figures.learning_curve import learning_curve
+from active_binocular_vision.runs.recorded_run import RecordedRun
 from experiment_manager.bag.reader import Bag
-from experiment_manager.commands.evaluate import main as evaluate
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.run.config_file import CONFIG_CLASSES, configuration_text
 from experiment_manager.run.run_directory import Run

@@ -4,7 +4,7 @@ import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from experiment_manager.commands.run_experiment import main
+from active_binocular_vision.commands.run_experiment import main
 from experiment_manager.supervision import node_neighbours
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
 from experiment_manager.supervision.node_neighbours import addresses, refuse_neighbours

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from experiment_manager.commands import run_experiment
+from active_binocular_vision.commands import run_experiment
 from experiment_manager.supervision.fork_server import ForkServer
 from experiment_manager.supervision.supervisor import Supervisor
 from lockstep.exit_codes import EXIT_NETWORK, EXIT_UNWRITABLE

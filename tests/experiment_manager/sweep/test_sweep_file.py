@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from experiment_manager.preparation.command_line import parser
+from active_binocular_vision.commands.command_line import parser
 from experiment_manager.preparation.request import OPTIONS, RunRequest
 from experiment_manager.run.config_file import Configuration
 from experiment_manager.sweep.sweep_file import Sweep, read_sweep

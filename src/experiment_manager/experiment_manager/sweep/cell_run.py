@@ -103,7 +103,7 @@ class CellRun:
         if not (self.directory / CONFIG_FILE).exists():
             # A kill may have left the directory, and a configuration half-written, but no more.
             (self.directory / f"{CONFIG_FILE}.part").unlink(missing_ok=True)
-        module = "experiment_manager.commands.sweep_cell"
+        module = "active_binocular_vision.commands.sweep_cell"
         words = (str(os.getpid()), str(self.directory), self.cell.request.to_json())
         return [sys.executable, "-m", module, *words]
 

@@ -1,0 +1,1 @@
+"""What people import and command: what is done with runs and their learners."""

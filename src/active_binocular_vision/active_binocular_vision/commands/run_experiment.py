@@ -1,0 +1,285 @@
+"""run_experiment.sh: prepares a run, has it supervised to its end, and shows what came out."""
+
+import argparse
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Collection, Sequence
+from pathlib import Path
+
+from active_binocular_vision.commands.command_line import arguments, request_of
+from experiment_manager.in_process.run import run_in_process
+from experiment_manager.live.address import Address
+from experiment_manager.live.server import why_unavailable
+from experiment_manager.measures.criteria import EvaluationSettings
+from experiment_manager.measures.results import RESULTS_FILE, Results, read_results
+from experiment_manager.measures.tables import in_words, summaries_table
+from experiment_manager.preparation.continuation import (
+    Branch,
+    branch,
+    check_resumable,
+    check_settings,
+    contradiction,
+    extend,
+)
+from experiment_manager.preparation.graphics import check_graphics, drawable_configuration
+from experiment_manager.preparation.lambda_share import first_iterations, with_weight
+from experiment_manager.preparation.plan import plan, preparation
+from experiment_manager.preparation.request import RunRequest
+from experiment_manager.run import checkpoint
+from experiment_manager.run.config_file import (
+    CONFIG_FILE,
+    Configuration,
+    configuration_text,
+    read_configuration,
+)
+from experiment_manager.supervision.fork_server import ForkServer
+from experiment_manager.supervision.heartbeats import LISTENER
+from experiment_manager.supervision.live_view import PACKAGE as LIVE_VIEW
+from experiment_manager.supervision.node_neighbours import refuse_neighbours
+from experiment_manager.supervision.processes import PACKAGES
+from experiment_manager.supervision.supervisor import Supervisor, known_domain
+from experiment_manager.terminal.lasting_output import ignore_broken_pipes
+from eye_plant.config import EyePlantConfig
+from eye_plant.stimuli.stimulus_set import load_stimuli
+from lockstep.configuration import build
+from lockstep.durable_files import is_free, replace_file, why_unwritable
+from lockstep.errors import InputError
+from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
+
+
+def source_commit() -> str:
+    """Return the commit of the source, "unknown" when it is not in git."""
+    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError:
+        return "unknown"
+    return done.stdout.strip() or "unknown"
+
+
+def _prepare_stimuli(configuration: Configuration) -> None:
+    """Make the generated stimuli now if they are not in the cache: a node has no time for that."""
+    stimuli = build(EyePlantConfig, configuration["eye_plant"]).stimuli
+    if line := preparation(stimuli):
+        print(line)
+    load_stimuli(stimuli)
+
+
+def _with_share(configuration: Configuration, share: float) -> Configuration:
+    """Return the configuration with the lambda that gives energy this share of the reward."""
+    first = first_iterations(configuration)
+    weight = first.weight_for(share)
+    print(
+        f"over the first {first.n_iterations} iterations with lambda 0: mean E "
+        f"{first.reconstruction_error:.4f}, mean C {first.metabolic_rate_w:.4f} W; lambda "
+        f"{weight:.6g} per W makes lambda C {share:g} of E + lambda C"
+    )
+    return with_weight(configuration, weight)
+
+
+def _say_how_to_start(nodes: Collection[str], domain: int | None, config: Path) -> None:
+    """Tell a person what to do on another machine."""
+    reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+    for node in nodes:
+        print(
+            f"{node} is awaited; on its machine, with a copy of {config}:\n"
+            f"  ROS_DOMAIN_ID={domain} ROS_AUTOMATIC_DISCOVERY_RANGE={reach} "
+            f"launch_scripts/{node}.sh --ros-args --params-file {config.name}"
+        )
+
+
+def _check_in_process(options: argparse.Namespace) -> None:
+    for name in ("elsewhere", "live"):
+        if options.in_process and getattr(options, name):
+            raise InputError(f"--in-process: expected it without --{name}, got both")
+
+
+def _live(options: argparse.Namespace) -> Address | None:
+    """Return where a live view is to listen, having said so, or None when there is to be none."""
+    if options.live is None:
+        return None
+    if why := why_unavailable():
+        print(f"error: {why}; the run continues without it", file=sys.stderr)
+        return None
+    address: Address = options.live
+    page = Address(address.host, address.port + 1)
+    print(f"live view: ws://{address}; http://{page} opens it in Lichtblick or Foxglove")
+    return address
+
+
+def prepare(options: argparse.Namespace) -> Path:
+    """Return the run directory that the command line asks for, with its config.yaml."""
+    request = request_of(options)
+    if options.resume is not None:
+        return _prepare_old(options, request)
+    if options.extend is not None:
+        raise InputError("--extend: expected it with --resume, got it alone")
+    branched = None
+    if options.branch is not None:
+        branched = branch(options.branch, request, source_commit())
+    directory = options.out or Path("runs") / time.strftime("%Y%m%d-%H%M%S")
+    return prepare_new(request, directory.resolve(), branched, options.elsewhere)
+
+
+def prepare_new(
+    request: RunRequest,
+    directory: Path,
+    branched: Branch | None = None,
+    elsewhere: Collection[str] = (),
+) -> Path:
+    """Make the directory of a new run, with its config.yaml; return it.
+
+    branched: what the run begins from; elsewhere: nodes on another machine. Raises InputError for a
+    request that no run can meet, and a directory that holds something.
+    """
+    _refuse_used(directory)
+    if branched is not None:
+        configuration = branched.configuration
+        check_graphics(configuration, elsewhere)
+    else:
+        configuration = drawable_configuration(request, source_commit(), elsewhere)
+    _prepare_stimuli(configuration)
+    if request.cost_share is not None:
+        configuration = _with_share(configuration, request.cost_share)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        if branched is not None:
+            branched.write(directory)
+        else:
+            replace_file(directory / CONFIG_FILE, configuration_text(configuration).encode())
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written: {error}") from error
+    return directory
+
+
+def _prepare_old(options: argparse.Namespace, request: RunRequest) -> Path:
+    directory = Path(options.resume).resolve()
+    if options.branch is not None:
+        raise InputError("--branch: expected it without --resume, got both")
+    if options.out is not None and options.out.resolve() != directory:
+        raise contradiction(f"--out {options.out}", directory, "a directory of its own")
+    if options.extend is None:
+        check_old(directory, request)
+    else:
+        # Its checkpoints may already be longer: an extension that was killed writes them first.
+        check_settings(request, directory, read_configuration(directory / CONFIG_FILE))
+        _check_writable(directory)
+        extend(directory, options.extend)
+    check_graphics(read_configuration(directory / CONFIG_FILE), options.elsewhere)
+    return directory
+
+
+def check_old(directory: Path, request: RunRequest) -> None:
+    """Raise InputError unless the run in a directory can go on, as the request asks."""
+    check_resumable(request, directory)
+    _check_writable(directory)
+
+
+def _check_writable(directory: Path) -> None:
+    if why := why_unwritable(directory):
+        raise InputError(f"{directory}: cannot be written: {why}")
+
+
+def _refuse_used(directory: Path) -> None:
+    if not is_free(directory):
+        raise InputError(
+            f"{directory}: expected a new or empty directory, it is not empty; "
+            f"--resume {directory} continues a run"
+        )
+
+
+def _figure(directory: Path) -> Path | None:
+    """Draw the learning curve; None when the bag has nothing to draw it from."""
+    # Matplotlib takes a second to import, for which the start of a run need not wait.
+    from active_binocular_vision.figures.learning_curve import learning_curve  # noqa: PLC0415
+
+    try:
+        return learning_curve(directory)
+    except (InputError, OSError) as error:
+        print(f"no learning curve: {error}", file=sys.stderr)
+        return None
+
+
+def results_table(results: Results, directory: Path, figure: Path | None) -> str:
+    """Return the tests of a results.json as text, and where everything lies."""
+    last = results.tests[-1]
+    settings = EvaluationSettings.of(read_configuration(directory / CONFIG_FILE))
+    words = in_words(last, settings.criteria(last.iteration).px_deg)
+    return (
+        f"\nmodel {results.model}, seed {results.seed}: "
+        "tests by training iteration, at the end of each trial\n\n"
+        f"{summaries_table(results.tests)}\n\n"
+        f"{words}\n\n"
+        f"results: {directory / RESULTS_FILE}\n"
+        f"figure:  {figure or 'none'}\n"
+        f"bag:     {directory / 'bag'}"
+    )
+
+
+def _run(options: argparse.Namespace) -> tuple[Path, int]:
+    """Prepare the run and bring it to its end; return its directory and the exit code."""
+    _check_in_process(options)
+    if options.in_process:
+        return in_one_process(prepare(options))
+    packages = [LISTENER, *(package for package in PACKAGES if package not in options.elsewhere)]
+    if options.live is not None:
+        packages.append(LIVE_VIEW)
+    # Before anything that begins threads, as DDS does.
+    with ForkServer(packages) as fork_server:
+        domain = known_domain(options.elsewhere)
+        if domain is not None:
+            refuse_neighbours(domain, options.elsewhere)
+        directory = _announced(prepare(options))
+        _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
+        return directory, Supervisor(
+            directory, fork_server, options.elsewhere, _live(options)
+        ).run()
+
+
+def in_one_process(directory: Path) -> tuple[Path, int]:
+    """Bring a prepared run to its end in this process; return its directory and the exit code."""
+    return directory, run_in_process(_announced(directory))
+
+
+def _announced(directory: Path) -> Path:
+    print(f"run directory: {directory}")
+    newest = checkpoint.newest(directory / "checkpoints")
+    place = newest[0].place if newest is not None else 0
+    print("\n".join(plan(read_configuration(directory / CONFIG_FILE), place)))
+    return directory
+
+
+def concluded(run: Callable[[], tuple[Path, int]], more: str) -> int:
+    """Make a run, and show what came out or why nothing did; return the exit code.
+
+    run: returns the directory and its exit code, raises InputError; more: what a command line that
+    goes on with it has besides --resume.
+    """
+    try:
+        directory, code = run()
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        print("stopped before the run began", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    if code == 0:
+        print(results_table(read_results(directory / RESULTS_FILE), directory, _figure(directory)))
+    elif code != EXIT_BAD_INPUT:
+        line = f"launch_scripts/run_experiment.sh --resume {directory}{more}"
+        print(f"to continue: {line}", file=sys.stderr)
+    return code
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one experiment; return the exit code."""
+    options = arguments(argv)
+    more = f" --elsewhere {','.join(options.elsewhere)}" if options.elsewhere else ""
+    return concluded(lambda: _run(options), more + (" --in-process" if options.in_process else ""))
+
+
+if __name__ == "__main__":
+    ignore_broken_pipes()
+    sys.exit(main())

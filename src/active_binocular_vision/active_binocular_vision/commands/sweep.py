@@ -1,0 +1,171 @@
+"""sweep.sh: many runs that differ in a few options, in one command, on one machine or a cluster."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from active_binocular_vision.commands.run_experiment import source_commit
+from experiment_manager.preparation.continuation import check_settings
+from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
+from experiment_manager.run.described_run import DescribedRun
+from experiment_manager.sweep import slurm
+from experiment_manager.sweep.cell_run import CellRun
+from experiment_manager.sweep.pool import Pool
+from experiment_manager.sweep.slurm import Resources
+from experiment_manager.sweep.status import status_of, table
+from experiment_manager.sweep.sweep_file import SWEEP_FILE, Sweep, read_sweep
+from experiment_manager.terminal.lasting_output import ignore_broken_pipes
+from eye_plant.config import EyePlantConfig
+from eye_plant.stimuli.stimulus_set import load_stimuli
+from lockstep.command_line import CommandLine
+from lockstep.configuration import build
+from lockstep.durable_files import is_free, replace_file
+from lockstep.errors import InputError
+from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the command line of sweep.sh."""
+    line = CommandLine(prog="sweep.sh")
+    line.add_argument(
+        "sweep",
+        type=Path,
+        metavar="SWEEP",
+        help="a YAML file with options and axes, or the directory of a sweep to continue",
+    )
+    line.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="directory of the sweep (default: runs/ and the name of the file)",
+    )
+    line.add_argument(
+        "--stimuli", type=Path, metavar="DIR", help="images for all runs, as in run_experiment.sh"
+    )
+    line.add_argument(
+        "--jobs", type=int, metavar="N", help="runs at a time (default: one per core)"
+    )
+    line.add_argument("--status", action="store_true", help="print the progress of each run")
+    line.add_argument("--slurm", action="store_true", help="submit a job array to Slurm")
+    line.add_argument("--partition", default="", metavar="P", help="partition of the job array")
+    line.add_argument(
+        "--time",
+        default="",
+        metavar="T",
+        help="time limit of a task; a task that reaches it is requeued and continues",
+    )
+    line.add_argument("--memory", default="", metavar="M", help="memory of a task, for example 2G")
+    line.add_argument("--tasks", type=int, metavar="N", help="largest number of tasks at a time")
+    line.add_argument("--task", type=int, help=argparse.SUPPRESS)
+    return line
+
+
+def _opened(options: argparse.Namespace) -> tuple[Path, Sweep]:
+    """Return the directory of the sweep, which need not exist yet, and the sweep.
+
+    Raises InputError for a directory that holds something else.
+    """
+    if options.sweep.is_dir():
+        if options.out is not None or options.stimuli is not None:
+            raise InputError(f"{options.sweep}: expected no --out and no --stimuli: it has its own")
+        return options.sweep.resolve(), read_sweep(options.sweep / SWEEP_FILE)
+    sweep = read_sweep(options.sweep, options.stimuli)
+    directory = (options.out or Path("runs") / options.sweep.stem).resolve()
+    held = directory / SWEEP_FILE
+    if held.exists() and read_sweep(held) != sweep:
+        raise InputError(
+            f"{directory}: expected the directory of this sweep, it contains another; "
+            f"sweep.sh {directory} continues that one"
+        )
+    if not held.exists() and not is_free(directory):
+        raise InputError(f"{directory}: expected a new or empty directory, it is not empty")
+    return directory, sweep
+
+
+def _check(options: argparse.Namespace) -> None:
+    for name in ("jobs", "tasks"):
+        number = getattr(options, name)
+        if number is not None and number < 1:
+            raise InputError(f"--{name}: expected 1 or more, got {number}")
+    of_slurm = ("partition", "time", "memory", "tasks")
+    if not options.slurm and (given := [name for name in of_slurm if getattr(options, name)]):
+        raise InputError(f"--{given[0]}: expected it with --slurm only")
+    if options.slurm and options.jobs is not None:
+        raise InputError("--jobs: expected it without --slurm, which has --tasks")
+
+
+def _check_begun(run: CellRun) -> None:
+    """Raise InputError where the sweep says something else than a run was begun with."""
+    path = run.directory / CONFIG_FILE
+    try:
+        configuration = read_configuration(path)
+        was_extended = "extended_from" in DescribedRun(run.directory, path.read_text(), "").about
+    except (InputError, OSError):
+        return  # it has not begun, or will say itself what is wrong
+    request = replace(run.cell.request, cost_share=None)  # it was measured then
+    if was_extended:
+        request = replace(request, iterations=None, tests=None)
+    check_settings(request, run.directory, configuration)
+
+
+def _begin(directory: Path, sweep: Sweep) -> None:
+    """Check all cells, and keep the sweep in its directory."""
+    for cell in sweep.cells():
+        _check_begun(CellRun(directory, cell))
+    commit = source_commit()
+    configurations = [cell.configuration(commit) for cell in sweep.cells()]
+    print(f"{len(configurations)} runs in {directory}; preparing their stimuli")
+    # Generated ones are made once, before the runs; pictures are seen to be readable.
+    plants = [build(EyePlantConfig, configuration["eye_plant"]) for configuration in configurations]
+    for stimuli in dict.fromkeys(plant.stimuli for plant in plants):
+        load_stimuli(stimuli)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        replace_file(directory / SWEEP_FILE, sweep.text().encode())
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written: {error}") from error
+
+
+def _run(options: argparse.Namespace) -> int:
+    _check(options)
+    directory, sweep = _opened(options)
+    runs = [CellRun(directory, cell) for cell in sweep.cells()]
+    if options.task is not None:
+        return slurm.run_task(runs[options.task])
+    if options.status:
+        print(table([status_of(run) for run in runs]))
+        return 0
+    resources = Resources(options.partition, options.time, options.memory, options.tasks)
+    if options.slurm:
+        slurm.check(resources)
+    _begin(directory, sweep)
+    undone = [i for i, run in enumerate(runs) if not run.is_done]
+    if options.slurm and undone:
+        job = slurm.submit(directory, runs, undone, resources)
+        print(f"job {job}: {len(undone)} tasks; launch_scripts/sweep.sh {directory} --status")
+        return 0
+    code = Pool(options.jobs or len(os.sched_getaffinity(0))).run([runs[i] for i in undone])
+    print(table([status_of(run) for run in runs]))
+    if code:
+        print(f"to continue: launch_scripts/sweep.sh {directory}", file=sys.stderr)
+    return code
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Make the runs of a sweep; return the exit code."""
+    try:
+        return _run(parser().parse_args(argv))
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        print("stopped before the first run", file=sys.stderr)
+        return EXIT_INTERRUPTED
+
+
+if __name__ == "__main__":
+    ignore_broken_pipes()
+    sys.exit(main())

@@ -1,0 +1,63 @@
+"""The sparse coder's basis functions as left-right pairs, with the disparity that each prefers."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter
+
+from active_binocular_vision.learners.basis_functions import (
+    LARGEST_SHIFT_PX,
+    dominance,
+    preferred_disparity_px,
+)
+from lockstep.errors import InputError
+from lockstep.figures import GREY, WIDTH_IN, new_figure, title_panels
+from sparse_coder.patches import N_PIXELS, PATCH_SIZE_PX, PX_PER_PIXEL
+
+SCALES = ("coarse", "fine")
+_N_COLUMNS = 16
+_N_BINS = 37  # odd: one is centred on 0
+
+
+def dictionary_figure(atoms: np.ndarray) -> Figure:
+    """Return both dictionaries (2, n_bases, 128), sorted, over their preferred disparities.
+
+    Each tile is an atom, left eye beside right eye, grey at 0, scaled by its largest entry.
+    Atoms that prefer a disparity come first, in its order; then the others, most balanced first.
+    """
+    if atoms.ndim != 3 or len(atoms) != len(SCALES):
+        raise InputError(f"expected atoms (2, n_bases, {N_PIXELS}), got shape {atoms.shape}")
+    figure = new_figure(WIDTH_IN, 5.2)
+    tiles, histograms = figure.subplots(2, 2, height_ratios=(3.2, 1))
+    titles = []
+    for i, scale in enumerate(SCALES):
+        disparity_px = preferred_disparity_px(atoms[i], PX_PER_PIXEL[i])
+        order = np.lexsort((np.abs(dominance(atoms[i])), disparity_px))
+        tiles[i].imshow(_mosaic(atoms[i][order]), cmap="gray", vmin=-1, vmax=1)
+        tiles[i].set_axis_off()
+        known_px = disparity_px[~np.isnan(disparity_px)]
+        titles.append(f"{scale} scale, {len(atoms[i])} basis functions")
+        reach = (LARGEST_SHIFT_PX + 0.5) * PX_PER_PIXEL[i]
+        histograms[i].hist(known_px, bins=np.linspace(-reach, reach, _N_BINS + 1), color=GREY)
+        # Nearly all prefer no disparity; the few others must show, too.
+        histograms[i].set_yscale("log")
+        histograms[i].yaxis.set_major_formatter(FormatStrFormatter("%g"))
+        histograms[i].set(xlabel="preferred disparity / px", xlim=(-reach, reach), ylim=(0.7, None))
+        titles.append(f"{len(known_px)} of them prefer a disparity")
+    title_panels((*tiles, *histograms), (*titles[::2], *titles[1::2]))
+    histograms[0].set_ylabel("basis functions")
+    return figure
+
+
+def _mosaic(atoms: np.ndarray) -> np.ndarray:
+    """Return atoms as tiles, _N_COLUMNS in a row, white lines between them."""
+    n_rows = -(-len(atoms) // _N_COLUMNS)
+    height, width = PATCH_SIZE_PX + 1, 2 * PATCH_SIZE_PX + 3
+    mosaic = np.ones((n_rows * height + 1, _N_COLUMNS * width + 1))
+    for i, atom in enumerate(atoms):
+        row, column = divmod(i, _N_COLUMNS)
+        largest = np.abs(atom).max() or 1.0
+        top, first = row * height + 1, column * width + 2
+        for eye, part in enumerate((atom / largest).reshape(2, PATCH_SIZE_PX, PATCH_SIZE_PX)):
+            start = first + eye * PATCH_SIZE_PX
+            mosaic[top : top + PATCH_SIZE_PX, start : start + PATCH_SIZE_PX] = part
+    return mosaic

@@ -1,0 +1,201 @@
+"""What a price of energy does: accuracy and saved energy over lambda, and the trade-off."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from active_binocular_vision.figures.quartiles import (
+    ERROR_LABEL,
+    draw_bars,
+    final_errors_deg,
+    px_deg_of,
+    scale_errors,
+)
+from active_binocular_vision.runs.groups import Group
+from experiment_manager.measures.metrics import QUARTILES
+from experiment_manager.measures.trials import Trials
+from lockstep.figures import (
+    BLUE,
+    GREEN,
+    GREY,
+    SMALLEST_PT,
+    VERMILION,
+    WIDTH_IN,
+    legend_below,
+    mark_level,
+    new_figure,
+    title_panels,
+)
+
+_LEAST_PRICES = 3
+_ERRORS = {
+    "vergence_error_deg": "horizontal error",
+    "vertical_error_deg": "vertical error",
+    "cyclovergence_error_deg": "cyclovergence error",
+}
+_LOOKS = ((VERMILION, "o"), (BLUE, "s"), (GREEN, "^"))
+# Lambda 0 has a place on a logarithmic axis so many times below the least price.
+_ZERO_BELOW = 3.0
+# Of the panel of error against rate, roughly: its size, and the width of a character.
+_TRADE_PT, _CHARACTER_PT = (128.0, 182.0), 4.8
+_LABEL_OFFSETS_PT = tuple(
+    (dx, dy) for dy in (3.0, -3.0, 11.0, -11.0, 19.0, -19.0) for dx in (3.0, -3.0)
+)
+
+Values = Callable[[Trials], np.ndarray]
+Box = tuple[float, float, float, float]
+
+
+def _reductions_percent(trials: Trials) -> np.ndarray:
+    reductions = trials.cost_reduction(trials.n_iterations)
+    return 100 * reductions[~np.isnan(reductions)]
+
+
+def over_prices(groups: Sequence[Group]) -> list[Group]:
+    """Return groups with trials that differ in lambda alone, by lambda; none for less than three.
+
+    A group of M counts as lambda 0. Of several such families, the largest.
+    """
+    families: dict[object, dict[float, Group]] = {}
+    for group in groups:
+        if group.has_trials:
+            family = families.setdefault((group.common.n_iterations, group.common.settings), {})
+            # M_C with lambda 0, if it is there, is nearer to the others than M.
+            if group.model != "M" or group.common.weight not in family:
+                family[group.common.weight] = group
+    largest = max(families.values(), key=len, default={})
+    return [largest[w] for w in sorted(largest)] if len(largest) >= _LEAST_PRICES else []
+
+
+def price_figure(groups: Sequence[Group]) -> Figure:
+    """Return error and saving of the last test over lambda, and error against metabolic rate.
+
+    groups: of `over_prices`. Median and quartiles over all trials of all seeds.
+    """
+    figure = new_figure(WIDTH_IN, 3.2)
+    error, reduction, trade = figure.subplots(1, 3)
+    px_deg = px_deg_of(groups)
+    if all(group.is_of_pair for group in groups):
+        _draw(error, groups, final_errors_deg)
+        error.set_ylabel(ERROR_LABEL)
+    else:
+        _draw_errors(figure, error, groups)
+    scale_errors(error, px_deg)
+    _draw(reduction, groups, _reductions_percent)
+    mark_level(reduction, 100.0, "all")
+    reduction.set_ylabel("$c$ / %")
+    _draw_trade(trade, groups)
+    trade.set(xlabel="metabolic rate $C$ / W", ylabel=ERROR_LABEL)
+    title_panels(
+        (error, reduction, trade), ("accuracy", "energy saved", r"trade-off, by $\lambda$ in 1/W")
+    )
+    return figure
+
+
+def _draw_errors(figure: Figure, axes: Axes, groups: Sequence[Group]) -> None:
+    """Draw the errors about all axes, each with its colour, and name them below the figure."""
+    handles = []
+    for (name, label), (colour, marker) in zip(_ERRORS.items(), _LOOKS, strict=True):
+        _draw(axes, groups, partial(final_errors_deg, name=name), colour, marker=marker)
+        handles.append(Line2D([], [], color=colour, marker=marker, ms=4, label=label))
+    axes.set_ylabel("|error| / deg")
+    legend_below(figure, handles)
+
+
+def _draw(
+    axes: Axes,
+    groups: Sequence[Group],
+    values: Values,
+    colour: str = VERMILION,
+    **style: Any,
+) -> None:
+    weights = np.array([group.common.weight for group in groups])
+    zero = weights[weights > 0].min() / _ZERO_BELOW
+    quartiles = np.array([np.quantile(values(g.last_trials), QUARTILES) for g in groups]).T
+    places = np.maximum(weights, zero)
+    draw_bars(axes, places, quartiles, colour, **style)
+    paid = weights > 0
+    axes.plot(places[paid], quartiles[1, paid], color=colour, lw=0.8)
+    axes.set_xscale("log")
+    axes.set_xlabel(r"price $\lambda$ / (1/W)")
+    steps = [step * 10.0**decade for decade in range(-6, 4) for step in (1, 3)]
+    ticks = [step for step in steps if weights[paid].min() <= step <= 1.001 * weights.max()]
+    is_there = [zero] if not paid.all() else []
+    axes.set_xticks(is_there + ticks, ["0"] * len(is_there) + [f"{tick:g}" for tick in ticks])
+    axes.xaxis.set_minor_locator(mpl.ticker.NullLocator())
+    if is_there:
+        _break_axis(axes, zero * _ZERO_BELOW**0.5)
+
+
+def _break_axis(axes: Axes, at: float) -> None:
+    """Mark where the logarithmic axis is broken for a place of 0."""
+    axes.annotate(
+        "//",
+        (at, 0.0),
+        xycoords=("data", "axes fraction"),
+        ha="center",
+        va="center",
+        color=GREY,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
+    )
+
+
+def _draw_trade(axes: Axes, groups: Sequence[Group]) -> None:
+    """Draw the median error against the median metabolic rate, a point per lambda."""
+    rate_w = [float(np.median(g.last_trials.metabolic_rate_w[:, -1])) for g in groups]
+    error_deg = [float(np.median(final_errors_deg(g.last_trials))) for g in groups]
+    axes.margins(x=0.12)
+    axes.plot(rate_w, error_deg, color=VERMILION, marker="o", ms=4, lw=0.8)
+    scale_errors(axes, px_deg_of(groups))
+    weights = [group.common.weight for group in groups]
+    places = _label_places(axes, weights, rate_w, error_deg)
+    for weight, w, deg, (dx, dy) in zip(weights, rate_w, error_deg, places, strict=True):
+        axes.annotate(
+            f"{weight:g}",
+            (w, deg),
+            (dx, dy),
+            textcoords="offset points",
+            ha="left" if dx > 0 else "right",
+            va="bottom" if dy > 0 else "top",
+            fontsize=SMALLEST_PT,
+        )
+
+
+def _label_places(
+    axes: Axes, weights: Sequence[float], rate_w: Sequence[float], error_deg: Sequence[float]
+) -> list[tuple[float, float]]:
+    """Return for each point the offset of its label in pt: the first that covers nothing."""
+    low, high = np.log(axes.get_ylim())
+    left, right = axes.get_xlim()
+    x_pt = (np.asarray(rate_w) - left) / (right - left) * _TRADE_PT[0]
+    y_pt = (np.log(error_deg) - low) / (high - low) * _TRADE_PT[1]
+    along = np.linspace(0.0, len(weights) - 1.0, 50 * len(weights))
+    line = np.column_stack([np.interp(along, range(len(weights)), pt) for pt in (x_pt, y_pt)])
+    covered = [(x - 1.5, y - 1.5, x + 1.5, y + 1.5) for x, y in line]
+    chosen = []
+    for weight, x, y in zip(weights, x_pt, y_pt, strict=True):
+        width = _CHARACTER_PT * len(f"{weight:g}")
+        boxes = {
+            (dx, dy): (
+                x + dx - (width if dx < 0 else 0),
+                y + dy - (SMALLEST_PT if dy < 0 else 0),
+                x + dx + (width if dx > 0 else 0),
+                y + dy + (SMALLEST_PT if dy > 0 else 0),
+            )
+            for dx, dy in _LABEL_OFFSETS_PT
+        }
+        free = [place for place, box in boxes.items() if not _covers(box, covered)]
+        chosen.append(free[0] if free else _LABEL_OFFSETS_PT[0])
+        covered.append(boxes[chosen[-1]])
+    return chosen
+
+
+def _covers(box: Box, others: Sequence[Box]) -> bool:
+    left, low, right, high = box
+    return any(x0 < right and left < x1 and y0 < high and low < y1 for x0, y0, x1, y1 in others)

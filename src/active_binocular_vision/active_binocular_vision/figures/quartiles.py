@@ -1,0 +1,86 @@
+"""Medians with quartiles as bands or bars, and axes of errors, alike in all figures."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from active_binocular_vision.runs.groups import Group
+from experiment_manager.measures.trials import Trials
+from lockstep.figures import BAND_ALPHA, label_decades, mark_level
+
+# One name for each, in figures as in tables.
+ERROR_LABEL = "|vergence error| / deg"
+DELTA_LABEL = r"$\Delta C$ / W"
+# Fewer tests are points: a line between them would show a course that nobody has measured.
+LEAST_JOINED = 5
+# Shares of the width between the points of two groups.
+_DODGE = 0.012
+# Errors below this share of a pixel need no room.
+_LEAST_PX = 0.02
+
+
+def offset_of(i: int, groups: Sequence[Group]) -> float:
+    """Return how many points beside an iteration the i-th group's point stands."""
+    return i - (len(groups) - 1) / 2
+
+
+def final_errors_deg(trials: Trials, name: str = "vergence_error_deg") -> np.ndarray:
+    """Return the absolute error of that name after a trial's last iteration, (n_trials,)."""
+    return np.abs(trials.column(name)[:, -1])
+
+
+def px_deg_of(groups: Sequence[Group]) -> float:
+    """Return the visual angle of a pixel in the first group's last test, for lines at 1 px."""
+    return groups[0].last_criteria.px_deg
+
+
+def group_handle(group: Group) -> Line2D:
+    """Return what stands for a group in a legend."""
+    return Line2D([], [], color=group.colour, marker=group.marker, ms=4, label=group.label)
+
+
+def draw_quartiles(
+    axes: Axes, at: np.ndarray, quartiles: np.ndarray, group: Group, offset: float
+) -> None:
+    """Draw quartiles (3, n) over training: of many tests a line with a band, of few points.
+
+    offset: how many points beside the iteration, where points are not joined.
+    """
+    if len(at) < LEAST_JOINED:
+        beside = at + offset * _DODGE * group.common.n_iterations
+        draw_bars(axes, beside, quartiles, group.colour, marker=group.marker)
+    else:
+        draw_band(axes, at, quartiles, group.colour, marker=group.marker, ms=3)
+
+
+def draw_band(
+    axes: Axes, at: np.ndarray, quartiles: np.ndarray, colour: str, **style: Any
+) -> Line2D:
+    """Draw the median of quartiles (3, n) as a line, and a band from the lower to the upper."""
+    lower, median, upper = quartiles
+    axes.fill_between(at, lower, upper, color=colour, alpha=BAND_ALPHA, lw=0)
+    return axes.plot(at, median, color=colour, **style)[0]
+
+
+def draw_bars(
+    axes: Axes, at: np.ndarray, quartiles: np.ndarray, colour: str, **style: Any
+) -> Line2D:
+    """Draw the medians of quartiles (3, n) as points, and bars from the lower to the upper."""
+    lower, median, upper = quartiles
+    axes.vlines(at, lower, upper, color=colour, lw=1.2)
+    look: dict[str, Any] = {"marker": "o", "ms": 5} | style
+    return axes.plot(at, median, ls="", color=colour, **look)[0]
+
+
+def scale_errors(axes: Axes, px_deg: float, *, has_pixel: bool = True) -> None:
+    """Draw errors in deg to a logarithmic scale, with a line at 1 px."""
+    axes.set_yscale("log")
+    low, high = axes.get_ylim()
+    if low < _LEAST_PX * px_deg < high:
+        axes.set_ylim(_LEAST_PX * px_deg, high)
+    label_decades(axes)
+    if has_pixel:
+        mark_level(axes, px_deg, "1 px")

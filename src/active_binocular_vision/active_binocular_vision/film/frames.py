@@ -1,0 +1,194 @@
+"""The frames of a film: both eyes' pictures, their anaglyph, and curves up to now."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import cv2
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from active_binocular_vision.film.scenes import ERRORS, Scene
+from experiment_manager.anaglyph import anaglyph
+from lockstep.command_space import MUSCLES, SIDES
+from lockstep.figures import BLUE, GREEN, GREY, LIGHT_GREY, STYLE, VERMILION
+
+_DPI = 100
+# Three panels side by side: a page shows such a frame as it is, with text of 9 pt.
+PANEL_WIDTH_PX, _MOST_HEIGHT_PX = 240, 180
+HEADER_PX = 46
+_CURVES_PX, _LEGEND_PX = 180, 46
+_TITLES = ("left eye", "right eye", "left in red, right in cyan")
+
+_PAIR_LABELS = ("medial rectus", "lateral rectus")
+# Antagonists share colour and marker; the second of them is dashed. The few colours of a GIF keep
+# these apart.
+_MUSCLE_COLOURS, _MUSCLE_MARKERS = ("black", VERMILION, BLUE), "os^"
+_MUSCLE_STYLES: tuple[dict[str, Any], ...] = ({"ls": "-"}, {"ls": "--", "mfc": "white"})
+_TARGET_COLOUR = tuple(round(255 * part) for part in to_rgb(VERMILION))
+_TARGET_RADIUS_PX = 7
+_ERROR_STYLES = ((BLUE, "-"), ("black", "--"), (VERMILION, "-."))
+
+# A scene ends with its last frame for a while.
+_HELD_PERIODS = 4
+
+Frame = tuple[np.ndarray, int]
+
+
+def frames(scenes: Sequence[Scene]) -> Iterator[Frame]:
+    """Yield per iteration of each scene (height_px, width_px, 3) uint8, RGB, and its periods."""
+    with mpl.rc_context(STYLE):
+        page = Page(scenes)
+        for scene in scenes:
+            last = len(scene.errors_deg) - 1
+            for iteration in range(last + 1):
+                n_periods = _HELD_PERIODS if iteration == last else 1
+                yield page.draw(scene, iteration), n_periods
+
+
+def shown_part(picture: np.ndarray) -> np.ndarray:
+    """Return the middle of a camera's picture (height, width), enlarged to a panel's width."""
+    n_times = _times(picture)
+    large = picture.repeat(n_times, axis=0).repeat(n_times, axis=1)
+    top, left = (
+        max(0, (size - most) // 2)
+        for size, most in zip(large.shape, (_MOST_HEIGHT_PX, PANEL_WIDTH_PX), strict=True)
+    )
+    return large[top : top + _MOST_HEIGHT_PX, left : left + PANEL_WIDTH_PX]
+
+
+def _times(picture: np.ndarray) -> int:
+    """Return how many times a camera's picture (height, width) is enlarged."""
+    return -(-PANEL_WIDTH_PX // picture.shape[1])
+
+
+class Page:
+    """Header, room for the pictures, and curves of a scene up to an iteration.
+
+    figure: one for all scenes, drawn again and again.
+    """
+
+    def __init__(self, scenes: Sequence[Scene]) -> None:
+        """scenes: of one command space; axes have room for all of them."""
+        is_of_pair = scenes[0].errors_deg.shape[1] == 1
+        below_px = 0 if is_of_pair else _LEGEND_PX
+        height_px = HEADER_PX + len(shown_part(scenes[0].pictures[0, 0])) + _CURVES_PX + below_px
+        width_px = len(_TITLES) * PANEL_WIDTH_PX
+        self.figure = Figure(figsize=(width_px / _DPI, height_px / _DPI), dpi=_DPI)
+        self._canvas = FigureCanvasAgg(self.figure)
+        self._caption = self.figure.text(0.01, 1 - 14 / height_px, "", va="center")
+        for i, title in enumerate(_TITLES):
+            x, y = (i + 0.5) / len(_TITLES), 1 - 35 / height_px
+            self.figure.text(x, y, title, ha="center", va="center")
+        panels = self.figure.subplots(1, len(_TITLES))
+        draw = _pair_lines if is_of_pair else _muscle_lines
+        self._lines = draw(panels, scenes)
+        n_iterations = max(len(scene.errors_deg) for scene in scenes)
+        for axes in panels:
+            axes.set_xlim(-0.3, n_iterations - 0.7)
+            axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
+            axes.set_xlabel("iteration")
+        top = (_CURVES_PX + below_px) / height_px
+        self.figure.tight_layout(rect=(0.0, below_px / height_px, 1.0, top), w_pad=0.5)
+
+    def draw(self, scene: Scene, iteration: int) -> np.ndarray:
+        """Return the frame (height_px, width_px, 3) uint8."""
+        values = np.column_stack([scene.activations, scene.errors_deg, scene.metabolic_rate_w])
+        shown = values[: iteration + 1].T[: len(self._lines)]
+        for line, of_line in zip(self._lines, shown, strict=True):
+            line.set_data(np.arange(len(of_line)), of_line)
+        self._caption.set_text(
+            f"{scene.caption}, iteration {iteration}: {_errors(scene, iteration)}"
+        )
+        self._canvas.draw()
+        frame = np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
+        left, right = (shown_part(picture) for picture in scene.pictures[iteration])
+        eyes = [np.stack([picture] * 3, axis=-1) for picture in (left, right)]
+        if scene.targets_deg is not None:
+            _mark(eyes[0], scene.targets_deg[iteration], scene)
+        frame[HEADER_PX : HEADER_PX + len(left)] = np.hstack([*eyes, anaglyph(left, right)])
+        return frame
+
+
+def _mark(panel: np.ndarray, target_deg: np.ndarray, scene: Scene) -> None:
+    """Draw a ring around a gaze target, (2,) to the right and up, in a panel of an eye."""
+    angle = np.radians(np.linalg.norm(target_deg))
+    aside_px = np.tan(angle) / np.tan(np.radians(scene.px_deg)) * _times(scene.pictures[0, 0])
+    right, up = aside_px * np.radians(target_deg) / angle if angle > 0.0 else (0.0, 0.0)
+    centre = (round(panel.shape[1] / 2.0 + right), round(panel.shape[0] / 2.0 - up))
+    cv2.circle(panel, centre, _TARGET_RADIUS_PX, _TARGET_COLOUR, 2, cv2.LINE_AA)
+
+
+def _errors(scene: Scene, iteration: int) -> str:
+    error_deg, *others_deg = scene.errors_deg[iteration]
+    if not others_deg:
+        return f"vergence error {error_deg:+.2f} deg ({error_deg / scene.px_deg:+.1f} px)"
+    named = zip(ERRORS, (error_deg, *others_deg), strict=True)
+    return ", ".join(f"{name} {of_name:+.2f}" for name, of_name in named) + " deg"
+
+
+def _pair_lines(panels: Sequence[Axes], scenes: Sequence[Scene]) -> list[Line2D]:
+    """Return the lines of both activations of the pair, of the error and of the metabolic rate."""
+    activation, error, rate = panels
+    colours = (BLUE, VERMILION)
+    lines = [
+        activation.plot([], [], marker=".", color=colour, label=label)[0]
+        for colour, label in zip(colours, _PAIR_LABELS, strict=True)
+    ]
+    activation.set(ylabel="activation", ylim=(-0.005, 1.5 * _highest(scenes)))
+    activation.legend(loc="upper center", borderaxespad=0.1)
+    lines += _error_lines(error, scenes)
+    lines += rate.plot([], [], marker=".", color=GREEN)
+    highest_w = max(float(scene.metabolic_rate_w.max()) for scene in scenes)
+    rate.set(ylabel="metabolic\nrate / W", ylim=(0.0, 1.1 * highest_w or 1.0))
+    return lines
+
+
+def _highest(scenes: Sequence[Scene]) -> float:
+    return max(float(scene.activations.max()) for scene in scenes)
+
+
+def _muscle_lines(panels: Sequence[Axes], scenes: Sequence[Scene]) -> list[Line2D]:
+    """Return a line for each muscle, in the panel of its eye, and for each error."""
+    *eyes, error = panels
+    lines = []
+    for name in scenes[0].names:
+        side, _, muscle = name.partition("_")
+        i_pair, i_antagonist = divmod(MUSCLES.index(muscle), 2)
+        style = {
+            "label": muscle.replace("_", " "),
+            "color": _MUSCLE_COLOURS[i_pair],
+            "marker": _MUSCLE_MARKERS[i_pair],
+            "ms": 3,
+            **_MUSCLE_STYLES[i_antagonist],
+        }
+        lines += eyes[SIDES.index(side)].plot([], [], **style)
+    for axes, side in zip(eyes, SIDES, strict=True):
+        axes.set(ylabel=f"activation, {side} eye", ylim=(-0.005, 1.05 * _highest(scenes) + 0.005))
+    shown = eyes[0].get_lines()
+    eyes[0].figure.legend(handles=shown, loc="lower left", ncols=-(-len(shown) // 2))
+    lines += _error_lines(error, scenes)
+    eyes[0].figure.legend(handles=error.get_lines(), loc="lower right", ncols=2)
+    return lines
+
+
+def _error_lines(axes: Axes, scenes: Sequence[Scene]) -> list[Line2D]:
+    """Return a line for each error, before a band of 1 px to either side."""
+    px_deg, n_errors = scenes[0].px_deg, scenes[0].errors_deg.shape[1]
+    axes.axhspan(-px_deg, px_deg, color=LIGHT_GREY, alpha=0.6, lw=0)
+    lines = [
+        axes.plot([], [], marker=".", color=colour, ls=ls, label=name)[0]
+        for name, (colour, ls) in zip(ERRORS[:n_errors], _ERROR_STYLES, strict=False)
+    ]
+    # NaN: the left eye does not look towards the plane.
+    limit_deg = 1.1 * max(float(np.nanmax(np.abs(s.errors_deg))) for s in scenes) + px_deg
+    axes.set(ylabel="error / deg")
+    axes.set_ylim(-limit_deg, limit_deg)
+    corner = axes.transAxes
+    axes.text(1.0, 1.0, "grey: ±1 px", transform=corner, ha="right", va="top", color=GREY)
+    return lines

@@ -1,0 +1,159 @@
+"""Which recorded episodes a film shows, and what is needed of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from active_binocular_vision.runs.recorded_run import (
+    PicturedEpisodes,
+    commanded,
+    evaluation_settings_of,
+    pictured_episodes,
+)
+from experiment_manager.bag.reader import Bag, VectorTable
+from lockstep.command_space import PAIR
+from lockstep.wire.topics import PICTURES, TARGET_NAMES, TEST
+
+SCENES_PER_STAGE = 3
+ERRORS = ("vergence", "vertical", "cyclovergence")
+# What comes later is rest; of eyes that make saccades two fixations are shown.
+_MOST_ITERATIONS, _MOST_FIXATIONS = 10, 5
+_LEAST_START_ERROR_DEG = 0.5
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The first iterations of an episode, n of them.
+
+    pictures: (n, 2, height, width) uint8; errors_deg: (n, 3) vergence, vertical and cyclovergence
+    error, of the pair (n, 1) the first; metabolic_rate_w: (n,) of both eyes; activations: (n,
+    n_commands) what commands set, with their names; px_deg: visual angle of a pixel; targets_deg:
+    (n, 2) gaze target, to the right and up of the left picture's centre, None where none is given.
+    """
+
+    caption: str
+    pictures: np.ndarray
+    errors_deg: np.ndarray
+    metabolic_rate_w: np.ndarray
+    activations: np.ndarray
+    names: tuple[str, ...]
+    px_deg: float
+    targets_deg: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class RecordedEpisode:
+    """A recorded episode with pictures, number i_episode of them; trial: -1 in training."""
+
+    training_iteration: int
+    is_trial: bool
+    trial: int
+    start_error_deg: float
+    i_episode: int = -1
+
+
+def scenes(bag: Bag) -> list[Scene]:
+    """Return three scenes each from before, during and after learning, as far as they are there.
+
+    Raises InputError for a bag without pictures.
+    """
+    pictured = pictured_episodes(bag)
+    muscles = bag.vectors("muscle_activations")["muscle_activations"]
+    stages = chosen_stages(_episodes(pictured))
+    return [
+        _scene(bag, pictured, muscles, episode, caption)
+        for caption, episodes in stages
+        for episode in episodes
+    ]
+
+
+def _episodes(pictured: PicturedEpisodes) -> list[RecordedEpisode]:
+    column = pictured.truth.column
+    firsts = [rows[0] for rows in pictured.rows]
+    values = [
+        column(name)[firsts]
+        for name in ("training_iteration", "phase", "trial", "vergence_error_deg")
+    ]
+    return [
+        RecordedEpisode(int(training), phase == TEST, int(trial), float(error_deg), i_episode)
+        for i_episode, (training, phase, trial, error_deg) in enumerate(zip(*values, strict=True))
+    ]
+
+
+def chosen_stages(episodes: Sequence[RecordedEpisode]) -> list[tuple[str, list[RecordedEpisode]]]:
+    """Return the captions of the stages and their episodes.
+
+    Before and after learning the same trials, where there are some in both, of errors as different
+    as can be; during learning whatever there is, evenly spread. An episode that starts without an
+    error has nothing to show.
+    """
+    moving = [e for e in episodes if abs(e.start_error_deg) >= _LEAST_START_ERROR_DEG]
+    episodes = moving or list(episodes)
+    ends = [
+        min(e.training_iteration for e in episodes),
+        max(e.training_iteration for e in episodes),
+    ]
+    before, after = (
+        _trials_first([e for e in episodes if e.training_iteration == end]) for end in ends
+    )
+    if ends[0] == ends[1]:
+        return [(_after(ends[0]), _spread(before))]
+    common = {e.trial for e in before} & {e.trial for e in after}
+    if common:
+        before, after = ([e for e in of_stage if e.trial in common] for of_stage in (before, after))
+    during = [e for e in episodes if ends[0] < e.training_iteration < ends[1]]
+    stages = [(_after(ends[0]), _by_error(before))]
+    stages += [(_after(e.training_iteration), [e]) for e in _spread(during)]
+    return [*stages, (_after(ends[1]), _by_error(after))]
+
+
+def _after(training_iteration: int) -> str:
+    if training_iteration == 0:
+        return "before learning"
+    return f"after {training_iteration:,} training iterations"
+
+
+def _trials_first(episodes: Sequence[RecordedEpisode]) -> list[RecordedEpisode]:
+    trials = [e for e in episodes if e.is_trial]
+    return trials or list(episodes)
+
+
+def _by_error(episodes: Sequence[RecordedEpisode]) -> list[RecordedEpisode]:
+    return _spread(sorted(episodes, key=lambda e: (e.start_error_deg, e.trial)))
+
+
+def _spread(episodes: Sequence[RecordedEpisode]) -> list[RecordedEpisode]:
+    n_scenes = min(SCENES_PER_STAGE, len(episodes))
+    chosen = np.linspace(0, len(episodes) - 1, n_scenes).round().astype(int)
+    return [episodes[i] for i in chosen]
+
+
+def _scene(
+    bag: Bag,
+    pictured: PicturedEpisodes,
+    muscles: VectorTable,
+    episode: RecordedEpisode,
+    caption: str,
+) -> Scene:
+    truth, settings = pictured.truth, evaluation_settings_of(bag)
+    wanted = truth.stamps_ns[pictured.rows[episode.i_episode]]
+    pairs = [dict(bag.images(topic, wanted.tolist())) for topic in PICTURES]
+    fixation = settings.fixation_iterations
+    most = _MOST_FIXATIONS * fixation if fixation else _MOST_ITERATIONS
+    stamps_ns = [s for s in wanted.tolist() if all(s in pair for pair in pairs)][:most]
+    rows = truth.at(np.array(stamps_ns))
+    has_targets = fixation and (episode.is_trial or settings.gives_targets)
+    errors = ERRORS[: 1 if settings.plant.command_space == PAIR else None]
+    return Scene(
+        caption,
+        np.stack([[pair[s] for pair in pairs] for s in stamps_ns]),
+        np.stack([truth.column(f"{name}_error_deg")[rows] for name in errors], axis=1),
+        truth.column("metabolic_rate_w")[rows],
+        commanded(muscles, settings.plant.space)[muscles.at(np.array(stamps_ns))],
+        settings.plant.space.names,
+        settings.criteria(episode.training_iteration).px_deg,
+        np.stack([truth.column(name)[rows] for name in TARGET_NAMES], axis=1)
+        if has_targets
+        else None,
+    )

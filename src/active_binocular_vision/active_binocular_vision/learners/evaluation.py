@@ -1,0 +1,117 @@
+"""A test of the frozen learners of a checkpoint, in process, on any pictures."""
+
+import dataclasses
+import sys
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from active_binocular_vision.learners.learners import FrozenLearners
+from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
+from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
+from experiment_manager.experiment.protocol import Protocol, make_protocol
+from experiment_manager.in_process.loop import InProcessLoop
+from experiment_manager.measures.criteria import criteria_of
+from experiment_manager.measures.metrics import summary_of
+from experiment_manager.measures.results import Summary
+from experiment_manager.measures.trials import TrialTable, only_test
+from experiment_manager.terminal.progress_lines import progress
+from eye_plant.episode import Episode
+from lockstep.command_space import PAIR
+from lockstep.errors import InputError
+
+# How many random-dot stereograms a test shows by default.
+_N_STEREOGRAMS = 10
+
+
+@dataclass(frozen=True)
+class FrozenResults:
+    """What frozen learners did in a test.
+
+    learners: what a document says of them; start_scale: of the first errors; stimuli: what was
+    shown, in words, "" for the run's own.
+    """
+
+    learners: FrozenLearners
+    start_scale: float
+    stimuli: str
+    n_stimuli: int
+    test: Summary
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what evaluate.sh writes."""
+        return self.learners.said() | {
+            "start_scale": self.start_scale,
+            "stimuli": self.stimuli,
+            "n_stimuli": self.n_stimuli,
+            "tests": [self.test.to_json()],
+        }
+
+
+def evaluated(
+    learners: FrozenLearners, shown: Shown = OWN_TEST_STIMULI, start_scale: float = 1.0
+) -> FrozenResults:
+    """Make the test; return its summary, and what it is a test of.
+
+    start_scale: how many times as far off trials begin as in the run's own tests, in errors and
+    version, of eyes with a command for each muscle. Raises InputError for a run, checkpoint, state
+    or picture that cannot be used.
+    """
+    manager = learners.manager
+    criteria = criteria_of(learners.plant, manager.protocol.fixation_iterations)
+    n_default = _N_STEREOGRAMS if shown.random_dots else manager.protocol.n_stimuli_per_test
+    stimuli = shown.load(learners.plant.stimuli, n_default)
+    n_stimuli = len(stimuli.all) + len(stimuli.stereograms)
+    started = dataclasses.replace(manager, protocol=_with_starts(manager.protocol, start_scale))
+    protocol = _test_protocol(started, learners.trained, n_stimuli)
+    with learners.loop(stimuli) as loop:
+        table = _trial_table(loop, protocol)
+    trials = only_test(table, manager.protocol.iterations_per_trial)
+    return FrozenResults(learners, start_scale, shown.text, n_stimuli, summary_of(trials, criteria))
+
+
+def _with_starts(protocol: ProtocolConfig, start_scale: float) -> ProtocolConfig:
+    if start_scale == 1.0:
+        return protocol
+    if protocol.command_space == PAIR:
+        raise InputError(
+            "start_scale: expected a run with a command for each muscle, whose first errors "
+            "are drawn from ranges; those of the pair are whole degrees"
+        )
+    error_deg, version_deg = (
+        tuple(start_scale * most for most in largest_deg)
+        for largest_deg in (protocol.start_error_deg, protocol.start_version_deg)
+    )
+    return dataclasses.replace(protocol, start_error_deg=error_deg, start_version_deg=version_deg)
+
+
+def _test_protocol(config: ExperimentManagerConfig, trained: int, n_stimuli: int) -> Protocol:
+    """Return a protocol that ends after so many training iterations, with a single test."""
+    tested = dataclasses.replace(
+        config.protocol,
+        n_training_iterations=trained,
+        test_iterations=(trained,),
+        n_test_stimuli=n_stimuli,
+        n_stimuli_per_test=n_stimuli,
+    )
+    return make_protocol(dataclasses.replace(config, protocol=tested))
+
+
+def _trial_table(loop: InProcessLoop, protocol: Protocol) -> TrialTable:
+    """Return the observations of all trials."""
+    test = protocol.segments[-1]
+    n_training = protocol.config.n_training_stimuli
+    rows: list[tuple[float, ...]] = []
+    numbers = range(test.first, test.first + test.n_episodes)
+    for i in progress(numbers, file=sys.stderr, desc="test", unit="trial"):
+        rows += _trial(loop, protocol.episode(i), n_training)
+    return TrialTable(np.array(rows, dtype=np.float64))
+
+
+def _trial(loop: InProcessLoop, episode: Episode, n_training: int) -> list[tuple[float, ...]]:
+    # This plant holds test pictures alone, so they are counted from 0.
+    shown = dataclasses.replace(episode, stimulus=episode.stimulus - n_training)
+    observations = [step.observation for step in loop.run_episode(shown, learning=False)]
+    space = loop.plant.config.space
+    return [(*o.ground_truth_values(), *space.from_all(o.state.activations)) for o in observations]

@@ -1,0 +1,1 @@
+"""Pages for a browser: a report, and tables of conditions."""

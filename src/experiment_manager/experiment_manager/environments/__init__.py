@@ -1,8 +1,0 @@
-"""The experiment as Gymnasium environments, for other people's agents; importing registers them."""
-
-import gymnasium
-
-_MODULE = "experiment_manager.environments.active_vergence"
-
-gymnasium.register("ActiveVergence-v0", f"{_MODULE}:PictureEnvironment")
-gymnasium.register("ActiveVergenceFeatures-v0", f"{_MODULE}:FeatureEnvironment")

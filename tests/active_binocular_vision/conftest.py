@@ -1,0 +1,27 @@
+import copy
+from collections.abc import Iterator
+from pathlib import Path
+
+import matplotlib as mpl
+import pytest
+
+from active_binocular_vision.runs.reported_run import ReportedRun
+from lockstep.figures import STYLE
+
+
+@pytest.fixture(autouse=True)
+def style() -> Iterator[None]:
+    """Figures are drawn as the commands draw them."""
+    with mpl.rc_context(STYLE):
+        yield
+
+
+@pytest.fixture(scope="package")
+def read_runs(run_directories: dict[str, Path]) -> list[ReportedRun]:
+    return [ReportedRun(directory) for directory in run_directories.values()]
+
+
+@pytest.fixture
+def runs(read_runs: list[ReportedRun]) -> list[ReportedRun]:
+    """Runs of M and of M_C, to change at will; what their bags hold is read once for all tests."""
+    return [copy.copy(run) for run in read_runs]

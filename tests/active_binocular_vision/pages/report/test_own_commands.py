@@ -1,0 +1,122 @@
+"""Figures and tables of runs whose muscles have commands of their own."""
+
+import re
+from html import unescape
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+
+from active_binocular_vision.figures.activations import activations_figure
+from active_binocular_vision.figures.errors import errors_figure
+from active_binocular_vision.figures.price import over_prices, price_figure
+from active_binocular_vision.pages.report.drawings import drawings
+from active_binocular_vision.pages.report.tables import antagonists_table, comparison_table
+from active_binocular_vision.runs.groups import Group, groups_of
+from active_binocular_vision.runs.reported_run import ReportedRun
+from experiment_manager.measures.trials import ERROR_NAMES
+from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI, PAIR
+from tests.active_binocular_vision.own_commands import N_ITERATIONS, write_run
+from tests.readable import assert_readable
+
+
+@pytest.fixture(scope="module", params=[HORIZONTAL_RECTI, ALL_MUSCLES])
+def group(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Group:
+    directory = write_run(tmp_path_factory.mktemp("runs") / "run", request.param)
+    return groups_of([ReportedRun(directory)])[0]
+
+
+def _median_line(axes: Axes) -> np.ndarray:
+    return np.asarray(axes.lines[0].get_ydata())
+
+
+def test_each_error_is_drawn_over_a_trial_and_over_training(group: Group) -> None:
+    figure = errors_figure([group])
+    during, over = figure.axes[:3], figure.axes[3:]
+    for name, of_trial, of_training in zip(ERROR_NAMES, during, over, strict=True):
+        errors_deg = np.abs(group.last_trials.column(name))
+        shown = [0, 1, 2, 3, N_ITERATIONS]
+        assert np.asarray(of_trial.lines[0].get_xdata()).tolist() == shown, "those that are kept"
+        assert np.allclose(_median_line(of_trial), np.median(errors_deg[:, shown], axis=0))
+        finals_deg = [np.abs(group.trials_at(n).column(name)[:, -1]) for n in (0, 1000)]
+        assert np.allclose(_median_line(of_training), np.median(finals_deg, axis=1))
+
+
+def test_each_commanded_muscle_is_drawn_from_start_to_end(group: Group) -> None:
+    trials = group.last_trials
+    figure = activations_figure(group)
+    # Two antagonists a panel, the start and the end of each.
+    lines = [line for axes in figure.axes for line in axes.lines]
+    assert len(lines) == 2 * len(trials.space.names)
+    starts_and_ends = iter(lines)
+    for name in trials.space.names:
+        for iteration in (0, -1):
+            values = trials.column(name)[:, iteration]
+            expected = [np.median(values[trials.object_distance_m == d]) for d in (0.5, 3.0, 6.0)]
+            assert np.allclose(next(starts_and_ends).get_ydata(), expected)
+    labels = [axes.get_ylabel() for axes in figure.axes if axes.get_ylabel()]
+    assert labels == ["activation, left eye", "activation, right eye"]
+
+
+def test_figures_of_own_commands_can_be_read(group: Group) -> None:
+    assert_readable(errors_figure([group]))
+    assert_readable(activations_figure(group))
+
+
+def test_prices_show_the_errors_about_all_axes(tmp_path: Path) -> None:
+    family = [
+        ReportedRun(write_run(tmp_path / f"{weight}", ALL_MUSCLES, "M_C", weight))
+        for weight in (0.1, 0.3, 1.0)
+    ]
+    groups = over_prices(groups_of(family))
+    figure = price_figure(groups)
+    assert_readable(figure)
+    error, _, _ = figure.axes
+    drawn = [np.asarray(line.get_ydata()) for line in error.lines[::2]]
+    for medians, name in zip(drawn, ERROR_NAMES, strict=False):
+        expected = np.median(np.abs(groups[0].last_trials.column(name)[:, -1]))
+        assert np.allclose(medians, expected)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == ["horizontal error", "vertical error", "cyclovergence error"]
+
+
+def _rows(table: str) -> list[list[str]]:
+    rows = re.findall(r"<tr>(.*?)</tr>", unescape(table))
+    return [re.findall(r"<t[hd]>(.*?)</t[hd]>", row) for row in rows]
+
+
+def test_a_line_for_each_two_antagonists(group: Group) -> None:
+    header, *rows = _rows(antagonists_table([group]))
+    assert header[-3:] == ["at 0.5 m", "at 3 m", "at 6 m"]
+    assert len(rows) == len(group.last_trials.space.names) // 2
+    assert rows[0][2:4] == ["left", "medial rectus and lateral rectus"]
+    both = [group.last_trials.column(f"left_{m}_rectus")[:, -1] for m in ("medial", "lateral")]
+    assert rows[0][4] == f"{np.median(np.minimum(*both)):.3f}"
+
+
+def test_the_paper_stands_beside_the_pair_alone(group: Group, tmp_path: Path) -> None:
+    header, *rows = _rows(comparison_table([group]))
+    assert header == ["measure", "ours, M"]
+    names = [name for name, _ in rows]
+    assert "our test set: median |vertical error| / deg" in names
+    assert not [name for name in names if "authors" in name]
+
+    pair = ReportedRun(write_run(tmp_path / "pair", PAIR))
+    of_pair, of_others = groups_of([pair, *group.runs])
+    if not of_pair.is_of_pair:
+        of_pair, of_others = of_others, of_pair
+    header, *rows = _rows(comparison_table([of_others, of_pair]))
+    assert [name.partition(",")[0] for name in header] == ["measure", "ours", "paper", "ours"]
+    cells = {name: of_name for name, *of_name in rows}
+    assert cells["authors' test set: median |vergence error| / deg"][:2] == ["-", "0.07"]
+    assert cells["our test set: median |vertical error| / deg"][1:] == ["-", "-"]
+    header, *rows = _rows(comparison_table([of_pair]))
+    assert not [name for name, *_ in rows if "vertical" in name]
+
+
+def test_the_plane_of_two_activations_is_left_out(group: Group) -> None:
+    found = {drawing.name: drawing for drawing in drawings([group])}
+    assert found["motor_space"].draw() is None
+    assert found["motor_space"].absence.endswith("both eyes alike: run.")
+    assert {"errors", "activations_0_M"} < set(found)
