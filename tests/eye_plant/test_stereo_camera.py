@@ -11,7 +11,6 @@ import pytest
 from eye_plant.camera.config import RENDERERS, CameraConfig
 from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stimulus_set import StimulusSet
-from eye_plant.validation.dynamic_checks import DISTANCES_M, spot
 from eye_plant.vergence import desired_vergence_deg, disparity_px
 from lockstep.errors import InputError
 from tests.eye_plant.rotations import rotation, turned_inward
@@ -21,6 +20,7 @@ EYE_HEIGHT_M = 1.7
 POSITIONS_M = np.array([[0.0, 0.028, EYE_HEIGHT_M], [0.0, -0.028, EYE_HEIGHT_M]])
 FOCAL_LENGTH_PX = 257.34
 SIZE_PX = 1920
+DISTANCES_M = (0.5, 1.0, 2.0, 4.0, 6.0)
 
 # Numbers of the stimuli.
 FLAT = {grey: i for i, grey in enumerate((0, 1, 77, 128, 254, 255))}
@@ -29,10 +29,17 @@ QUADRANTS = len(FLAT) + len(MARK)
 NOISE = QUADRANTS + 1
 
 
+def spot(distance_m: float) -> np.ndarray:
+    """A bright Gaussian spot on black, four camera pixels wide when seen from distance_m."""
+    width_px = 4.0 * distance_m / FOCAL_LENGTH_PX / CameraConfig().plane_size_m * SIZE_PX
+    profile = np.exp(-0.5 * ((np.arange(SIZE_PX) - 0.5 * (SIZE_PX - 1)) / width_px) ** 2)
+    return np.rint(255.0 * np.outer(profile, profile)).astype(np.uint8)
+
+
 @pytest.fixture(scope="module")
 def stimuli() -> StimulusSet:
     flat = tuple(np.full((64, 64), grey, np.uint8) for grey in FLAT)
-    marks = tuple(spot(CameraConfig(), distance_m) for distance_m in MARK)
+    marks = tuple(spot(distance_m) for distance_m in MARK)
     quadrants = np.kron(np.array([[200, 150], [100, 50]], np.uint8), np.ones((32, 32), np.uint8))
     coarse = np.random.default_rng(0).integers(0, 256, (240, 240), dtype=np.uint8)
     noise = cv2.resize(coarse, (SIZE_PX, SIZE_PX), interpolation=cv2.INTER_CUBIC)
