@@ -7,7 +7,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from lockstep.figures import SMALLEST_PT, WIDTH_IN
+from active_binocular_vision.figures.style import SMALLEST_PT, WIDTH_IN
 
 
 def drawn_texts(figure: Figure) -> list[Text]:

@@ -11,8 +11,16 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 
+from active_binocular_vision.figures.style import (
+    BLUE,
+    STYLE,
+    VERMILION,
+    label_decades,
+    mark_level,
+    new_figure,
+    save,
+)
 from eye_plant.vergence import degrees_per_px
-from lockstep.figures import BLUE, STYLE, VERMILION, label_decades, mark_level, new_figure, save
 
 MEASURED = Path(__file__).parents[2] / "results" / "gymnasium"
 FOCAL_LENGTH_PX = 257.34

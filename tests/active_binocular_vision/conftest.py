@@ -5,8 +5,8 @@ from pathlib import Path
 import matplotlib as mpl
 import pytest
 
+from active_binocular_vision.figures.style import STYLE
 from active_binocular_vision.runs.reported_run import ReportedRun
-from lockstep.figures import STYLE
 
 
 @pytest.fixture(autouse=True)

@@ -11,6 +11,7 @@ from matplotlib.colors import to_rgb
 from PIL import Image
 
 from active_binocular_vision.commands.inspect_bag import main
+from active_binocular_vision.figures.style import VERMILION
 from active_binocular_vision.film.frames import (
     HEADER_PX,
     PANEL_WIDTH_PX,
@@ -21,7 +22,6 @@ from active_binocular_vision.film.scenes import Scene, scenes
 from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.bag.writer import BagWriter
 from lockstep.command_space import MUSCLE_NAMES
-from lockstep.figures import VERMILION
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TEST, TRAINING
 from tests.pair import HORIZONTAL_RECTI
 from tests.readable import assert_readable

@@ -19,11 +19,11 @@ from active_binocular_vision.figures.nine_positions import (
     hess_chart,
     listing_figure,
 )
+from active_binocular_vision.figures.style import STYLE, save
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from lockstep.command_space import SIDES
 from lockstep.errors import InputError
-from lockstep.figures import STYLE, save
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from pathlib import Path
 import matplotlib as mpl
 import yaml
 
+from active_binocular_vision.figures.style import STYLE, save
 from active_binocular_vision.pages.clinic.page import write_clinic_page
 from active_binocular_vision.pages.rearing.page import write_rearing_page
 from active_binocular_vision.pages.report import page as report_page
@@ -31,7 +32,6 @@ from lockstep.command_line import CommandLine
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
-from lockstep.figures import STYLE, save
 
 REPORT_FILE = "report.html"
 _ABOUT_PAIR = (

@@ -13,9 +13,9 @@ from active_binocular_vision.figures.quartiles import (
     px_deg_of,
     scale_errors,
 )
+from active_binocular_vision.figures.style import legend_below, mark_level, new_figure, title_panels
 from active_binocular_vision.runs.groups import Group
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS
-from lockstep.figures import legend_below, mark_level, new_figure, title_panels
 
 # Whiskers of boxes are these percentiles.
 _WHISKERS = (5, 95)

@@ -14,9 +14,7 @@ from active_binocular_vision.examinations.acuity import AcuityResults
 from active_binocular_vision.examinations.cover import CoverResults
 from active_binocular_vision.examinations.prisms import Array, PrismResults, PrismTrial
 from active_binocular_vision.figures.quartiles import draw_band
-from experiment_manager.measures.metrics import QUARTILES
-from lockstep.command_space import SIDES
-from lockstep.figures import (
+from active_binocular_vision.figures.style import (
     BLUE,
     GREY,
     LIGHT_GREY,
@@ -27,6 +25,8 @@ from lockstep.figures import (
     new_figure,
     title_panels,
 )
+from experiment_manager.measures.metrics import QUARTILES
+from lockstep.command_space import SIDES
 
 # Of left and right eye, and of near and far.
 _COLOURS = (BLUE, VERMILION)

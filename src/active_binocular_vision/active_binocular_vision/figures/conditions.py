@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
 from active_binocular_vision.figures.quartiles import px_deg_of
+from active_binocular_vision.figures.style import LIGHT_GREY, SMALLEST_PT, panel_grid, title_panels
 from active_binocular_vision.runs.groups import Group
-from lockstep.figures import LIGHT_GREY, SMALLEST_PT, panel_grid, title_panels
 
 # Colours reach from 1/16 px to 16 px; beyond a third of that on either side text is white.
 _REACH = 16.0

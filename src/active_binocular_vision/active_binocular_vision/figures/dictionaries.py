@@ -4,13 +4,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter
 
+from active_binocular_vision.figures.style import GREY, WIDTH_IN, new_figure, title_panels
 from active_binocular_vision.learners.basis_functions import (
     LARGEST_SHIFT_PX,
     dominance,
     preferred_disparity_px,
 )
 from lockstep.errors import InputError
-from lockstep.figures import GREY, WIDTH_IN, new_figure, title_panels
 from sparse_coder.patches import N_PIXELS, PATCH_SIZE_PX, PX_PER_PIXEL
 
 SCALES = ("coarse", "fine")

@@ -16,9 +16,9 @@ from active_binocular_vision.figures.quartiles import (
     px_deg_of,
     scale_errors,
 )
+from active_binocular_vision.figures.style import WIDTH_IN, legend_below, new_figure, title_panels
 from active_binocular_vision.runs.groups import Group
 from experiment_manager.measures.metrics import QUARTILES, REPORTED_ITERATIONS
-from lockstep.figures import WIDTH_IN, legend_below, new_figure, title_panels
 
 _ERRORS = {
     "vergence_error_deg": "horizontal (vergence)",

@@ -22,13 +22,7 @@ from active_binocular_vision.figures.quartiles import (
     px_deg_of,
     scale_errors,
 )
-from active_binocular_vision.runs.groups import Group, groups_of
-from active_binocular_vision.runs.recorded_run import TrainingCurve
-from active_binocular_vision.runs.reported_run import FIGURES, ReportedRun
-from experiment_manager.measures.metrics import QUARTILES
-from experiment_manager.measures.results import Summary
-from experiment_manager.measures.trials import Trials
-from lockstep.figures import (
+from active_binocular_vision.figures.style import (
     GREY,
     STYLE,
     legend_below,
@@ -37,6 +31,12 @@ from lockstep.figures import (
     save,
     title_panels,
 )
+from active_binocular_vision.runs.groups import Group, groups_of
+from active_binocular_vision.runs.recorded_run import TrainingCurve
+from active_binocular_vision.runs.reported_run import FIGURES, ReportedRun
+from experiment_manager.measures.metrics import QUARTILES
+from experiment_manager.measures.results import Summary
+from experiment_manager.measures.trials import Trials
 
 
 def learning_curve(directory: Path) -> Path:

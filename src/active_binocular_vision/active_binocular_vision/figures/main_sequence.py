@@ -9,8 +9,7 @@ from active_binocular_vision.examinations.saccades.examination import (
     DIRECTIONS_DEG,
     Saccades,
 )
-from eye_plant.mechanics.movement import angles_deg
-from lockstep.figures import (
+from active_binocular_vision.figures.style import (
     BLUE,
     GREEN,
     GREY,
@@ -22,6 +21,7 @@ from lockstep.figures import (
     new_figure,
     title_panels,
 )
+from eye_plant.mechanics.movement import angles_deg
 
 # Hopf, Liesenfeld, Schmidtmann, Ashayer & Pitz 2018, reflexive saccades of 100 people: distance of
 # the target in deg, mean and SD of peak velocity in deg/s.

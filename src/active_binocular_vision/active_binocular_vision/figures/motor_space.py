@@ -10,6 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from active_binocular_vision.figures.style import (
+    GREEN,
+    SMALLEST_PT,
+    WIDTH_IN,
+    legend_below,
+    new_figure,
+    title_panels,
+)
 from active_binocular_vision.runs.groups import Group
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.trials import Trials
@@ -17,7 +25,6 @@ from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import HIGHEST_ACTIVATIONS
-from lockstep.figures import GREEN, SMALLEST_PT, WIDTH_IN, legend_below, new_figure, title_panels
 
 # Start errors whose paths are drawn, where a test has them (of K17's -3 to 3 deg).
 _START_ERRORS_DEG = (-3.0, -1.0, 1.0, 3.0)

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from active_binocular_vision.examinations.positions.examination import Examined
 from active_binocular_vision.examinations.positions.listing import DisplacementPlane
 from active_binocular_vision.examinations.positions.measures import is_silent, planes_of_eyes
-from lockstep.command_space import MUSCLES, SIDES
-from lockstep.figures import (
+from active_binocular_vision.figures.style import (
     BLUE,
     GREEN,
     GREY,
@@ -27,6 +26,7 @@ from lockstep.figures import (
     new_figure,
     title_panels,
 )
+from lockstep.command_space import MUSCLES, SIDES
 
 Array = NDArray[np.float64]
 

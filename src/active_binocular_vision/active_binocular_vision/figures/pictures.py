@@ -9,11 +9,18 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from active_binocular_vision.figures.quartiles import draw_band
+from active_binocular_vision.figures.style import (
+    GREY,
+    label_decades,
+    legend_below,
+    new_figure,
+    panel_grid,
+    title_panels,
+)
 from active_binocular_vision.runs.groups import Group
 from active_binocular_vision.runs.recorded_run import RecordedRun, RecordedTest
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.measures.metrics import QUARTILES
-from lockstep.figures import GREY, label_decades, legend_below, new_figure, panel_grid, title_panels
 from lockstep.wire.topics import PICTURES
 from sparse_coder.patches import COARSE_WINDOW_PX
 

@@ -17,10 +17,7 @@ from active_binocular_vision.figures.quartiles import (
     px_deg_of,
     scale_errors,
 )
-from active_binocular_vision.runs.groups import Group
-from experiment_manager.measures.metrics import QUARTILES
-from experiment_manager.measures.trials import Trials
-from lockstep.figures import (
+from active_binocular_vision.figures.style import (
     BLUE,
     GREEN,
     GREY,
@@ -32,6 +29,9 @@ from lockstep.figures import (
     new_figure,
     title_panels,
 )
+from active_binocular_vision.runs.groups import Group
+from experiment_manager.measures.metrics import QUARTILES
+from experiment_manager.measures.trials import Trials
 
 _LEAST_PRICES = 3
 _ERRORS = {

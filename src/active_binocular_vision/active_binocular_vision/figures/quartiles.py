@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from active_binocular_vision.figures.style import BAND_ALPHA, label_decades, mark_level
 from active_binocular_vision.runs.groups import Group
 from experiment_manager.measures.trials import Trials
-from lockstep.figures import BAND_ALPHA, label_decades, mark_level
 
 # One name for each, in figures as in tables.
 ERROR_LABEL = "|vergence error| / deg"

@@ -12,14 +12,7 @@ from matplotlib.patches import Patch
 
 from active_binocular_vision.figures.dictionaries import SCALES
 from active_binocular_vision.figures.quartiles import ERROR_LABEL, scale_errors
-from active_binocular_vision.learners.basis_functions import (
-    BINOCULARITY_EDGES,
-    ORIENTATION_STEP_DEG,
-)
-from active_binocular_vision.pages.rearing.conditions import name_of
-from active_binocular_vision.runs.reared_run import RearedRun, ScaleTuning
-from eye_plant.vergence import degrees_per_px
-from lockstep.figures import (
+from active_binocular_vision.figures.style import (
     BLUE,
     GREY,
     LIGHT_GREY,
@@ -30,6 +23,13 @@ from lockstep.figures import (
     panel_grid,
     title_panels,
 )
+from active_binocular_vision.learners.basis_functions import (
+    BINOCULARITY_EDGES,
+    ORIENTATION_STEP_DEG,
+)
+from active_binocular_vision.pages.rearing.conditions import name_of
+from active_binocular_vision.runs.reared_run import RearedRun, ScaleTuning
+from eye_plant.vergence import degrees_per_px
 from sparse_coder.patches import PATCH_SIZE_PX
 
 Condition = tuple[str, Sequence[RearedRun]]

@@ -9,9 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from active_binocular_vision.pages.clinic.rows import Row
-from active_binocular_vision.runs.examined_run import AGES, BEFORE, BIRTH, END
-from lockstep.figures import (
+from active_binocular_vision.figures.style import (
     BLUE,
     GREY,
     LIGHT_GREY,
@@ -21,6 +19,8 @@ from lockstep.figures import (
     new_figure,
     title_panels,
 )
+from active_binocular_vision.pages.clinic.rows import Row
+from active_binocular_vision.runs.examined_run import AGES, BEFORE, BIRTH, END
 
 _PERCENT, _ACUITY = (0.0, 50.0, 100.0), (0.0, 1.0, 2.0)
 # Measure, name of the axis, factor, and ticks where the range is known.

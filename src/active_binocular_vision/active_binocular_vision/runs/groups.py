@@ -24,7 +24,7 @@ from experiment_manager.run.config_file import (
 from experiment_manager.run.described_run import DescribedRun
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
-from lockstep.figures import BLUE, VERMILION
+from active_binocular_vision.figures.style import BLUE, VERMILION
 
 # Further groups of a model differ in lightness.
 _COLOURS = {"M": (BLUE, "Blues"), "M_C": (VERMILION, "Oranges")}

@@ -16,11 +16,11 @@ from active_binocular_vision.examinations.saccades.examination import (
     place_deg,
 )
 from active_binocular_vision.figures.main_sequence import main_sequence_figure
+from active_binocular_vision.figures.style import STYLE
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from eye_plant.gaze_error import target_place_deg
 from lockstep.errors import InputError
-from lockstep.figures import STYLE
 from tests.active_binocular_vision.moved_eyes import moved_eyes
 
 AMPLITUDES_DEG = (2.0, 10.0)

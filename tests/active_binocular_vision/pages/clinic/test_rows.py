@@ -7,6 +7,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
+from active_binocular_vision.figures.style import STYLE
 from active_binocular_vision.figures.treatments import clinic_figure
 from active_binocular_vision.pages.clinic.page import clinic_table
 from active_binocular_vision.pages.clinic.rows import Range, Row, rows_of
@@ -23,7 +24,6 @@ from active_binocular_vision.runs.examined_run import (
 from active_binocular_vision.runs.groups import Common
 from experiment_manager.preparation.profiles import profile_names
 from lockstep.errors import InputError
-from lockstep.figures import STYLE
 from tests.readable import assert_readable
 
 

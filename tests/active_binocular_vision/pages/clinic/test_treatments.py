@@ -4,11 +4,11 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
+from active_binocular_vision.figures.style import STYLE
 from active_binocular_vision.pages.clinic.rows import Row, rows_of
 from active_binocular_vision.pages.clinic.treatments import TREATED, courses_of, treatments_figure
 from active_binocular_vision.runs.examined_run import BEFORE, END, ExaminedRun
 from experiment_manager.preparation.profiles import profile_names, read_profile
-from lockstep.figures import STYLE
 from tests.active_binocular_vision.pages.clinic.test_rows import (
     common,
     examined,

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import matplotlib as mpl
 
+from active_binocular_vision.figures.style import STYLE, save
 from active_binocular_vision.figures.treatments import clinic_figure
 from active_binocular_vision.pages.clinic.examining import examined_run
 from active_binocular_vision.pages.clinic.rows import Range, Row, rows_of
@@ -23,7 +24,6 @@ from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.run.described_run import DescribedRun
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
-from lockstep.figures import STYLE, save
 
 CLINIC_FILE = "clinic.html"
 

@@ -9,9 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from active_binocular_vision.pages.clinic.rows import NAMES, Row
-from active_binocular_vision.runs.examined_run import BEFORE, END
-from lockstep.figures import (
+from active_binocular_vision.figures.style import (
     BLUE,
     GREY,
     ORANGE,
@@ -21,6 +19,8 @@ from lockstep.figures import (
     legend_below,
     new_figure,
 )
+from active_binocular_vision.pages.clinic.rows import NAMES, Row
+from active_binocular_vision.runs.examined_run import BEFORE, END
 
 # The condition that a treatment's profile begins with.
 TREATED = {

@@ -14,6 +14,7 @@ from active_binocular_vision.figures.rearing import (
     landscapes_figure,
     samples_figure,
 )
+from active_binocular_vision.figures.style import STYLE, save
 from active_binocular_vision.pages.rearing.conditions import PUBLISHED
 from active_binocular_vision.pages.rearing.measuring import read_reared_run
 from active_binocular_vision.pages.report import page as report_page
@@ -30,7 +31,6 @@ from experiment_manager.measures.tables import number
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
-from lockstep.figures import STYLE, save
 
 REARING_FILE = "rearing.html"
 

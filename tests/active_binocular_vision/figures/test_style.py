@@ -3,7 +3,14 @@
 import matplotlib as mpl
 import pytest
 
-from lockstep.figures import STYLE, label_decades, mark_level, new_figure, panel_grid, title_panels
+from active_binocular_vision.figures.style import (
+    STYLE,
+    label_decades,
+    mark_level,
+    new_figure,
+    panel_grid,
+    title_panels,
+)
 from tests.readable import assert_readable, drawn_texts
 
 
