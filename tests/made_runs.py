@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 from rosbags.typesys import Stores, get_typestore
 
 from active_binocular_vision.commands.run_experiment import main as run_experiment
 from experiment_manager.bag.writer import BagWriter
+from experiment_manager.run.config_file import CONFIG_CLASSES, text_of_continuation
+from lockstep.configuration import flatten
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES
 from tests.command_lines import set_words
 from tests.made_once import made_once
@@ -123,6 +124,21 @@ def _optimal_w(distance_m: float) -> float:
     return _cost_w(max(needed, 0.0) / 37.7, max(-needed, 0.0) / 40.9)
 
 
+def config_text(model: str, seed: int, n_iterations: int, weight: float, **plant: Any) -> str:
+    """Return the config.yaml of a run with default parameters, except those of the plant given."""
+    configuration = {node: flatten(config()) for node, config in CONFIG_CLASSES.items()}
+    configuration["eye_plant"] |= plant
+    configuration["experiment_manager"] |= {
+        "model": model,
+        "seed": seed,
+        "protocol.n_training_iterations": n_iterations,
+        "metabolic_cost_weight": weight,
+        "commit": "0123abc",
+    }
+    versions = ["mujoco 4.0.0", "numpy 2.4.6"]
+    return text_of_continuation("", configuration, {"versions": versions})
+
+
 class SyntheticRun:
     """Writes a run as if its learner were the better the longer it trained."""
 
@@ -135,18 +151,7 @@ class SyntheticRun:
         self._rng = np.random.default_rng(seed)
         self._observation = 0
         weight = 0.08 if model == "M_C" else 0.0
-        about = {
-            "model": model,
-            "seed": seed,
-            "n_training_iterations": n_iterations,
-            "metabolic_cost_weight": weight,
-            "commit": "0123abc",
-            "date": "2026-01-02T03:04:05+00:00",
-            "versions": ["mujoco 4.0.0", "numpy 2.4.6"],
-        }
-        plant = {"mechanics.parameter_set": "k17", "mechanics.baseline_m": 0.056}
-        sections = {"run": about, "/**/eye_plant": plant}
-        text = yaml.safe_dump({k: {"ros__parameters": v} for k, v in sections.items()})
+        text = config_text(model, seed, n_iterations, weight)
         topics = {
             "ground_truth": VECTOR,
             "reward": VECTOR,

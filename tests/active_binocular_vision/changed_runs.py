@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from active_binocular_vision.runs.reported_run import ReportedRun
+from active_binocular_vision.runs.finished_run import FinishedRun
 from experiment_manager.measures.trials import Trials
 
 
@@ -13,7 +13,7 @@ def with_errors(test: Trials, errors_deg: np.ndarray) -> Trials:
     return replace(test, columns={**test.columns, "vergence_error_deg": errors_deg})
 
 
-def priced(run: ReportedRun, weight: float, error_factor: float) -> ReportedRun:
+def priced(run: FinishedRun, weight: float, error_factor: float) -> FinishedRun:
     """The same run as if it had another lambda and other errors, but for the start."""
     other = copy.copy(run)
     other.about = {**run.about, "metabolic_cost_weight": weight}

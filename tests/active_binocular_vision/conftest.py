@@ -6,7 +6,7 @@ import matplotlib as mpl
 import pytest
 
 from active_binocular_vision.figures.style import STYLE
-from active_binocular_vision.runs.reported_run import ReportedRun
+from active_binocular_vision.runs.finished_run import FinishedRun
 
 
 @pytest.fixture(autouse=True)
@@ -17,11 +17,11 @@ def style() -> Iterator[None]:
 
 
 @pytest.fixture(scope="package")
-def read_runs(run_directories: dict[str, Path]) -> list[ReportedRun]:
-    return [ReportedRun(directory) for directory in run_directories.values()]
+def read_runs(run_directories: dict[str, Path]) -> list[FinishedRun]:
+    return [FinishedRun(directory) for directory in run_directories.values()]
 
 
 @pytest.fixture
-def runs(read_runs: list[ReportedRun]) -> list[ReportedRun]:
+def runs(read_runs: list[FinishedRun]) -> list[FinishedRun]:
     """Runs of M and of M_C, to change at will; what their bags hold is read once for all tests."""
     return [copy.copy(run) for run in read_runs]

@@ -3,14 +3,15 @@
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import with_test, write_trials
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Results, write_document
 from experiment_manager.measures.trials import Trials
+from experiment_manager.run.config_file import parameters_in
 from lockstep.command_space import COMMAND_SPACES
+from tests.made_runs import config_text
 
 N_ITERATIONS = 20
 _DISTANCES_M = (0.5, 3.0, 6.0)
@@ -19,17 +20,9 @@ _N_STARTS, _N_STIMULI = 4, 2
 
 def write_run(directory: Path, command_space: str, model: str = "M", weight: float = 0.0) -> Path:
     """Write the files of a run with tests after 0 and 1,000 iterations; return its directory."""
-    about = {
-        "model": model,
-        "seed": 1,
-        "n_training_iterations": 1000,
-        "metabolic_cost_weight": weight,
-        "commit": "0123abc",
-    }
     plant = {"command_space": command_space, "lowest_activations": [0.0]}
-    sections = {"run": about, "/**/eye_plant": plant}
-    text = yaml.safe_dump({name: {"ros__parameters": of} for name, of in sections.items()})
-    criteria = EvaluationSettings.of_configuration(text).criteria(0)
+    text = config_text(model, 1, 1000, weight, **plant)
+    criteria = EvaluationSettings.of(parameters_in(text)).criteria(0)
     tests = [random_test(command_space, at, weight) for at in (0, 1000)]
     kept = None
     for test in tests:

@@ -9,7 +9,7 @@ from sensor_msgs.msg import Image, JointState
 
 from active_binocular_vision.commands.evaluate import main as evaluate
 from active_binocular_vision.commands.report import main as report
-from active_binocular_vision.runs.recorded_run import RecordedRun
+from active_binocular_vision.runs.finished_run import FinishedRun
 from experiment_manager.run.config_file import read_configuration
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.topics import LEARNER_VECTORS
@@ -45,7 +45,7 @@ def test_any_order_and_a_late_learner_give_the_same_numbers(
     expected = read_configuration(config_file)
     expected["experiment_manager"]["run_directory"] = str(run)
     assert read_configuration(run / "config.yaml") == expected
-    assert RecordedRun(run).configuration == (run / "config.yaml").read_text()
+    assert FinishedRun(run).configuration_text == (run / "config.yaml").read_text()
     assert evaluate([str(run)]) == 0
 
 

@@ -8,28 +8,26 @@ import numpy as np
 import pytest
 
 from active_binocular_vision.commands.evaluate import main
-from active_binocular_vision.runs.recorded_run import RecordedRun
+from active_binocular_vision.runs.finished_run import FinishedRun
+from experiment_manager.bag.reader import Bag
 from experiment_manager.measures.results import write_document
-from lockstep.errors import InputError
 
 
 @pytest.fixture
-def run(run_directories: dict[str, Path]) -> RecordedRun:
-    return RecordedRun(run_directories["M_C"])
+def run(run_directories: dict[str, Path]) -> FinishedRun:
+    return FinishedRun(run_directories["M_C"])
 
 
-def test_a_run_tells_what_it_is(run: RecordedRun) -> None:
+def test_a_run_tells_what_it_is(run: FinishedRun) -> None:
     assert (run.name, run.model, run.seed, run.n_iterations) == ("M_C", "M_C", 1, 400)
     assert (run.metabolic_cost_weight, run.commit) == (0.08, "0123abc")
     assert run.versions == ("mujoco 4.0.0", "numpy 2.4.6")
-    assert run.parameters("eye_plant")["mechanics.baseline_m"] == 0.056
-    with pytest.raises(InputError, match="the configuration has no node nose"):
-        run.parameters("nose")
+    assert run.configuration["eye_plant"]["mechanics.baseline_m"] == 0.056
 
 
-def test_the_tests_are_joined_by_stamp(run: RecordedRun) -> None:
-    assert [test.trials.training_iteration for test in run.tests] == [0, 130, 270, 400]
-    for test in run.tests:
+def test_the_tests_are_joined_by_stamp(run: FinishedRun) -> None:
+    assert [test.trials.training_iteration for test in run.recorded.tests] == [0, 130, 270, 400]
+    for test in run.recorded.tests:
         assert test.trials.activations.shape == (39, 21, 2)
         medial, lateral = (test.trials.column(f"{name}_rectus") for name in ("medial", "lateral"))
         # The fixture's own map from activations to cost, so each row is joined with its own.
@@ -41,11 +39,11 @@ def test_the_tests_are_joined_by_stamp(run: RecordedRun) -> None:
         assert np.isfinite(test.reconstruction_error[:, :20]).all()
 
 
-def test_the_training_curve_is_of_episode_ends(run: RecordedRun) -> None:
-    curve = run.measured.training_curve
+def test_the_training_curve_is_of_episode_ends(run: FinishedRun) -> None:
+    curve = run.recorded.training_curve
     # 40 episodes make 2 bins of 20; an episode's last observation is 10 iterations in.
     assert curve.iteration.tolist() == [105.0, 305.0]
-    truth = run.bag.vectors("ground_truth")["ground_truth"]
+    truth = Bag(run.directory / "bag").vectors("ground_truth")["ground_truth"]
     ends = (truth.column("phase") == 0) & (truth.column("iteration") == 10)
     errors_deg = np.abs(truth.column("vergence_error_deg")[ends]).reshape(2, 20)
     assert np.allclose(curve.quartiles_deg, np.quantile(errors_deg, (0.25, 0.5, 0.75), axis=1))
@@ -54,7 +52,7 @@ def test_the_training_curve_is_of_episode_ends(run: RecordedRun) -> None:
 def test_the_share_of_the_cost_is_that_of_the_first_and_the_last_training_iterations(
     run, monkeypatch
 ) -> None:
-    monkeypatch.setattr("active_binocular_vision.runs.recorded_run.SHARE_ITERATIONS", 100)
+    monkeypatch.setattr("active_binocular_vision.runs.recorded.SHARE_ITERATIONS", 100)
     tables = run.bag.vectors("reward", "ground_truth")
     truth, reward = tables["ground_truth"], tables["reward"]
     names = ("phase", "training_iteration")
@@ -70,16 +68,16 @@ def test_the_share_of_the_cost_is_that_of_the_first_and_the_last_training_iterat
             sums[end][1] += row[2]
     first, last = (0.08 * cost_w / (error + 0.08 * cost_w) for error, cost_w in sums.values())
     assert abs(first - last) > 0.001  # so that taking one for the other would be seen
-    assert RecordedRun(run.directory).measured.cost_shares == (
+    assert FinishedRun(run.directory).recorded.cost_shares == (
         pytest.approx(first),
         pytest.approx(last),
     )
     # As if the run had been interrupted an episode before its end.
     for n_share, expected in ((100, (pytest.approx(first), None)), (5000, (None, None))):
-        monkeypatch.setattr("active_binocular_vision.runs.recorded_run.SHARE_ITERATIONS", n_share)
-        interrupted = RecordedRun(run.directory)
+        monkeypatch.setattr("active_binocular_vision.runs.recorded.SHARE_ITERATIONS", n_share)
+        interrupted = FinishedRun(run.directory)
         interrupted.about = {**interrupted.about, "n_training_iterations": 410}
-        assert interrupted.measured.cost_shares == expected
+        assert interrupted.recorded.cost_shares == expected
 
 
 def test_results_from_the_bag_agree_with_themselves(run_directories, tmp_path, capsys) -> None:
@@ -87,7 +85,7 @@ def test_results_from_the_bag_agree_with_themselves(run_directories, tmp_path, c
     path = directory / "results.json"
     assert main([str(directory)]) == 0
     assert "There is no" in capsys.readouterr().out
-    write_document(path, RecordedRun(directory).results().to_json())
+    write_document(path, FinishedRun(directory).results_of_bag().to_json())
     assert main([str(directory)]) == 0
     assert f"of {path} follow from the bag" in capsys.readouterr().out
     document = json.loads(path.read_text())
@@ -105,4 +103,21 @@ def test_results_from_the_bag_agree_with_themselves(run_directories, tmp_path, c
 
 def test_what_is_no_run_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([str(tmp_path)]) == 2
-    assert capsys.readouterr().err.startswith("error: expected a bag directory or an .mcap file")
+    assert capsys.readouterr().err == f"error: {tmp_path}: expected a run with config.yaml\n"
+
+
+def test_a_configuration_that_cannot_be_read_is_one_line(
+    run_directories: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    directory = Path(shutil.copytree(run_directories["M"], tmp_path / "run"))
+    text = FinishedRun(directory).configuration_text
+    for damaged, told in (
+        ("[1", "expected parameters by node"),
+        (text.replace("camera.focal_length_px", "camera.f"), "it lacks eye_plant.camera.focal"),
+        (text.replace("protocol.iterations_per_trial", "n"), "it lacks experiment_manager.proto"),
+    ):
+        (directory / "config.yaml").write_text(damaged)
+        assert main([str(directory)]) == 2
+        error = capsys.readouterr().err
+        assert error.startswith(f"error: {directory}: expected")
+        assert told in error

@@ -3,11 +3,11 @@
 import numpy as np
 
 from active_binocular_vision.figures.boxes import box_figure
+from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import groups_of
-from active_binocular_vision.runs.reported_run import ReportedRun
 
 
-def test_fig_3_has_a_box_per_model_and_iteration(runs: list[ReportedRun]) -> None:
+def test_fig_3_has_a_box_per_model_and_iteration(runs: list[FinishedRun]) -> None:
     figure = box_figure(groups_of(runs))
     upper, lower = figure.axes
     assert upper.get_yscale() == "log"

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from active_binocular_vision.figures.conditions import conditions_figure
+from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import groups_of
-from active_binocular_vision.runs.reported_run import ReportedRun
 
 
-def test_conditions_show_the_median_of_their_trials(runs: list[ReportedRun]) -> None:
+def test_conditions_show_the_median_of_their_trials(runs: list[FinishedRun]) -> None:
     figure = conditions_figure(groups_of(runs))
     axes = figure.axes[0]
     mask = np.ma.getmaskarray(np.ma.asarray(axes.images[0].get_array()))

@@ -1,5 +1,6 @@
 """The learning curve shows the numbers of the tests: they are read back from the axes."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +12,13 @@ from active_binocular_vision.figures.learning_curve import (
     learning_curve_figure,
     performance_figure,
 )
+from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import groups_of
-from active_binocular_vision.runs.reported_run import ReportedRun
 from experiment_manager.measures.metrics import summary_of
 from tests.active_binocular_vision.changed_runs import priced, with_errors
 
 
-def test_fig_2_shows_the_medians_of_the_tests(runs: list[ReportedRun]) -> None:
+def test_fig_2_shows_the_medians_of_the_tests(runs: list[FinishedRun]) -> None:
     errors, deltas = performance_figure(groups_of(runs)).axes
     shown = zip(_points(errors), _points(deltas), runs, strict=True)
     for (at, medians_deg), (_, medians_w), run in shown:
@@ -40,10 +41,9 @@ def _points(axes: Axes) -> list[tuple[np.ndarray, np.ndarray]]:
     return [(np.asarray(line.get_xdata()), np.asarray(line.get_ydata())) for line in lines]
 
 
-def test_training_is_drawn_behind_the_tests_of_a_run(runs: list[ReportedRun]) -> None:
+def test_training_is_drawn_behind_the_tests_of_a_run(runs: list[FinishedRun]) -> None:
     errors, deltas = learning_curve_figure(runs[0]).axes
-    assert runs[0].recorded is not None
-    curve = runs[0].recorded.measured.training_curve
+    curve = runs[0].recorded.training_curve
     for axes, quartiles in ((errors, curve.quartiles_deg), (deltas, curve.quartiles_w)):
         assert np.array_equal(axes.lines[0].get_xdata(), curve.iteration)
         assert np.array_equal(axes.lines[0].get_ydata(), quartiles[1])
@@ -56,14 +56,15 @@ def test_the_learning_curve_is_a_picture_in_the_run(run_directories: dict[str, P
 
 
 def test_many_tests_are_joined_with_each_seed_thin_behind_the_pooled_median(
-    runs: list[ReportedRun], monkeypatch: pytest.MonkeyPatch
+    runs: list[FinishedRun], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for module in ("learning_curve", "quartiles"):
         name = f"active_binocular_vision.figures.{module}.LEAST_JOINED"
         monkeypatch.setattr(name, 4)
     worse = priced(runs[0], 0.0, 3.0)
     criteria = worse.evaluation_settings.criteria
-    worse.summaries = tuple(summary_of(t, criteria(at)) for at, t in worse.trials.items())
+    tests = tuple(summary_of(t, criteria(at)) for at, t in worse.trials.items())
+    worse.results = replace(worse.results, tests=tests)
     groups = groups_of([runs[0], worse])
     assert len(groups) == 1
     pooled, *seeds = performance_figure(groups).axes[0].lines[:3]
@@ -77,7 +78,7 @@ def test_many_tests_are_joined_with_each_seed_thin_behind_the_pooled_median(
 
 
 @pytest.mark.parametrize("factor", [0.001, 1.0, 1.02])
-def test_fig_2_always_has_two_labelled_ticks_below(runs: list[ReportedRun], factor: float) -> None:
+def test_fig_2_always_has_two_labelled_ticks_below(runs: list[FinishedRun], factor: float) -> None:
     # Errors that hardly differ, far from any power of ten.
     flat = priced(runs[0], 0.0, factor)
     flat.trials = {

@@ -8,8 +8,8 @@ from active_binocular_vision.figures.motor_space import (
     motor_space,
     motor_space_figure,
 )
+from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import groups_of
-from active_binocular_vision.runs.reported_run import ReportedRun
 from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 
@@ -27,7 +27,7 @@ def test_the_motor_space_is_that_of_the_plant() -> None:
     assert space.metabolic_rate_w[2, 1] == pytest.approx(law_w, rel=0.02)
 
 
-def test_fig_4_draws_each_trial_to_its_end(runs: list[ReportedRun]) -> None:
+def test_fig_4_draws_each_trial_to_its_end(runs: list[FinishedRun]) -> None:
     grid = np.linspace(0, 0.1, 11)
     medial, lateral = np.meshgrid(2 * grid, grid, indexing="ij")
     vergence_deg = 2 * (0.498 + 37.7 * medial - 40.9 * lateral)
@@ -52,7 +52,7 @@ def test_fig_4_draws_each_trial_to_its_end(runs: list[ReportedRun]) -> None:
     assert figure.axes[0].get_title("left").endswith("object at 0.5 m, trials: 8 of M, 4 of M_C")
 
 
-def test_ends_of_both_models_in_one_point_can_be_told_apart(runs: list[ReportedRun]) -> None:
+def test_ends_of_both_models_in_one_point_can_be_told_apart(runs: list[FinishedRun]) -> None:
     grid = np.linspace(0, 0.1, 3)
     space = MotorSpace(2 * grid, grid, np.eye(3), np.eye(3), 0.056)
     near = motor_space_figure(space, groups_of(runs)).axes[0]

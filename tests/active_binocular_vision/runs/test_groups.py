@@ -1,87 +1,77 @@
 """Which runs are pooled, and what tells groups apart."""
 
 import copy
+from dataclasses import replace
+from typing import Any
 
 import pytest
-import yaml
 
+from active_binocular_vision.figures.quartiles import colour_of
 from active_binocular_vision.runs.groups import groups_of, held_back
-from active_binocular_vision.runs.reported_run import ReportedRun
-from active_binocular_vision.commands.command_line import arguments, request_of
-from experiment_manager.preparation.configuration import configuration_of
-from experiment_manager.run.config_file import configuration_text
+from active_binocular_vision.runs.finished_run import FinishedRun
 from lockstep.errors import InputError
 
 
-def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[ReportedRun]) -> None:
+def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[FinishedRun]) -> None:
     m, m_c = runs
     groups = groups_of([m_c, m, m])
     assert [group.model for group in groups] == ["M", "M_C"]
     assert [len(group.runs) for group in groups] == [2, 1]
     assert "2 runs" in groups[0].label
     assert "0.08" in groups[1].label
-    assert groups[0].colour != groups[1].colour
+    assert colour_of(groups[0]) != colour_of(groups[1])
     assert groups[0].iterations == [0, 130, 270, 400]
     assert len(groups[0].trials_at(130).trial) == 2 * 39
 
 
-def test_runs_with_other_settings_are_not_pooled(runs) -> None:
-    run = runs[0]
+def _with(run: FinishedRun, node: str, **changed: Any) -> FinishedRun:
+    """The same run as if parameters of a node had been others; __ stands for the dot in a name."""
     other = copy.copy(run)
-    for own, free in (("seed: 1", "seed: 5"), ("commit: 0123abc", "commit: abc")):
-        assert own in run.configuration
-        other.configuration = run.configuration.replace(own, free)
-        assert len(groups_of([run, other])) == 1, free
-    other.configuration = run.configuration.replace(
-        "mechanics.parameter_set: k17",
-        "mechanics.parameter_set: anatomical\n    stimuli.directory: /my/photos",
-    )
-    first, second = groups_of([run, other])
+    named = {name.replace("__", "."): value for name, value in changed.items()}
+    other.configuration = run.configuration | {node: run.configuration[node] | named}
+    return other
+
+
+def test_runs_with_other_settings_are_not_pooled(runs: list[FinishedRun]) -> None:
+    run = runs[0]
+    for free in ({"seed": 5}, {"commit": "abc"}):
+        assert len(groups_of([run, _with(run, "experiment_manager", **free)])) == 1, free
+    changed = {"mechanics__parameter_set": "anatomical", "stimuli__directory": "/my/photos"}
+    first, second = groups_of([run, _with(run, "eye_plant", **changed)])
     assert first.label.endswith("parameter_set k17, 1 run")
-    assert first.name == "M, parameter_set k17"
+    assert first.name == "M, generated stimuli, parameter_set k17"
     assert second.label.endswith("photos stimuli, parameter_set anatomical, 1 run")
-    assert first.colour != second.colour
+    assert (first.rank, second.rank) == ((0, 2), (1, 2))
 
 
-def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(runs) -> None:
-    run = runs[0]
-    other = copy.copy(run)
-    other.configuration = run.configuration.replace(
-        "mechanics.parameter_set: k17",
-        "mechanics.parameter_set: anatomical\n    camera.roi_width_px: 128",
-    )
-    for one, profile in ((run, "paper"), (other, "precise")):
-        document = yaml.safe_load(one.configuration)
-        document["/**/experiment_manager"] = {"ros__parameters": {"profile": profile}}
-        one.configuration = yaml.safe_dump(document)
-    first, second = groups_of([run, other])
+def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(
+    runs: list[FinishedRun],
+) -> None:
+    paper = _with(runs[0], "experiment_manager", profile="paper")
+    precise = _with(runs[0], "experiment_manager", profile="precise")
+    # Where runs of one profile differ, it does not say in what.
+    third = _with(precise, "eye_plant", mechanics__parameter_set="anatomical")
+    first, second = groups_of([paper, third])
     assert first.label.endswith(", profile paper, 1 run")
     assert second.label.endswith(", profile precise, 1 run")
     assert second.name == "M, profile precise"
-    # Where runs of one profile differ, it does not say in what.
-    third = copy.copy(run)
-    third.configuration = other.configuration.replace("set: anatomical", "set: k17")
-    names = [group.name for group in groups_of([run, other, third])]
+    names = [group.name for group in groups_of([paper, precise, third])]
     assert names == [
         "M, profile paper",
-        "M, profile precise, parameter_set anatomical",
         "M, profile precise, parameter_set k17",
+        "M, profile precise, parameter_set anatomical",
     ]
 
 
-def test_a_parameter_that_is_lacking_has_its_default(runs) -> None:
-    run, other = runs[0], copy.copy(runs[0])
-    text = configuration_text(configuration_of(request_of(arguments(["--model", "M"])), ""))
-    line = "    camera.texture_mipmaps: true\n"
-    assert line in text
-    run.configuration = text
-    other.configuration = text.replace(line, "")
+def test_a_parameter_that_is_lacking_has_its_default(runs: list[FinishedRun]) -> None:
+    run, name = runs[0], "n_selections"
+    of_coder = dict(run.configuration["sparse_coder"])
+    other = copy.copy(run)
+    del of_coder[name]
+    other.configuration = run.configuration | {"sparse_coder": of_coder}
     assert len(groups_of([run, other])) == 1
-    other.configuration = text.replace(line, line.replace("true", "false"))
+    other.configuration = run.configuration | {"sparse_coder": of_coder | {name: 3}}
     assert len(groups_of([run, other])) == 2
-    other.configuration = text.replace(line, line + "    camera.own: 1\n")
-    _, second = groups_of([run, other])
-    assert second.name == "M, own 1"
 
 
 @pytest.mark.parametrize("course", ["branched_at_iteration", "extended_from"])
@@ -95,30 +85,26 @@ def test_a_run_of_another_course_is_not_pooled(runs, course) -> None:
 def test_a_run_without_its_last_test_does_not_hold_back_finished_ones(runs) -> None:
     run, m_c = runs
     other = copy.copy(run)
-    other.summaries = run.summaries[:2]
+    other.results = replace(run.results, tests=run.summaries[:2])
     other.trials = {test.iteration: run.trials[test.iteration] for test in other.summaries}
     assert held_back([run, other, m_c]) == [other]
     assert held_back([other, m_c]) == [], "nothing to be held back"
-    run.summaries = run.summaries[2:]
+    run.results = replace(run.results, tests=run.summaries[2:])
     with pytest.raises(InputError, match="expected a test after as many iterations in each"):
         groups_of([run, other])
 
 
-def _group_sizes(run: ReportedRun, seeds: list[tuple[int, int]]) -> list[int]:
+def _group_sizes(run: FinishedRun, seeds: list[tuple[int, int]]) -> list[int]:
     """Return the sizes of the groups of runs with the given seeds and seeds of the pictures."""
     runs = []
     for seed, pictures_seed in seeds:
-        other = copy.copy(run)
+        other = _with(run, "eye_plant", stimuli__seed=pictures_seed)
         other.about = {**run.about, "seed": seed}
-        line = "mechanics.parameter_set: k17"
-        assert line in run.configuration
-        more = f"{line}\n    stimuli.seed: {pictures_seed}"
-        other.configuration = run.configuration.replace(line, more)
         runs.append(other)
     return [len(group.runs) for group in groups_of(runs)]
 
 
-def test_runs_with_a_seed_and_pictures_of_their_own_are_pooled(runs: list[ReportedRun]) -> None:
+def test_runs_with_a_seed_and_pictures_of_their_own_are_pooled(runs: list[FinishedRun]) -> None:
     assert _group_sizes(runs[0], [(1, 11), (2, 12), (3, 13)]) == [3]
     assert _group_sizes(runs[0], [(1, 1), (2, 1), (3, 1)]) == [3], "the same pictures"
     assert _group_sizes(runs[0], [(1, 11), (1, 12)]) == [1, 1], "pictures are compared"

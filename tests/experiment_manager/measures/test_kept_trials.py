@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from experiment_manager.measures import metrics
-from experiment_manager.measures.criteria import EvaluationSettings
+from experiment_manager.measures.criteria import criteria_of
 from experiment_manager.measures.kept_trials import (
     KEPT_FILE,
     KeptTrials,
@@ -19,6 +19,7 @@ from experiment_manager.measures.kept_trials import (
 )
 from experiment_manager.measures.results import Measures, Summary
 from experiment_manager.measures.trials import Trials
+from eye_plant.config import EyePlantConfig
 from lockstep.errors import InputError
 from tests.pair import COMMAND_NAMES, PAIR_SPACE
 
@@ -26,7 +27,7 @@ N_TRIALS, N = 12, 20
 
 
 def summary_of(trials: Trials) -> Summary:
-    return metrics.summary_of(trials, EvaluationSettings.of({}).criteria(0))
+    return metrics.summary_of(trials, criteria_of(EyePlantConfig()))
 
 
 def _test(training_iteration: int, n_trials: int = N_TRIALS, eyes: int = 0) -> Trials:

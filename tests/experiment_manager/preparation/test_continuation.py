@@ -14,7 +14,7 @@ import yaml
 from active_binocular_vision.commands.command_line import arguments, request_of
 from active_binocular_vision.commands.evaluate import main as evaluate
 from active_binocular_vision.commands.run_experiment import main as run_experiment
-from active_binocular_vision.runs.recorded_run import RecordedRun
+from active_binocular_vision.runs.finished_run import FinishedRun
 from experiment_manager.preparation import continuation
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.continuation import check_settings
@@ -185,11 +185,11 @@ def test_a_branch_goes_on_from_the_learners_of_another_run(run: Path, tmp_path: 
     oracle.restore(states)
     first = oracle.protocol.place_after(60)
     truth = [s.observation.ground_truth_values() for _, s in oracle.steps(first)]
-    recorded = RecordedRun(out)
+    recorded = FinishedRun(out)
     np.testing.assert_array_equal(vectors(out)["ground_truth"].position, truth)
-    about = yaml.safe_load(recorded.configuration)["run"]["ros__parameters"]
+    about = recorded.about
     assert (about["branched_from"], about["branched_at_iteration"]) == (str(run), 60)
-    assert recorded.parameters("vergence_rl")["cacla.discount"] == 0.5
+    assert recorded.configuration["vergence_rl"]["cacla.discount"] == 0.5
     assert recorded.seed == 4
     assert evaluate([str(out)]) == 0
     results = json.loads((out / "results.json").read_text())

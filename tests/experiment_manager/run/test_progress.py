@@ -5,11 +5,12 @@ import json
 import numpy as np
 import pytest
 
-from experiment_manager.measures.criteria import EvaluationSettings
+from experiment_manager.measures.criteria import criteria_of
 from experiment_manager.measures.kept_trials import arrays_of
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import TrialTable, trial_names
 from experiment_manager.run.progress import Progress
+from eye_plant.config import EyePlantConfig
 from lockstep.errors import InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, TEST, TRAINING
 from tests.pair import PAIR_SPACE
@@ -22,7 +23,7 @@ def _truth(**values: float) -> np.ndarray:
     return np.array([values.get(name, 0.0) for name in GROUND_TRUTH_NAMES])
 
 
-CRITERIA = EvaluationSettings.of({}).criteria(0)
+CRITERIA = criteria_of(EyePlantConfig())
 
 
 def _reward(coarse: float, fine: float, cost_w: float) -> np.ndarray:

@@ -14,7 +14,7 @@ import pytest
 
 from active_binocular_vision.commands.evaluate import main as evaluate
 from active_binocular_vision.figures.learning_curve import learning_curve
-from active_binocular_vision.runs.recorded_run import RecordedRun
+from active_binocular_vision.runs.finished_run import FinishedRun
 from experiment_manager.bag.reader import Bag
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.run.config_file import CONFIG_CLASSES, configuration_text
@@ -198,9 +198,9 @@ def test_a_copied_checkpoint_is_enough_to_go_on(tmp_path, drive, undisturbed, pl
     observation = second.episode().first_observation
     assert _end(second, drive) == undisturbed
 
-    recorded = RecordedRun(directory)
-    assert recorded.measured.first_observation == observation
-    kept = [test.trials.training_iteration for test in recorded.tests]
+    finished = FinishedRun(directory)
+    assert finished.recorded.first_observation == observation
+    kept = [test.trials.training_iteration for test in finished.recorded.tests]
     tests = [segment for segment in second.protocol.segments if segment.i_test >= 0]
     assert kept == [test.training_iteration for test in tests if test.first >= place]
     assert learning_curve(directory).is_file()
@@ -234,7 +234,7 @@ def _ends_with_a_bag_from(
     run = Run(_config(directory, resume=True))
     assert run.place == goes_on_at
     results = _end(run, drive)
-    stamps_ns = RecordedRun(directory).bag.stamps_ns("ground_truth")
+    stamps_ns = Bag(directory / "bag").stamps_ns("ground_truth")
     assert (np.diff(stamps_ns) == PERIOD_NS).all()
     assert stamps_ns[0] == run.protocol.episode(place).first_observation * PERIOD_NS
     return results

@@ -19,7 +19,7 @@ from active_binocular_vision.commands.examinations import (
 from active_binocular_vision.learners.evaluation import evaluated
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
-from active_binocular_vision.runs.recorded_run import RecordedRun
+from active_binocular_vision.runs.finished_run import FinishedRun
 from experiment_manager.measures.results import RESULTS_FILE, Results, read_results, write_document
 from experiment_manager.measures.tables import number, summaries_table
 from experiment_manager.terminal.lasting_output import ignore_broken_pipes
@@ -195,11 +195,11 @@ def _test_frozen(options: argparse.Namespace) -> int:
 
 
 def _evaluate(directory: Path) -> int:
-    run = RecordedRun(directory)
-    measured = run.results()
+    run = FinishedRun(directory)
+    measured = run.results_of_bag()
     print(_text(measured))
     path = directory / RESULTS_FILE
-    first = run.measured.first_observation
+    first = run.recorded.first_observation
     if first > 0:
         print(
             f"\nThe bag begins with observation {first}: the run was continued from a "

@@ -11,7 +11,7 @@ import numpy as np
 
 from active_binocular_vision.film.film import film
 from active_binocular_vision.film.play import play
-from active_binocular_vision.runs.recorded_run import evaluation_settings_of, trial_table
+from active_binocular_vision.runs.recorded import evaluation_settings_of, trial_table
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT, RUN_METADATA
 from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.repair import repair_bag

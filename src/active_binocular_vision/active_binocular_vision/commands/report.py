@@ -8,7 +8,7 @@ from pathlib import Path
 import matplotlib as mpl
 import yaml
 
-from active_binocular_vision.figures.style import STYLE, save
+from active_binocular_vision.figures.style import FIGURES, STYLE, save
 from active_binocular_vision.pages.clinic.page import write_clinic_page
 from active_binocular_vision.pages.rearing.page import write_rearing_page
 from active_binocular_vision.pages.report import page as report_page
@@ -25,8 +25,8 @@ from active_binocular_vision.pages.report.tables import (
     seeds_table,
     yoked_table,
 )
+from active_binocular_vision.runs.finished_run import FinishedRun, runs_below
 from active_binocular_vision.runs.groups import Group, groups_of, held_back
-from active_binocular_vision.runs.reported_run import FIGURES, ReportedRun, runs_below
 from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import replace_file
@@ -103,19 +103,19 @@ def parser() -> argparse.ArgumentParser:
     return line
 
 
-def _runs(paths: Sequence[Path]) -> list[ReportedRun]:
+def _runs(paths: Sequence[Path]) -> list[FinishedRun]:
     """Return the runs at paths, and in the sweeps there; others are left out, with a message.
 
     Raises InputError when none is left, with what is wrong with the first.
     """
-    runs: list[ReportedRun] = []
+    runs: list[FinishedRun] = []
     reasons: list[str] = []
     directories = {
         directory.resolve(): directory for path in paths for directory in runs_below(path)
     }
     for directory in directories.values():
         try:
-            run = ReportedRun(directory)
+            run = FinishedRun(directory)
             if not run.summaries:
                 raise InputError(f"{directory}: expected at least one complete test")
         except InputError as error:
@@ -135,7 +135,7 @@ def _runs(paths: Sequence[Path]) -> list[ReportedRun]:
     return runs
 
 
-def write_report(runs: Sequence[ReportedRun], out: Path) -> Path:
+def write_report(runs: Sequence[FinishedRun], out: Path) -> Path:
     """Write report.html and figures/ into out; return the page's path.
 
     runs: each with a test. Raises InputError for what is damaged in them.
@@ -240,7 +240,7 @@ def _fixations(groups: Sequence[Group]) -> list[str]:
     ]
 
 
-def _configurations(runs: Sequence[ReportedRun]) -> list[str]:
+def _configurations(runs: Sequence[FinishedRun]) -> list[str]:
     parts = [
         report_page.heading("Tests of each run"),
         report_page.paragraph(
@@ -256,8 +256,8 @@ def _configurations(runs: Sequence[ReportedRun]) -> list[str]:
         parts += [
             report_page.paragraph(f"{run.name} (model {run.model}, seed {run.seed})"),
             learning_table(run),
-            resting_table(run.recorded)
-            if run.recorded is not None
+            resting_table(run.recorded.tests)
+            if run.bag is not None
             else report_page.paragraph("The parts of the remaining error need a bag."),
         ]
     parts.append(report_page.heading("Configuration"))
@@ -266,7 +266,7 @@ def _configurations(runs: Sequence[ReportedRun]) -> list[str]:
         parts.append(
             report_page.folded(
                 f"{run.name}: commit {run.commit or 'unknown'}, seed {run.seed}",
-                f"{versions}\n{run.configuration}",
+                f"{versions}\n{run.configuration_text}",
             )
         )
     return parts

@@ -9,8 +9,7 @@ from pathlib import Path
 
 from active_binocular_vision.commands.run_experiment import source_commit
 from experiment_manager.preparation.continuation import check_settings
-from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
-from experiment_manager.run.described_run import DescribedRun
+from experiment_manager.run.config_file import CONFIG_FILE, about_in, read_configuration
 from experiment_manager.sweep import slurm
 from experiment_manager.sweep.cell_run import CellRun
 from experiment_manager.sweep.pool import Pool
@@ -102,7 +101,7 @@ def _check_begun(run: CellRun) -> None:
     path = run.directory / CONFIG_FILE
     try:
         configuration = read_configuration(path)
-        was_extended = "extended_from" in DescribedRun(run.directory, path.read_text(), "").about
+        was_extended = "extended_from" in about_in(path.read_text())
     except (InputError, OSError):
         return  # it has not begun, or will say itself what is wrong
     request = replace(run.cell.request, cost_share=None)  # it was measured then

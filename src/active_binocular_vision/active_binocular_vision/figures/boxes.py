@@ -9,6 +9,7 @@ from matplotlib.patches import Patch
 
 from active_binocular_vision.figures.quartiles import (
     ERROR_LABEL,
+    colour_of,
     offset_of,
     px_deg_of,
     scale_errors,
@@ -36,9 +37,9 @@ def box_figure(groups: Sequence[Group]) -> Figure:
     for i, (group, trials) in enumerate(zip(groups, last, strict=True)):
         at = places + offset_of(i, groups) * width
         errors_deg = [np.abs(trials.vergence_error_deg[:, k]) for k in shown]
-        _draw_boxes(errors, errors_deg, at, width, group.colour)
+        _draw_boxes(errors, errors_deg, at, width, colour_of(group))
         shares = [100 * trials.cost_reduction(k) for k in shown]
-        _draw_boxes(reductions, [c[~np.isnan(c)] for c in shares], at, width, group.colour)
+        _draw_boxes(reductions, [c[~np.isnan(c)] for c in shares], at, width, colour_of(group))
     scale_errors(errors, px_deg_of(groups))
     errors.set_ylabel(ERROR_LABEL)
     mark_level(reductions, 0.0, "as at the start")
@@ -46,7 +47,7 @@ def box_figure(groups: Sequence[Group]) -> Figure:
     reductions.set(ylabel="$c$ / %", xlabel="iteration of the trial")
     reductions.set_xticks(places, [str(k) for k in shown])
     title_panels((errors, reductions), ("vergence error", "share of the possible saving"))
-    handles = [Patch(color=group.colour, alpha=0.6, label=group.label) for group in groups]
+    handles = [Patch(color=colour_of(group), alpha=0.6, label=group.label) for group in groups]
     legend_below(figure, handles)
     return figure
 

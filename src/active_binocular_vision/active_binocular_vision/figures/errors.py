@@ -8,10 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from active_binocular_vision.figures.quartiles import (
+    colour_of,
     draw_band,
     draw_quartiles,
     final_errors_deg,
     group_handle,
+    marker_of,
     offset_of,
     px_deg_of,
     scale_errors,
@@ -37,7 +39,9 @@ def errors_figure(groups: Sequence[Group]) -> Figure:
     rows = figure.subplots(2, len(_ERRORS), sharex="row", sharey="all")
     for during, over, name in zip(*rows, _ERRORS, strict=True):
         for i, group in enumerate(groups):
-            draw_band(during, *_over_a_trial(group, name), group.colour, marker=group.marker, ms=3)
+            draw_band(
+                during, *_over_a_trial(group, name), colour_of(group), marker=marker_of(group), ms=3
+            )
             draw_quartiles(over, *_over_training(group, name), group, offset_of(i, groups))
         during.set_xlabel("iteration of the trial")
         over.set_xlabel("training iterations")

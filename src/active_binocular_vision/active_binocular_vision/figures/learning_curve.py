@@ -14,6 +14,7 @@ from active_binocular_vision.figures.quartiles import (
     DELTA_LABEL,
     ERROR_LABEL,
     LEAST_JOINED,
+    colour_of,
     draw_band,
     draw_quartiles,
     final_errors_deg,
@@ -23,6 +24,7 @@ from active_binocular_vision.figures.quartiles import (
     scale_errors,
 )
 from active_binocular_vision.figures.style import (
+    FIGURES,
     GREY,
     STYLE,
     legend_below,
@@ -31,9 +33,9 @@ from active_binocular_vision.figures.style import (
     save,
     title_panels,
 )
+from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group, groups_of
-from active_binocular_vision.runs.recorded_run import TrainingCurve
-from active_binocular_vision.runs.reported_run import FIGURES, ReportedRun
+from active_binocular_vision.runs.recorded import TrainingCurve
 from experiment_manager.measures.metrics import QUARTILES
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import Trials
@@ -41,14 +43,14 @@ from experiment_manager.measures.trials import Trials
 
 def learning_curve(directory: Path) -> Path:
     """Draw how a run learned, from its bag, into figures/learning_curve.png; return that path."""
-    run = ReportedRun(directory)
+    run = FinishedRun(directory)
     with mpl.rc_context(STYLE):
         return save(learning_curve_figure(run), Path(directory) / FIGURES / "learning_curve.png")
 
 
-def learning_curve_figure(run: ReportedRun) -> Figure:
+def learning_curve_figure(run: FinishedRun) -> Figure:
     """Return the figure of one run: its tests, and its training episodes if its bag is there."""
-    training = run.recorded.measured.training_curve if run.recorded is not None else None
+    training = run.recorded.training_curve if run.bag is not None else None
     return performance_figure(groups_of([run]), training)
 
 
@@ -105,7 +107,7 @@ def _draw_tests(
     at = np.array(group.iterations, dtype=float)
     draw_quartiles(axes, at, quartiles, group, offset)
     for of_seed in seeds if len(seeds) > 1 and len(at) >= LEAST_JOINED else ():
-        axes.plot(at, of_seed, color=group.colour, lw=0.6, alpha=0.7, zorder=1)
+        axes.plot(at, of_seed, color=colour_of(group), lw=0.6, alpha=0.7, zorder=1)
 
 
 def _of_seeds(group: Group, measure: Callable[[Summary], float | None]) -> np.ndarray:

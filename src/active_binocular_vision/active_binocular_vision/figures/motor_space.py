@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from active_binocular_vision.figures.quartiles import colour_of
 from active_binocular_vision.figures.style import (
     GREEN,
     SMALLEST_PT,
@@ -108,7 +109,7 @@ def _n_trials_text(groups: Sequence[Group], n_trials: Sequence[int]) -> str:
 
 def _handles(groups: Sequence[Group], criteria: Criteria) -> list[Line2D]:
     ends = [
-        Line2D([], [], color=group.colour, label=f"{group.label}: path and end", **_end(group))
+        Line2D([], [], color=colour_of(group), label=f"{group.label}: path and end", **_end(group))
         for group in groups
     ]
     return [
@@ -171,12 +172,12 @@ def _draw_paths(
     shown = [trials.activations[i].T for trials in tests for i in _shown_trials(trials, distance_m)]
     lw = 1.1 if len(tests) == 1 else 0.7
     for medial, lateral in shown:
-        axes.plot(lateral, medial, color=group.colour, lw=lw, marker=".", ms=2.5, clip_on=False)
+        axes.plot(lateral, medial, color=colour_of(group), lw=lw, marker=".", ms=2.5, clip_on=False)
         axes.plot(
             lateral[-1],
             medial[-1],
-            color=group.colour,
-            mec=group.colour,
+            color=colour_of(group),
+            mec=colour_of(group),
             zorder=5 + i_group,
             clip_on=False,
             **_end(group),

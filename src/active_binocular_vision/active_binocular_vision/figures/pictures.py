@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from active_binocular_vision.figures.quartiles import draw_band
+from active_binocular_vision.figures.quartiles import colour_of, draw_band
 from active_binocular_vision.figures.style import (
     GREY,
     label_decades,
@@ -17,9 +17,11 @@ from active_binocular_vision.figures.style import (
     panel_grid,
     title_panels,
 )
+from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group
-from active_binocular_vision.runs.recorded_run import RecordedRun, RecordedTest
+from active_binocular_vision.runs.recorded import RecordedTest
 from experiment_manager.anaglyph import anaglyph
+from experiment_manager.bag.reader import Bag
 from experiment_manager.measures.metrics import QUARTILES
 from lockstep.wire.topics import PICTURES
 from sparse_coder.patches import COARSE_WINDOW_PX
@@ -42,7 +44,7 @@ def encoding_figure(groups: Sequence[Group]) -> Figure | None:
     is_drawn = False
     for axes, group in zip(panels, groups, strict=True):
         recorded = group.recorded_iterations
-        for iteration, colour in {recorded[0]: GREY, recorded[-1]: group.colour}.items():
+        for iteration, colour in {recorded[0]: GREY, recorded[-1]: colour_of(group)}.items():
             is_drawn |= _draw_binned(axes, group.recorded_at(iteration), colour)
         for px_deg in (-group.last_criteria.px_deg, group.last_criteria.px_deg):
             axes.axvline(px_deg, color=GREY, lw=0.8, ls=":")
@@ -56,7 +58,7 @@ def encoding_figure(groups: Sequence[Group]) -> Figure | None:
     handles = [
         Line2D([], [], color=GREY, marker=".", label="first test"),
         *(
-            Line2D([], [], color=g.colour, marker=".", label=f"last test, {g.label}")
+            Line2D([], [], color=colour_of(g), marker=".", label=f"last test, {g.label}")
             for g in groups
         ),
         Line2D([], [], color=GREY, ls=":", lw=0.8, label="1 px"),
@@ -85,30 +87,30 @@ def _draw_binned(axes: Axes, tests: Sequence[RecordedTest], colour: str) -> bool
     return bool(filled.any())
 
 
-def _trials_with_pictures(run: RecordedRun, test: RecordedTest) -> dict[int, int]:
+def _trials_with_pictures(bag: Bag, test: RecordedTest) -> dict[int, int]:
     """Return the indices, by trial number, of the trials of a test that can be drawn.
 
     They start with an error, and their first and last answered pictures are in the bag.
     """
-    if not all(run.bag.has(topic) for topic in PICTURES):
+    if not all(bag.has(topic) for topic in PICTURES):
         return {}
-    left_ns, right_ns = (run.bag.stamps_ns(topic) for topic in PICTURES)
+    left_ns, right_ns = (bag.stamps_ns(topic) for topic in PICTURES)
     is_pictured = np.isin(test.stamps_ns[:, [0, -2]], np.intersect1d(left_ns, right_ns)).all(axis=1)
     moves = np.abs(test.trials.vergence_error_deg[:, 0]) > _LEAST_START_ERROR_DEG
     return {int(test.trials.trial[i]): int(i) for i in np.flatnonzero(is_pictured & moves)}
 
 
-def anaglyph_figure(run: RecordedRun) -> Figure | None:
+def anaglyph_figure(run: FinishedRun) -> Figure | None:
     """Return anaglyphs at the start and at the end of a trial, in the first and in the last test.
 
     Of the trials with pictures in both tests and a start error, the one whose last error in the
     last test is the median; None when there is none. Red and cyan fringes are disparity; the frame
     is the coarse scale's window.
     """
-    if not run.tests:
+    if run.bag is None or not run.recorded.tests:
         return None
-    tests = (run.tests[0], run.tests[-1])
-    first, last = (_trials_with_pictures(run, test) for test in tests)
+    tests = (run.recorded.tests[0], run.recorded.tests[-1])
+    first, last = (_trials_with_pictures(run.bag, test) for test in tests)
     end_deg = np.abs(tests[1].trials.vergence_error_deg[:, -1])
     common = sorted(set(first) & set(last), key=lambda number: (end_deg[last[number]], number))
     if not common:
@@ -116,25 +118,25 @@ def anaglyph_figure(run: RecordedRun) -> Figure | None:
     number = common[(len(common) - 1) // 2]
     figure = new_figure(7.0, 6.2)
     rows = figure.subplots(2, 2)
+    px_deg = run.evaluation_settings.criteria(tests[1].trials.training_iteration).px_deg
     titles = [
         title
         for of_test, test, i_trial in zip(rows, tests, (first[number], last[number]), strict=True)
-        for title in _draw_trial(of_test, run, test, i_trial)
+        for title in _draw_trial(of_test, run.bag, px_deg, test, i_trial)
     ]
     title_panels(rows.ravel(), titles)
     return figure
 
 
 def _draw_trial(
-    axes_row: Sequence[Axes], run: RecordedRun, test: RecordedTest, i_trial: int
+    axes_row: Sequence[Axes], bag: Bag, px_deg: float, test: RecordedTest, i_trial: int
 ) -> Iterator[str]:
     """Draw a trial's start and end; yield the titles of both panels."""
     trials = test.trials
     n_answered = trials.n_iterations - 1
-    px_deg = run.evaluation_settings.criteria(trials.training_iteration).px_deg
     for axes, iteration in zip(axes_row, (0, n_answered), strict=True):
         stamp_ns = int(test.stamps_ns[i_trial, iteration])
-        left, right = (next(run.bag.images(topic, [stamp_ns]))[1] for topic in PICTURES)
+        left, right = (next(bag.images(topic, [stamp_ns]))[1] for topic in PICTURES)
         axes.imshow(anaglyph(left, right))
         height, width = left.shape
         corner = ((width - COARSE_WINDOW_PX) / 2 - 0.5, (height - COARSE_WINDOW_PX) / 2 - 0.5)

@@ -4,10 +4,18 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
-from active_binocular_vision.figures.style import BAND_ALPHA, label_decades, mark_level
+from active_binocular_vision.figures.style import (
+    BAND_ALPHA,
+    BLUE,
+    VERMILION,
+    label_decades,
+    mark_level,
+)
 from active_binocular_vision.runs.groups import Group
 from experiment_manager.measures.trials import Trials
 
@@ -16,10 +24,29 @@ ERROR_LABEL = "|vergence error| / deg"
 DELTA_LABEL = r"$\Delta C$ / W"
 # Fewer tests are points: a line between them would show a course that nobody has measured.
 LEAST_JOINED = 5
+# Further groups of a model differ in lightness.
+_COLOURS = {"M": (BLUE, "Blues"), "M_C": (VERMILION, "Oranges")}
+_OTHER_COLOURS = ("black", "Greys")
+_DARKEST, _LIGHTEST = 0.9, 0.4
+_MARKERS = {"M": "o", "M_C": "D"}
 # Shares of the width between the points of two groups.
 _DODGE = 0.012
 # Errors below this share of a pixel need no room.
 _LEAST_PX = 0.02
+
+
+def colour_of(group: Group) -> str:
+    """Return the colour of a group."""
+    colour, shades = _COLOURS.get(group.model, _OTHER_COLOURS)
+    i, n = group.rank
+    if n == 1:
+        return colour
+    return to_hex(colormaps[shades](_DARKEST + (_LIGHTEST - _DARKEST) * i / (n - 1)))
+
+
+def marker_of(group: Group) -> str:
+    """Return the marker of the points of a group's model."""
+    return _MARKERS.get(group.model, "s")
 
 
 def offset_of(i: int, groups: Sequence[Group]) -> float:
@@ -39,7 +66,7 @@ def px_deg_of(groups: Sequence[Group]) -> float:
 
 def group_handle(group: Group) -> Line2D:
     """Return what stands for a group in a legend."""
-    return Line2D([], [], color=group.colour, marker=group.marker, ms=4, label=group.label)
+    return Line2D([], [], color=colour_of(group), marker=marker_of(group), ms=4, label=group.label)
 
 
 def draw_quartiles(
@@ -51,9 +78,9 @@ def draw_quartiles(
     """
     if len(at) < LEAST_JOINED:
         beside = at + offset * _DODGE * group.common.n_iterations
-        draw_bars(axes, beside, quartiles, group.colour, marker=group.marker)
+        draw_bars(axes, beside, quartiles, colour_of(group), marker=marker_of(group))
     else:
-        draw_band(axes, at, quartiles, group.colour, marker=group.marker, ms=3)
+        draw_band(axes, at, quartiles, colour_of(group), marker=marker_of(group), ms=3)
 
 
 def draw_band(

@@ -19,6 +19,8 @@ from matplotlib.figure import Figure
 WIDTH_IN = 8.0
 SMALLEST_PT = 8.0
 DPI = 150
+# The folder of a run or a report for pictures.
+FIGURES = "figures"
 
 # Okabe & Ito 2008: readers with any kind of colour vision can tell them apart.
 BLUE, VERMILION, GREEN = "#0072b2", "#d55e00", "#009e73"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from active_binocular_vision.runs.recorded_run import PicturedEpisodes, pictured_episodes
+from active_binocular_vision.runs.recorded import PicturedEpisodes, pictured_episodes
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
 from experiment_manager.bag.reader import Bag
 from experiment_manager.live.page import Page

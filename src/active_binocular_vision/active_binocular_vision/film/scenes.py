@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from active_binocular_vision.runs.recorded_run import (
+from active_binocular_vision.runs.recorded import (
     PicturedEpisodes,
     commanded,
     evaluation_settings_of,

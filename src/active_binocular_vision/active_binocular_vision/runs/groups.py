@@ -5,11 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from matplotlib import colormaps
-from matplotlib.colors import to_hex
-
-from active_binocular_vision.runs.recorded_run import RecordedTest
-from active_binocular_vision.runs.reported_run import ReportedRun
+from active_binocular_vision.runs.finished_run import FinishedRun
+from active_binocular_vision.runs.recorded import RecordedTest
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary
@@ -19,18 +16,10 @@ from experiment_manager.run.config_file import (
     FREE_TO_CHANGE,
     RUN_SECTION,
     completed,
-    parameters_in,
 )
-from experiment_manager.run.described_run import DescribedRun
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
-from active_binocular_vision.figures.style import BLUE, VERMILION
 
-# Further groups of a model differ in lightness.
-_COLOURS = {"M": (BLUE, "Blues"), "M_C": (VERMILION, "Oranges")}
-_OTHER_COLOURS = ("black", "Greys")
-_DARKEST, _LIGHTEST = 0.9, 0.4
-_MARKERS = {"M": "o", "M_C": "D"}
 _STIMULI, _PROFILE = "eye_plant.stimuli.directory", "experiment_manager.profile"
 _PICTURES_SEED, _OF_EACH = "eye_plant.stimuli.seed", "of each run"
 # Parameters that change no number that a figure shows: who made the run, where, how often it was
@@ -76,24 +65,20 @@ class Group:
 
     Their pictures are the same, or each run has a seed and pictures of its own.
 
-    name: model, and how it differs from other groups except in lambda, as text; label: for figures
+    name: model, and how it differs from other groups except in lambda, as text; label: for figures;
+    rank: (i, n), the i-th of the n groups of its model.
     """
 
     name: str
     label: str
-    colour: str
+    rank: tuple[int, int]
     common: Common
-    runs: tuple[ReportedRun, ...]
+    runs: tuple[FinishedRun, ...]
 
     @property
     def model(self) -> str:
         """M or M_C."""
         return self.common.model
-
-    @property
-    def marker(self) -> str:
-        """Of the points of its model."""
-        return _MARKERS.get(self.model, "s")
 
     @property
     def is_of_pair(self) -> bool:
@@ -155,13 +140,13 @@ class Group:
         return [
             test
             for run in self.runs
-            if run.recorded is not None
+            if run.bag is not None
             for test in run.recorded.tests
             if test.trials.training_iteration == iteration
         ]
 
 
-def groups_of(runs: Sequence[ReportedRun]) -> list[Group]:
+def groups_of(runs: Sequence[FinishedRun]) -> list[Group]:
     """Return the runs by what they have in common, M before M_C, then by lambda.
 
     Raises InputError for runs that belong together and have no test in common.
@@ -172,10 +157,10 @@ def groups_of(runs: Sequence[ReportedRun]) -> list[Group]:
     for key in different:
         members = tuple(by_key[key])
         same_model = [other for other in different if other.model == key.model]
-        colour = _colour(key.model, same_model.index(key), len(same_model))
+        rank = (same_model.index(key), len(same_model))
         own = own_settings(key, same_model)
         name = ", ".join([key.model, *own])
-        group = Group(name, _label(key, own, len(members)), colour, key, members)
+        group = Group(name, _label(key, own, len(members)), rank, key, members)
         if not group.iterations:
             names = ", ".join(str(run.directory) for run in members)
             raise InputError(f"{names}: expected a test after as many iterations in each, got none")
@@ -183,7 +168,7 @@ def groups_of(runs: Sequence[ReportedRun]) -> list[Group]:
     return groups
 
 
-def held_back(runs: Sequence[ReportedRun]) -> list[ReportedRun]:
+def held_back(runs: Sequence[FinishedRun]) -> list[FinishedRun]:
     """Return the unfinished runs that would be pooled with finished ones.
 
     A group shows the tests that all its runs have made, so they would hold the others back.
@@ -197,7 +182,7 @@ def held_back(runs: Sequence[ReportedRun]) -> list[ReportedRun]:
     ]
 
 
-def common_of(runs: Sequence[DescribedRun]) -> list[Common]:
+def common_of(runs: Sequence[FinishedRun]) -> list[Common]:
     """Return what each run has in common: the same for those that differ in their seeds alone."""
     keys = [_key(run) for run in runs]
     seeds: dict[Common, set[int]] = {}
@@ -207,8 +192,8 @@ def common_of(runs: Sequence[DescribedRun]) -> list[Common]:
     return [pooled_keys.get(key, key) for key in keys]
 
 
-def _by_key(runs: Sequence[ReportedRun]) -> dict[Common, list[ReportedRun]]:
-    by_key: dict[Common, list[ReportedRun]] = {}
+def _by_key(runs: Sequence[FinishedRun]) -> dict[Common, list[FinishedRun]]:
+    by_key: dict[Common, list[FinishedRun]] = {}
     for run, key in zip(runs, common_of(runs), strict=True):
         by_key.setdefault(key, []).append(run)
     return by_key
@@ -234,15 +219,8 @@ def _with_own_pictures(seeds: Mapping[Common, set[int]]) -> dict[Common, Common]
     }
 
 
-def _colour(model: str, i: int, n: int) -> str:
-    colour, shades = _COLOURS.get(model, _OTHER_COLOURS)
-    if n == 1:
-        return colour
-    return to_hex(colormaps[shades](_DARKEST + (_LIGHTEST - _DARKEST) * i / (n - 1)))
-
-
-def _key(run: DescribedRun) -> Common:
-    parameters = parameters_in(run.configuration)
+def _key(run: FinishedRun) -> Common:
+    parameters = run.configuration
     if parameters.keys() >= CONFIG_CLASSES.keys():
         # What is not there is the default; the parameters of a replaced node stay as they are.
         with contextlib.suppress(InputError):

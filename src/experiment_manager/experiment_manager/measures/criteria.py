@@ -1,14 +1,11 @@
 """What the measures count as close enough and as silent: it depends on a run's eyes and cameras."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, Self
 
-import yaml
-
-from experiment_manager.experiment.config import ProtocolConfig
 from experiment_manager.experiment.plant_changes import Schedule, read_schedule
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.inverse.pair import Inverse
@@ -16,9 +13,17 @@ from eye_plant.mechanics.metabolics import silent_activation
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.vergence import degrees_per_px, fixation_distance_m
 from lockstep.command_space import activation_limits
-from lockstep.configuration import build
+from lockstep.configuration import build, flatten
+from lockstep.errors import InputError
 from lockstep.wire.topics import TEST
 
+# What the manager says of a test, in the order of EvaluationSettings.
+_OF_MANAGER = (
+    "schedule",
+    "protocol.iterations_per_trial",
+    "protocol.fixation_iterations",
+    "protocol.gives_targets",
+)
 # Relaxed eyes see an object right whose vergence differs by less than this from theirs.
 _RELAXED_PX = 0.5
 
@@ -81,30 +86,23 @@ class EvaluationSettings:
     gives_targets: bool = True
 
     @classmethod
-    def of(cls, parameters: Mapping[str, Mapping[str, Any]]) -> "EvaluationSettings":
-        """Return those of a run's parameters by node; what is missing has its default."""
-        manager = parameters.get("experiment_manager", {})
-        length = manager.get("protocol.iterations_per_trial", ProtocolConfig().iterations_per_trial)
-        return cls(
-            build(EyePlantConfig, parameters.get("eye_plant", {})),
-            read_schedule(manager.get("schedule", "")),
-            int(length),
-            int(manager.get("protocol.fixation_iterations", 0)),
-            bool(manager.get("protocol.gives_targets", True)),
-        )
+    def of(cls, parameters: Mapping[str, Mapping[str, Any]]) -> Self:
+        """Return those of a run's parameters by node; another plant has these eyes, our cameras.
 
-    @classmethod
-    def of_configuration(cls, text: str) -> "EvaluationSettings":
-        """Return those of the text of a config.yaml; what is not in it has its default."""
-        try:
-            sections = yaml.safe_load(text) or {}
-            parameters = {
-                name.removeprefix("/**/"): section["ros__parameters"]
-                for name, section in sections.items()
-            }
-        except (yaml.YAMLError, AttributeError, KeyError, TypeError):
-            parameters = {}
-        return cls.of(parameters)
+        Raises InputError where one is missing: a default may be that of another experiment.
+        """
+        manager = parameters.get("experiment_manager", {})
+        _check_complete("experiment_manager", _OF_MANAGER, manager)
+        plant = parameters.get("eye_plant", {})
+        if "mechanics.parameter_set" not in plant:
+            eyes = {name: manager[name] for name in manager if name.startswith("mechanics.")}
+            plant = flatten(EyePlantConfig()) | eyes
+        _check_complete("eye_plant", flatten(EyePlantConfig()), plant)
+        return cls(
+            build(EyePlantConfig, plant),
+            read_schedule(manager["schedule"]),
+            *(manager[name] for name in _OF_MANAGER[1:]),
+        )
 
     def criteria(self, training_iterations: int) -> Criteria:
         """Return what counts in the test after so many training iterations."""
@@ -114,6 +112,13 @@ class EvaluationSettings:
         """Return the plant of the test after so many training iterations."""
         stage = self.schedule.stage(TEST, training_iterations)
         return changed(self.plant, self.schedule.settings(stage))
+
+
+def _check_complete(node: str, names: Iterable[str], parameters: Mapping[str, Any]) -> None:
+    missing = [f"{node}.{name}" for name in names if name not in parameters]
+    if missing:
+        more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
+        raise InputError(f"expected a run's configuration, it lacks {missing[0]}{more}")
 
 
 def _distance_m(vergence_deg: float, baseline_m: float) -> float:

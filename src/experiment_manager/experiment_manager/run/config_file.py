@@ -120,20 +120,33 @@ def completed(given: Mapping[str, Mapping[str, Any]]) -> Configuration:
     }
 
 
-def parameters_in(text: str) -> Configuration:
+def parameters_in(text: str, source: str = CONFIG_FILE) -> Configuration:
     """Return the parameters by node of a config.yaml's text, as they are, of any nodes.
 
-    Raises InputError for what is no parameter file.
+    source: of the text, for errors. Raises InputError for what is no parameter file.
     """
+    sections = _sections(text, source)
+    return {name.removeprefix("/**/"): of for name, of in sections.items() if name != RUN_SECTION}
+
+
+def about_in(text: str, source: str = CONFIG_FILE) -> dict[str, Any]:
+    """Return the section of a config.yaml's text that says what the run is.
+
+    source: of the text, for errors. Raises InputError where it does not say that.
+    """
+    about = _sections(text, source).get(RUN_SECTION, {})
+    needed = {"model", "seed", "n_training_iterations", "metabolic_cost_weight", "commit"}
+    if missing := sorted(needed - about.keys()):
+        raise InputError(f"{source}: expected a run's configuration, it lacks {', '.join(missing)}")
+    return about
+
+
+def _sections(text: str, source: str) -> Configuration:
     try:
         sections = yaml.safe_load(text) or {}
-        return {
-            name.removeprefix("/**/"): dict(section["ros__parameters"])
-            for name, section in sections.items()
-            if name != RUN_SECTION
-        }
+        return {name: dict(section["ros__parameters"]) for name, section in sections.items()}
     except (yaml.YAMLError, KeyError, TypeError, ValueError, AttributeError) as error:
-        raise InputError(f"{CONFIG_FILE}: expected parameters by node: {error}") from error
+        raise InputError(f"{source}: expected parameters by node: {error}") from error
 
 
 def check_unchanged(directory: Path, manifest: Manifest, found: Configuration) -> None:

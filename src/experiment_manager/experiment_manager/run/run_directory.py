@@ -77,7 +77,7 @@ class Run:
             text = config_file.read_text() if config_file.exists() else ""
         except UnicodeDecodeError as error:
             raise InputError(f"{config_file}: expected text in UTF-8: {error}") from error
-        self._parameters = parameters_in(text) | {_MANAGER: flatten(config)}
+        self._parameters = parameters_in(text, str(config_file)) | {_MANAGER: flatten(config)}
         self._bag_is_elsewhere = False
         bag_files = self._resume(*found) if found else None
         self.writer = BagWriter(
@@ -139,18 +139,11 @@ class Run:
         segment = self.protocol.segment(self.place)
         self.place += 1
         if segment.i_test >= 0 and self.place == segment.first + segment.n_episodes:
-            settings = self._evaluation_settings()
+            settings = EvaluationSettings.of(self._parameters)
             criteria = settings.criteria(segment.training_iteration)
             test = self.progress.end_test(settings.iterations_per_trial, criteria)
             self._bar.say(summary_line(test))
         self._bar.advance(self.progress.running_median_error_deg)
-
-    def _evaluation_settings(self) -> EvaluationSettings:
-        """Return how the run is tested; another plant has these eyes and our cameras."""
-        plant = self._parameters.get("eye_plant", {})
-        if plant.keys() != flatten(EyePlantConfig()).keys():
-            plant = flatten(EyePlantConfig(mechanics=self._config.mechanics))
-        return EvaluationSettings.of({_MANAGER: flatten(self._config), "eye_plant": plant})
 
     # Checkpoints
 

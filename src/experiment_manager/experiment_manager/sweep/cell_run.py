@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from experiment_manager.measures.results import read_results
-from experiment_manager.run.described_run import DescribedRun
+from experiment_manager.run.config_file import about_in
 from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
 from experiment_manager.sweep.sweep_file import Cell
 from lockstep.errors import InputError
@@ -40,11 +40,10 @@ class CellRun:
         """Whether the run has come to its end, also after it was made longer."""
         try:
             results = read_results(self.directory / RESULTS_FILE)
-            text = (self.directory / CONFIG_FILE).read_text()
-            run = DescribedRun(self.directory, text, CONFIG_FILE)
+            about = about_in((self.directory / CONFIG_FILE).read_text())
         except (InputError, OSError, UnicodeDecodeError):
             return False
-        return results.iterations >= run.n_iterations
+        return results.iterations >= int(about["n_training_iterations"])
 
     @property
     def is_running(self) -> bool:

@@ -18,8 +18,8 @@ from active_binocular_vision.figures.motor_space import (
     motor_space_figure,
 )
 from active_binocular_vision.pages.report.drawings import drawings
+from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import groups_of
-from active_binocular_vision.runs.reported_run import ReportedRun
 from experiment_manager.experiment.plant_changes import read_schedule
 from eye_plant.mechanics.model import MechanicsConfig
 from tests.active_binocular_vision.changed_runs import priced
@@ -31,7 +31,7 @@ def _is_inside(text: Text, figure: Figure) -> bool:
     return figure.bbox.x0 <= extent.x0 and extent.x1 <= figure.bbox.x1
 
 
-def test_long_names_of_groups_are_not_cut_off(runs: list[ReportedRun]) -> None:
+def test_long_names_of_groups_are_not_cut_off(runs: list[FinishedRun]) -> None:
     groups = [
         replace(group, label=f"{group.label}, {'a long setting 0.123456789, ' * 4}")
         for group in groups_of(runs)
@@ -77,7 +77,7 @@ def test_the_motor_space_is_that_of_the_last_test(runs, monkeypatch) -> None:
     assert [mechanics.rest_adduction_deg for mechanics in drawn] == [(5.0, 5.0)]
 
 
-def test_every_figure_of_a_report_can_be_read(runs: list[ReportedRun]) -> None:
+def test_every_figure_of_a_report_can_be_read(runs: list[FinishedRun]) -> None:
     of_prices = [priced(runs[1], weight, 1 + weight) for weight in (0.05, 0.1, 0.2)]
     found = {drawing.name: drawing.draw() for drawing in drawings(groups_of([*runs, *of_prices]))}
     figures = {name: figure for name, figure in found.items() if figure is not None}

@@ -13,8 +13,8 @@ from active_binocular_vision.figures.errors import errors_figure
 from active_binocular_vision.figures.price import over_prices, price_figure
 from active_binocular_vision.pages.report.drawings import drawings
 from active_binocular_vision.pages.report.tables import antagonists_table, comparison_table
+from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group, groups_of
-from active_binocular_vision.runs.reported_run import ReportedRun
 from experiment_manager.measures.trials import ERROR_NAMES
 from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI, PAIR
 from tests.active_binocular_vision.own_commands import N_ITERATIONS, write_run
@@ -24,7 +24,7 @@ from tests.readable import assert_readable
 @pytest.fixture(scope="module", params=[HORIZONTAL_RECTI, ALL_MUSCLES])
 def group(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Group:
     directory = write_run(tmp_path_factory.mktemp("runs") / "run", request.param)
-    return groups_of([ReportedRun(directory)])[0]
+    return groups_of([FinishedRun(directory)])[0]
 
 
 def _median_line(axes: Axes) -> np.ndarray:
@@ -66,7 +66,7 @@ def test_figures_of_own_commands_can_be_read(group: Group) -> None:
 
 def test_prices_show_the_errors_about_all_axes(tmp_path: Path) -> None:
     family = [
-        ReportedRun(write_run(tmp_path / f"{weight}", ALL_MUSCLES, "M_C", weight))
+        FinishedRun(write_run(tmp_path / f"{weight}", ALL_MUSCLES, "M_C", weight))
         for weight in (0.1, 0.3, 1.0)
     ]
     groups = over_prices(groups_of(family))
@@ -102,7 +102,7 @@ def test_the_paper_stands_beside_the_pair_alone(group: Group, tmp_path: Path) ->
     assert "our test set: median |vertical error| / deg" in names
     assert not [name for name in names if "authors" in name]
 
-    pair = ReportedRun(write_run(tmp_path / "pair", PAIR))
+    pair = FinishedRun(write_run(tmp_path / "pair", PAIR))
     of_pair, of_others = groups_of([pair, *group.runs])
     if not of_pair.is_of_pair:
         of_pair, of_others = of_others, of_pair

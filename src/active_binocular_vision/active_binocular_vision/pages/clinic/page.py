@@ -8,7 +8,7 @@ from pathlib import Path
 
 import matplotlib as mpl
 
-from active_binocular_vision.figures.style import STYLE, save
+from active_binocular_vision.figures.style import FIGURES, STYLE, save
 from active_binocular_vision.figures.treatments import clinic_figure
 from active_binocular_vision.pages.clinic.examining import examined_run
 from active_binocular_vision.pages.clinic.rows import Range, Row, rows_of
@@ -16,12 +16,10 @@ from active_binocular_vision.pages.clinic.treatments import courses_of, treatmen
 from active_binocular_vision.pages.rearing.page import finished_runs
 from active_binocular_vision.pages.report import page as report_page
 from active_binocular_vision.runs.examined_run import AGES, ExaminedRun
+from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import common_of
 from active_binocular_vision.runs.one_a_core import of_each_run
-from active_binocular_vision.runs.reported_run import FIGURES
 from experiment_manager.measures.tables import number
-from experiment_manager.run.config_file import CONFIG_FILE
-from experiment_manager.run.described_run import DescribedRun
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
 
@@ -74,7 +72,7 @@ def write_clinic_page(directories: Sequence[Path], out: Path) -> Path:
         raise InputError(reasons[0])
     for reason in reasons:
         print(f"left out: {reason}", file=sys.stderr)
-    rows = rows_of(list(examined.values()), common_of([_described(run) for run in examined]))
+    rows = rows_of(list(examined.values()), common_of([FinishedRun(run) for run in examined]))
     with mpl.rc_context(STYLE):
         figure = clinic_figure(rows)
         save(figure, out / FIGURES / "clinic.png")
@@ -106,10 +104,6 @@ def clinic_table(rows: Sequence[Row]) -> str:
                 )
                 lines.append((row.name, str(n_seeds), when, *cells))
     return report_page.table(header, lines)
-
-
-def _described(directory: Path) -> DescribedRun:
-    return DescribedRun(directory, (directory / CONFIG_FILE).read_text(), str(directory))
 
 
 def _examined(directories: Sequence[Path]) -> tuple[dict[Path, ExaminedRun], list[str]]:

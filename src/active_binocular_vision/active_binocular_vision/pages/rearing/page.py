@@ -14,7 +14,7 @@ from active_binocular_vision.figures.rearing import (
     landscapes_figure,
     samples_figure,
 )
-from active_binocular_vision.figures.style import STYLE, save
+from active_binocular_vision.figures.style import FIGURES, STYLE, save
 from active_binocular_vision.pages.rearing.conditions import PUBLISHED
 from active_binocular_vision.pages.rearing.measuring import read_reared_run
 from active_binocular_vision.pages.report import page as report_page
@@ -25,7 +25,6 @@ from active_binocular_vision.runs.reared_run import (
     ScaleTuning,
     write_measures,
 )
-from active_binocular_vision.runs.reported_run import FIGURES
 from experiment_manager.measures.results import RESULTS_FILE, Summary
 from experiment_manager.measures.tables import number
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep

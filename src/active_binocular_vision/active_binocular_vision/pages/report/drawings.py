@@ -17,9 +17,8 @@ from active_binocular_vision.figures.learning_curve import performance_figure
 from active_binocular_vision.figures.motor_space import motor_space, motor_space_figure
 from active_binocular_vision.figures.pictures import anaglyph_figure, encoding_figure
 from active_binocular_vision.figures.price import over_prices, price_figure
+from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group
-from active_binocular_vision.runs.reported_run import ReportedRun
-from experiment_manager.run import checkpoint
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.state_file import read_state
 
@@ -181,7 +180,7 @@ def _left_out(what: str, groups: Iterable[Group]) -> str:
     return f"{what}: {', '.join(names)}." if names else ""
 
 
-def _drawings_of_run(run: ReportedRun, mark: str) -> Iterator[Drawing]:
+def _drawings_of_run(run: FinishedRun, mark: str) -> Iterator[Drawing]:
     yield Drawing(
         f"dictionaries_{mark}",
         f"Basis functions of {run.name}",
@@ -194,7 +193,6 @@ def _drawings_of_run(run: ReportedRun, mark: str) -> Iterator[Drawing]:
         lambda: _dictionaries(run),
         f"{run.name} has no checkpoint to take basis functions from.",
     )
-    recorded = run.recorded
     yield Drawing(
         f"anaglyphs_{mark}",
         f"What the eyes of {run.name} see",
@@ -202,16 +200,15 @@ def _drawings_of_run(run: ReportedRun, mark: str) -> Iterator[Drawing]:
         "end: left eye in red, right eye in cyan. Coloured fringes are disparity. The frame is the "
         "window of the coarse scale. Of the trials with pictures, this one ends with the median "
         "error.",
-        lambda: anaglyph_figure(recorded) if recorded is not None else None,
+        lambda: anaglyph_figure(run),
         "Not drawn without a bag with pictures of a trial common to its first and last test.",
     )
 
 
-def _dictionaries(run: ReportedRun) -> Figure | None:
-    found = checkpoint.newest(run.directory / "checkpoints")
-    if found is None:
+def _dictionaries(run: FinishedRun) -> Figure | None:
+    if run.states is None:
         return None
-    return dictionary_figure(read_state(found[1] / "sparse_coder.npz", "sparse_coder")["atoms"])
+    return dictionary_figure(read_state(run.states / "sparse_coder.npz", "sparse_coder")["atoms"])
 
 
 def _motor_space(mechanics: MechanicsConfig, groups: Sequence[Group]) -> Figure:

@@ -7,9 +7,9 @@ from dataclasses import astuple, dataclass, replace
 from itertools import chain
 
 from active_binocular_vision.pages.report import page as report_page
+from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group
-from active_binocular_vision.runs.recorded_run import RecordedRun
-from active_binocular_vision.runs.reported_run import ReportedRun
+from active_binocular_vision.runs.recorded import RecordedTest
 from active_binocular_vision.runs.resting_places import resting_places
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS, SHARE_ITERATIONS
 from experiment_manager.measures.results import Measures, SetSummary, Summary
@@ -98,7 +98,10 @@ def runs_table(groups: Sequence[Group]) -> str:
             str(run.seed),
             f"{run.n_iterations:,}",
             f"{run.metabolic_cost_weight:.4g}",
-            *(_share_of_reward(share, run.n_iterations) for share in run.cost_shares),
+            *(
+                _share_of_reward(share, run.n_iterations)
+                for share in (run.results.cost_share_first, run.results.cost_share_last)
+            ),
             run.commit[:12] or "unknown",
         )
         for group in groups
@@ -292,7 +295,7 @@ def iterations_table(groups: Sequence[Group]) -> str:
     return report_page.table((*header, *(column.heading for column in columns)), rows)
 
 
-def learning_table(run: ReportedRun) -> str:
+def learning_table(run: FinishedRun) -> str:
     """Return a run's tests, as in its results.json."""
     columns = _with_other_axes(_OF_TESTS, run.summaries)
     of_authors = _OF_TESTS_AUTHORS if run.is_of_pair else ()
@@ -310,13 +313,13 @@ def learning_table(run: ReportedRun) -> str:
     return report_page.table(header, rows)
 
 
-def resting_table(run: RecordedRun) -> str:
+def resting_table(tests: Sequence[RecordedTest]) -> str:
     """Return where the trials of a run's tests end."""
     header = ["iteration", "trials counted", "bias / deg", "SD / deg"]
     header += ["SD within picture and distance / deg", "SD between them / deg"]
     header += ["SD over time / deg", "share left after an iteration"]
     rows = []
-    for test in run.tests:
+    for test in tests:
         n_trials, *values = astuple(resting_places(test.trials))
         cells = map(number, values)
         rows.append((f"{test.trials.training_iteration:,}", str(n_trials), *cells))

@@ -1,18 +1,15 @@
 """What a run's bag holds, reduced to what tables and figures need."""
 
 from dataclasses import dataclass
-from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
 from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.measures.criteria import EvaluationSettings
-from experiment_manager.measures.metrics import QUARTILES, SHARE_ITERATIONS, cost_share, summary_of
-from experiment_manager.measures.results import Results, Summary
+from experiment_manager.measures.metrics import QUARTILES, SHARE_ITERATIONS, cost_share
 from experiment_manager.measures.trials import Trials, TrialTable, split_tests
-from experiment_manager.run.described_run import DescribedRun
+from experiment_manager.run.config_file import parameters_in
 from lockstep.command_space import CommandSpace
 from lockstep.errors import InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TRAINING
@@ -72,81 +69,42 @@ class Measured:
     first_observation: int
 
 
-class RecordedRun(DescribedRun):
-    """A run directory, read from its bag; everything in one pass, on first use."""
+def measured(bag: Bag, settings: EvaluationSettings, n_iterations: int, weight: float) -> Measured:
+    """Return what a run's bag holds, in one pass.
 
-    def __init__(self, directory: Path) -> None:
-        """Open the bag of a run directory; InputError when there is none or it is another's."""
-        self.bag = Bag(Path(directory) / "bag")
-        text = self.bag.attachment(CONFIGURATION_ATTACHMENT).decode()
-        super().__init__(directory, text, f"bag {self.bag.path}")
+    settings: how the run was tested; n_iterations: of training; weight: lambda, 1/W.
+    """
+    # The tables of a full run fill half a gigabyte; only what is made of them is kept.
+    tables = bag.vectors("ground_truth", "reward", "muscle_activations")
+    truth, reward = tables["ground_truth"], tables["reward"]
+    table = trial_table(truth, tables["muscle_activations"], settings.plant.space)
+    tests = split_tests(table, settings.iterations_per_trial)
+    return Measured(
+        tuple(_recorded(trials, truth, reward) for trials in tests if trials.trial[0] == 0),
+        _training_curve(truth),
+        _shares(truth, reward, n_iterations, weight),
+        int(truth.column("observation")[0]) if len(truth.stamps_ns) else 0,
+    )
 
-    def results(self) -> Results:
-        """Return what results.json holds, from the bag alone."""
-        first, last = self.measured.cost_shares
-        return Results(
-            model=self.model,
-            profile=self.profile,
-            seed=self.seed,
-            iterations=self.n_iterations,
-            commit=self.commit,
-            metabolic_cost_weight=self.metabolic_cost_weight,
-            cost_share_first=first,
-            cost_share_last=last,
-            tests=self.summaries(),
-        )
 
-    @property
-    def tests(self) -> tuple[RecordedTest, ...]:
-        """The tests of `measured`."""
-        return self.measured.tests
+def _shares(
+    truth: VectorTable, reward: VectorTable, n_iterations: int, weight: float
+) -> tuple[float | None, float | None]:
+    rows = truth.at(reward.stamps_ns)
+    training = (rows >= 0) & (truth.column("phase")[rows] == TRAINING)
+    iteration = truth.column("training_iteration")[rows]
+    error, cost_w = _total_error(reward), reward.column("metabolic_rate_w")
+    begin = iteration[training].min(initial=n_iterations)
+    reached = iteration[training].max(initial=-1) + 1
 
-    def summaries(self) -> tuple[Summary, ...]:
-        """Return the measures of each test."""
-        criteria = self.evaluation_settings.criteria
-        trials_of_tests = [test.trials for test in self.tests]
-        return tuple(summary_of(t, criteria(t.training_iteration)) for t in trials_of_tests)
+    def share(first: int, end: int) -> float | None:
+        if begin > first or reached < end:
+            return None
+        chosen = training & (iteration >= first) & (iteration < end)
+        return cost_share(_sum_in_order(error[chosen]), _sum_in_order(cost_w[chosen]), weight)
 
-    @cached_property
-    def measured(self) -> Measured:
-        """What was recorded."""
-        # The tables of a full run fill half a gigabyte; only what is made of them is kept.
-        tables = self.bag.vectors("ground_truth", "reward", "muscle_activations")
-        truth = tables["ground_truth"]
-        space = self.evaluation_settings.plant.space
-        table = trial_table(truth, tables["muscle_activations"], space)
-        tests = tuple(
-            _recorded(trials, truth, tables["reward"])
-            for trials in split_tests(table, self.evaluation_settings.iterations_per_trial)
-            if trials.trial[0] == 0
-        )
-        return Measured(
-            tests,
-            _training_curve(truth),
-            self._shares(truth, tables["reward"]),
-            int(truth.column("observation")[0]) if len(truth.stamps_ns) else 0,
-        )
-
-    def _shares(self, truth: VectorTable, reward: VectorTable) -> tuple[float | None, float | None]:
-        rows = truth.at(reward.stamps_ns)
-        training = (rows >= 0) & (truth.column("phase")[rows] == TRAINING)
-        iteration = truth.column("training_iteration")[rows]
-        error, cost_w = _total_error(reward), reward.column("metabolic_rate_w")
-        begin = iteration[training].min(initial=self.n_iterations)
-        reached = iteration[training].max(initial=-1) + 1
-
-        def share(first: int, end: int) -> float | None:
-            if begin > first or reached < end:
-                return None
-            chosen = training & (iteration >= first) & (iteration < end)
-            return cost_share(
-                _sum_in_order(error[chosen]),
-                _sum_in_order(cost_w[chosen]),
-                self.metabolic_cost_weight,
-            )
-
-        n = self.n_iterations
-        return share(0, min(SHARE_ITERATIONS, n)), share(max(0, n - SHARE_ITERATIONS), n)
+    n = n_iterations
+    return share(0, min(SHARE_ITERATIONS, n)), share(max(0, n - SHARE_ITERATIONS), n)
 
 
 def pictured_episodes(bag: Bag) -> PicturedEpisodes:
@@ -162,12 +120,9 @@ def pictured_episodes(bag: Bag) -> PicturedEpisodes:
 
 
 def evaluation_settings_of(bag: Bag) -> EvaluationSettings:
-    """Return how the run of a bag was tested; of a bag without its configuration, the defaults."""
-    try:
-        text = bag.attachment(CONFIGURATION_ATTACHMENT).decode()
-    except InputError:
-        text = ""
-    return EvaluationSettings.of_configuration(text)
+    """Return how the run of a bag was tested; InputError for a bag without its configuration."""
+    text = bag.attachment(CONFIGURATION_ATTACHMENT).decode()
+    return EvaluationSettings.of(parameters_in(text, f"bag {bag.path}"))
 
 
 def _sum_in_order(values: np.ndarray) -> float:
