@@ -7,7 +7,7 @@ import numpy as np
 from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import with_test, write_trials
 from experiment_manager.measures.metrics import summary_of
-from experiment_manager.measures.results import Results, write_document
+from experiment_manager.measures.results import CostShares, Results, write_document
 from experiment_manager.measures.trials import Trials
 from experiment_manager.run.config_file import parameters_in
 from lockstep.command_space import COMMAND_SPACES
@@ -34,13 +34,12 @@ def write_run(directory: Path, command_space: str, model: str = "M", weight: flo
         iterations=1000,
         commit="0123abc",
         metabolic_cost_weight=weight,
-        cost_share_first=None,
-        cost_share_last=None,
+        cost_shares=CostShares(None, None),
         tests=tuple(summary_of(test, criteria) for test in tests),
     )
     directory.mkdir(parents=True)
     (directory / "config.yaml").write_text(text)
-    write_document(directory / "results.json", results.to_json())
+    write_document(directory / "results.json", results)
     write_trials(directory, kept)
     return directory
 

@@ -1,16 +1,15 @@
 """Summaries of tests as tests need them: some measures, all else absent."""
 
-import dataclasses
 from typing import Any
+
+import msgspec
 
 from experiment_manager.measures.results import SetSummary, Summary
 
 _EMPTY: dict[str, Any] = {
-    **dict.fromkeys(field.name for field in dataclasses.fields(SetSummary)),
+    **{field.name: None for field in msgspec.structs.fields(SetSummary) if field.required},
     "n_trials": 0,
     "bias_by_distance_deg": {},
-    "after": {},
-    "antagonists": {},
 }
 NO_TRIALS = SetSummary(**_EMPTY)
 

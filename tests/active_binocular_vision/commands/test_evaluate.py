@@ -85,7 +85,7 @@ def test_results_from_the_bag_agree_with_themselves(run_directories, tmp_path, c
     path = directory / "results.json"
     assert main([str(directory)]) == 0
     assert "There is no" in capsys.readouterr().out
-    write_document(path, FinishedRun(directory).results_of_bag().to_json())
+    write_document(path, FinishedRun(directory).results_of_bag())
     assert main([str(directory)]) == 0
     assert f"of {path} follow from the bag" in capsys.readouterr().out
     document = json.loads(path.read_text())

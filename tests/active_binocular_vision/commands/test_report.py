@@ -16,9 +16,11 @@ from experiment_manager.measures.results import write_document
 from experiment_manager.measures.tables import percent
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
+from experiment_manager.run.progress import Progress
 from lockstep.command_space import ALL_MUSCLES, PAIR
 from lockstep.state_file import write_state
 from tests.active_binocular_vision.own_commands import write_run
+from tests.pair import PAIR_SPACE
 
 
 def _with_checkpoint(directory: Path) -> None:
@@ -27,7 +29,8 @@ def _with_checkpoint(directory: Path) -> None:
     atoms = np.random.default_rng(0).normal(size=(2, 30, 128)).astype(np.float32)
     write_state(below / "sparse_coder.npz", "sparse_coder", {"atoms": atoms})
     hashes = {"sparse_coder.npz": checkpoint.hash_of(below / "sparse_coder.npz")}
-    manifest = Manifest(5, {"vergence_rl": {}}, ("bag_0.mcap",), hashes, {})
+    progress = Progress(0, PAIR_SPACE).state()
+    manifest = Manifest(5, {"vergence_rl": {}}, ("bag_0.mcap",), hashes, progress)
     checkpoint.commit(directory / "checkpoints", manifest)
 
 
@@ -110,7 +113,7 @@ def kept(run_directories: dict[str, Path], tmp_path_factory: pytest.TempPathFact
         copy = Path(shutil.copytree(directory, sweep / f"{model}_1"))
         run = FinishedRun(copy)
         (copy / "config.yaml").write_text(run.configuration_text)
-        write_document(copy / "results.json", run.results_of_bag().to_json())
+        write_document(copy / "results.json", run.results_of_bag())
         kept = None
         for test in run.recorded.tests:
             kept = with_test(kept, test.trials)

@@ -1,11 +1,11 @@
 """The learning curve shows the numbers of the tests: they are read back from the axes."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from msgspec.structs import replace
 
 from active_binocular_vision.figures.learning_curve import (
     learning_curve,

@@ -10,6 +10,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from msgspec import to_builtins
 
 from active_binocular_vision.commands.evaluate import main
 from active_binocular_vision.learners.evaluation import FrozenResults, evaluated
@@ -43,7 +44,7 @@ def test_own_stimuli_from_their_directory_are_the_same(small_run, run, pictures,
     out = tmp_path / "out.json"
     assert main([str(run), "--stimuli", str(pictures), "--out", str(out)]) == 0
     document = json.loads(out.read_text())
-    assert document["tests"] == [_tests(small_run)[-1].to_json()]
+    assert document["tests"] == [to_builtins(_tests(small_run)[-1])]
     assert document["stimuli"] == str(pictures)
     text = capsys.readouterr().out
     assert f"2 pictures of {pictures}" in text

@@ -1,10 +1,10 @@
 """Which runs are pooled, and what tells groups apart."""
 
 import copy
-from dataclasses import replace
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from active_binocular_vision.figures.quartiles import colour_of
 from active_binocular_vision.runs.groups import groups_of, held_back

@@ -8,8 +8,10 @@ import pytest
 
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
+from experiment_manager.run.progress import ProgressState, Sums
 from lockstep.errors import InputError
 
+PROGRESS = ProgressState([], Sums(0.1 + 0.2, 1.0, 3), Sums(), [0.5])
 PARAMETERS = {"vergence_rl": {"cacla.discount": 0.1 + 0.2, "highest_activations": [0.2, 0.1]}}
 
 
@@ -23,7 +25,7 @@ def _commit(checkpoints: Path, place: int, lasting: tuple[int, ...] = (), **chan
         "parameters": PARAMETERS,
         "bag_files": ("bag_0.mcap",),
         "state_hashes": {state.name: checkpoint.hash_of(state)},
-        "progress": {"tests": [], "sum": 0.1},
+        "progress": PROGRESS,
     }
     checkpoint.commit(checkpoints, Manifest(**(values | changes)), lasting)
     return directory
@@ -41,7 +43,7 @@ def test_none_yet(tmp_path: Path) -> None:
 
 
 def test_a_manifest_comes_back_as_it_was(tmp_path: Path) -> None:
-    directory = _commit(tmp_path, 12, progress={"tests": [{"median": 0.1 + 0.2}], "n": 3})
+    directory = _commit(tmp_path, 12)
     manifest, where = _newest(tmp_path)
     assert where == directory
     assert manifest == Manifest(
@@ -49,7 +51,7 @@ def test_a_manifest_comes_back_as_it_was(tmp_path: Path) -> None:
         PARAMETERS,
         ("bag_0.mcap",),
         {"coder.npz": checkpoint.hash_of(directory / "coder.npz")},
-        {"tests": [{"median": 0.1 + 0.2}], "n": 3},
+        PROGRESS,
     )
 
 
@@ -99,7 +101,7 @@ def test_a_changed_or_missing_state_is_an_error(tmp_path: Path, damage: bytes | 
 
 @pytest.mark.parametrize(
     "text",
-    ["[]", "null", "3", '{"version": 2}', '{"version": 2, "place": 2, "x": 3}', "\x00"],
+    ["[]", "null", "3", '{"version": 3}', '{"version": 3, "place": 2, "x": 3}', "\x00"],
 )
 def test_a_damaged_manifest_is_an_error(tmp_path: Path, text: str) -> None:
     (_commit(tmp_path, 1) / "manifest.json").write_text(text)
@@ -130,6 +132,7 @@ def test_a_manifest_cut_off_anywhere_is_an_error(tmp_path: Path) -> None:
         ("state_hashes", []),
         ("state_hashes", {"../../secret": "0"}),
         ("progress", [1]),
+        ("progress", {}),
         ("version", 99),
     ],
 )
@@ -137,8 +140,7 @@ def test_a_manifest_of_other_values_is_an_error(tmp_path: Path, name: str, value
     manifest = _commit(tmp_path, 1) / "manifest.json"
     document = json.loads(manifest.read_text())
     manifest.write_text(json.dumps(document | {name: value}))
-    expected = "version 2, got 99" if name == "version" else "a manifest"
-    with pytest.raises(InputError, match=f"expected {expected}"):
+    with pytest.raises(InputError, match="expected a manifest"):
         checkpoint.newest(tmp_path)
 
 

@@ -6,10 +6,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from experiment_manager.preparation.request import RunRequest
+from experiment_manager.run.checkpoint import Manifest
 from experiment_manager.run.config_file import configuration_text
+from experiment_manager.run.progress import ProgressState, Sums
 from experiment_manager.sweep.cell_run import CellRun, is_failure
 from experiment_manager.sweep.pool import Pool
 from experiment_manager.sweep.status import Status, status_of, table
@@ -34,8 +37,9 @@ def _begin(run: CellRun, *points: tuple[int, float]) -> None:
     for place, time_s in points:
         path = run.directory / "checkpoints" / f"{place:09d}" / "manifest.json"
         path.parent.mkdir(parents=True)
-        tests = [summary(median_abs_vergence_error_deg=1.5).to_json()] if place > 39 else []
-        path.write_text(json.dumps({"place": place, "progress": {"tests": tests}}))
+        tests = [summary(median_abs_vergence_error_deg=1.5)] if place > 39 else []
+        progress = ProgressState(tests, Sums(), Sums(), [])
+        path.write_bytes(msgspec.json.encode(Manifest(place, {}, (), {}, progress)))
         os.utime(path, (time_s, time_s))
 
 

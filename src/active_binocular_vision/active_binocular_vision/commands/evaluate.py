@@ -1,13 +1,15 @@
 """Measures a run: from its bag alone, or what its frozen learners do with other pictures."""
 
 import argparse
-import dataclasses
 import json
 import math
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
+
+from msgspec import to_builtins
+from msgspec.structs import replace
 
 from active_binocular_vision.commands.command_line import plant_settings
 from active_binocular_vision.commands.examinations import (
@@ -20,7 +22,13 @@ from active_binocular_vision.learners.evaluation import evaluated
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from active_binocular_vision.runs.finished_run import FinishedRun
-from experiment_manager.measures.results import RESULTS_FILE, Results, read_results, write_document
+from experiment_manager.measures.results import (
+    RESULTS_FILE,
+    CostShares,
+    Results,
+    read_results,
+    write_document,
+)
 from experiment_manager.measures.tables import number, summaries_table
 from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
@@ -216,7 +224,7 @@ def _evaluate(directory: Path) -> int:
         print(f"different: {difference}", file=sys.stderr)
     if differences:
         return EXIT_DIFFERENT
-    n_entries = len(dict(_entries(measured.to_json())))
+    n_entries = len(dict(_entries(to_builtins(measured))))
     print(f"\nAll {n_entries} entries of {path} follow from the bag.")
     return 0
 
@@ -225,8 +233,8 @@ def _text(results: Results) -> str:
     title = (
         f"model {results.model}, seed {results.seed}, {results.iterations} iterations, "
         f"lambda {results.metabolic_cost_weight:g} per W, its share of the reward "
-        f"{number(results.cost_share_first)} at the start and "
-        f"{number(results.cost_share_last)} at the end"
+        f"{number(results.cost_shares.first_5000)} at the start and "
+        f"{number(results.cost_shares.last_5000)} at the end"
     )
     return f"{title}\n\n{summaries_table(results.tests)}"
 
@@ -234,18 +242,20 @@ def _text(results: Results) -> str:
 def _as_far_as(measured: Results, expected: Results) -> Results:
     """Return results without the tests and shares that are not in a bag which begins late."""
     iterations = {test.iteration for test in measured.tests}
-    first, last = measured.cost_share_first, measured.cost_share_last
-    return dataclasses.replace(
+    first, last = measured.cost_shares.first_5000, measured.cost_shares.last_5000
+    return replace(
         expected,
         tests=tuple(test for test in expected.tests if test.iteration in iterations),
-        cost_share_first=None if first is None else expected.cost_share_first,
-        cost_share_last=None if last is None else expected.cost_share_last,
+        cost_shares=CostShares(
+            None if first is None else expected.cost_shares.first_5000,
+            None if last is None else expected.cost_shares.last_5000,
+        ),
     )
 
 
 def different_entries(expected: Results, measured: Results) -> list[str]:
     """Return "path: expected, got" for each entry in which two results.json differ."""
-    left, right = (dict(_entries(results.to_json())) for results in (expected, measured))
+    left, right = (dict(_entries(to_builtins(results))) for results in (expected, measured))
     return [
         f"{path}: results.json has {left.get(path, 'nothing')}, "
         f"the bag gives {right.get(path, 'nothing')}"
@@ -259,7 +269,7 @@ def _entries(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
     if isinstance(value, dict):
         for key, inner in value.items():
             yield from _entries(inner, f"{path}.{key}" if path else key)
-    elif isinstance(value, list):
+    elif isinstance(value, list | tuple):
         for i, inner in enumerate(value):
             yield from _entries(inner, f"{path}[{i}]")
     else:

@@ -227,7 +227,7 @@ def _antagonists(groups: Sequence[Group]) -> list[str]:
 
 
 def _fixations(groups: Sequence[Group]) -> list[str]:
-    if not any(run.summaries[-1].fixations for group in groups for run in group.runs):
+    if not any(run.summaries[-1].fixation_spreads for group in groups for run in group.runs):
         return []
     return [
         report_page.heading("Fixations"),

@@ -5,6 +5,7 @@ import sys
 from dataclasses import dataclass
 from typing import Any
 
+import msgspec
 import numpy as np
 
 from active_binocular_vision.learners.learners import FrozenLearners
@@ -45,7 +46,7 @@ class FrozenResults:
             "start_scale": self.start_scale,
             "stimuli": self.stimuli,
             "n_stimuli": self.n_stimuli,
-            "tests": [self.test.to_json()],
+            "tests": [msgspec.to_builtins(self.test)],
         }
 
 

@@ -11,15 +11,12 @@ import numpy as np
 
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS
 from experiment_manager.measures.trials import ERROR_NAMES, Trials, space_of
+from lockstep.command_space import COMMAND_SPACES, PAIR
 from lockstep.errors import InputError
 from lockstep.state_file import read_state, write_state
 
 KEPT_FILE = "trials.npz"
 _KIND = "trials_of_run"
-# What trials.npz has only where some test began otherwise than the last one.
-OTHER_STARTS = ("began_otherwise", "started_with")
-# ... and what only where the eyes have commands of their own, which turn them about other axes.
-OTHER_ERRORS = ("final_other_errors_deg", "other_errors_deg")
 _OTHER_ERROR_COLUMNS = ERROR_NAMES[1:]
 
 
@@ -143,12 +140,8 @@ def with_test(kept: KeptTrials | None, trials: Trials) -> KeptTrials:
 def _other_errors_deg(trials: Trials) -> np.ndarray:
     """Return vertical and cyclovergence errors, (n_trials, n_iterations + 1, 2); no pair's."""
     if trials.is_of_pair:
-        return _no_other_errors()
+        return np.zeros((0, 0, len(_OTHER_ERROR_COLUMNS)), np.float32)
     return _small(np.stack([trials.column(name) for name in _OTHER_ERROR_COLUMNS], axis=-1))
-
-
-def _no_other_errors() -> np.ndarray:
-    return np.zeros((0, 0, len(_OTHER_ERROR_COLUMNS)), np.float32)
 
 
 def _starts(trials: Trials) -> np.ndarray:
@@ -163,12 +156,8 @@ def _small(values: np.ndarray) -> np.ndarray:
 
 
 def arrays_of(kept: KeptTrials | None) -> dict[str, np.ndarray]:
-    """Return what is kept by name, nothing for None; of what is optional only what there is."""
-    if kept is None:
-        return {}
-    left_out: tuple[str, ...] = () if len(kept.began_otherwise) else OTHER_STARTS
-    left_out += () if len(kept.other_errors_deg) else OTHER_ERRORS
-    return {name: values for name, values in vars(kept).items() if name not in left_out}
+    """Return what is kept by name, nothing for None."""
+    return {} if kept is None else dict(vars(kept))
 
 
 def from_arrays(arrays: Mapping[str, np.ndarray]) -> KeptTrials | None:
@@ -176,23 +165,12 @@ def from_arrays(arrays: Mapping[str, np.ndarray]) -> KeptTrials | None:
     if not arrays:
         return None
     names = set(KeptTrials.__dataclass_fields__)
-    optional = [set(OTHER_STARTS), set(OTHER_ERRORS)]
-    missing = names - set(arrays)
-    for together in optional:
-        missing -= together if together <= missing else set()
-    if missing or set(arrays) > names:
+    if set(arrays) != names:
         raise InputError(f"expected {', '.join(sorted(names))}, got {', '.join(sorted(arrays))}")
-    n_trials = len(arrays["trial"])
-    no_others = {
-        "began_otherwise": np.zeros(0, dtype=int),
-        "started_with": np.zeros((0, 3, n_trials), dtype=np.float32),
-        "final_other_errors_deg": _no_other_errors(),
-        "other_errors_deg": _no_other_errors(),
-    }
-    kept = KeptTrials(**{**no_others, **arrays})
-    n_kept, n_tests = len(kept.iteration), len(kept.training_iteration)
-    n_commands = kept.activations.shape[-1]
-    space_of(n_commands)
+    kept = KeptTrials(**arrays)
+    n_tests, n_trials = len(kept.training_iteration), len(kept.trial)
+    n_kept, n_commands = len(kept.iteration), kept.activations.shape[-1]
+    has_others = space_of(n_commands) != COMMAND_SPACES[PAIR]
     shapes = {
         "final_error_deg": (n_tests, n_trials),
         "final_rate_w": (n_tests, n_trials),
@@ -200,16 +178,12 @@ def from_arrays(arrays: Mapping[str, np.ndarray]) -> KeptTrials | None:
         "rate_w": (n_trials, n_kept),
         "activations": (n_trials, n_kept, n_commands),
         "started_with": (len(kept.began_otherwise), 3, n_trials),
+        "final_other_errors_deg": (n_tests, n_trials, 2) if has_others else (0, 0, 2),
+        "other_errors_deg": (n_trials, n_kept, 2) if has_others else (0, 0, 2),
     }
-    if len(kept.other_errors_deg):
-        shapes |= {
-            "final_other_errors_deg": (n_tests, n_trials, 2),
-            "other_errors_deg": (n_trials, n_kept, 2),
-        }
     for name, shape in shapes.items():
-        actual = getattr(kept, name).shape
-        if actual != shape:
-            raise InputError(f"{name}: expected shape {shape}, got {actual}")
+        if arrays[name].shape != shape:
+            raise InputError(f"{name}: expected shape {shape}, got {arrays[name].shape}")
     return kept
 
 

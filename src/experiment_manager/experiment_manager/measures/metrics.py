@@ -4,8 +4,10 @@ Medians and shares over trials; Delta C and c of each trial (K17 eq. 8) are in m
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from msgspec.structs import asdict
 
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.fixations import fixation_measures
@@ -32,14 +34,11 @@ def summary_of(trials: Trials, criteria: Criteria) -> Summary:
     """Return the measures of one test."""
     start_deg = trials.vergence_error_deg[:, 0]
     is_of_authors = np.isin(np.round(start_deg), AUTHORS_START_ERRORS_DEG)
+    n = criteria.fixation_iterations
     return Summary(
-        **vars(_set_summary(trials, criteria)),
+        **asdict(_set_summary(trials, criteria)),
         iteration=trials.training_iteration,
-        fixations=(
-            fixation_measures(trials, criteria.fixation_iterations, criteria.px_deg)
-            if criteria.fixation_iterations
-            else None
-        ),
+        **(fixation_measures(trials, n, criteria.px_deg) if n else {}),
         without_zero_start_error=_set_summary(
             trials.chosen(np.abs(start_deg) >= _ZERO_ERROR_DEG), criteria
         ),
@@ -53,15 +52,18 @@ def _set_summary(trials: Trials, criteria: Criteria) -> SetSummary:
         trials.column(name)[:, n]
         for name in ("left_deviation_deg", "right_deviation_deg", "version_deg")
     )
+    early: dict[str, Any] = {
+        f"after_{k}": _measures(trials, k, criteria) for k in REPORTED_ITERATIONS if k < n
+    }
     return SetSummary(
-        **vars(_measures(trials, n, criteria)),
+        **asdict(_measures(trials, n, criteria)),
         antagonists=_antagonists(trials, criteria),
         n_trials=len(trials.trial),
         bias_by_distance_deg=_bias_by_distance_deg(trials),
         median_abs_version_deg=_quantile(np.abs(version_deg), 0.5),
         median_left_deviation_deg=_quantile(left_deg, 0.5),
         median_right_deviation_deg=_quantile(right_deg, 0.5),
-        after={k: _measures(trials, k, criteria) for k in REPORTED_ITERATIONS if k < n},
+        **early,
     )
 
 
@@ -93,7 +95,7 @@ def _measures(trials: Trials, iteration: int, criteria: Criteria) -> Measures:
     )
 
 
-def _bias_by_distance_deg(trials: Trials) -> dict[float, float | None]:
+def _bias_by_distance_deg(trials: Trials) -> dict[str, float | None]:
     """Return the median signed error after the last iteration by object distance in m.
 
     Above 0: the eyes end with too little vergence, as if the object stood farther away.
@@ -101,7 +103,7 @@ def _bias_by_distance_deg(trials: Trials) -> dict[float, float | None]:
     distance_m = trials.object_distance_m
     final_deg = trials.vergence_error_deg[:, -1]
     distances_m = np.unique(distance_m).tolist()
-    return {d: _quantile(final_deg[distance_m == d], 0.5) for d in distances_m}
+    return {f"{d:g}": _quantile(final_deg[distance_m == d], 0.5) for d in distances_m}
 
 
 def _antagonist_is_silent(trials: Trials, iteration: int, criteria: Criteria) -> np.ndarray:
@@ -138,7 +140,7 @@ def _antagonists(trials: Trials, criteria: Criteria) -> dict[str, AntagonistPair
             share_silent=_share(is_silent[is_known]),
             median_co_contraction=_quantile(lesser, 0.5),
             share_silent_by_distance={
-                d: _share(is_silent[is_known & (distance_m == d)])
+                f"{d:g}": _share(is_silent[is_known & (distance_m == d)])
                 for d in np.unique(distance_m).tolist()
             },
         )

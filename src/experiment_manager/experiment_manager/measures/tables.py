@@ -70,15 +70,14 @@ def in_words(test: Summary, px_deg: float) -> str:
 
 def _saccades_in_words(test: Summary) -> list[str]:
     """Return what saccades reach, of eyes that make them."""
-    fixations = test.fixations
-    if fixations is None:
+    if test.gaze_drift_deg is None:
         return []
-    after_1, after_2 = (s.median for s in fixations.saccade_error_deg.values())
+    after_1, after_2 = (s.median for s in test.saccade_error_deg.values())
     return [
         f"Saccades miss their target by {number(after_1)} deg in the median, by {number(after_2)} "
         "deg after a second, corrective one;",
-        f"gaze moves by {number(fixations.gaze_drift_deg.median)} deg while the eyes verge, after "
-        f"which {percent(fixations.share_fixated_within_1_px)} of the fixations are within 1 px.",
+        f"gaze moves by {number(test.gaze_drift_deg.median)} deg while the eyes verge, after "
+        f"which {percent(test.share_fixated_within_1_px)} of the fixations are within 1 px.",
     ]
 
 

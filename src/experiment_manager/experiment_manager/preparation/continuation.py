@@ -5,6 +5,8 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from experiment_manager.experiment.agreements import by_key, by_node, with_partners
 from experiment_manager.experiment.protocol import Protocol, protocol_of
 from experiment_manager.measures.trials import TrialTable
@@ -109,7 +111,7 @@ def extend(directory: Path, n_more: int) -> None:
         progress.restore(manifest.progress, TrialTable.saved(rows, space))
         progress.extend(end + n_more, protocol.training_iterations_before(manifest.place))
         manifests.append(
-            dataclasses.replace(manifest, parameters=after, progress=progress.document())
+            msgspec.structs.replace(manifest, parameters=after, progress=progress.state())
         )
     text = text_of_continuation(path.read_text(), after, {"extended_from": end})
     for manifest in manifests:
@@ -153,7 +155,7 @@ class Branch:
         files = sorted(to.iterdir())
         hashes = {path.name: checkpoint.hash_of(path) for path in files}
         checkpoint.commit(
-            checkpoints, Manifest(place, self.configuration, (), hashes, progress.document())
+            checkpoints, Manifest(place, self.configuration, (), hashes, progress.state())
         )
 
 

@@ -4,26 +4,25 @@ checkpoints/<place>/sparse_coder.npz, vergence_rl.npz    states, written by thei
 checkpoints/<place>/manifest.json                        written last; without it, no checkpoint
 """
 
-import dataclasses
 import hashlib
-import json
 import shutil
 from collections.abc import Collection
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
+import msgspec
+
+from experiment_manager.run.progress import ProgressState
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
 
-_VERSION = 2
+_VERSION: Literal[3] = 3
 _MANIFEST = "manifest.json"
 # The newest one and, should its files prove damaged, the one before.
 _N_KEPT = 2
 
 
-@dataclass(frozen=True)
-class Manifest:
+class Manifest(msgspec.Struct, frozen=True):
     """Everything that a resume needs besides the learners' states.
 
     place: episodes done, in the sequence of the protocol; parameters: of all nodes, by node, with
@@ -31,11 +30,12 @@ class Manifest:
     state_hashes: SHA-256 by file name; progress: what the manager has counted up so far.
     """
 
-    place: int
+    place: Annotated[int, msgspec.Meta(ge=0)]
     parameters: dict[str, dict[str, Any]]
     bag_files: tuple[str, ...]
-    state_hashes: dict[str, str]
-    progress: dict[str, Any]
+    state_hashes: dict[Annotated[str, msgspec.Meta(pattern=r"^[^/]*$")], str]
+    progress: ProgressState
+    version: Literal[3] = _VERSION
 
 
 def place_directory(checkpoints: Path, place: int) -> Path:
@@ -68,9 +68,8 @@ def commit(checkpoints: Path, manifest: Manifest, lasting: Collection[int] = ())
 
 def write(checkpoints: Path, manifest: Manifest) -> None:
     """Write the manifest of states that are already there, whole."""
-    document = {"version": _VERSION, **dataclasses.asdict(manifest)}
     path = place_directory(checkpoints, manifest.place) / _MANIFEST
-    replace_file(path, json.dumps(document, indent=1).encode())
+    replace_file(path, msgspec.json.format(msgspec.json.encode(manifest), indent=1))
 
 
 def everyone(checkpoints: Path) -> list[tuple[Manifest, Path]]:
@@ -103,8 +102,18 @@ def at(checkpoints: Path, place: int) -> tuple[Manifest, Path]:
     return _checked(path)
 
 
+def read(path: Path) -> Manifest:
+    """Return a manifest; InputError for another thing, FileNotFoundError where it is gone."""
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=Manifest)
+    except FileNotFoundError:
+        raise
+    except (OSError, msgspec.DecodeError) as error:
+        raise InputError(f"checkpoint {path}: expected a manifest: {error}") from error
+
+
 def _checked(path: Path) -> tuple[Manifest, Path]:
-    manifest = _read(path)
+    manifest = read(path)
     for name, expected in manifest.state_hashes.items():
         state = path.parent / name
         if not state.is_file() or hash_of(state) != expected:
@@ -113,38 +122,3 @@ def _checked(path: Path) -> tuple[Manifest, Path]:
                 "delete this directory to continue from the checkpoint before"
             )
     return manifest, path.parent
-
-
-def _read(path: Path) -> Manifest:
-    try:
-        document = json.loads(path.read_bytes())
-        version = document.pop("version")
-        if version != _VERSION:
-            raise InputError(f"checkpoint {path}: expected version {_VERSION}, got {version}")
-        manifest = Manifest(**document)
-    except InputError:
-        raise
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise InputError(f"checkpoint {path}: expected a manifest: {error}") from error
-    if not _is_sound(manifest):
-        raise InputError(f"checkpoint {path}: expected a manifest, got other values: {manifest}")
-    return dataclasses.replace(manifest, bag_files=tuple(manifest.bag_files))
-
-
-def _is_sound(manifest: Manifest) -> bool:
-    """Whether the values read are of the types that were written."""
-    # As read from JSON: a list of bag files, and whatever somebody may have written instead.
-    bag_files: Any = manifest.bag_files
-    parameters: Any = manifest.parameters
-    hashes: Any = manifest.state_hashes
-    return (
-        type(manifest.place) is int
-        and manifest.place >= 0
-        and isinstance(parameters, dict)
-        and all(isinstance(values, dict) for values in parameters.values())
-        and isinstance(bag_files, list)
-        and all(isinstance(name, str) for name in bag_files)
-        and isinstance(hashes, dict)
-        and all(isinstance(h, str) and Path(name).name == name for name, h in hashes.items())
-        and isinstance(manifest.progress, dict)
-    )

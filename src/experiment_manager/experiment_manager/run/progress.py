@@ -1,8 +1,9 @@
 """What an experiment counts up while it runs: errors, rewards, tests. No ROS, no clock."""
 
 from collections import deque
-from typing import Any
+from copy import copy
 
+import msgspec
 import numpy as np
 
 from experiment_manager.measures.criteria import Criteria
@@ -20,10 +21,31 @@ _TRUTH = {name: i for i, name in enumerate(GROUND_TRUTH_NAMES)}
 _REWARD = {name: i for i, name in enumerate(REWARD_NAMES)}
 
 
+class Sums(msgspec.Struct):
+    """Sums of E and C over n training iterations, counted from one of them on."""
+
+    error: float = 0.0
+    cost_w: float = 0.0
+    n: int = 0
+    counted_from: int = 0
+
+
+class ProgressState(msgspec.Struct, frozen=True):
+    """What a checkpoint's manifest has of the progress: all but the trials.
+
+    first, last: of the first and the last iterations of training.
+    """
+
+    tests: list[Summary]
+    first: Sums
+    last: Sums
+    running_errors_deg: list[float]
+
+
 class Progress:
     """Collects ground truth, activations and rewards, and sums them up.
 
-    `document`, `trial_table`, `kept_trials` and `restore` carry it through a checkpoint, also
+    `state`, `trial_table`, `kept_trials` and `restore` carry it through a checkpoint, also
     during a test.
     """
 
@@ -36,10 +58,8 @@ class Progress:
         # Of float64. A test has ten thousands of rows: as lists of numbers they would be 20 MB.
         self._truth_bytes = bytearray()
         self._activation_bytes = bytearray()
-        # Sums of (E, C) over the first and the last iterations of training, and their counts.
-        self._sums = {"first": [0.0, 0.0, 0], "last": [0.0, 0.0, 0]}
-        # The training iteration from which each was counted.
-        self._counted_from = dict.fromkeys(self._sums, 0)
+        # Of the first and the last iterations of training.
+        self._sums = {"first": Sums(), "last": Sums()}
         self._running_errors_deg: deque[float] = deque(maxlen=_N_RUNNING)
 
     def add_truth(self, values: np.ndarray, is_last: bool) -> None:
@@ -74,7 +94,7 @@ class Progress:
 
     def begin_at(self, training_iteration: int) -> None:
         """Begin to count here: the run has been somebody else's before."""
-        self._counted_from = dict.fromkeys(self._sums, training_iteration)
+        self._sums = {end: Sums(counted_from=training_iteration) for end in self._sums}
 
     def extend(self, n_training_iterations: int, trained: int) -> None:
         """Go on to another end of training, `trained` iterations being done.
@@ -92,14 +112,14 @@ class Progress:
                     f"since energy's share is measured over the last {SHARE_ITERATIONS}, "
                     f"got {n_training_iterations}"
                 )
-            self._sums["last"] = [0.0, 0.0, 0]
+            self._sums["last"] = Sums(counted_from=self._sums["last"].counted_from)
         self._n_training_iterations = n_training_iterations
 
     def _count(self, end: str, error: float, cost_w: float) -> None:
         sums = self._sums[end]
-        sums[0] += error
-        sums[1] += cost_w
-        sums[2] += 1
+        sums.error += error
+        sums.cost_w += cost_w
+        sums.n += 1
 
     def end_test(self, n_iterations: int, criteria: Criteria) -> Summary:
         """Return the summary of the test whose last trial, of n_iterations, has been added."""
@@ -115,10 +135,10 @@ class Progress:
         None where they were not all counted.
         """
         begin = 0 if end == "first" else max(0, self._n_training_iterations - SHARE_ITERATIONS)
-        if self._counted_from[end] > begin:
+        sums = self._sums[end]
+        if sums.counted_from > begin:
             return None
-        error, cost_w, _ = self._sums[end]
-        return cost_share(error, cost_w, metabolic_cost_weight)
+        return cost_share(sums.error, sums.cost_w, metabolic_cost_weight)
 
     @property
     def running_median_error_deg(self) -> float | None:
@@ -126,14 +146,10 @@ class Progress:
         errors_deg = self._running_errors_deg
         return float(np.median(errors_deg)) if errors_deg else None
 
-    def document(self) -> dict[str, Any]:
-        """Return all but the trial rows as plain lists and numbers, for JSON."""
-        return {
-            "tests": [test.to_json() for test in self.tests],
-            "sums": self._sums,
-            "counted_from": self._counted_from,
-            "running_errors_deg": list(self._running_errors_deg),
-        }
+    def state(self) -> ProgressState:
+        """Return all but the trials."""
+        first, last = (copy(sums) for sums in self._sums.values())
+        return ProgressState(list(self.tests), first, last, list(self._running_errors_deg))
 
     def trial_table(self) -> TrialTable:
         """Return the observations of the test under way.
@@ -157,17 +173,11 @@ class Progress:
         self._activation_bytes = bytearray(rows[:, n_truth:].tobytes())
 
     def restore(
-        self, document: dict[str, Any], trials: TrialTable, kept_trials: KeptTrials | None = None
+        self, state: ProgressState, trials: TrialTable, kept_trials: KeptTrials | None = None
     ) -> None:
-        """Restore the progress that a checkpoint has; InputError for anything else."""
-        try:
-            tests = [Summary.from_json(test) for test in document["tests"]]
-            sums = {end: list(document["sums"][end]) for end in self._sums}
-            counted_from = {end: document["counted_from"][end] for end in self._sums}
-            errors_deg = deque(document["running_errors_deg"], maxlen=_N_RUNNING)
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise InputError(f"expected a run's progress, got {document}: {error!r}") from error
-        self.tests, self._sums, self._running_errors_deg = tests, sums, errors_deg
+        """Restore the progress that a checkpoint has."""
+        self.tests = list(state.tests)
+        self._sums = {"first": copy(state.first), "last": copy(state.last)}
+        self._running_errors_deg = deque(state.running_errors_deg, maxlen=_N_RUNNING)
         self.kept_trials = kept_trials
         self._keep(trials)
-        self._counted_from = counted_from

@@ -1,6 +1,5 @@
 """One run on disk: where it stands, its bag, its checkpoints and its results. No ROS."""
 
-import dataclasses
 import datetime
 import math
 import shutil
@@ -9,6 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.experiment.agreements import check_agreements
 from experiment_manager.experiment.config import ExperimentManagerConfig
@@ -16,7 +17,12 @@ from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.experiment.reach import check_reach
 from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import arrays_of, from_arrays, write_trials
-from experiment_manager.measures.results import RESULTS_FILE, Results, write_document
+from experiment_manager.measures.results import (
+    RESULTS_FILE,
+    CostShares,
+    Results,
+    write_document,
+)
 from experiment_manager.measures.tables import summary_line
 from experiment_manager.measures.trials import TrialTable
 from experiment_manager.run import checkpoint
@@ -187,7 +193,7 @@ class Run:
                 parameters=self._parameters,
                 bag_files=tuple(self.writer.files),
                 state_hashes={path.name: checkpoint.hash_of(path) for path in files},
-                progress=self.progress.document(),
+                progress=self.progress.state(),
             ),
             self._lasting,
         )
@@ -221,7 +227,7 @@ class Run:
             return manifest.bag_files
         # Before a new bag begins: the next resumption must not look for the old files in it.
         for each, _ in checkpoint.everyone(self._checkpoints):
-            checkpoint.write(self._checkpoints, dataclasses.replace(each, bag_files=()))
+            checkpoint.write(self._checkpoints, msgspec.structs.replace(each, bag_files=()))
         return ()
 
     def describe(self, parameters: Configuration) -> None:
@@ -269,11 +275,12 @@ class Run:
             iterations=config.protocol.n_training_iterations,
             commit=config.commit,
             metabolic_cost_weight=weight,
-            cost_share_first=self.progress.cost_share("first", weight),
-            cost_share_last=self.progress.cost_share("last", weight),
+            cost_shares=CostShares(
+                self.progress.cost_share("first", weight), self.progress.cost_share("last", weight)
+            ),
             tests=tuple(self.progress.tests),
         )
-        write_document(self.directory / RESULTS_FILE, results.to_json())
+        write_document(self.directory / RESULTS_FILE, results)
 
     def close(self) -> None:
         """Close the bag, whole up to the last message; one without any is removed.

@@ -1,6 +1,5 @@
 """Where the runs of a sweep stand, read from their directories alone."""
 
-import json
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,11 +9,11 @@ from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.measures.results import Summary, read_results
 from experiment_manager.measures.tables import text_table
+from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
 from experiment_manager.sweep.cell_run import CellRun
 from lockstep.configuration import build
-from lockstep.errors import InputError
 
 _COLUMNS = ("run", "state", "iterations", "it/s", "time left", "last test")
 _MINUTE_S, _HOUR_S = 60, 3600
@@ -104,14 +103,10 @@ def _checkpoints(directory: Path) -> list[tuple[int, float, tuple[Summary, ...]]
     found = []
     for path in sorted(directory.glob("checkpoints/*/manifest.json")):
         try:
-            document = json.loads(path.read_bytes())
-            time_s = path.stat().st_mtime
-            tests = tuple(Summary.from_json(test) for test in document["progress"]["tests"])
-            found.append((int(document["place"]), time_s, tests))
+            manifest, time_s = checkpoint.read(path), path.stat().st_mtime
+            found.append((manifest.place, time_s, tuple(manifest.progress.tests)))
         except FileNotFoundError:
             continue
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise InputError(f"checkpoint {path}: expected a manifest: {error}") from error
     return found
 
 

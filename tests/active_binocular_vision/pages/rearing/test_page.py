@@ -3,12 +3,12 @@
 import json
 import re
 import shutil
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.patches import StepPatch
+from msgspec.structs import replace
 
 import experiment_manager
 from active_binocular_vision.commands.report import main
@@ -28,7 +28,7 @@ from active_binocular_vision.runs.reared_run import (
     run_measures,
     write_measures,
 )
-from experiment_manager.measures.results import Results
+from experiment_manager.measures.results import CostShares, Results
 from lockstep.errors import InputError
 from sparse_coder.patches import PX_PER_PIXEL
 from tests.active_binocular_vision.learners.gabor_patch import gabor_patch
@@ -77,8 +77,7 @@ def reared(
             iterations=2000,
             commit="",
             metabolic_cost_weight=0.0,
-            cost_share_first=None,
-            cost_share_last=None,
+            cost_shares=CostShares(None, None),
             tests=(test, last),
         ),
         scales=tuple(

@@ -100,7 +100,7 @@ def runs_table(groups: Sequence[Group]) -> str:
             f"{run.metabolic_cost_weight:.4g}",
             *(
                 _share_of_reward(share, run.n_iterations)
-                for share in (run.results.cost_share_first, run.results.cost_share_last)
+                for share in astuple(run.results.cost_shares)
             ),
             run.commit[:12] or "unknown",
         )
@@ -193,25 +193,26 @@ def bias_table(groups: Sequence[Group]) -> str:
     """Return the median signed error of each group's last test by object distance."""
     tests = [group.last_summary for group in groups]
     biases_deg = [test.bias_by_distance_deg if test else {} for test in tests]
-    distances_m = sorted(set().union(*biases_deg))
+    distances_m = sorted(set().union(*biases_deg), key=float)
     rows = [
         (group.name, _weight(group), *(number(bias_deg.get(d)) for d in distances_m))
         for group, bias_deg in zip(groups, biases_deg, strict=True)
     ]
-    header = ("runs", "lambda / per W", *(f"at {d:g} m, deg" for d in distances_m))
+    header = ("runs", "lambda / per W", *(f"at {d} m, deg" for d in distances_m))
     return report_page.table(header, rows)
 
 
 def antagonists_table(groups: Sequence[Group]) -> str:
     """Return how antagonists share their work after each group's last test, a line a pair."""
     rows = []
-    distances_m: set[float] = set()
+    distances_m: set[str] = set()
     for group in groups:
         test = group.last_summary
         for names, pair in (test.antagonists if test else {}).items():
             distances_m |= pair.share_silent_by_distance.keys()
             rows.append((group, names, pair))
     header = ["runs", "lambda / per W", "eye", "antagonists", "co-contraction", "one is silent"]
+    in_order = sorted(distances_m, key=float)
     lines = [
         (
             group.name,
@@ -219,11 +220,11 @@ def antagonists_table(groups: Sequence[Group]) -> str:
             *_eye_and_muscles(names),
             number(pair.median_co_contraction),
             percent(pair.share_silent),
-            *(percent(pair.share_silent_by_distance.get(d)) for d in sorted(distances_m)),
+            *(percent(pair.share_silent_by_distance.get(d)) for d in in_order),
         )
         for group, names, pair in rows
     ]
-    return report_page.table((*header, *(f"at {d:g} m" for d in sorted(distances_m))), lines)
+    return report_page.table((*header, *(f"at {d} m" for d in in_order)), lines)
 
 
 def _eye_and_muscles(names: str) -> tuple[str, str]:
@@ -239,17 +240,10 @@ def fixations_table(groups: Sequence[Group]) -> str:
     rows = []
     for group in groups:
         for run in group.runs:
-            found = run.summaries[-1].fixations
-            if found is not None:
-                spreads = (
-                    *found.saccade_error_deg.values(),
-                    found.gaze_drift_deg,
-                    found.fixated_horizontal_error_deg,
-                    found.fixated_vertical_error_deg,
-                    found.fixated_cyclovergence_error_deg,
-                )
-                cells = (f"{number(s.median)} / {number(s.p90)}" for s in spreads)
-                share = percent(found.share_fixated_within_1_px)
+            test = run.summaries[-1]
+            if test.fixation_spreads:
+                cells = (f"{number(s.median)} / {number(s.p90)}" for s in test.fixation_spreads)
+                share = percent(test.share_fixated_within_1_px)
                 rows.append((group.name, str(run.seed), *cells, share))
     return report_page.table(header, rows)
 
