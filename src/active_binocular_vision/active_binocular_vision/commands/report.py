@@ -25,8 +25,9 @@ from active_binocular_vision.pages.report.tables import (
     seeds_table,
     yoked_table,
 )
-from active_binocular_vision.runs.finished_run import FinishedRun, runs_below
+from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group, groups_of, held_back
+from active_binocular_vision.runs.results_folder import runs_at
 from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import replace_file
@@ -110,14 +111,11 @@ def _runs(paths: Sequence[Path]) -> list[FinishedRun]:
     """
     runs: list[FinishedRun] = []
     reasons: list[str] = []
-    directories = {
-        directory.resolve(): directory for path in paths for directory in runs_below(path)
-    }
-    for directory in directories.values():
+    found = {run.directory.resolve(): run for path in paths for run in runs_at(path)}
+    for run in found.values():
         try:
-            run = FinishedRun(directory)
             if not run.summaries:
-                raise InputError(f"{directory}: expected at least one complete test")
+                raise InputError(f"{run.directory}: expected at least one complete test")
         except InputError as error:
             reasons.append(str(error))
         else:

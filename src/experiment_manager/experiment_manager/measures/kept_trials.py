@@ -30,12 +30,13 @@ class KeptTrials:
     training_iteration: (n_tests,); final_error_deg, final_rate_w: (n_tests, n_trials), signed error
     and metabolic rate after the last iteration. Of the last test: trial, stimulus,
     object_distance_m, optimal_rate_w: (n_trials,); iteration: (k,) those that are kept of each
-    trial, 0 is the start; error_deg, rate_w: (n_trials, k); activations: (n_trials, k, n_commands)
-    what commands set; path: (m,) indices of the trials of the first stimulus; path_activations:
-    (m, n_iterations + 1, n_commands). began_otherwise: (j,) indices of the tests that began
-    otherwise than the last one; started_with: (j, 3, n_trials) their error, rate and optimal rate
-    at the start. Vertical error and cyclovergence error, of none in the pair's tests:
-    final_other_errors_deg, (n_tests, n_trials, 2), other_errors_deg, (n_trials, k, 2).
+    trial, 0 is the start; error_deg, rate_w: (n_trials, k); activations: (n_trials, 2, n_commands)
+    what commands set, at the start and at the end; path: (m,) indices of the trials of the first
+    stimulus, of the pair; path_activations: (m, n_iterations + 1, n_commands). began_otherwise: (j,) indices of
+    the tests that began otherwise than the last one; started_with: (j, 3, n_trials) their error,
+    rate and optimal rate at the start. Vertical error and cyclovergence error, of none in the
+    pair's tests: final_other_errors_deg, (n_tests, n_trials, 2), other_errors_deg, (n_trials, k,
+    2).
     """
 
     training_iteration: np.ndarray
@@ -82,7 +83,7 @@ class KeptTrials:
                 rate_w[:, self.iteration] = self.rate_w
                 if len(self.other_errors_deg):
                     other_deg[:, self.iteration] = self.other_errors_deg
-                activations[:, self.iteration] = self.activations
+                activations[:, [0, -1]] = self.activations
                 activations[self.path] = self.path_activations
             of_trial = {
                 "stimulus": self.stimulus,
@@ -115,7 +116,8 @@ def with_test(kept: KeptTrials | None, trials: Trials) -> KeptTrials:
         starts = np.concatenate([kept.starts(), starts])
         final_other_deg = np.concatenate([kept.final_other_errors_deg, final_other_deg])
     began_otherwise = np.flatnonzero((starts != starts[-1]).any(axis=(1, 2)))
-    path = np.flatnonzero(trials.stimulus == trials.stimulus.min())
+    is_first = trials.stimulus == trials.stimulus.min()
+    path = np.flatnonzero(is_first & trials.is_of_pair)
     return KeptTrials(
         training_iteration=training_iteration,
         final_error_deg=final_error_deg,
@@ -127,7 +129,7 @@ def with_test(kept: KeptTrials | None, trials: Trials) -> KeptTrials:
         iteration=iteration,
         error_deg=_small(trials.vergence_error_deg[:, iteration]),
         rate_w=_small(trials.metabolic_rate_w[:, iteration]),
-        activations=_small(trials.activations[:, iteration]),
+        activations=_small(trials.activations[:, [0, n]]),
         path=path,
         path_activations=_small(trials.activations[path]),
         began_otherwise=began_otherwise,
@@ -176,7 +178,7 @@ def from_arrays(arrays: Mapping[str, np.ndarray]) -> KeptTrials | None:
         "final_rate_w": (n_tests, n_trials),
         "error_deg": (n_trials, n_kept),
         "rate_w": (n_trials, n_kept),
-        "activations": (n_trials, n_kept, n_commands),
+        "activations": (n_trials, 2, n_commands),
         "started_with": (len(kept.began_otherwise), 3, n_trials),
         "final_other_errors_deg": (n_tests, n_trials, 2) if has_others else (0, 0, 2),
         "other_errors_deg": (n_trials, n_kept, 2) if has_others else (0, 0, 2),
@@ -196,16 +198,21 @@ def write_trials(directory: Path, kept: KeptTrials | None) -> None:
         write_state(directory / KEPT_FILE, _KIND, arrays_of(kept))
 
 
-def read_trials(directory: Path) -> list[Trials]:
-    """Return the tests in a run directory's trials.npz, none when there is no such file.
+def read_kept(directory: Path) -> KeptTrials | None:
+    """Return what a run directory's trials.npz has, None when there is no such file.
 
     Raises InputError when the file is damaged or another thing.
     """
     path = directory / KEPT_FILE
     if not path.is_file():
-        return []
+        return None
     try:
-        kept = from_arrays(read_state(path, _KIND))
+        return from_arrays(read_state(path, _KIND))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
+
+
+def read_trials(directory: Path) -> list[Trials]:
+    """Return the tests in a run directory's trials.npz, none when there is no such file."""
+    kept = read_kept(directory)
     return kept.tests() if kept else []

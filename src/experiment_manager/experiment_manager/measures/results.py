@@ -150,6 +150,18 @@ def write_document(path: Path, document: msgspec.Struct | Mapping[str, Any]) -> 
     replace_file(path, text + b"\n")
 
 
+class _Tests(msgspec.Struct):
+    tests: tuple[Summary, ...] = ()
+
+
+def read_tests(path: Path) -> tuple[Summary, ...]:
+    """Return the tests in a document of evaluate.sh, none of another; InputError for no JSON."""
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=_Tests).tests
+    except (OSError, msgspec.DecodeError) as error:
+        raise InputError(f"{path}: expected what evaluate.sh writes: {error}") from error
+
+
 def read_results(path: Path) -> Results:
     """Return the content of a results.json; InputError when it is missing or another thing."""
     try:
