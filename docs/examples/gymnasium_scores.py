@@ -22,14 +22,14 @@ import gymnasium
 import numpy as np
 from gymnasium_agent import train
 
-from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
+from active_binocular_vision.runs.results_folder import runs_at
 from eye_plant.config import MechanicsConfig
 from eye_plant.inverse.pair import Inverse
 from lockstep.configuration import build
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
 
-TRAINED = Path(__file__).parents[2] / "results" / "precise" / "profile_precise-seed_1"
+PRECISE = Path(__file__).parents[2] / "results" / "precise"
 N_TRIALS, TESTED_EVERY = 1560, 10
 RUNNING, WRITTEN_EVERY = 200, 50  # episodes
 CURVE_HEADER = "step,running_median_error_deg"
@@ -46,7 +46,7 @@ def make_environment(action_scale: float | None = None) -> gymnasium.Env:
             "eye_plant.camera.roi_width_px": 128,
             "eye_plant.camera.roi_height_px": 128,
         },
-        coder_state=next(TRAINED.glob("checkpoints/*/sparse_coder.npz")),
+        coder_state=PRECISE / "sparse_coder_seed_1.npz",
         coder_learns=False,
         action_scale=action_scale,
     )
@@ -106,7 +106,8 @@ def write_curve(path: Path, errors_deg: Sequence[float], n_iterations: int = 10)
 
 def trained_policy(environment: gymnasium.Env, n_steps: int, curve: Path) -> Policy:
     """Return hindsight regression as in `precise`, trained for so many steps, frozen."""
-    settings = read_configuration(TRAINED / CONFIG_FILE)["vergence_rl"]
+    (run,) = runs_at(PRECISE / "profile_precise-seed_1")
+    settings = run.configuration["vergence_rl"]
     agent = Agent(build(VergenceRlConfig, settings | {"n_training_iterations": n_steps}))
     write_curve(curve, train(environment, agent, n_steps // 10, seed=1))
 

@@ -15,7 +15,7 @@ from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 
 RESULTS = Path(__file__).parents[3] / "results"
-LEARNED = RESULTS / "paper_short/seed_1-model_M/checkpoints/000023120/sparse_coder.npz"
+LEARNED = RESULTS / "precise/sparse_coder_seed_1.npz"
 
 
 @pytest.fixture(scope="module")

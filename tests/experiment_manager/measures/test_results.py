@@ -60,6 +60,7 @@ def test_the_written_file_has_the_documented_keys_and_is_read_as_it_was(tmp_path
         "median_abs_version_deg": None,
         "median_left_deviation_deg": None,
         "median_right_deviation_deg": None,
+        "median_metabolic_rate_w": None,
         "after_2": asdict(AFTER_2),
     }
     assert [path.name for path in tmp_path.iterdir()] == ["results.json"]

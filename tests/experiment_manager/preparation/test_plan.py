@@ -1,9 +1,9 @@
 """The first lines of a run."""
 
-import json
 from pathlib import Path
-from typing import Any
 
+from active_binocular_vision.runs.results_folder import runs_at
+from experiment_manager.measures.results import Summary
 from experiment_manager.preparation.plan import plan, preparation
 from eye_plant.stimuli.stimulus_set import StimuliConfig, load_stimuli
 from tests.command_lines import configured
@@ -76,21 +76,20 @@ def test_a_run_that_is_too_short_to_learn_says_how_long_it_takes() -> None:
     assert said.endswith("(hindsight), vergence was learned after 10,000 training iterations")
 
 
-def _tests(sweep: str, iteration: int, *models: str) -> list[dict[str, Any]]:
+def _tests(sweep: str, iteration: int, *models: str) -> list[Summary]:
     """Return the tests of a sweep's runs after so many training iterations."""
-    runs = [json.loads(path.read_text()) for path in (RESULTS / sweep).glob("*/results.json")]
-    tests = [test for run in runs if run["model"] in models for test in run["tests"]]
-    return [test for test in tests if test["iteration"] == iteration]
+    tests = [t for run in runs_at(RESULTS / sweep) if run.model in models for t in run.summaries]
+    return [test for test in tests if test.iteration == iteration]
 
 
 def test_the_runs_of_results_had_learned_by_then() -> None:
     for sweep, iteration in (("demonstration", 10_000), ("paper", 50_000)):
         tests = _tests(sweep, iteration, "M", "M_C")
-        errors_deg = [test["median_abs_vergence_error_deg"] for test in tests]
+        errors_deg = [test.median_abs_vergence_error_deg or 0.0 for test in tests]
         assert len(errors_deg) >= 3
         assert max(errors_deg) < 0.4
     for sweep, iteration in (("demonstration", 50_000), ("paper_short", 200_000)):
-        savings = [t["median_cost_reduction"] for t in _tests(sweep, iteration, "M_C")]
+        savings = [t.median_cost_reduction or 0.0 for t in _tests(sweep, iteration, "M_C")]
         assert len(savings) >= 2
         assert min(savings) > 0.1
 

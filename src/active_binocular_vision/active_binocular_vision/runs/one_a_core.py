@@ -5,20 +5,20 @@ import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
-from pathlib import Path
 from typing import TypeVar
 
 from experiment_manager.terminal.progress_lines import progress
 
+R = TypeVar("R")
 T = TypeVar("T")
 
 
-def of_each_run(work: Callable[[Path], T], directories: Sequence[Path], name: str) -> list[T]:
-    """Return what a function of a module returns for each run's directory, in order.
+def of_each_run(work: Callable[[R], T], runs: Sequence[R], name: str) -> list[T]:
+    """Return what a function of a module returns for each run, in order.
 
     name: of the work, for the progress on standard error. Raises what the function raises.
     """
-    n_processes = min(len(directories), len(os.sched_getaffinity(0)))
+    n_processes = min(len(runs), len(os.sched_getaffinity(0)))
     with ProcessPoolExecutor(n_processes, get_context("spawn")) as processes:
-        done = processes.map(work, directories)
-        return list(progress(done, file=sys.stderr, desc=name, unit="run", total=len(directories)))
+        done = processes.map(work, runs)
+        return list(progress(done, file=sys.stderr, desc=name, unit="run", total=len(runs)))

@@ -31,12 +31,12 @@ class KeptTrials:
     and metabolic rate after the last iteration. Of the last test: trial, stimulus,
     object_distance_m, optimal_rate_w: (n_trials,); iteration: (k,) those that are kept of each
     trial, 0 is the start; error_deg, rate_w: (n_trials, k); activations: (n_trials, 2, n_commands)
-    what commands set, at the start and at the end; path: (m,) indices of the trials of the first
-    stimulus, of the pair; path_activations: (m, n_iterations + 1, n_commands). began_otherwise: (j,) indices of
-    the tests that began otherwise than the last one; started_with: (j, 3, n_trials) their error,
-    rate and optimal rate at the start. Vertical error and cyclovergence error, of none in the
-    pair's tests: final_other_errors_deg, (n_tests, n_trials, 2), other_errors_deg, (n_trials, k,
-    2).
+    what commands set, at the start and at the end; path: (m,) indices of the pair's trials of the
+    first stimulus, path_activations: (m, n_iterations + 1, n_commands). began_otherwise: (j,)
+    indices of the tests that began otherwise than the last one; started_with: (j, 3, n_trials)
+    their error, rate and optimal rate at the start. Vertical error and cyclovergence error, of none
+    in the pair's tests: final_other_errors_deg, (n_tests, n_trials, 2), other_errors_deg,
+    (n_trials, k, 2).
     """
 
     training_iteration: np.ndarray

@@ -42,13 +42,13 @@ class AntagonistPair(msgspec.Struct, kw_only=True, frozen=True):
 
     share_silent: float | None
     median_co_contraction: float | None
-    share_silent_by_distance: dict[str, float | None]
+    share_silent_by_distance: dict[str, float | None] = {}
 
 
 class SetSummary(Measures, kw_only=True, frozen=True, omit_defaults=True):
     """Measures of a set of trials after their last iteration.
 
-    bias_by_distance_deg: by object distance in m; after_1 to after_3: after so many iterations, of
+    bias_by_distance_deg: by object distance in m; after_1 to after_20: after so many iterations, of
     longer trials; antagonists: by name, of muscles that have commands of their own.
     """
 
@@ -57,23 +57,25 @@ class SetSummary(Measures, kw_only=True, frozen=True, omit_defaults=True):
     median_abs_version_deg: float | None
     median_left_deviation_deg: float | None
     median_right_deviation_deg: float | None
+    median_metabolic_rate_w: float | None
     after_1: Measures | None = None
     after_2: Measures | None = None
     after_3: Measures | None = None
+    after_20: Measures | None = None
     antagonists: dict[str, AntagonistPair] = {}
 
     @property
     def after(self) -> dict[int, Measures]:
         """Measures by iteration, of the iterations before the last one that are reported."""
-        found = {1: self.after_1, 2: self.after_2, 3: self.after_3}
+        found = {1: self.after_1, 2: self.after_2, 3: self.after_3, 20: self.after_20}
         return {k: measures for k, measures in found.items() if measures is not None}
 
 
 class Spread(msgspec.Struct, frozen=True):
-    """Median and 90th percentile of absolute values."""
+    """Median and 90th percentile of absolute values, None where it is not kept."""
 
     median: float
-    p90: float
+    p90: float | None = None
 
     @classmethod
     def of(cls, values: np.ndarray) -> "Spread":

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import astuple, dataclass, replace
 from itertools import chain
 
+import msgspec
+
 from active_binocular_vision.pages.report import page as report_page
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group
@@ -100,7 +102,7 @@ def runs_table(groups: Sequence[Group]) -> str:
             f"{run.metabolic_cost_weight:.4g}",
             *(
                 _share_of_reward(share, run.n_iterations)
-                for share in astuple(run.results.cost_shares)
+                for share in msgspec.structs.astuple(run.results.cost_shares)
             ),
             run.commit[:12] or "unknown",
         )

@@ -1,0 +1,1 @@
+"""Finished runs, what they have in common, and what stays of them."""

@@ -1,0 +1,373 @@
+"""A folder of results: what stays of finished runs, in a few files that other tools read.
+
+measures.csv       a row per run, test and measure; docs: results/README.md
+runs.yaml          config.yaml of all runs: what they have in common, and how each differs
+trials.npz         trials of their tests, where these are kept
+examinations.json  what was found in the learners of each run, by run
+"""
+
+import csv
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+import msgspec
+import numpy as np
+import yaml
+
+from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE, FinishedRun
+from experiment_manager.measures.kept_trials import KEPT_FILE, KeptTrials, arrays_of, from_arrays
+from experiment_manager.measures.results import (
+    RESULTS_FILE,
+    CostShares,
+    Measures,
+    Results,
+    SetSummary,
+    Summary,
+)
+from experiment_manager.run.config_file import CONFIG_FILE, RUN_SECTION, Configuration
+from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
+from lockstep.durable_files import replace_file
+from lockstep.errors import InputError
+from lockstep.state_file import read_state, write_state
+
+MEASURES_FILE, RUNS_FILE = "measures.csv", "runs.yaml"
+COLUMNS = (
+    *("run", "model", "profile", "seed", "commit", "shown"),
+    *("iteration", "trials", "after", "measure", "value"),
+)
+_KIND = "trials_of_runs"
+_ALL, _AUTHORS, _AFTER = "all", "authors", "after_"
+_SHARE = "lambda_share"
+_COMMON, _RUNS = "common", "runs"
+_ERROR = "median_abs_vergence_error_deg"
+# What is kept of a run's last test alone, besides p90 and measures after an iteration but _ERROR.
+_OF_LAST_TEST = {
+    "bias_by_distance_deg",
+    "median_abs_version_deg",
+    "median_left_deviation_deg",
+    "median_right_deviation_deg",
+    "antagonists",
+}
+_BY_DISTANCE = "share_silent_by_distance"
+# Bits of the 24 of a float32 that are kept of a trial's numbers: 2e-6 of each.
+_N_BITS = 18
+
+Row = dict[str, Any]
+
+
+class KeptRun(FinishedRun):
+    """A run of a folder of results."""
+
+    def __init__(self, folder: "ResultsFolder", name: str) -> None:
+        """name: of the run in the folder."""
+        super().__init__(folder.directory / name)
+        self.name = name
+        self._folder = folder
+
+    @cached_property
+    def configuration_text(self) -> str:
+        """What stands for config.yaml."""
+        return yaml.safe_dump({RUN_SECTION: self.about, **self.configuration}, sort_keys=False)
+
+    @cached_property
+    def about(self) -> Mapping[str, Any]:
+        """What the run is."""
+        return self._folder.configurations[self.name][RUN_SECTION]
+
+    @cached_property
+    def configuration(self) -> Configuration:
+        """All parameters by section, by dotted name."""
+        sections = self._folder.configurations[self.name]
+        return {name: of for name, of in sections.items() if name != RUN_SECTION}
+
+    @cached_property
+    def results(self) -> Results:
+        """What results.json said, as far as it is kept."""
+        return _results(self, self._folder.rows.get(self.name, []))
+
+    @cached_property
+    def kept_trials(self) -> KeptTrials | None:
+        """What is kept of the trials."""
+        return self._folder.trials.get(self.name)
+
+    @cached_property
+    def examinations(self) -> Mapping[str, Any]:
+        """What was found in the learners."""
+        return self._folder.examinations.get(self.name, {"examined": []})
+
+
+class ResultsFolder:
+    """Reads a folder of results, each file once."""
+
+    def __init__(self, directory: Path) -> None:
+        """directory: with runs.yaml."""
+        self.directory = directory
+
+    @classmethod
+    def at(cls, directory: Path) -> Self | None:
+        """Return the folder, None for another directory."""
+        return cls(directory) if (directory / RUNS_FILE).is_file() else None
+
+    def runs(self) -> list[FinishedRun]:
+        """Return the runs; InputError for a damaged file."""
+        return [KeptRun(self, name) for name in self.configurations]
+
+    @cached_property
+    def configurations(self) -> dict[str, Configuration]:
+        """config.yaml of each run by section."""
+        path = self.directory / RUNS_FILE
+        try:
+            document = yaml.load(path.read_text(), Loader=yaml.CSafeLoader)
+            common, runs = document[_COMMON], document[_RUNS]
+            return {
+                name: {
+                    section: common.get(section, {}) | own.get(section, {}) for section in common
+                }
+                for name, own in runs.items()
+            }
+        except (OSError, yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
+            raise InputError(f"{path}: expected the configurations of runs: {error}") from error
+
+    @cached_property
+    def rows(self) -> dict[str, list[Row]]:
+        """Rows of measures.csv by run."""
+        by_run: dict[str, list[Row]] = {}
+        path = self.directory / MEASURES_FILE
+        with path.open(newline="") as file:
+            for row in csv.DictReader(file):
+                by_run.setdefault(row["run"], []).append(row)
+        return by_run
+
+    @cached_property
+    def trials(self) -> dict[str, KeptTrials | None]:
+        """What is kept of the trials of each run."""
+        path = self.directory / KEPT_FILE
+        by_run: dict[str, dict[str, np.ndarray]] = {}
+        for key, values in (read_state(path, _KIND) if path.is_file() else {}).items():
+            run, _, name = key.partition("/")
+            by_run.setdefault(run, {})[name] = values
+        return {run: from_arrays(arrays) for run, arrays in by_run.items()}
+
+    @cached_property
+    def examinations(self) -> dict[str, Any]:
+        """What was found in the learners, by run."""
+        path = self.directory / EXAMINATIONS_FILE
+        return json.loads(path.read_bytes()) if path.is_file() else {}
+
+
+def runs_at(path: Path) -> list[FinishedRun]:
+    """Return the runs of a folder of results, or those of a sweep by name; else the one there.
+
+    A run of a folder of results is named as if it were a directory there.
+    """
+    for folder, name in ((ResultsFolder.at(path), ""), (ResultsFolder.at(path.parent), path.name)):
+        if folder is not None:
+            return [run for run in folder.runs() if name in ("", run.name)]
+    if not (path / SWEEP_FILE).is_file():
+        return [FinishedRun(path)]
+    return [FinishedRun(file.parent) for file in sorted(path.rglob(CONFIG_FILE))]
+
+
+def finished_runs(path: Path) -> list[FinishedRun]:
+    """Return the runs of a folder of results, or the finished ones of a sweep in its order.
+
+    Of another directory the run there. Raises InputError for a sweep without any.
+    """
+    if not (path / SWEEP_FILE).is_file() or ResultsFolder.at(path) is not None:
+        return runs_at(path)
+    cells = [path / cell.name for cell in read_sweep(path / SWEEP_FILE).cells()]
+    runs = [FinishedRun(cell) for cell in cells if (cell / RESULTS_FILE).is_file()]
+    if not runs:
+        raise InputError(f"{path}: expected a sweep with a finished run, found none")
+    return runs
+
+
+def keep(runs: Sequence[FinishedRun], directory: Path, *, with_trials: bool = True) -> None:
+    """Write a folder of results; of the trials nothing where with_trials is False.
+
+    Raises InputError for a run that is damaged, OSError when the disk refuses.
+    """
+    directory.mkdir(parents=True, exist_ok=True)
+    sections = {run.name: {RUN_SECTION: dict(run.about)} | run.configuration for run in runs}
+    common, own = _common_and_own(sections)
+    text = yaml.safe_dump({_COMMON: common, _RUNS: own}, sort_keys=False, width=100)
+    replace_file(directory / RUNS_FILE, text.encode())
+    with (directory / MEASURES_FILE).open("w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        for run in runs:
+            writer.writerows(_rows(run))
+    kept = {run.name: run.kept_trials for run in runs} if with_trials else {}
+    arrays = {
+        f"{name}/{key}": _rounded(values)
+        for name, of in kept.items()
+        for key, values in arrays_of(of).items()
+    }
+    if arrays:
+        write_state(directory / KEPT_FILE, _KIND, arrays)
+    examined = {run.name: run.examinations for run in runs if run.examinations["examined"]}
+    if examined:
+        lines = ",\n".join(f"{json.dumps(n)}: {_rounded_json(of)}" for n, of in examined.items())
+        replace_file(directory / EXAMINATIONS_FILE, f"{{\n{lines}\n}}\n".encode())
+
+
+def _rounded_json(document: Any) -> str:
+    def rounded(value: Any) -> Any:
+        if isinstance(value, float):
+            return float(f"{value:.6g}")
+        if isinstance(value, dict):
+            return {key: rounded(inner) for key, inner in value.items()}
+        return [rounded(inner) for inner in value] if isinstance(value, list) else value
+
+    return json.dumps(rounded(document))
+
+
+def _rounded(values: np.ndarray) -> np.ndarray:
+    """Return float32 with fewer bits, which compress; other numbers as they are."""
+    if values.dtype != np.float32:
+        return values
+    dropped = 24 - _N_BITS
+    half = np.uint32(1 << (dropped - 1))
+    bits = (values.view(np.uint32) + half) >> np.uint32(dropped) << np.uint32(dropped)
+    return np.where(np.isfinite(values), bits.view(np.float32), values)
+
+
+def _common_and_own(
+    of_runs: Mapping[str, Configuration],
+) -> tuple[Configuration, dict[str, Configuration]]:
+    """Return the parameters that all runs have alike, and the others of each, by section."""
+    first, *others = of_runs.values()
+    common = {
+        section: {
+            name: value
+            for name, value in first.get(section, {}).items()
+            if all(name in o.get(section, {}) and o[section][name] == value for o in others)
+        }
+        for section in dict.fromkeys(section for of in of_runs.values() for section in of)
+    }
+    own = {
+        run: {
+            section: rest
+            for section, values in of.items()
+            if (rest := {n: v for n, v in values.items() if n not in common[section]})
+        }
+        for run, of in of_runs.items()
+    }
+    return common, own
+
+
+# Rows of measures.csv
+
+
+def _rows(run: FinishedRun) -> Iterator[Row]:
+    """Yield what is kept of a run's tests: of the last one all measures."""
+    about = {"run": run.name, "model": run.model, "profile": run.profile, "seed": run.seed}
+    about |= {"commit": run.commit[:7]}
+    shares = msgspec.to_builtins(run.results.cost_shares)
+    for end, value in shares.items():
+        of = about | {"iteration": run.n_iterations, "trials": "training"}
+        yield _row(of, "", f"{_SHARE}/{end}", value)
+    for test in run.summaries:
+        yield from _rows_of_test(run, about, test, is_last=test is run.summaries[-1])
+    for shown, document in run.tests_of_learners.items():
+        for test in document:
+            yield from _rows_of_test(run, about | {"shown": shown}, test, is_last=True)
+
+
+def _rows_of_test(run: FinishedRun, about: Row, test: Summary, *, is_last: bool) -> Iterator[Row]:
+    document = msgspec.to_builtins(test)
+    about = about | {"iteration": document.pop("iteration")}
+    document.pop("without_zero_start_error")
+    sets = {_ALL: document, _AUTHORS: document.pop("authors_test_set")}
+    for name, of_set in sets.items() if run.is_of_pair else [(_ALL, document)]:
+        of = about | {"trials": name}
+        for key, value in of_set.items():
+            if key.startswith(_AFTER):
+                for measure, early in value.items():
+                    if is_last or measure == _ERROR:
+                        yield _row(of, key.removeprefix(_AFTER), measure, early)
+            elif is_last or key not in _OF_LAST_TEST:
+                for measure, leaf in _leaves(value, key):
+                    part = measure.rpartition("/")[2]
+                    if leaf is not None and (is_last or part != "p90"):
+                        yield _row(of, "end", measure, leaf)
+
+
+def _row(about: Row, after: str, measure: str, value: Any) -> Row:
+    text = f"{value:.9g}" if isinstance(value, float) else value
+    return about | {"after": after, "measure": measure, "value": text}
+
+
+def _leaves(value: Any, path: str) -> Iterator[tuple[str, Any]]:
+    if not isinstance(value, dict):
+        yield path, value
+        return
+    for key, inner in value.items():
+        if key != _BY_DISTANCE:
+            yield from _leaves(inner, f"{path}/{key}")
+
+
+def _results(run: FinishedRun, rows: Sequence[Row]) -> Results:
+    """Return what the rows of a run say."""
+    try:
+        tests, shares = _parsed(rows)
+        return Results(
+            model=run.model,
+            profile=run.profile,
+            seed=run.seed,
+            iterations=run.n_iterations,
+            commit=run.commit,
+            metabolic_cost_weight=run.metabolic_cost_weight,
+            cost_shares=CostShares(**shares),
+            tests=tuple(_test(iteration, sets) for iteration, sets in sorted(tests.items())),
+        )
+    except (TypeError, ValueError, KeyError) as error:
+        raise InputError(f"{run.directory}: expected its measures: {error}") from error
+
+
+def _parsed(
+    rows: Sequence[Row],
+) -> tuple[dict[int, dict[str, dict[str, Any]]], dict[str, float | None]]:
+    """Return the measures of tests by training iteration and set of trials, and cost shares."""
+    tests: dict[int, dict[str, Any]] = {}
+    shares: dict[str, float | None] = {}
+    for row in rows:
+        value = json.loads(row["value"]) if row["value"] else None
+        path = row["measure"].split("/")
+        if path[0] == _SHARE:
+            shares[path[1]] = value
+        elif not row["shown"]:
+            at = tests.setdefault(int(row["iteration"]), {_ALL: {}, _AUTHORS: {}})[row["trials"]]
+            if row["after"] != "end":
+                path = [f"{_AFTER}{row['after']}", *path]
+            for key in path[:-1]:
+                at = at.setdefault(key, {})
+            at[path[-1]] = value
+    return tests, shares
+
+
+def _test(iteration: int, sets: Mapping[str, dict[str, Any]]) -> Summary:
+    of_all = _completed(sets[_ALL])
+    of_sets = {
+        "without_zero_start_error": _completed({}),
+        "authors_test_set": _completed(sets[_AUTHORS]),
+    }
+    return msgspec.convert(of_all | of_sets | {"iteration": iteration}, Summary)
+
+
+def _completed(of_set: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the measures of a set of trials, None for those that are not kept."""
+    none = dict.fromkeys(_required(SetSummary)) | {"n_trials": 0, "bias_by_distance_deg": {}}
+    early = {
+        key: dict.fromkeys(_required(Measures)) | value
+        for key, value in of_set.items()
+        if key.startswith(_AFTER)
+    }
+    return none | dict(of_set) | early
+
+
+def _required(struct: type[msgspec.Struct]) -> list[str]:
+    return [field.name for field in msgspec.structs.fields(struct) if field.required]
