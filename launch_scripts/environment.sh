@@ -72,7 +72,7 @@ run_module() {
   exec "$python" -m "$@"
 }
 
-# run_node PACKAGE ARGUMENTS...: become this node, with the parameters of its YAML file; later arguments take precedence.
+# run_node PACKAGE ARGUMENTS...: become this node.
 run_node() {
   local package=$1
   shift
@@ -82,6 +82,5 @@ run_node() {
   fi
   set_up
   export ROS_DOMAIN_ID=${ROS_DOMAIN_ID:-$node_domain}
-  exec "$python" -m "$package.node" \
-    --ros-args --params-file "$root/src/$package/config/$package.yaml" -- "$@"
+  exec "$python" -m "$package.node" "$@"
 }

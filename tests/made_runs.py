@@ -144,8 +144,8 @@ class SyntheticRun:
             "date": "2026-01-02T03:04:05+00:00",
             "versions": ["mujoco 4.0.0", "numpy 2.4.6"],
         }
-        plant = {"mechanics.parameter_set": "k17", "mechanics.baseline_m": 0.056}
-        sections = {"run": about, "/**/eye_plant": plant}
+        eyes = {"mechanics.parameter_set": "k17", "mechanics.baseline_m": 0.056}
+        sections = {"run": about, "/**": eyes}
         text = yaml.safe_dump({k: {"ros__parameters": v} for k, v in sections.items()})
         topics = {
             "ground_truth": VECTOR,
@@ -282,8 +282,8 @@ def small_run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
     Other tests copy it before they change anything.
     """
     settings = {
-        "experiment_manager.protocol.test_distances_m": "[2.0]",
-        "experiment_manager.protocol.iterations_per_trial": "4",
+        "experiment_manager.test_distances_m": "[2.0]",
+        "task.iterations_per_trial": "4",
         "experiment_manager.pictures_every_n_episodes": "1",
         "experiment_manager.pictures_every_n_trials": "1",
         "eye_plant.stimuli.size_px": str(STIMULUS_PX),
@@ -307,12 +307,12 @@ def run_of(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Callable
 
     def run(kind: str) -> Path:
         settings = {
-            "eye_plant.camera.renderer": "plane",
+            "eyes.camera.renderer": "plane",
             "eye_plant.stimuli.size_px": STIMULUS_PX,
-            "experiment_manager.protocol.test_distances_m": "[2.0]",
+            "experiment_manager.test_distances_m": "[2.0]",
         }
         if kind != "pair":
-            settings["experiment_manager.protocol.n_starts_per_distance"] = 1
+            settings["experiment_manager.n_starts_per_distance"] = 1
         line = ["--in-process", "--profile", {"pair": "precise"}.get(kind, kind)]
         line += ["--iterations", "40", "--tests", "0,40", "--stimuli", str(pictures)]
         line += set_words(settings)

@@ -12,6 +12,7 @@ gymnasium_curves.py draws it.
 On a machine that is busy, set OMP_NUM_THREADS=1.
 """
 
+import dataclasses
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -22,10 +23,10 @@ import gymnasium
 import numpy as np
 from gymnasium_agent import train
 
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from eye_plant.config import MechanicsConfig
 from eye_plant.inverse.pair import Inverse
-from lockstep.configuration import build
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
 
@@ -42,9 +43,9 @@ def make_environment(action_scale: float | None = None) -> gymnasium.Env:
     return gymnasium.make(
         "active_binocular_vision.environments:ActiveVergenceFeatures-v0",
         settings={
-            "eye_plant.camera.renderer": "plane",
-            "eye_plant.camera.roi_width_px": 128,
-            "eye_plant.camera.roi_height_px": 128,
+            "eyes.camera.renderer": "plane",
+            "eyes.camera.roi_width_px": 128,
+            "eyes.camera.roi_height_px": 128,
         },
         coder_state=next(TRAINED.glob("checkpoints/*/sparse_coder.npz")),
         coder_learns=False,
@@ -106,8 +107,8 @@ def write_curve(path: Path, errors_deg: Sequence[float], n_iterations: int = 10)
 
 def trained_policy(environment: gymnasium.Env, n_steps: int, curve: Path) -> Policy:
     """Return hindsight regression as in `precise`, trained for so many steps, frozen."""
-    settings = read_configuration(TRAINED / CONFIG_FILE)["vergence_rl"]
-    agent = Agent(build(VergenceRlConfig, settings | {"n_training_iterations": n_steps}))
+    trained = config_of(VergenceRlConfig, read_configuration(TRAINED / CONFIG_FILE))
+    agent = Agent(dataclasses.replace(trained, n_training_iterations=n_steps))
     write_curve(curve, train(environment, agent, n_steps // 10, seed=1))
 
     def policy(observed: dict[str, np.ndarray], reward: float, info: dict[str, Any]) -> np.ndarray:

@@ -26,10 +26,10 @@ def write_run(directory: Path, command_space: str, model: str = "M", weight: flo
         "metabolic_cost_weight": weight,
         "commit": "0123abc",
     }
-    plant = {"command_space": command_space, "lowest_activations": [0.0]}
-    sections = {"run": about, "/**/eye_plant": plant}
+    task = {"command_space": command_space, "lowest_activations": [0.0]}
+    sections = {"run": about, "/**": task}
     text = yaml.safe_dump({name: {"ros__parameters": of} for name, of in sections.items()})
-    criteria = EvaluationSettings.of_configuration(text).criteria(0)
+    criteria = EvaluationSettings.of({"task": task}).criteria(0)
     tests = [random_test(command_space, at, weight) for at in (0, 1000)]
     kept = None
     for test in tests:

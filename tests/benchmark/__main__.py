@@ -28,8 +28,8 @@ from tests.command_lines import configured
 
 # Longer than any benchmark, so that all of it is training; a test comes only at the end.
 _ENDLESS = 1_000_000
-_ROI = ["--set", "eye_plant.camera.roi_width_px=128", "--set", "eye_plant.camera.roi_height_px=128"]
-_PLANE = ["--set", "eye_plant.camera.renderer=plane"]
+_ROI = ["--set", "eyes.camera.roi_width_px=128", "--set", "eyes.camera.roi_height_px=128"]
+_PLANE = ["--set", "eyes.camera.renderer=plane"]
 _GRAPHS: dict[str, list[str]] = {
     "graph": [],
     "graph_roi": _ROI,
@@ -40,7 +40,7 @@ _GRAPHS: dict[str, list[str]] = {
 _LOOPS: dict[str, list[str]] = {
     "in_process": [],
     "in_process_roi_plane": _ROI + _PLANE,
-    "in_process_pair_at_once": [*_ROI, *_PLANE, "--set", "eye_plant.mechanics.moves=at_once"],
+    "in_process_pair_at_once": [*_ROI, *_PLANE, "--set", "eyes.mechanics.moves=at_once"],
     "in_process_twelve": ["--profile", "twelve", *_ROI, *_PLANE],
     "in_process_twelve_m_c": ["--profile", "twelve_m_c", *_ROI, *_PLANE],
 }

@@ -10,10 +10,10 @@ import numpy as np
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.in_process.loop import Step, make_loop
 from experiment_manager.run.config_file import Configuration
 from eye_plant.observation import Observation
-from lockstep.configuration import build
 
 STAGES = ("physics", "rendering", "encoding", "dictionary_step", "actor_critic", "episode_start")
 # The parts of physics: each call of an iteration.
@@ -35,7 +35,7 @@ class TimedLoop:
         """Set up plant, coder and agent, and attach the stopwatches."""
         self._loop = make_loop(configuration)
         self.plant, self.coder = self._loop.plant, self._loop.coder
-        manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
+        manager = config_of(ExperimentManagerConfig, configuration)
         self._episodes = make_protocol(manager).training_episodes()
         self._durations_s: dict[str, list[float]] = defaultdict(list)
         self.pictures: list[np.ndarray] = []

@@ -11,8 +11,7 @@ from tests.stress.supervised_run import SupervisedRun, is_intact
 
 SETTINGS = (
     "experiment_manager.checkpoint_period_s=1e9",  # the first one alone, at the start
-    "sparse_coder.n_bases=32",
-    "vergence_rl.n_features=64",
+    "task.n_bases=32",
     "vergence_rl.cacla.critic_learning_rate=1e6",
     "vergence_rl.cacla.critic_step_limit=1e9",
 )

@@ -7,16 +7,14 @@ from tests.graph_harness import small_run, write_configuration
 from tests.stress.fuzzed_graph import NODES, FuzzedGraph
 from tests.stress.fuzzer import LARGEST_BYTES, Hostility
 
-SMALL_LEARNERS = ("sparse_coder.n_bases=32", "vergence_rl.n_features=64")
+SMALL_LEARNERS = ("task.n_bases=32",)
 
 
 def test_two_thousand_hostile_inputs_change_nothing(tmp_path: Path, pictures: Path) -> None:
     config_file = tmp_path / "config.yaml"
     write_configuration(
         config_file,
-        small_run(
-            pictures, 100, *SMALL_LEARNERS, "experiment_manager.protocol.test_distances_m=[6.0]"
-        ),
+        small_run(pictures, 100, *SMALL_LEARNERS, "experiment_manager.test_distances_m=[6.0]"),
     )
     # One trial, which is not learned from, and 9 episodes of training: 120 observations.
     report = FuzzedGraph(config_file, seed=1).run(10, 17, tmp_path)

@@ -197,7 +197,7 @@ def test_no_graphics(line: list[str], tmp_path: Path) -> None:
     # An EGL without any driver, whatever is installed.
     variables = {"MUJOCO_GL": "egl", "__EGL_VENDOR_LIBRARY_FILENAMES": "/nowhere.json"}
     run = tmp_path / "run"
-    line = [*line, "--set", "eye_plant.camera.renderer=mujoco", "--out", str(run)]
+    line = [*line, "--set", "eyes.camera.renderer=mujoco", "--out", str(run)]
     output = finished(start_supervisor(line, variables=variables), code=2)
     assert output.count("error: ") == 1, output
     assert "fault: " not in output

@@ -143,19 +143,10 @@ def test_a_script_starts_its_entry_point_and_shows_its_help(
 
 
 @pytest.mark.parametrize("node", NODES)
-def test_parameters_of_the_user_come_after_those_of_the_package(ready: Checkout, node: str) -> None:
+def test_a_node_gets_the_parameters_of_the_user(ready: Checkout, node: str) -> None:
     started = ready.start(node, "--ros-args", "-p", "seed:=2")
-    assert started.stdout.splitlines()[:9] == [
-        "-m",
-        f"{node}.node",
-        "--ros-args",
-        "--params-file",
-        str(ready.root / "src" / node / "config" / f"{node}.yaml"),
-        "--",
-        "--ros-args",
-        "-p",
-        "seed:=2",
-    ]
+    expected = ["-m", f"{node}.node", "--ros-args", "-p", "seed:=2"]
+    assert started.stdout.splitlines()[:5] == expected
 
 
 def test_nodes_started_one_by_one_meet_in_one_domain(ready: Checkout) -> None:

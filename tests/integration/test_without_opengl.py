@@ -42,19 +42,19 @@ def refusing(tmp_path: Path) -> tuple[str, ...]:
 
 
 def line(pictures: Path, *more: str) -> list[str]:
-    settings = ("sparse_coder.n_bases=32", "vergence_rl.n_features=64", *more)
+    settings = ("task.n_bases=32", *more)
     return small_run(pictures, 60, *settings)
 
 
 @pytest.mark.parametrize(("in_process", "is_named"), [(False, False), (True, True)])
 def test_the_plane_is_drawn(refusing, pictures, tmp_path, in_process, is_named) -> None:
     directory = tmp_path / "run"
-    named = ["eye_plant.camera.renderer=plane"] if is_named else []
+    named = ["eyes.camera.renderer=plane"] if is_named else []
     with SupervisedRun(
         line(pictures, *named), directory, in_process=in_process, prefix=("env", *refusing)
     ) as run:
         assert run.wait() == 0, run.output()
-        assert run.output().count("eye_plant.camera.renderer is plane") == (not is_named)
+        assert run.output().count("eyes.camera.renderer is plane") == (not is_named)
     assert "renderer: plane" in (directory / "config.yaml").read_text()
     assert stamp_faults(directory) == []
     if not in_process:

@@ -24,9 +24,9 @@ IMAGE = "sensor_msgs/msg/Image"
 PERIOD_NS = 100_000_000
 
 
-CONFIGURATION = """/**/experiment_manager:
+CONFIGURATION = """/**:
   ros__parameters:
-    protocol.iterations_per_trial: 2
+    iterations_per_trial: 2
 """
 
 

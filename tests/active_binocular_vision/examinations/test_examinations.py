@@ -47,7 +47,7 @@ def test_the_document_is_printed_instead_of_the_table(run_of, capsys) -> None:
 
 
 def test_a_blurred_eye_has_a_lower_acuity_and_less_of_the_code(run_of, capsys) -> None:
-    blur = ["--set", "eye_plant.camera.right_blur_px=100"]
+    blur = ["--set", "eyes.camera.right_blur_px=100"]
     assert main([str(run_of("pair")), "--acuity", "--stimuli-per-test", "1", "--json", *blur]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["settings"] == {"camera.right_blur_px": 100}
@@ -91,6 +91,6 @@ def test_options_that_do_not_go_together(line, message, capsys) -> None:
 
 
 def test_eyes_that_cannot_look_at_a_plane_are_one_line(run_of, capsys) -> None:
-    lost = ["--set", f"eye_plant.mechanics.strength={[0.0] * 12}"]
+    lost = ["--set", f"eyes.mechanics.strength={[0.0] * 12}"]
     assert main([str(run_of("pair")), "--cover", *lost]) == 2
     assert "error: no medial activation" in capsys.readouterr().err

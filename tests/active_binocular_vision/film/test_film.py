@@ -37,7 +37,7 @@ def _grey(episode: int, iteration: int, side: int) -> int:
     return 40 + 50 * episode + 8 * iteration + 20 * side
 
 
-TWELVE = """/**/eye_plant:
+TWELVE = """/**:
   ros__parameters:
     command_space: all_muscles
     lowest_activations: [0.0]
@@ -53,10 +53,13 @@ def bag(tmp_path, vector_bytes, image_bytes) -> Path:
 
 OWN_TARGETS = (
     TWELVE
-    + """/**/experiment_manager:
+    + """    fixation_iterations: 6
+    iterations_per_episode: 12
+    iterations_per_trial: 12
+/**/experiment_manager:
   ros__parameters:
-    protocol.fixation_iterations: 6
-    protocol.gives_targets: false
+    test_iterations: [0]
+    gives_targets: false
 """
 )
 

@@ -1,14 +1,14 @@
 """What the measures count, by hand, with the eyes and cameras of a run."""
 
 import math
+from typing import Any
 
 import pytest
-import yaml
 
 from experiment_manager.measures.criteria import EvaluationSettings
 
-SMALLER = "{at: 100, set: {eye_plant.camera.focal_length_px: 514.68}}"
-TURNED_IN = "{at: 200, set: {eye_plant.mechanics.rest_adduction_deg: [5.0, 5.0]}}"
+STILL = "{at: 100, set: {eyes.camera.left_blur_px: 1.0}}"
+TURNED_IN = "{at: 200, set: {eyes.mechanics.rest_adduction_deg: [5.0, 5.0]}}"
 
 
 def test_k17s_eyes() -> None:
@@ -22,7 +22,7 @@ def test_k17s_eyes() -> None:
 
 
 def test_anatomical_eyes() -> None:
-    settings = EvaluationSettings.of({"eye_plant": {"mechanics.parameter_set": "anatomical"}})
+    settings = EvaluationSettings.of({"eyes": {"mechanics.parameter_set": "anatomical"}})
     found = settings.criteria(0)
     # Nothing is charged at least, but the heat falls no further than 1 W/kg:
     # 1.5 A^0.6 (128 * 0.8 + 25) = 1.
@@ -33,27 +33,18 @@ def test_anatomical_eyes() -> None:
 
 
 def test_each_stage_of_a_schedule_has_its_own() -> None:
-    settings = EvaluationSettings.of(
-        {"experiment_manager": {"schedule": f"[{SMALLER}, {TURNED_IN}]"}}
-    )
-    before, smaller, turned = (settings.criteria(n) for n in (100, 200, 201))
+    settings = EvaluationSettings.of({"task": {"schedule": f"[{STILL}, {TURNED_IN}]"}})
+    before, turned = (settings.criteria(n) for n in (200, 201))
     assert before == EvaluationSettings.of({}).criteria(0), "the test at the change is before it"
-    assert smaller.px_deg == pytest.approx(0.11133, abs=1e-5)
     # Relaxed eyes that are turned in look at something nearer than all that is tested.
     assert turned.lateral_is_silent_up_to_m < turned.medial_is_silent_from_m < 0.5
 
 
 def test_the_configuration_of_a_run_says_how_it_is_tested() -> None:
-    sections = {
-        "run": {"ros__parameters": {"model": "M"}},
-        "/**/eye_plant": {"ros__parameters": {"camera.focal_length_px": 514.68}},
-        "/**/experiment_manager": {"ros__parameters": {"protocol.iterations_per_trial": 40}},
+    configuration: dict[str, dict[str, Any]] = {
+        "eyes": {"camera.focal_length_px": 514.68},
+        "task": {"iterations_per_trial": 40},
     }
-    settings = EvaluationSettings.of_configuration(yaml.safe_dump(sections))
+    settings = EvaluationSettings.of(configuration)
     assert settings.iterations_per_trial == 40
     assert settings.criteria(0).px_deg == pytest.approx(0.11133, abs=1e-5)
-
-
-@pytest.mark.parametrize("text", ["", "model: M", "[1", "{run: [1]}"])
-def test_what_is_no_configuration_is_the_default(text: str) -> None:
-    assert EvaluationSettings.of_configuration(text) == EvaluationSettings.of({})

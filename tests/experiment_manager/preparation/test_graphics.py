@@ -12,7 +12,7 @@ from experiment_manager.preparation.request import RunRequest
 from experiment_manager.run.config_file import Configuration
 from eye_plant.camera.opengl.offscreen import GraphicsError
 
-_KEY = "eye_plant.camera.renderer"
+_KEY = "eyes.camera.renderer"
 
 
 @pytest.fixture(autouse=True)
@@ -22,7 +22,7 @@ def without_opengl(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def _renderer(found: Configuration) -> str:
-    return str(found["eye_plant"]["camera.renderer"])
+    return str(found["eyes"]["camera.renderer"])
 
 
 def test_a_run_that_names_none_takes_the_ray_caster(pictures, capsys) -> None:
@@ -30,7 +30,7 @@ def test_a_run_that_names_none_takes_the_ray_caster(pictures, capsys) -> None:
     found = drawable_configuration(request, "", ())
     assert _renderer(found) == "plane"
     expected = configuration.configuration_of(request, "")
-    expected["eye_plant"]["camera.renderer"] = "plane"
+    expected["eyes"]["camera.renderer"] = "plane"
     assert found == expected
     (line,) = capsys.readouterr().out.splitlines()
     assert f"{_KEY} is plane" in line

@@ -65,8 +65,7 @@ def test_a_run_stores_it_and_a_resume_does_not_measure_again(
     assert run_experiment.prepare(arguments(line)) == out
     expected = first_iterations(configured(*_line(pictures))).weight_for(0.3)
     configuration = read_configuration(out / "config.yaml")
-    for node in ("sparse_coder", "experiment_manager"):
-        assert configuration[node]["metabolic_cost_weight"] == expected
+    assert configuration["task"]["metabolic_cost_weight"] == expected
     run = yaml.safe_load((out / "config.yaml").read_text())["run"]["ros__parameters"]
     assert run["metabolic_cost_weight"] == expected
     text = capsys.readouterr().out

@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
 from active_binocular_vision.commands.command_line import arguments, request_of
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.in_process.run import run_in_process
 from experiment_manager.live.address import Address
 from experiment_manager.live.server import why_unavailable
@@ -43,7 +44,6 @@ from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import load_stimuli
-from lockstep.configuration import build
 from lockstep.durable_files import is_free, replace_file, why_unwritable
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
@@ -61,7 +61,7 @@ def source_commit() -> str:
 
 def _prepare_stimuli(configuration: Configuration) -> None:
     """Make the generated stimuli now if they are not in the cache: a node has no time for that."""
-    stimuli = build(EyePlantConfig, configuration["eye_plant"]).stimuli
+    stimuli = config_of(EyePlantConfig, configuration).stimuli
     if line := preparation(stimuli):
         print(line)
     load_stimuli(stimuli)

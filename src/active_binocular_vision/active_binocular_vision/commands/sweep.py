@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from active_binocular_vision.commands.run_experiment import source_commit
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.preparation.continuation import check_settings
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.described_run import DescribedRun
@@ -21,7 +22,6 @@ from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import load_stimuli
 from lockstep.command_line import CommandLine
-from lockstep.configuration import build
 from lockstep.durable_files import is_free, replace_file
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
@@ -119,7 +119,7 @@ def _begin(directory: Path, sweep: Sweep) -> None:
     configurations = [cell.configuration(commit) for cell in sweep.cells()]
     print(f"{len(configurations)} runs in {directory}; preparing their stimuli")
     # Generated ones are made once, before the runs; pictures are seen to be readable.
-    plants = [build(EyePlantConfig, configuration["eye_plant"]) for configuration in configurations]
+    plants = [config_of(EyePlantConfig, configuration) for configuration in configurations]
     for stimuli in dict.fromkeys(plant.stimuli for plant in plants):
         load_stimuli(stimuli)
     try:

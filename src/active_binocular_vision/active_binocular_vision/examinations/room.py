@@ -85,7 +85,7 @@ class Sitting:
         self._plant, self._parallax_m = room.loop.plant, room.parallax_m(i_picture)
         self._viewing = Viewing(room.loop, i_picture, distance_m, activations)
         self._own = room.learners.plant.camera
-        self._fixation_iterations = room.learners.manager.protocol.fixation_iterations
+        self._fixation_iterations = room.learners.manager.fixation_iterations
 
     def look(self, n_iterations: int, *, covered: str = "", prism: Prism = NO_PRISM) -> Course:
         """Let the eyes go on from where they are, for so many iterations.
@@ -163,7 +163,7 @@ class Room:
         manager = self.learners.manager
         if parallax_m not in self._correct:
             self._correct[parallax_m] = CorrectFixation(
-                manager.protocol, manager.mechanics, manager.camera.turns_deg, parallax_m
+                manager, manager.mechanics, manager.camera.turns_deg, parallax_m
             )
         first = self._correct[parallax_m].activations(distance_m, error_deg)
         return Sitting(self, i_picture, distance_m, first)

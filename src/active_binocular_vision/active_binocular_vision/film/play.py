@@ -74,7 +74,7 @@ def _n_selections(bag: Bag) -> int:
     """Return n_selections of the run's coder; of a bag without configuration, the default."""
     try:
         parameters = parameters_in(bag.attachment(CONFIGURATION_ATTACHMENT).decode())
-        return int(parameters["sparse_coder"]["n_selections"])
+        return int(parameters["task"]["n_selections"])
     except (InputError, KeyError, TypeError, ValueError):
         return 10
 

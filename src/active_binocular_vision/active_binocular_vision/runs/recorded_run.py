@@ -12,6 +12,7 @@ from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.metrics import QUARTILES, SHARE_ITERATIONS, cost_share, summary_of
 from experiment_manager.measures.results import Results, Summary
 from experiment_manager.measures.trials import Trials, TrialTable, split_tests
+from experiment_manager.run.config_file import parameters_in
 from experiment_manager.run.described_run import DescribedRun
 from lockstep.command_space import CommandSpace
 from lockstep.errors import InputError
@@ -167,7 +168,7 @@ def evaluation_settings_of(bag: Bag) -> EvaluationSettings:
         text = bag.attachment(CONFIGURATION_ATTACHMENT).decode()
     except InputError:
         text = ""
-    return EvaluationSettings.of_configuration(text)
+    return EvaluationSettings.of(parameters_in(text))
 
 
 def _sum_in_order(values: np.ndarray) -> float:

@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.sections import Configuration, config_of
 from experiment_manager.in_process.loop import Step, make_loop
 from experiment_manager.in_process.step_messages import StepMessages
 from experiment_manager.run.attempt import goes_on
-from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
+from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.picture_sample import takes_pictures
 from experiment_manager.run.run_directory import Run
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
-from lockstep.configuration import build
 from lockstep.errors import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
 from lockstep.machine.interrupts import Interrupts
@@ -62,9 +62,9 @@ class InProcessRun:
 
         Raises InputError for whatever a node would refuse, OSError when nothing can be written.
         """
-        manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
+        manager = config_of(ExperimentManagerConfig, configuration)
         self._config = dataclasses.replace(manager, run_directory=str(directory), resume=resume)
-        plant = build(EyePlantConfig, configuration["eye_plant"])
+        plant = config_of(EyePlantConfig, configuration)
         self._period_ns = period_ns(plant.mechanics.period_s)
         self._loop = make_loop(configuration)
         self._space = plant.space

@@ -6,17 +6,14 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
-import yaml
-
-from experiment_manager.experiment.config import ProtocolConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import Schedule, read_schedule
+from experiment_manager.experiment.sections import config_of
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.metabolics import silent_activation
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.vergence import degrees_per_px, fixation_distance_m
-from lockstep.command_space import activation_limits
-from lockstep.configuration import build
 from lockstep.wire.topics import TEST
 
 # Relaxed eyes see an object right whose vergence differs by less than this from theirs.
@@ -45,8 +42,7 @@ class Criteria:
 
 def criteria_of(plant: EyePlantConfig, fixation_iterations: int = 0) -> Criteria:
     """Return what counts with a plant's cameras and eyes."""
-    limits = activation_limits(plant.space, plant.lowest_activations, (1.0,))
-    criteria = _criteria(plant.camera.focal_length_px, plant.mechanics, limits.lowest)
+    criteria = _criteria(plant.camera.focal_length_px, plant.mechanics, plant.limits.lowest)
     return replace(criteria, fixation_iterations=fixation_iterations)
 
 
@@ -81,30 +77,16 @@ class EvaluationSettings:
     gives_targets: bool = True
 
     @classmethod
-    def of(cls, parameters: Mapping[str, Mapping[str, Any]]) -> "EvaluationSettings":
-        """Return those of a run's parameters by node; what is missing has its default."""
-        manager = parameters.get("experiment_manager", {})
-        length = manager.get("protocol.iterations_per_trial", ProtocolConfig().iterations_per_trial)
+    def of(cls, configuration: Mapping[str, Mapping[str, Any]]) -> "EvaluationSettings":
+        """Return those of a run's configuration by section; what is missing has its default."""
+        manager = config_of(ExperimentManagerConfig, configuration)
         return cls(
-            build(EyePlantConfig, parameters.get("eye_plant", {})),
-            read_schedule(manager.get("schedule", "")),
-            int(length),
-            int(manager.get("protocol.fixation_iterations", 0)),
-            bool(manager.get("protocol.gives_targets", True)),
+            config_of(EyePlantConfig, configuration),
+            read_schedule(manager.schedule),
+            manager.iterations_per_trial,
+            manager.fixation_iterations,
+            manager.gives_targets,
         )
-
-    @classmethod
-    def of_configuration(cls, text: str) -> "EvaluationSettings":
-        """Return those of the text of a config.yaml; what is not in it has its default."""
-        try:
-            sections = yaml.safe_load(text) or {}
-            parameters = {
-                name.removeprefix("/**/"): section["ros__parameters"]
-                for name, section in sections.items()
-            }
-        except (yaml.YAMLError, AttributeError, KeyError, TypeError):
-            parameters = {}
-        return cls.of(parameters)
 
     def criteria(self, training_iterations: int) -> Criteria:
         """Return what counts in the test after so many training iterations."""

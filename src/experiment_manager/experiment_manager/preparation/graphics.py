@@ -3,16 +3,15 @@
 from collections.abc import Collection
 from dataclasses import replace
 
+from experiment_manager.experiment.sections import Configuration, config_of
 from experiment_manager.preparation.configuration import configuration_of, profile_of
 from experiment_manager.preparation.request import RunRequest
-from experiment_manager.run.config_file import Configuration
 from eye_plant.camera.config import MUJOCO, PLANE
 from eye_plant.camera.opengl.offscreen import GraphicsError, OffscreenContext
 from eye_plant.config import EyePlantConfig
-from lockstep.configuration import build
 
 _NODE, _PARAMETER = "eye_plant", "camera.renderer"
-_KEY = f"{_NODE}.{_PARAMETER}"
+_KEY = f"eyes.{_PARAMETER}"
 
 
 def check_graphics(configuration: Configuration, elsewhere: Collection[str]) -> None:
@@ -20,7 +19,7 @@ def check_graphics(configuration: Configuration, elsewhere: Collection[str]) -> 
 
     elsewhere: nodes on another machine. In a node the cause might be a lack of memory: see there.
     """
-    plant = build(EyePlantConfig, configuration[_NODE])
+    plant = config_of(EyePlantConfig, configuration)
     if plant.camera.renderer == MUJOCO and _NODE not in elsewhere:
         OffscreenContext(64, 64).close()
 
@@ -39,7 +38,7 @@ def drawable_configuration(
         check_graphics(configuration, elsewhere)
     except GraphicsError:
         is_named = _KEY in request.overrides
-        if is_named or _PARAMETER in profile_of(request).settings.get(_NODE, {}):
+        if is_named or _PARAMETER in profile_of(request).settings.get("eyes", {}):
             raise
         print(
             f"OpenGL does not work here: {_KEY} is {PLANE}, which needs none; "

@@ -5,9 +5,9 @@ import sys
 from dataclasses import dataclass
 
 from experiment_manager.experiment.protocol import protocol_of
+from experiment_manager.experiment.sections import Configuration
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.measures.metrics import SHARE_ITERATIONS
-from experiment_manager.run.config_file import Configuration
 from experiment_manager.terminal.progress_lines import progress
 
 
@@ -58,7 +58,4 @@ def first_iterations(parameters: Configuration) -> FirstIterations:
 
 def with_weight(parameters: Configuration, weight: float) -> Configuration:
     """Return the parameters of all nodes with another lambda, 1/W."""
-    return parameters | {
-        node: parameters[node] | {"metabolic_cost_weight": weight}
-        for node in ("sparse_coder", "experiment_manager")
-    }
+    return parameters | {"task": parameters["task"] | {"metabolic_cost_weight": weight}}

@@ -1,10 +1,10 @@
 """What a run is going to do, in a few lines before it starts."""
 
 from experiment_manager.experiment.protocol import Protocol, protocol_of
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.run.config_file import Configuration
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig, count_missing
-from lockstep.configuration import build
 
 # For a first idea; the bar knows better.
 ASSUMED_RATE_HZ = 250
@@ -110,7 +110,7 @@ def _left_out(protocol: Protocol) -> list[str]:
 
 
 def _stimuli(configuration: Configuration, protocol: Protocol) -> list[str]:
-    wanted = build(EyePlantConfig, configuration["eye_plant"]).stimuli
+    wanted = config_of(EyePlantConfig, configuration).stimuli
     found = protocol.config.n_training_stimuli, protocol.config.n_test_stimuli
     if not wanted.directory or found == (wanted.n_training, wanted.n_test):
         return []

@@ -73,7 +73,7 @@ class DescribedRun:
     @cached_property
     def evaluation_settings(self) -> EvaluationSettings:
         """How the run is tested."""
-        return EvaluationSettings.of_configuration(self.configuration)
+        return EvaluationSettings.of(parameters_in(self.configuration))
 
 
 def _about(configuration: str, source: str) -> Mapping[str, Any]:

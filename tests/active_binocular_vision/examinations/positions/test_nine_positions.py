@@ -78,7 +78,7 @@ def _positions_m(examined: Examined) -> np.ndarray:
 
 def test_a_look_ends_where_an_episode_from_straight_ahead_does(examined: Examined) -> None:
     learners = examined.learners
-    inverse = gaze_inverse(learners.manager.protocol, learners.manager.mechanics)
+    inverse = gaze_inverse(learners.manager, learners.manager.mechanics)
     ahead_deg = wanted_angles_deg(wanted_gaze_deg(_positions_m(examined), (0.0, 0.0), 0.5))
     first = inverse.activations(ahead_deg, 0.5, np.zeros(12))
     with learners.loop(OWN_TEST_STIMULI.load(learners.plant.stimuli, 2)) as loop:
@@ -113,7 +113,7 @@ def test_the_least_energy_looks_at_the_targets_without_errors(examined: Examined
         assert np.abs(gazes.optimum.errors_deg).max() < 1e-3
         assert gazes.optimum.missed_deg.max() < 1e-3
         assert (gazes.eyes.metabolic_rate_w > gazes.optimum.metabolic_rate_w[..., None]).all()
-    protocol = examined.learners.manager.protocol
+    protocol = examined.learners.manager
     inverse = GazeInverse(
         examined.learners.manager.mechanics, protocol.space, protocol.limits.lowest, np.ones(12)
     )
@@ -194,7 +194,7 @@ def test_gazes_that_a_palsy_makes_impossible_have_no_least(run, tmp_path, capsys
     out = tmp_path / "out.json"
     strength = [float(name not in LEFT_ELEVATORS) for name in MUSCLE_NAMES]
     line = [str(run), "--nine-positions", "--stimuli-per-test", "1", "--out", str(out)]
-    line += ["--set", f"eye_plant.mechanics.strength={strength}", "--json"]
+    line += ["--set", f"eyes.mechanics.strength={strength}", "--json"]
     assert main([*line, "--figure", str(tmp_path / "chart.png")]) == 0
     found = json.loads(out.read_text())
     assert json.loads(capsys.readouterr().out) == found

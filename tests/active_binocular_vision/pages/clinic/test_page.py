@@ -17,14 +17,14 @@ from experiment_manager.measures.kept_trials import read_trials
 from tests.command_lines import set_words
 from tests.made_once import made_once
 
-_HEALTHY = f"{{eye_plant.mechanics.recession_mm: {[0.0] * 12}}}"
+_HEALTHY = f"{{eyes.mechanics.recession_mm: {[0.0] * 12}}}"
 _SETTINGS = {
-    "experiment_manager.schedule": f"[{{at: 40, set: {_HEALTHY}}}]",
-    "experiment_manager.protocol.test_distances_m": "[2.0]",
-    "experiment_manager.protocol.n_starts_per_distance": 1,
-    "eye_plant.camera.renderer": "plane",
+    "task.schedule": f"[{{at: 40, set: {_HEALTHY}}}]",
+    "experiment_manager.test_distances_m": "[2.0]",
+    "experiment_manager.n_starts_per_distance": 1,
+    "eyes.camera.renderer": "plane",
     "eye_plant.stimuli.size_px": 64,
-    "sparse_coder.n_bases": 20,
+    "task.n_bases": 20,
 }
 
 

@@ -70,7 +70,7 @@ def test_marks_are_medians_over_seeds_at_their_age() -> None:
 
 
 def test_a_treatment_treats_the_condition_that_its_profile_begins_with() -> None:
-    tests = "protocol.test_iterations"
+    tests = "test_iterations"
     for treatment, condition in TREATED.items():
         profiles = [read_profile(f"clinic/{name}").settings for name in (treatment, condition)]
         without = [

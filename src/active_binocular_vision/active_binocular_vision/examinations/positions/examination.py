@@ -106,7 +106,7 @@ class _Looking:
 
     def __init__(self, learners: FrozenLearners, loop: InProcessLoop, covered: str) -> None:
         manager = learners.manager
-        protocol = manager.protocol
+        protocol = manager
         self.n_iterations = protocol.iterations_per_trial
         self._n_fixations = self.n_iterations // protocol.fixation_iterations
         self._learners, self._loop = learners, loop

@@ -62,7 +62,7 @@ def wanted_angles_deg(gaze_deg: Array) -> dict[str, float]:
 
 def check_looks_at_targets(learners: FrozenLearners, shown: Shown, option: str) -> None:
     """Raise InputError, which names the option, unless the learners can look at targets."""
-    if not learners.manager.protocol.fixation_iterations:
+    if not learners.manager.fixation_iterations:
         raise InputError(
             f"{option}: expected eyes that make saccades, as those of profile gaze, got a run with "
             "protocol.fixation_iterations 0"
@@ -78,6 +78,6 @@ def activations_ahead(learners: FrozenLearners, positions_m: Array, distance_m: 
     """
     healthy = dataclasses.replace(learners, settings={}).manager
     wanted_deg = wanted_angles_deg(wanted_gaze_deg(positions_m, _AHEAD_DEG, distance_m))
-    nowhere_aside = np.zeros(len(healthy.protocol.space.indices))
-    inverse = gaze_inverse(healthy.protocol, healthy.mechanics)
+    nowhere_aside = np.zeros(len(healthy.space.indices))
+    inverse = gaze_inverse(healthy, healthy.mechanics)
     return inverse.activations(wanted_deg, distance_m, nowhere_aside)

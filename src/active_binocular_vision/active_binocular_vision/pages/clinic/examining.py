@@ -13,10 +13,10 @@ from active_binocular_vision.learners.shown import Shown
 from active_binocular_vision.runs.examined_run import ExaminedAge, ExaminedRun, ages_of
 from experiment_manager.experiment.plant_changes import read_schedule
 from experiment_manager.experiment.protocol import protocol_of
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.measures.kept_trials import read_trials
 from experiment_manager.measures.results import RESULTS_FILE, Results, read_results
 from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
-from lockstep.configuration import build
 from lockstep.errors import InputError
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.patches import PX_PER_PIXEL
@@ -34,17 +34,17 @@ def examined_run(directory: Path) -> ExaminedRun:
     """
     results = read_results(directory / RESULTS_FILE)
     configuration = read_configuration(directory / CONFIG_FILE)
-    n_iterations = configuration["experiment_manager"]["protocol.n_training_iterations"]
+    n_iterations = configuration["task"]["n_training_iterations"]
     tested = [test.iteration for test in results.tests]
     if not tested or tested[-1] != n_iterations:
         raise InputError(f"{directory}: expected a run with a test at its end, {n_iterations:,}")
-    changes = read_schedule(configuration["experiment_manager"]["schedule"]).changes
+    changes = read_schedule(configuration["task"]["schedule"]).changes
     changed_at = changes[0].at if changes else None
     ages = ages_of(tested, changed_at)
     kept = ExaminedRun.read(directory)
     if kept is not None and {age.when: age.iteration for age in kept.ages} == ages:
         return kept
-    coder = build(SparseCoderConfig, configuration["sparse_coder"])
+    coder = config_of(SparseCoderConfig, configuration)
     run = ExaminedRun(
         condition=results.profile.removeprefix(_FOLDER) or directory.name,
         model=results.model,

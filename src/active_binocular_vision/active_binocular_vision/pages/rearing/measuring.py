@@ -14,6 +14,7 @@ from active_binocular_vision.runs.reared_run import (
     read_measures,
 )
 from experiment_manager.experiment.plant_changes import Schedule, read_schedule
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
@@ -21,7 +22,6 @@ from eye_plant.config import EyePlantConfig, changed
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli
 from eye_plant.vergence import degrees_per_px
-from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.state_file import read_state
 from sparse_coder.coder import SparseCoder
@@ -48,7 +48,7 @@ def read_reared_run(directory: Path) -> RearedRun:
     results = read_results(directory / RESULTS_FILE)
     if not results.tests:
         raise InputError(f"{directory}: expected a run with a complete test")
-    schedule = read_schedule(configuration["experiment_manager"]["schedule"])
+    schedule = read_schedule(configuration["task"]["schedule"])
     config = _plant_at_the_end(configuration, schedule)
     samples = None
     newest = checkpoint.newest(directory / "checkpoints")
@@ -78,7 +78,7 @@ def _measured(
     state: Path, configuration: Configuration, config: EyePlantConfig
 ) -> tuple[RewardLandscape, tuple[ScaleTuning, ...], NDArray[np.float32]]:
     """Return the landscape, the tuning of both scales, and samples of their basis functions."""
-    coder = SparseCoder(build(SparseCoderConfig, configuration["sparse_coder"]))
+    coder = SparseCoder(config_of(SparseCoderConfig, configuration))
     coder.restore(read_state(state / "sparse_coder.npz", "sparse_coder"))
     atoms = coder.atoms()
     landscape = _landscape(config, coder)
@@ -114,7 +114,7 @@ def scale_tuning(tuned: Tuning, use: NDArray[np.float64], focal_length_px: float
 
 
 def _plant_at_the_end(configuration: Configuration, schedule: Schedule) -> EyePlantConfig:
-    plant = build(EyePlantConfig, configuration["eye_plant"])
+    plant = config_of(EyePlantConfig, configuration)
     return changed(plant, schedule.settings(len(schedule.changes)))
 
 
