@@ -307,7 +307,6 @@ def run_of(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Callable
 
     def run(kind: str) -> Path:
         settings = {
-            "eyes.camera.renderer": "plane",
             "eye_plant.stimuli.size_px": STIMULUS_PX,
             "experiment_manager.test_distances_m": "[2.0]",
         }

@@ -19,7 +19,6 @@ OPTIONS = {
     "tests": [0],
     "test-stimuli": 1,
     "eye_plant.stimuli.size_px": 64,
-    "eyes.camera.renderer": "plane",
     "eyes.camera.roi_width_px": 130,
     "eyes.camera.roi_height_px": 130,
     "task.n_bases": 32,

@@ -81,7 +81,7 @@ def sent(request: pytest.FixtureRequest, pictures: Path) -> Sent:
     """Return what a graph of either parameter set sends in training and in a test."""
     configuration: dict[str, dict[str, Any]] = {
         "task": {"n_bases": N_BASES},
-        "eyes": {"camera.renderer": "plane", "mechanics.parameter_set": request.param},
+        "eyes": {"mechanics.parameter_set": request.param},
         "eye_plant": {"stimuli.directory": str(pictures), "stimuli.size_px": 64},
     }
     loop = make_loop(configuration)

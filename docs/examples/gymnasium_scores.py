@@ -43,7 +43,6 @@ def make_environment(action_scale: float | None = None) -> gymnasium.Env:
     return gymnasium.make(
         "active_binocular_vision.environments:ActiveVergenceFeatures-v0",
         settings={
-            "eyes.camera.renderer": "plane",
             "eyes.camera.roi_width_px": 128,
             "eyes.camera.roi_height_px": 128,
         },

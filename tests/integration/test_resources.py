@@ -20,7 +20,7 @@ from tests.loop_contract import assert_as_the_loop, run_line
 from tests.patience import PATIENCE_S
 from tests.stress.clock_jumps import jumping_clock
 from tests.stress.supervised_run import SupervisedRun, are_gone, is_intact, n_messages, stamp_faults
-from tests.supervisor import finished, start_supervisor
+from tests.supervisor import start_supervisor
 
 
 @pytest.fixture(scope="module")
@@ -191,17 +191,6 @@ def test_a_hanging_look_for_other_graphs_dies_with_the_run(line: list[str], tmp_
         run.process.kill()
         run.process.wait()
         assert are_gone([look])
-
-
-def test_no_graphics(line: list[str], tmp_path: Path) -> None:
-    # An EGL without any driver, whatever is installed.
-    variables = {"MUJOCO_GL": "egl", "__EGL_VENDOR_LIBRARY_FILENAMES": "/nowhere.json"}
-    run = tmp_path / "run"
-    line = [*line, "--set", "eyes.camera.renderer=mujoco", "--out", str(run)]
-    output = finished(start_supervisor(line, variables=variables), code=2)
-    assert output.count("error: ") == 1, output
-    assert "fault: " not in output
-    assert "apt-get install libegl1 libgl1-mesa-dri" in output
 
 
 def test_a_clock_that_jumps(line: list[str], tmp_path: Path) -> None:

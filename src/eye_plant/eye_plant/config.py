@@ -68,7 +68,6 @@ _FIXED = (
     "mechanics.control_period_s",
     "mechanics.moves",
     "camera.renderer",
-    "camera.texture_mipmaps",
     "camera.width_px",
     "camera.height_px",
     "camera.focal_length_px",

@@ -79,8 +79,7 @@ def bare(settings: dict[str, Any]) -> Iterator[VergenceEnvironment]:
 
 
 def test_an_environment_needs_neither_ros_nor_reports(settings: dict[str, Any]) -> None:
-    drawn = settings | {"eyes.camera.renderer": "plane"}
-    make = f"gymnasium.make({IDS[1]!r}, model='M_C', settings={drawn!r}).reset(seed=1)"
+    make = f"gymnasium.make({IDS[1]!r}, model='M_C', settings={settings!r}).reset(seed=1)"
     program = (
         f"import sys, gymnasium, active_binocular_vision.environments; {make}; print(*sys.modules)"
     )

@@ -72,12 +72,12 @@ def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(runs) -> None
 def test_a_parameter_that_is_lacking_has_its_default(runs) -> None:
     run, other = runs[0], copy.copy(runs[0])
     text = configuration_text(configuration_of(request_of(arguments(["--model", "M"])), ""))
-    line = "    camera.texture_mipmaps: true\n"
+    line = "    camera.left_occluded: false\n"
     assert line in text
     run.configuration = text
     other.configuration = text.replace(line, "")
     assert len(groups_of([run, other])) == 1
-    other.configuration = text.replace(line, line.replace("true", "false"))
+    other.configuration = text.replace(line, line.replace("false", "true"))
     assert len(groups_of([run, other])) == 2
     other.configuration = text.replace(line, line + "    camera.own: 1\n")
     _, second = groups_of([run, other])

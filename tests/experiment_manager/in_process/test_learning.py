@@ -18,7 +18,6 @@ SEED = 1
 PARAMETERS: dict[str, dict[str, Any]] = {
     "task": {"n_training_iterations": N_ITERATIONS, "n_bases": 64},
     "eyes": {
-        "camera.renderer": "plane",
         "camera.roi_width_px": 130,
         "camera.roi_height_px": 130,
     },

@@ -16,6 +16,7 @@ from experiment_manager.live.server import why_unavailable
 from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.results import RESULTS_FILE, Results, read_results
 from experiment_manager.measures.tables import in_words, summaries_table
+from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.continuation import (
     Branch,
     branch,
@@ -24,7 +25,6 @@ from experiment_manager.preparation.continuation import (
     contradiction,
     extend,
 )
-from experiment_manager.preparation.graphics import check_graphics, drawable_configuration
 from experiment_manager.preparation.lambda_share import first_iterations, with_weight
 from experiment_manager.preparation.plan import plan, preparation
 from experiment_manager.preparation.request import RunRequest
@@ -120,26 +120,19 @@ def prepare(options: argparse.Namespace) -> Path:
     if options.branch is not None:
         branched = branch(options.branch, request, source_commit())
     directory = options.out or Path("runs") / time.strftime("%Y%m%d-%H%M%S")
-    return prepare_new(request, directory.resolve(), branched, options.elsewhere)
+    return prepare_new(request, directory.resolve(), branched)
 
 
-def prepare_new(
-    request: RunRequest,
-    directory: Path,
-    branched: Branch | None = None,
-    elsewhere: Collection[str] = (),
-) -> Path:
+def prepare_new(request: RunRequest, directory: Path, branched: Branch | None = None) -> Path:
     """Make the directory of a new run, with its config.yaml; return it.
 
-    branched: what the run begins from; elsewhere: nodes on another machine. Raises InputError for a
-    request that no run can meet, and a directory that holds something.
+    branched: what the run begins from. Raises InputError for a request that no run can meet, and a
+    directory that holds something.
     """
     _refuse_used(directory)
-    if branched is not None:
-        configuration = branched.configuration
-        check_graphics(configuration, elsewhere)
-    else:
-        configuration = drawable_configuration(request, source_commit(), elsewhere)
+    configuration = (
+        configuration_of(request, source_commit()) if branched is None else branched.configuration
+    )
     _prepare_stimuli(configuration)
     if request.cost_share is not None:
         configuration = _with_share(configuration, request.cost_share)
@@ -167,7 +160,6 @@ def _prepare_old(options: argparse.Namespace, request: RunRequest) -> Path:
         check_settings(request, directory, read_configuration(directory / CONFIG_FILE))
         _check_writable(directory)
         extend(directory, options.extend)
-    check_graphics(read_configuration(directory / CONFIG_FILE), options.elsewhere)
     return directory
 
 

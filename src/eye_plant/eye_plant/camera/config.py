@@ -13,7 +13,7 @@ from lockstep.settings import check_settings, setting
 
 MUJOCO = "mujoco"
 PLANE = "plane"
-RENDERERS = (MUJOCO, PLANE)
+RENDERERS = (PLANE, MUJOCO)
 
 _BLURS = tuple(
     f"{side}_{kind}blur_px"
@@ -78,9 +78,9 @@ class CameraConfig(CameraTurns, OpticsConfig):
     """
 
     renderer: str = setting(
-        MUJOCO,
-        "renderer: MuJoCo's, which needs OpenGL, or a ray caster of plane and landscape, which"
-        " does not",
+        PLANE,
+        "renderer: a ray caster of plane and landscape, or MuJoCo's own, which needs OpenGL and is"
+        " slower",
         choices=RENDERERS,
     )
     width_px: int = setting(320, "width of each picture", "px", least=2, multiple_of=2)
@@ -97,10 +97,6 @@ class CameraConfig(CameraTurns, OpticsConfig):
         240, "height of the region of interest", "px", least=2, multiple_of=2
     )
     plane_size_m: float = setting(3.0, "width and height of the textured plane", "m", above=0)
-    texture_mipmaps: bool = setting(
-        True,
-        "whether a distant plane is drawn from a smaller copy of its texture; otherwise it aliases",
-    )
     landscape_distance_m: float = setting(
         9.1, "distance of the landscape behind the plane", "m", least=0.2, most=19
     )

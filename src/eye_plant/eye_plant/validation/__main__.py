@@ -3,13 +3,11 @@
 Writes plant_validation.json, a list of {name, value, unit, bound, ok}, and one page of figures.
 """
 
-import contextlib
 import json
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from eye_plant.camera.opengl.offscreen import GraphicsError, choose_backend
 from eye_plant.mechanics.model import PARAMETER_SETS
 from eye_plant.validation.dynamic_checks import (
     disparity_row,
@@ -55,8 +53,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         out.mkdir(parents=True, exist_ok=True)
         maps = load_maps()
-        with contextlib.suppress(GraphicsError):  # then the rows with pictures are not measured
-            choose_backend()
     except OSError as error:
         parser.error(f"--out: expected a directory to write to, got {out} ({error})")
     except InputError as error:

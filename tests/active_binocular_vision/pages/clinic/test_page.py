@@ -22,7 +22,6 @@ _SETTINGS = {
     "task.schedule": f"[{{at: 40, set: {_HEALTHY}}}]",
     "experiment_manager.test_distances_m": "[2.0]",
     "experiment_manager.n_starts_per_distance": 1,
-    "eyes.camera.renderer": "plane",
     "eye_plant.stimuli.size_px": 64,
     "task.n_bases": 20,
 }

@@ -1,12 +1,13 @@
 """Pictures with their levels in plain memory, or in a file beside the picture."""
 
+import hashlib
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from eye_plant.camera.mipmaps import mipmap_levels, reduced
-from eye_plant.camera.ray_casting.texels import Texture, texture_of, textures_of
+from eye_plant.camera.ray_casting.texture_storage import Texture, texture_of, textures_of
 
 SHAPES = [(37, 50), (64, 64), (1, 9), (1, 1)]
 
@@ -54,6 +55,13 @@ def test_a_mapped_picture_has_its_copies_beside_it(tmp_path: Path) -> None:
     assert_same(second, levels_in(first))
 
 
+def test_version_1_of_the_files_holds_these_bytes(tmp_path: Path) -> None:
+    """Where this fails, give texture_storage._VERSION the next number, and this test its bytes."""
+    textures_of([mapped(tmp_path / "a.npy")])
+    copies = np.load(tmp_path / "a.v1.levels")
+    assert hashlib.sha256(copies.tobytes()).hexdigest()[:16] == "6a6e25ad67387707"
+
+
 @pytest.mark.parametrize("content", [b"", b"no array", b"\x93NUMPY"])
 def test_a_damaged_file_of_copies_is_made_again(tmp_path: Path, content: bytes) -> None:
     picture = mapped(tmp_path / "a.npy")
@@ -71,7 +79,7 @@ def test_copies_that_cannot_be_kept_stay_in_memory(tmp_path, monkeypatch) -> Non
     def refuse(*_: object) -> None:
         raise OSError
 
-    monkeypatch.setattr("eye_plant.camera.ray_casting.texels.write_array", refuse)
+    monkeypatch.setattr("eye_plant.camera.ray_casting.texture_storage.write_array", refuse)
     ((_, smaller),) = textures_of([picture])
     assert_same(smaller, mipmap_levels(reduced(np.asarray(picture))))
     assert [path.name for path in tmp_path.iterdir()] == ["a.npy"]

@@ -5,15 +5,12 @@ beside it, made once and mapped too: they cost memory only where they are read, 
 time, and several runs share them.
 """
 
-import hashlib
 from collections.abc import Sequence
 from itertools import accumulate
 from pathlib import Path
 
-import cv2
 import numpy as np
 
-from eye_plant.camera import mipmaps
 from eye_plant.camera.mipmaps import level_shapes, mipmap_levels, reduced, reduced_shape
 from eye_plant.stimuli.cache import map_array, write_array
 from lockstep.machine.threads import map_in_threads
@@ -22,17 +19,15 @@ from lockstep.machine.threads import map_in_threads
 # one after the other, row by row; (n_levels, 3) each level's offset in its array, height and width.
 Texture = tuple[np.ndarray, np.ndarray, np.ndarray]
 
+# Of the files beside pictures. Another one for other levels or another order of them: a test knows
+# what version 1 holds.
+_VERSION = 1
+
 
 def textures_of(pictures: Sequence[np.ndarray]) -> list[tuple[Texture, Texture]]:
     """Return each picture (height, width) uint8 as a texture, and reduced by sqrt(2) as another."""
     # OpenCV and file systems let other threads run meanwhile.
     return map_in_threads(_both_textures, pictures)
-
-
-def aliased_textures(pictures: Sequence[np.ndarray]) -> list[tuple[Texture, Texture]]:
-    """Return each picture (height, width) uint8 as a texture without smaller copies, twice."""
-    nothing = np.empty(0, np.uint8)
-    return [(_texture(p.ravel(), nothing, 0, [p.shape]),) * 2 for p in pictures]
 
 
 def texture_of(picture: np.ndarray) -> Texture:
@@ -68,12 +63,10 @@ def _smaller_copies(picture: np.ndarray, n_texels: int) -> np.ndarray:
 
 
 def _file_beside(picture: np.ndarray) -> Path | None:
-    """Return the file for a mapped picture's smaller copies, named by all that they depend on."""
+    """Return the file for a mapped picture's smaller copies."""
     if not isinstance(picture, np.memmap) or picture.filename is None:
         return None
-    source = Path(mipmaps.__file__).read_bytes() + cv2.__version__.encode()
-    version = hashlib.blake2b(source, digest_size=8).hexdigest()
-    return Path(picture.filename).with_suffix(f".{version}.levels")
+    return Path(picture.filename).with_suffix(f".v{_VERSION}.levels")
 
 
 def _texture(
