@@ -1,0 +1,1 @@
+"""Runs that were read: one, and groups of them."""
