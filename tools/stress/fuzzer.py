@@ -2,7 +2,7 @@
 
 import array
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -36,7 +36,7 @@ class Hostility:
 
     def __init__(self, seed: int, period_ns: int) -> None:
         """period_ns: between the stamps of successive observations."""
-        self._draw = np.random.default_rng(seed)
+        self.draw = np.random.default_rng(seed)
         self._period_ns = period_ns
 
     def message(self, now_ns: int) -> tuple[str, JointState | Image]:
@@ -46,64 +46,60 @@ class Hostility:
         of the far future or of no time at all may look as it should.
         """
         topic = self._one_of((*VECTOR_NAMES, *IMAGE_TOPICS))
-        is_now = self._draw.random() < _SHARE_NOW
-        if topic in VECTOR_NAMES:
-            message = self._vector(topic, may_be_sound=not is_now)
-        else:
-            message = self._image(topic, may_be_sound=not is_now)
-        if is_now:
-            ahead = self._period_ns * int(self._draw.integers(2))
-            message.header.stamp = to_time(now_ns + ahead)
-        else:
-            message.header.stamp = self._other_time(now_ns)
+        is_now = self.draw.random() < _SHARE_NOW
+        make = self._vector if topic in VECTOR_NAMES else self._image
+        message: JointState | Image = make(topic, may_be_sound=not is_now)
+        ahead_ns = self._period_ns * int(self.draw.integers(2))
+        message.header.stamp = to_time(now_ns + ahead_ns) if is_now else self._other_time(now_ns)
         return topic, message
 
     def _one_of(self, choices: Sequence[Any]) -> Any:
-        return choices[int(self._draw.integers(len(choices)))]
+        return choices[int(self.draw.integers(len(choices)))]
 
     def _other_time(self, now_ns: int) -> Time:
         """Return a time that is not of the present: past, far future, none at all."""
-        future_ns = now_ns + int(self._draw.integers(_FAR_NS, _END_NS))
+        future_ns = now_ns + int(self.draw.integers(_FAR_NS, _END_NS))
         no_time = Time(
-            sec=int(self._draw.integers(-(2**31), 2**31)),
-            nanosec=int(self._draw.integers(10**9, 2**32)),
+            sec=int(self.draw.integers(-(2**31), 2**31)),
+            nanosec=int(self.draw.integers(10**9, 2**32)),
         )
-        negative = Time(sec=-int(self._draw.integers(1, 2**31)))
+        negative = Time(sec=-int(self.draw.integers(1, 2**31)))
         times = [to_time(future_ns), no_time, negative]
         # Observation 0 has no past; a sound message with its stamp would be taken for ours.
         if (newest_ns := now_ns - self._period_ns) >= 0:
-            times.append(to_time(int(self._draw.integers(newest_ns + 1))))
+            times.append(to_time(int(self.draw.integers(newest_ns + 1))))
         time: Time = self._one_of(times)
         return time
 
     def _vector(self, topic: str, *, may_be_sound: bool) -> JointState:
         names = VECTOR_NAMES[topic]
-        values = self._draw.random(len(names)) * 0.1
-        spoilt: list[Callable[[], JointState]] = [
-            lambda: vector_message(0, names, values[:-1]),
-            lambda: vector_message(0, names, ()),
-            lambda: vector_message(0, (), values),
-            lambda: vector_message(0, (), ()),
-            lambda: vector_message(0, [names[0]] * len(names), values),
-            lambda: vector_message(0, names, np.full(len(names), self._one_of(_NOT_FINITE))),
-            lambda: vector_message(0, [f"{name}\u00fc\u4e16" for name in names], values),
-            lambda: vector_message(0, ["x" * 10_000], [1.0]),
-            lambda: vector_message(0, [str(i) for i in range(5000)], np.zeros(5000)),
-            lambda: vector_message(0, names, np.zeros(100_000)),
-            lambda: vector_message(0, names, np.full(len(names), 1e300), effort=[math.nan]),
+        values = self.draw.random(len(names)) * 0.1
+        # Names, positions, efforts.
+        spoilt: list[tuple[Sequence[str], Any, Any]] = [
+            (names, values[:-1], ()),
+            (names, (), ()),
+            ((), values, ()),
+            ((), (), ()),
+            ([names[0]] * len(names), values, ()),
+            (names, np.full(len(names), self._one_of(_NOT_FINITE)), ()),
+            ([f"{name}\u00fc\u4e16" for name in names], values, ()),
+            (["x" * 10_000], [1.0], ()),
+            ([str(i) for i in range(5000)], np.zeros(5000), ()),
+            (names, np.zeros(100_000), ()),
+            (names, np.full(len(names), 1e300), [math.nan]),
         ]
         if topic in ("episode", "muscle_command"):  # whole numbers; activations
-            spoilt.append(lambda: vector_message(0, names, np.full(len(names), -0.5)))
+            spoilt.append((names, np.full(len(names), -0.5), ()))
         if may_be_sound:
-            spoilt.append(lambda: vector_message(0, names, values, effort=values))
-        make: Callable[[], JointState] = self._one_of(spoilt)
-        return make()
+            spoilt.append((names, values, values))
+        of_one, position, effort = self._one_of(spoilt)
+        return vector_message(0, of_one, position, effort=effort)
 
     def _image(self, topic: str, *, may_be_sound: bool) -> Image:
         encoding = "32FC1" if topic == "features" else "mono8"
         height, width = (2, 8) if topic == "features" else (240, 320)
         n_bytes = height * width * (4 if topic == "features" else 1)
-        noise = self._draw.integers(0, 256, n_bytes, dtype=np.uint8).tobytes()
+        noise = self.draw.integers(0, 256, n_bytes, dtype=np.uint8).tobytes()
         not_finite = np.full(n_bytes // 4, math.nan, np.float32).tobytes()
         spoilt = [
             (height, width, "rgb8", noise),
@@ -129,22 +125,22 @@ class Hostility:
 
     def request(self, run_id: str) -> list[Parameter]:
         """Return the parameters of a request that must be refused; run_id: of the true run."""
-        text = {
-            "other run": {"run_id": "somebody_elses", "request": "start_run"},
-            "other end": {"run_id": "somebody_elses", "request": "end_run"},
-            "no run": {"request": "start_run"},
-            "no kind": {"run_id": run_id},
-            "unknown kind": {"run_id": run_id, "request": "self_destruct"},
-            "long kind": {"run_id": run_id, "request": "x" * 50_000},
-            "no episode": {"run_id": run_id, "request": "episode"},
-            "no file": {"run_id": run_id, "request": "load", "path": "/nowhere/state.npz"},
-            "no place": {"run_id": run_id, "request": "save", "path": "/nowhere/state.npz"},
-            "no state": {"run_id": run_id, "request": "load", "path": "/dev/null"},
-        }
-        chosen = text[self._one_of(sorted(text))]
+        true, other = {"run_id": run_id}, {"run_id": "somebody_elses"}
+        requests: list[dict[str, str]] = [
+            other | {"request": "start_run"},
+            other | {"request": "end_run"},
+            {"request": "start_run"},
+            true,
+            true | {"request": "self_destruct"},
+            true | {"request": "x" * 50_000},
+            true | {"request": "episode"},
+            true | {"request": "load", "path": "/nowhere/state.npz"},
+            true | {"request": "save", "path": "/nowhere/state.npz"},
+            true | {"request": "load", "path": "/dev/null"},
+        ]
         parameters = [
             Parameter(name=name, value=ParameterValue(type=4, string_value=value))
-            for name, value in chosen.items()
+            for name, value in self._one_of(requests).items()
         ]
         spoilt = [
             [],
@@ -154,14 +150,5 @@ class Hostility:
             [Parameter(name="y" * 5000, value=ParameterValue(type=8, double_array_value=[0.0]))],
             parameters[:1],
         ]
-        more: list[Parameter] = self._one_of(spoilt) if self._draw.random() < 0.5 else []
+        more: list[Parameter] = self._one_of(spoilt) if self.draw.random() < 0.5 else []
         return [*parameters, *more]
-
-    def is_request(self) -> bool:
-        """Return whether the next input is a request rather than a message."""
-        return bool(self._draw.random() < 0.1)
-
-    def node(self, names: Sequence[str]) -> str:
-        """Return the node to ask."""
-        name: str = self._one_of(names)
-        return name

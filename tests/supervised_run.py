@@ -121,24 +121,6 @@ class SupervisedRun(AbstractContextManager["SupervisedRun"]):
         return Path(self._log.name).read_text(errors="replace")
 
 
-def undisturbed(line: Sequence[str], directory: Path) -> Path:
-    """Make a run in one process, to compare others with; return its directory.
-
-    Raises RuntimeError when it fails.
-    """
-    with SupervisedRun(line, directory, in_process=True) as run:
-        if run.wait() != 0:
-            raise RuntimeError(f"the undisturbed run failed: {run.output()}")
-    return directory
-
-
-def problems_of(run: Path, reference: Path, code: int, output: str) -> list[str]:
-    """Return what is wrong with a run that ended with an exit code, having said something."""
-    if code != 0:
-        return [f"{run.name} ended with exit code {code}:\n{output}"]
-    return differences(run, reference) + stamp_faults(run)
-
-
 def is_alive(process_id: int) -> bool:
     """Return whether a process exists and is more than the record of its end."""
     try:

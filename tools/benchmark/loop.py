@@ -8,9 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.experiment.sections import config_of
+from experiment_manager.experiment.protocol import protocol_of
 from experiment_manager.in_process.loop import Step, make_loop
 from experiment_manager.run.config_file import Configuration
 from eye_plant.observation import Observation
@@ -35,13 +33,9 @@ class TimedLoop:
         """Set up plant, coder and agent, and attach the stopwatches."""
         self._loop = make_loop(configuration)
         self.plant, self.coder = self._loop.plant, self._loop.coder
-        manager = config_of(ExperimentManagerConfig, configuration)
-        self._episodes = make_protocol(manager).training_episodes()
+        self._episodes = protocol_of(configuration).training_episodes()
         self._durations_s: dict[str, list[float]] = defaultdict(list)
         self.pictures: list[np.ndarray] = []
-        self._attach()
-
-    def _attach(self) -> None:
         oculomotor = self.plant.oculomotor
         for owner, name, stage in (
             (oculomotor, "step", _OCULOMOTOR),
@@ -88,6 +82,16 @@ class TimedLoop:
             self.pictures = [*self.pictures[-15:], pictures]
         means_ms = {name: 1e3 * float(np.mean(self._durations_s[name])) for name in STAGES}
         return LoopWindow(n_iterations / elapsed_s, means_ms)
+
+    def encode_pair_ms(self, n_times: int) -> float:
+        """Return the median time from a pair of the last pictures to its features."""
+        durations_s = []
+        for i in range(n_times):
+            pair = self.pictures[i % len(self.pictures)]
+            start_s = time.perf_counter()
+            self.coder.encode(*pair)
+            durations_s.append(time.perf_counter() - start_s)
+        return 1e3 * float(np.median(durations_s))
 
     def close(self) -> None:
         """Release the graphics context."""
