@@ -39,7 +39,7 @@ def _git(*arguments: str) -> None:
 def worker(root: Path, kind: str) -> Iterator[Window]:
     """Start the code in root, "graph" or "in_process", with this Python environment.
 
-    The window raises RuntimeError when the worker has ended.
+    It is set up when the block is entered. Raises RuntimeError, as the window does, when it ends.
     """
     # Before the packages that the environment names, which are this checkout's.
     path = os.pathsep.join(str(folder) for folder in (root, *sorted((root / "src").iterdir())))
@@ -52,21 +52,24 @@ def worker(root: Path, kind: str) -> Iterator[Window]:
         text=True,
     )
 
-    def window(duration_s: float) -> float:
-        assert process.stdin is not None
-        assert process.stdout is not None
-        with contextlib.suppress(BrokenPipeError):
-            process.stdin.write(f"{duration_s}\n")
-            process.stdin.flush()
-        if not (line := process.stdout.readline()):
+    assert process.stdin is not None
+    assert process.stdout is not None
+    to_worker, from_worker = process.stdin, process.stdout
+
+    def answer() -> str:
+        if not (line := from_worker.readline()):
             raise RuntimeError(f"the benchmark in {root} ended with exit code {process.wait()}")
-        return float(line)
+        return line
+
+    def window(duration_s: float) -> float:
+        print(duration_s, file=to_worker, flush=True)
+        return float(answer())
 
     try:
+        answer()
         yield window
     finally:
-        with contextlib.suppress(BrokenPipeError):
-            process.communicate()
+        process.communicate()
 
 
 def rates_in_turns(

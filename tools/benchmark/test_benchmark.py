@@ -42,10 +42,13 @@ def test_an_unknown_revision_is_named(tmp_path: Path) -> None:
     assert not (tmp_path / "worktree").exists()
 
 
-def test_a_worker_that_ends_is_an_error(tmp_path: Path) -> None:
+def test_a_worker_that_cannot_begin_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "src").mkdir()
-    with worker(tmp_path, "in_process") as window, pytest.raises(RuntimeError, match="exit code 1"):
-        window(0.1)
+    with (
+        pytest.raises(RuntimeError, match=f"{tmp_path} ended with exit code 1"),
+        worker(tmp_path, "in_process"),
+    ):
+        pass
 
 
 def test_the_report_says_what_is_missed() -> None:

@@ -1,7 +1,7 @@
 """One commit's windows, for against.py: run by its path, with that commit's packages to import.
 
-For each line, a duration in s, on its input it prints the rate of a window, in iterations/s. The
-loop in one process stands still in between; a graph is started anew for each window.
+It prints "ready", and for each line, a duration in s, on its input the rate of a window, in
+iterations/s. The loop in one process stands still in between; a graph is started anew for each.
 """
 
 import contextlib
@@ -34,6 +34,7 @@ def main() -> None:
         if sys.argv[1] == "in_process":
             timed = loop.TimedLoop(configured(*ARGUMENTS))
             timed.window(1.0)
+        print("ready", flush=True)
         for number, line in zip(itertools.count(), sys.stdin, strict=False):
             if sys.argv[1] == "in_process":
                 rate = timed.window(float(line)).rate_hz
