@@ -5,6 +5,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from subprocess import Popen
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from lockstep.state_file import read_state
 from lockstep.wire.qos import QUEUE_DEPTH
 from lockstep.wire.stamps import period_ns
 from tests.command_lines import configured
-from tests.node_harness import Outsider, ros_graph
+from tests.node_harness import Graph, Outsider, ros_graph
 from tests.stamps import to_ns
 from tests.supervised_run import memory_mb
 from tests.supervisor import LoneNode
@@ -139,7 +140,6 @@ def fuzzed(
     protocol, loop = protocol_of(configuration), make_loop(configuration)
     episodes = [protocol.episode(place) for place in range(n_episodes)]
     step_ns = period_ns(loop.plant.oculomotor.control_period_s)
-    n_inputs = 0
     with ros_graph() as graph, ExitStack() as running:
         nodes = {
             name: running.enter_context(
@@ -148,62 +148,78 @@ def fuzzed(
             for name in NODES
         }
         driver: Driver = graph.add(partial(Driver, Hostility(seed, step_ns)))
-
-        def spin_until(condition: Callable[[], object], what: str) -> None:
-            def is_over() -> object:
-                ended = [name for name, node in nodes.items() if node.poll() is not None]
-                if ended:
-                    raise InputError(f"nodes ended while waiting for {what}: {ended}")
-                return condition()
-
-            graph.spin_until(is_over, what)
-
-        def send(name: str, kind: str, arguments: dict[str, Any]) -> Callable[[], None]:
-            """Ask a node; return a function that waits for its answer."""
-            values = {"run_id": _RUN, "request": kind} | arguments
-            future = driver.future_answer(name, values)
-
-            def wait() -> None:
-                spin_until(future.done, f"{name} to answer {kind}")
-                if not future.result().result.successful:
-                    raise InputError(f"{name} refused {kind}: {future.result().result.reason}")
-
-            return wait
-
-        def sizes_mb() -> dict[str, float]:
-            return {name: memory_mb(node.pid) for name, node in nodes.items()}
-
-        def has(topic: str, *stamps_ns: int) -> bool:
-            return set(stamps_ns) <= set(driver.stamps_ns(topic))
-
-        spin_until(driver.is_ready, "the nodes to appear")
-        for name in NODES:
-            send(name, "start_run", {})()
-        before_mb: dict[str, float] = {}
-        for episode in episodes:
-            wait_for_the_plant = send(NODES[0], "episode", episode.as_arguments())
-            first, last = (
-                episode.first_observation,
-                episode.first_observation + episode.n_iterations,
-            )
-            stamps_ns = [number * step_ns for number in range(first, last + 1)]
-            for now_ns in stamps_ns:
-                spin_until(partial(has, "ground_truth", now_ns), f"ground truth at {now_ns} ns")
-                for _ in range(n_inputs_per_observation):
-                    driver.attack(now_ns)
-                    n_inputs += 1
-            spin_until(partial(has, "actor_critic", *stamps_ns[:-1]), "the answers")
-            wait_for_the_plant()
-            # What a node needs once, such as its largest buffers, it has by the first episode.
-            before_mb = before_mb or sizes_mb()
-        growth_mb = {name: mb - before_mb[name] for name, mb in sizes_mb().items()}
-        for name in NODES[1:]:
-            send(name, "save", {"path": str((logs / f"{name}.npz").resolve())})()
-        driver.status_of.clear()
-        spin_until(lambda: len(driver.status_of) == len(NODES), "the nodes' counts")
+        attack = _Attack(graph, driver, nodes)
+        growth_mb = attack.run(episodes, step_ns, n_inputs_per_observation, logs)
+    n_inputs = n_inputs_per_observation * sum(episode.n_iterations + 1 for episode in episodes)
     n_refused = sum(int(status["refused_inputs"]) for status in driver.status_of.values())
     n_compared, differences = _compare(loop, episodes, step_ns, driver.rows(), logs)
     return FuzzReport(n_inputs, n_refused, n_compared, differences, growth_mb)
+
+
+class _Attack:
+    """One pass through the episodes."""
+
+    def __init__(self, graph: Graph, driver: Driver, nodes: dict[str, Popen[str]]) -> None:
+        self._graph, self._driver, self._nodes = graph, driver, nodes
+
+    def run(
+        self, episodes: Sequence[Episode], step_ns: int, n_inputs: int, logs: Path
+    ) -> dict[str, float]:
+        """Make the episodes, with n_inputs at each observation; return the nodes' growth in MB."""
+        self._spin_until(self._driver.is_ready, "the nodes to appear")
+        for name in NODES:
+            self._ask(name, "start_run", {})()
+        before_mb: dict[str, float] = {}
+        for episode in episodes:
+            first = episode.first_observation
+            numbers = range(first, first + episode.n_iterations + 1)
+            await_plant = self._ask(NODES[0], "episode", episode.as_arguments())
+            self._attack_all([number * step_ns for number in numbers], n_inputs)
+            await_plant()
+            # What a node needs once, such as its largest buffers, it has by the first episode.
+            before_mb = before_mb or self._memory_mb()
+        growth_mb = {name: mb - before_mb[name] for name, mb in self._memory_mb().items()}
+        for name in NODES[1:]:
+            self._ask(name, "save", {"path": str((logs / f"{name}.npz").resolve())})()
+        status_of = self._driver.status_of
+        status_of.clear()
+        self._spin_until(lambda: len(status_of) == len(NODES), "the nodes' counts")
+        return growth_mb
+
+    def _attack_all(self, stamps_ns: Sequence[int], n_inputs: int) -> None:
+        """Attack at each observation of an episode, and wait for the last answer."""
+
+        def has(topic: str, stamp_ns: int) -> bool:
+            return stamp_ns in self._driver.stamps_ns(topic)
+
+        for now_ns in stamps_ns:
+            self._spin_until(partial(has, "ground_truth", now_ns), f"ground truth at {now_ns} ns")
+            for _ in range(n_inputs):
+                self._driver.attack(now_ns)
+        self._spin_until(partial(has, "actor_critic", stamps_ns[-2]), "the last answer")
+
+    def _ask(self, name: str, kind: str, arguments: dict[str, Any]) -> Callable[[], None]:
+        """Send a request to a node; return a function that waits for it to be done."""
+        values = {"run_id": _RUN, "request": kind} | arguments
+        future = self._driver.future_answer(name, values)
+
+        def wait() -> None:
+            self._spin_until(future.done, f"{name} to answer {kind}")
+            if not future.result().result.successful:
+                raise InputError(f"{name} refused {kind}: {future.result().result.reason}")
+
+        return wait
+
+    def _spin_until(self, condition: Callable[[], object], what: str) -> None:
+        def holds() -> object:
+            if ended := [name for name, node in self._nodes.items() if node.poll() is not None]:
+                raise InputError(f"nodes ended while waiting for {what}: {ended}")
+            return condition()
+
+        self._graph.spin_until(holds, what)
+
+    def _memory_mb(self) -> dict[str, float]:
+        return {name: memory_mb(node.pid) for name, node in self._nodes.items()}
 
 
 def _compare(
