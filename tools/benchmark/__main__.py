@@ -23,7 +23,7 @@ from tools.benchmark.graph import rate_hz, supervised_run
 from tools.benchmark.loop import STAGES, LoopWindow, TimedLoop
 from tools.benchmark.worker import ARGUMENTS, WARM_UP_ITERATIONS
 
-_AT_ONCE = ["--set", "eye_plant.mechanics.moves=at_once"]
+_AT_ONCE = ["--set", "eyes.mechanics.moves=at_once"]
 _LOOPS = {
     "in_process": ARGUMENTS,
     "in_process_pair_at_once": ARGUMENTS + _AT_ONCE,

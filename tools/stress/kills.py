@@ -18,11 +18,10 @@ LINE = [
             "eye_plant.stimuli.size_px": 64,
             "eye_plant.stimuli.n_training": 3,
             "eye_plant.stimuli.n_test": 1,
-            "experiment_manager.protocol.test_distances_m": [1.0],
-            "experiment_manager.protocol.least_start_error_deg": 0,
+            "experiment_manager.test_distances_m": [1.0],
+            "experiment_manager.least_start_error_deg": 0,
             "experiment_manager.checkpoint_period_s": 1.0,
-            "sparse_coder.n_bases": 32,
-            "vergence_rl.n_features": 64,
+            "task.n_bases": 32,
         }
     ),
 ]
