@@ -67,7 +67,7 @@ run_module() {
     echo
   fi
   set_up
-  [[ $1 != tests.* ]] || export PYTHONPATH=$root # these are not among the packages
+  [[ $1 != tools.* ]] || export PYTHONPATH=$root # these are not among the packages
   exec "$python" -m "$@"
 }
 

@@ -23,7 +23,7 @@ from lockstep.state_file import read_state
 from lockstep.wire.topics import CAMERA_INFOS, PICTURES
 from tests.graph_harness import OracleRun, small_run
 from tests.made_once import made_once
-from tests.stress.supervised_run import SupervisedRun
+from tests.supervised_run import SupervisedRun
 
 N_TRAINING = 300
 # Of both tests of small_run.

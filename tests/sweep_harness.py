@@ -10,7 +10,7 @@ import yaml
 
 from tests.command_lines import set_words
 from tests.graph_harness import SCRIPTS
-from tests.stress.supervised_run import SupervisedRun
+from tests.supervised_run import SupervisedRun
 from tests.supervisor import started
 
 OPTIONS = {

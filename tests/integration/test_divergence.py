@@ -7,7 +7,7 @@ import pytest
 
 from experiment_manager.bag.reader import Bag
 from tests.graph_harness import small_run
-from tests.stress.supervised_run import SupervisedRun, is_intact
+from tests.supervised_run import SupervisedRun, is_intact
 
 SETTINGS = (
     "experiment_manager.checkpoint_period_s=1e9",  # the first one alone, at the start

@@ -32,7 +32,7 @@ from tests.loop_contract import (
     run_line,
     whole_graph,
 )
-from tests.stress.supervised_run import SupervisedRun, are_gone
+from tests.supervised_run import SupervisedRun, are_gone
 from tests.supervisor import finished, start_supervisor
 
 N_ANSWERED = N_TRAINING + 20 * N_TRIALS

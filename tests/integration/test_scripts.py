@@ -24,8 +24,8 @@ MODULES = {
     "report": "active_binocular_vision.commands.report",
     "list_parameters": "active_binocular_vision.commands.list_parameters",
     "inspect_bag": "active_binocular_vision.commands.inspect_bag",
-    "benchmark": "tests.benchmark",
-    "torture": "tests.stress",
+    "benchmark": "tools.benchmark",
+    "torture": "tools.stress",
     "validate_plant": "eye_plant.validation",
 }
 

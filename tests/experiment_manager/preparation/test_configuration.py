@@ -121,10 +121,6 @@ def test_values_are_read_as_yaml_1_2(setting: str, expected: object) -> None:
             "--lambda 0.03: expected 0 with model M, which has no price on energy, got 0.03; model",
         ),
         (
-            ("--lambda-share", "0.2", "--model", "M"),
-            "--lambda-share 0.2: expected model M_C, M has no price on energy",
-        ),
-        (
             ("--iterations", "500", "--set", "task.n_training_iterations=1000"),
             "--iterations 500 and --set task.n_training_iterations=1000: expected one",
         ),
@@ -160,11 +156,6 @@ def test_values_are_read_as_yaml_1_2(setting: str, expected: object) -> None:
             ("--profile", "clinic/glasses", "--schedule-delay", "-20"),
             "--schedule-delay -20: expected 0 training iterations or more, got -20",
         ),
-        (("--lambda-share", "1"), "--lambda-share 1: expected a share in [0, 1), got 1.0"),
-        (
-            ("--lambda-share", "0.2", "--lambda", "0.1"),
-            "--lambda-share 0.2: expected it without --lambda 0.1, got both",
-        ),
         (("--profile", "demo"), "profile: expected one of "),
         (("--stimuli", "/nowhere"), "stimuli.directory: expected a directory of pictures"),
     ],
@@ -172,18 +163,6 @@ def test_values_are_read_as_yaml_1_2(setting: str, expected: object) -> None:
 def test_a_bad_command_line_is_one_clear_error(line: tuple[str, ...], message: str) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
         configured(*line)
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        (),
-        ("--profile", "precise_m_c"),
-        ("--iterations", "500", "--set", "experiment_manager.model=M_C"),
-    ],
-)
-def test_energy_may_have_a_share_however_the_model_is_chosen(line: tuple[str, ...]) -> None:
-    assert configured("--lambda-share", "0.2", *line) == configured(*line)
 
 
 @pytest.mark.parametrize(

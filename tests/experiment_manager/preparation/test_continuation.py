@@ -71,7 +71,6 @@ def _edit(run: Path, old: str, new: str) -> None:
         (("--profile", "demonstration"), "--profile demonstration: .* has profile 'paper'"),
         (("--tests", "0"), r"--tests 0: .*test_iterations = \[0, 30\],"),
         (("--test-stimuli", "1"), "--test-stimuli 1: .*n_stimuli_per_test = 2,"),
-        (("--lambda-share", "0.2", "--model", "M_C"), "--lambda-share 0.2: .* lambda = 0,"),
     ],
 )
 def test_a_resumed_run_keeps_its_settings(run, refused, line, has) -> None:

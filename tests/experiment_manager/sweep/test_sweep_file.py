@@ -174,7 +174,6 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
         ("seed: [1, one]", "seed_one: seed: expected a whole number, got 'one'"),
         ("model: [M], lambda: [0.1]", "model_M-lambda_0.1: lambda: expected 0 with model M"),
         ("lambda: [low]", "lambda_low: lambda: expected a number, got 'low'"),
-        ("lambda-share: [0.2]", "share_0.2: lambda-share: expected model M_C"),
         ("profile: [papre]", "profile_papre: profile: expected one of .* did you mean paper"),
         ("vergence_rl.cacla.discont: [0.1]", "discont_0.1: .*discount"),
         ("vergence_rl.cacla.discount: [2.0]", "discount_2.0: "),

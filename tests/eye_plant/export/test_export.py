@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from itertools import product
 from pathlib import Path
 
 import mujoco
@@ -11,7 +12,7 @@ import pytest
 from eye_plant.export.__main__ import export, main
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.command_space import MUSCLE_NAMES
+from lockstep.command_space import MUSCLE_NAMES, MUSCLES
 from lockstep.errors import InputError
 
 SETS = ("k17", "anatomical")
@@ -48,17 +49,43 @@ def test_an_eyes_camera_looks_where_the_eye_does(exported: Path) -> None:
     np.testing.assert_allclose(up, [0, 0, 1], atol=1e-6)
 
 
-def test_the_readme_states_measured_differences(exported: Path) -> None:
-    rows = [
-        line.split("|")
-        for line in (exported / "README.md").read_text().splitlines()
-        if line.count(" deg ") == 2
-    ]
-    after_s = {row[1].strip(): [float(cell.split()[0]) for cell in row[3:5]] for row in rows}
-    assert set(after_s) == set(SETS)
-    assert after_s["k17"][0] < 0.02  # the plant's promise: settled within a control period
-    # Six digits of each number are written; the equilibrium forgives that.
-    assert all(long_deg < 1e-3 for _, long_deg in after_s.values())
+def _readme_rows(exported: Path, n_cells: int) -> dict[str, list[str]]:
+    """Return the other cells of the rows of the README's table with so many, by parameter set."""
+    lines = (exported / "README.md").read_text().splitlines()
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
+    return {row[0]: row[1:] for row in rows if len(row) == n_cells and row[0] in SETS}
+
+
+def _difference_deg(parameter_set: str, model: mujoco.MjModel, duration_s: float) -> float:
+    """Return the largest difference of plain MuJoCo's angles from the plant's equilibrium."""
+    eyes, data = Oculomotor(MechanicsConfig(parameter_set=parameter_set)), mujoco.MjData(model)
+    differences_rad = []
+    for pair in product(np.linspace(0.0, 0.2, 6), np.linspace(0.0, 0.1, 6)):
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+        data.ctrl[:] = eyes.activations_from(*pair)
+        mujoco.mj_step(model, data, round(duration_s / model.opt.timestep))
+        eyes.settle(data.ctrl)
+        differences_rad.append(data.qpos - eyes.data.qpos)
+    return float(np.degrees(np.abs(differences_rad).max()))
+
+
+@pytest.mark.parametrize("parameter_set", SETS)
+def test_the_readme_states_the_differences_in_plain_mujoco(exported, parameter_set) -> None:
+    model = mujoco.MjModel.from_xml_path(str(exported / f"eyes_{parameter_set}.xml"))
+    period, after_period, after_long = _readme_rows(exported, 4)[parameter_set]
+    period_s = MechanicsConfig(parameter_set=parameter_set).period_s
+    assert period == f"{period_s:g} s"
+    found_deg = _difference_deg(parameter_set, model, period_s)
+    assert after_period == f"{found_deg:.2g} deg"
+    assert after_long == "below 1e-6 deg"
+    assert _difference_deg(parameter_set, model, 10.0) < 1e-6
+
+
+@pytest.mark.parametrize("parameter_set", SETS)
+def test_the_readme_states_the_masses(exported, parameter_set) -> None:
+    muscles = MechanicsConfig(parameter_set=parameter_set).parameters.muscles
+    expected = [f"{1e3 * muscles[name].mass_kg:.2f}" for name in MUSCLES]
+    assert _readme_rows(exported, 7)[parameter_set] == expected
 
 
 def test_the_readmes_code_runs_without_this_project(exported: Path) -> None:

@@ -3,8 +3,6 @@ import pytest
 
 from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.oculomotor import MechanicsConfig, Oculomotor
-from eye_plant.validation.openeyesim import SINGLE_MUSCLE_POINTS
-from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError
 
@@ -80,13 +78,6 @@ def test_the_optimum_is_the_least_cost_along_the_line(config, inverse):
         assert min(best.medial, best.lateral) == 0.0
         reached_deg = settled_vergence_deg(config, best.medial, best.lateral)
         assert reached_deg == pytest.approx(wanted_deg, abs=1e-5)
-
-
-@pytest.mark.parametrize(("distance_m", "medial", "lateral"), SINGLE_MUSCLE_POINTS)
-def test_k17_needs_the_single_muscle_activations_of_openeyesim(k17, distance_m, medial, lateral):
-    best = k17.optimal(desired_vergence_deg(distance_m, BASELINE_M))
-    assert best.medial == pytest.approx(medial, abs=0.003)
-    assert best.lateral == pytest.approx(lateral, abs=0.003)
 
 
 def test_an_unreachable_vergence_is_refused(k17):

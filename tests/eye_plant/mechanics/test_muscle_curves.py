@@ -3,15 +3,16 @@ import numpy as np
 import pytest
 
 from eye_plant.mechanics.model import MechanicsConfig, build_spec
-from eye_plant.mechanics.muscle_curves import force_length, force_velocity, passive_force_length
+from eye_plant.mechanics.muscle_curves import force_length, passive_force_length
 from lockstep.command_space import MUSCLE_NAMES
 
-SHORTEST, LONGEST, STIFFNESS, GAIN = 0.4, 1.7, 0.6, 1.3
+SHORTEST, LONGEST, STIFFNESS = 0.4, 1.7, 0.6
+UNIT = np.array([0.0, 1.0])
 
 
-def mujoco_parameters() -> np.ndarray:
-    """range, force, scale, lmin, lmax, vmax, fpmax, fvmax of mju_muscleGain."""
-    return np.array([0.0, 1.0, 1.0, 1.0, SHORTEST, LONGEST, 1.0, STIFFNESS, GAIN])
+def mujoco_parameters(shortest: float, longest: float, stiffness: float, gain: float) -> np.ndarray:
+    """Return range, force, scale, lmin, lmax, vmax, fpmax, fvmax of mju_muscleGain."""
+    return np.array([0.0, 1.0, 1.0, 1.0, shortest, longest, 1.0, stiffness, gain])
 
 
 @pytest.mark.parametrize(
@@ -23,7 +24,6 @@ def mujoco_parameters() -> np.ndarray:
             {0.4: 0, 0.55: 0.125, 0.7: 0.5, 1: 1, 1.35: 0.5, 1.7: 0},
         ),
         (passive_force_length, (LONGEST, STIFFNESS), {0.9: 0, 1.175: 0.075, 1.35: 0.3, 1.7: 0.9}),
-        (force_velocity, (GAIN,), {-2: 0, -1: 0, -0.5: 0.25, 0: 1, 0.15: 1.225, 0.3: 1.3, 2: 1.3}),
     ],
 )
 def test_curves_at_points_worked_out_by_hand(curve, parameters, points):
@@ -32,13 +32,11 @@ def test_curves_at_points_worked_out_by_hand(curve, parameters, points):
 
 
 def test_curves_are_those_that_mujoco_simulates():
-    unit = np.array([0.0, 1.0])
+    parameters = mujoco_parameters(SHORTEST, LONGEST, STIFFNESS, 1.3)
     for length in np.linspace(0.3, 1.9, 33):
-        for velocity in np.linspace(-1.2, 0.6, 19):
-            gain = mujoco.mju_muscleGain(length, velocity, unit, 1.0, mujoco_parameters())
-            ours = force_length(length, SHORTEST, LONGEST) * force_velocity(velocity, GAIN)
-            assert ours == pytest.approx(-gain, abs=1e-12)
-        bias = mujoco.mju_muscleBias(length, unit, 1.0, mujoco_parameters())
+        gain = mujoco.mju_muscleGain(length, 0.0, UNIT, 1.0, parameters)
+        assert force_length(length, SHORTEST, LONGEST) == pytest.approx(-gain, abs=1e-12)
+        bias = mujoco.mju_muscleBias(length, UNIT, 1.0, parameters)
         assert passive_force_length(length, LONGEST, STIFFNESS) == pytest.approx(-bias, abs=1e-12)
 
 
@@ -56,8 +54,10 @@ def test_simulated_pull_is_the_hill_formula_of_the_parameters(parameter_set):
         muscle = config.parameters.muscles[name.split("_", 1)[1]]
         length = (data.actuator_length[i] - muscle.slack_length_m) / muscle.optimal_length_m
         velocity = data.actuator_velocity[i] / muscle.optimal_length_m / muscle.max_velocity_per_s
-        active = data.act[i] * force_length(length, muscle.shortest, muscle.longest)
-        active = active * force_velocity(velocity, muscle.lengthening_gain)
+        parameters = mujoco_parameters(
+            muscle.shortest, muscle.longest, muscle.passive_stiffness, muscle.lengthening_gain
+        )
+        active = -data.act[i] * mujoco.mju_muscleGain(length, velocity, UNIT, 1.0, parameters)
         passive = passive_force_length(length, muscle.longest, muscle.passive_stiffness)
         expected_n = muscle.peak_force_n * (active + passive)
         assert -data.actuator_force[i] == pytest.approx(expected_n, rel=1e-9, abs=1e-12)

@@ -104,6 +104,15 @@ def test_each_muscle_moves_its_own_eye_alone(parameter_set):
         assert np.abs(angles_deg(eyes)[side] - rest[side]).max() > 0.5, name
 
 
+@pytest.mark.parametrize("parameter_set", SETS)
+def test_both_eyes_turn_alike_with_the_same_activations(parameter_set):
+    eyes = eyes_with(parameter_set=parameter_set)
+    generator = np.random.default_rng(0)
+    for _ in range(10):
+        eyes.settle(np.tile(generator.uniform(0.0, 0.3, 6), 2))
+        np.testing.assert_allclose(angles_deg(eyes)[LEFT], angles_deg(eyes)[RIGHT], atol=1e-6)
+
+
 def test_k17_horizontal_recti_turn_the_eyes_about_the_vertical_only():
     eyes = eyes_with()
     for medial, lateral in ((0.2, 0.0), (0.0, 0.1), (0.7, 0.3)):

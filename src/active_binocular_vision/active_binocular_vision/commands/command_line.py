@@ -152,14 +152,6 @@ def _add_price(line: argparse.ArgumentParser) -> None:
         f"{DEFAULT_METABOLIC_COST_WEIGHTS['k17']}; with anatomical eyes "
         f"{DEFAULT_METABOLIC_COST_WEIGHTS['anatomical']})",
     )
-    group.add_argument(
-        "--lambda-share",
-        dest="cost_share",
-        type=float,
-        metavar="S",
-        help="choose lambda so that energy is this share of the reward over the first 5,000"
-        " iterations; a run of that length without a price measures it first (about a minute)",
-    )
 
 
 def _add_directories(line: argparse.ArgumentParser) -> None:

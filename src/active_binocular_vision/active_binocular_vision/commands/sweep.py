@@ -105,7 +105,7 @@ def _check_begun(run: CellRun) -> None:
         was_extended = "extended_from" in DescribedRun(run.directory, path.read_text(), "").about
     except (InputError, OSError):
         return  # it has not begun, or will say itself what is wrong
-    request = replace(run.cell.request, cost_share=None)  # it was measured then
+    request = run.cell.request
     if was_extended:
         request = replace(request, iterations=None, tests=None)
     check_settings(request, run.directory, configuration)

@@ -98,9 +98,6 @@ def _check_price(
 ) -> None:
     if configuration["experiment_manager"]["model"] != "M":
         return
-    if request.cost_share is not None:
-        by = request.by("cost_share")
-        raise InputError(f"{by}: expected model M_C, M has no price on energy")
     weight = configuration["task"]["metabolic_cost_weight"]
     if weight > 0.0:
         by = given[WEIGHT].by if WEIGHT in given else "metabolic_cost_weight"

@@ -68,9 +68,6 @@ def _check_whole_run(request: RunRequest, directory: Path, configuration: Config
     profile = configuration["experiment_manager"]["profile"]
     if request.profile is not None and request.profile != profile:
         raise contradiction(request.by("profile"), directory, f"profile {profile!r}")
-    if request.cost_share is not None:
-        weight = configuration["task"]["metabolic_cost_weight"]
-        raise contradiction(request.by("cost_share"), directory, f"lambda = {weight:g}")
     if request.schedule_delay is not None:
         schedule = configuration["task"]["schedule"]
         if schedule_of(read_profile(profile), request).text() != schedule:
@@ -164,7 +161,7 @@ def branch(text: str, request: RunRequest, commit: str) -> Branch:
 
     Raises InputError for a run, checkpoint or setting that cannot be used.
     """
-    for name in ("profile", "cost_share", "schedule_delay"):
+    for name in ("profile", "schedule_delay"):
         if getattr(request, name) is not None:
             raise InputError(
                 f"--branch: expected the settings of {text} and single ones, got {request.by(name)}"

@@ -35,7 +35,6 @@ OPTIONS = {
     "seed": "seed",
     "stimuli": "stimuli",
     "metabolic_cost_weight": "lambda",
-    "cost_share": "lambda-share",
     "tests": "tests",
     "test_stimuli": "test-stimuli",
     "schedule_delay": "schedule-delay",
@@ -73,8 +72,7 @@ class RunRequest:
 
     profile: its name, None for the paper's if a model or iterations are given, else the
     demonstration's; model: M or M_C; iterations: of training; stimuli: directory of images, "" for
-    generated ones; metabolic_cost_weight: lambda, 1/W; cost_share: share of the reward that energy
-    is to have, from which lambda follows; tests: training iterations before each test;
+    generated ones; metabolic_cost_weight: lambda, 1/W; tests: training iterations before each test;
     test_stimuli: how many a test shows; schedule_delay: training iterations by which the profile's
     schedule is put off; overrides: {SECTION.NAME: value}.
     names: how errors name a field or a key of the overrides, where not by itself.
@@ -87,7 +85,6 @@ class RunRequest:
     seed: int | None = None
     stimuli: str | None = None
     metabolic_cost_weight: float | None = None
-    cost_share: float | None = None
     tests: tuple[int, ...] | None = None
     test_stimuli: int | None = None
     schedule_delay: int | None = None
@@ -124,9 +121,8 @@ class RunRequest:
     def settings(self) -> dict[str, Given]:
         """Return what is asked of single parameters, by key, SECTION.NAME.
 
-        Raises InputError where two values are asked of one, and for a share that cannot be.
+        Raises InputError where two values are asked of one.
         """
-        self._check_share()
         given: dict[str, Given] = {}
         for key, setting in self._settings():
             before = given.setdefault(key, setting)
@@ -142,17 +138,6 @@ class RunRequest:
                 yield key, Given(value, self.by(name), is_option=True)
         for key, value in self.overrides.items():
             yield key, Given(value, self.by(key))
-
-    def _check_share(self) -> None:
-        share, by = self.cost_share, self.by("cost_share")
-        if share is None:
-            return
-        if self.metabolic_cost_weight is not None:
-            raise InputError(
-                f"{by}: expected it without {self.by('metabolic_cost_weight')}, got both"
-            )
-        if not 0.0 <= share < 1.0:
-            raise InputError(f"{by}: expected a share in [0, 1), got {share}")
 
     def _plain(self, key: str, value: Any) -> Any:
         """Return a value as a parameter has it: of JSON's kinds."""

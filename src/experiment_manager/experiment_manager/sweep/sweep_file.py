@@ -25,7 +25,6 @@ _READERS: dict[str, Callable[[str], Any]] = {
     "iterations": whole_number,
     "seed": whole_number,
     "lambda": number,
-    "lambda-share": number,
     "tests": whole_numbers,
     "test-stimuli": whole_number,
     "schedule-delay": whole_number,

@@ -1,11 +1,11 @@
 """Write the eyes of both parameter sets as MJCF: python -m eye_plant.export DIR."""
 
+import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from eye_plant.export.mjcf import mjcf
-from eye_plant.export.readme import readme
 from eye_plant.mechanics.model import PARAMETER_SETS
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import is_free
@@ -17,12 +17,10 @@ def export(directory: Path) -> None:
     """Write the MJCF files and their README; raises InputError unless it is new or empty."""
     if not is_free(directory):
         raise InputError(f"expected a new or empty directory, got {directory}")
-    texts = {name: mjcf(name) for name in PARAMETER_SETS}
-    page = readme(texts)
     directory.mkdir(parents=True, exist_ok=True)
-    for name, text in texts.items():
-        (directory / f"eyes_{name}.xml").write_text(text)
-    (directory / "README.md").write_text(page)
+    for name in PARAMETER_SETS:
+        (directory / f"eyes_{name}.xml").write_text(mjcf(name))
+    shutil.copy(Path(__file__).with_name("README.md"), directory)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,20 +1,16 @@
 """Hill-type muscle curves, as MuJoCo's muscle actuator evaluates them.
 
 Tendons are rigid, so the fibre length is the path length less the tendon's slack length. With
-``l`` the fibre length in optimal lengths and ``v`` its velocity in maximal shortening velocities
-(lengthening positive), a muscle of peak force F0 at activation ``a`` pulls with
+``l`` the fibre length in optimal lengths, a muscle of peak force F0 at activation ``a`` that does
+not move pulls with
 
-    F = F0 (a FL(l) FV(v) + FP(l)).
+    F = F0 (a FL(l) + FP(l)).
 
 These are the same piecewise polynomials as ``mju_muscleGain`` and ``mju_muscleBias``, written for
-arrays: the energetics and the figures need the parts of the force, MuJoCo returns only the sum.
+arrays: the energetics need the parts of the force, MuJoCo returns only the sum.
 """
 
-import numpy as np
 from numba import float64, vectorize
-from numpy.typing import ArrayLike, NDArray
-
-Array = NDArray[np.float64]
 
 
 @vectorize([float64(float64, float64, float64)], cache=True)
@@ -40,16 +36,3 @@ def passive_force_length(length: float, longest: float, stiffness: float) -> flo
     """
     stretch = max(length - 1.0, 0.0) / (0.5 * (longest - 1.0))
     return stiffness * (0.5 * stretch**2 if stretch <= 1.0 else stretch - 0.5)
-
-
-def force_velocity(velocity: ArrayLike, lengthening_gain: ArrayLike) -> Array:
-    """Active force at a velocity, as a fraction of the isometric one.
-
-    FV(v): 0 at v = -1, 1 at v = 0, ``lengthening_gain`` from v = lengthening_gain - 1 on.
-    velocity: in maximal shortening velocities, lengthening positive.
-    """
-    velocity = np.asarray(velocity)
-    excess = np.asarray(lengthening_gain) - 1.0
-    shortening = np.maximum(velocity + 1.0, 0.0) ** 2
-    lengthening = 1.0 + excess - np.maximum(excess - velocity, 0.0) ** 2 / excess
-    return np.where(velocity <= 0.0, shortening, lengthening)

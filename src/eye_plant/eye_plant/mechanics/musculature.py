@@ -39,15 +39,6 @@ class Musculature:
             lengths, self.longest, self.passive_stiffness
         )
 
-    def passive_energy_j(self, path_lengths_m: Array) -> float:
-        """Elastic energy of all unexcited muscles, the integral of their pull, at lengths (12,)."""
-        half = 0.5 * (self.longest - 1.0)
-        stretch = np.maximum(self.fibre_lengths(path_lengths_m) - 1.0, 0.0) / half
-        over = np.maximum(stretch - 1.0, 0.0)
-        parabola = np.minimum(stretch, 1.0) ** 3 / 6.0
-        area = (parabola + 0.5 * over + 0.5 * over**2) * half * self.passive_stiffness
-        return float(np.sum(self.peak_force_n * self.optimal_length_m * area))
-
     def metabolic_terms(
         self,
         excitations: Array,

@@ -31,8 +31,8 @@ class MuscleParameters:
     """One extraocular muscle: its path over a pulley to the globe, and its Hill-type unit.
 
     shortest, longest: fibre lengths, in optimal lengths, at which the active force vanishes;
-    passive_stiffness and lengthening_gain: see muscle_curves.py; tonic_activation: its level when
-    nobody commands it.
+    passive_stiffness: see muscle_curves.py; lengthening_gain: greatest active force of a stretched
+    muscle, over the isometric one; tonic_activation: its level when nobody commands it.
     """
 
     origin_m: Point

@@ -1,1 +1,1 @@
-"""Both parameter sets held against physiology and OpenEyeSim's maps."""
+"""Published values of eyes and muscles, and the same measured on both parameter sets."""
