@@ -160,7 +160,7 @@ def _overwritten(path: Path, start: int, n_bytes: int) -> None:
 
 def _stamps_ns(path: Path) -> list[set[int]]:
     """Return the stamps in each chunk of a file."""
-    file = McapFile.open(path)
+    file = McapFile(path)
     return [set(file.entries(p, "/ground_truth")["log_time"].tolist()) for p in file.chunks]
 
 
@@ -169,7 +169,7 @@ def _stamps_ns(path: Path) -> list[set[int]]:
 def test_repairing_keeps_each_whole_chunk_before_and_after_damage(bag, is_cut_off, broken, capsys):
     messages = _messages(bag)
     path = bag / "bag_1.mcap"
-    places, stamps_ns = McapFile.open(path).chunks, _stamps_ns(path)
+    places, stamps_ns = McapFile(path).chunks, _stamps_ns(path)
     last = len(places) - 1
     assert last > max(broken) + 1
     for i in broken:
@@ -199,7 +199,7 @@ def test_repairing_keeps_each_whole_chunk_before_and_after_damage(bag, is_cut_of
 def test_repairing_makes_a_broken_index_anew(bag: Path, capsys: pytest.CaptureFixture[str]) -> None:
     expected = _messages(bag)
     path = bag / "bag_1.mcap"
-    place = McapFile.open(path).chunks[1]
+    place = McapFile(path).chunks[1]
     # The index of a chunk's messages follows it.
     _overwritten(path, place.offset + place.n_bytes + 15, 8)
     assert main([str(bag)]) == 2

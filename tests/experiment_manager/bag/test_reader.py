@@ -171,7 +171,7 @@ def test_files_are_read_in_their_order_without_metadata(make_bag, values) -> Non
 def test_a_broken_chunk_is_named(make_bag: Callable[..., Path], values: np.ndarray) -> None:
     directory = make_bag({"a": (NAMES, values)})
     path = directory / "bag_0.mcap"
-    (place,) = McapFile.open(path).chunks
+    (place,) = McapFile(path).chunks
     content = bytearray(path.read_bytes())
     content[place.offset + 500] ^= 0xFF
     path.write_bytes(content)
@@ -193,7 +193,7 @@ def chunked(tmp_path, vector_bytes, monkeypatch) -> tuple[Path, np.ndarray]:
 
 def test_a_file_cut_at_any_byte_opens_up_to_the_last_complete_chunk(chunked, tmp_path) -> None:
     path, values = chunked
-    whole = McapFile.open(path)
+    whole = McapFile(path)
     content = path.read_bytes()
     assert whole.complete
     assert len(whole.chunks) > 15
@@ -218,7 +218,7 @@ def test_a_file_cut_at_any_byte_opens_up_to_the_last_complete_chunk(chunked, tmp
 def test_garbage_behind_a_cut_is_left_out(chunked: tuple[Path, np.ndarray], tmp_path: Path) -> None:
     path, values = chunked
     content = path.read_bytes()
-    places = McapFile.open(path).chunks
+    places = McapFile(path).chunks
     rng = np.random.default_rng(2)
     for n_garbage in (1, 40, 5000):
         cut_off = tmp_path / "cut.mcap"

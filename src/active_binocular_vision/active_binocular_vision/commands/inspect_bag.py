@@ -181,15 +181,8 @@ def _learning_curve(bag: Bag) -> str:
 
 def _print_repairs(path: Path) -> None:
     repairs = repair_bag(path)
-    for repair in repairs:
-        unnamed = ""
-        if repair.n_unnamed:
-            unnamed = f", {repair.n_unnamed} messages whose topics a broken chunk announced"
-        print(
-            f"{repair.name}: {repair.n_messages} messages kept; lost: "
-            f"{repair.n_broken_chunks} broken chunks, {repair.n_lost_bytes} unreadable bytes"
-            f"{unnamed}"
-        )
+    for name, kept in repairs.items():
+        print(f"{name}: {kept.n_messages} messages kept, {kept.n_lost_chunks} chunks lost")
     if not repairs:
         print("nothing to repair")
 
