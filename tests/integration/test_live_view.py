@@ -4,7 +4,6 @@ import json
 import signal
 import socket
 import subprocess
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,8 +16,8 @@ from lockstep.wire.cdr import image_array
 from lockstep.wire.topics import PICTURES
 from tests.foxglove_client import FoxgloveClient
 from tests.graph_harness import small_run
-from tests.loop_contract import assert_as_the_loop, whole_graph
-from tests.supervisor import finished, start_supervisor, started
+from tests.loop_contract import assert_as_the_loop
+from tests.supervisor import finished, start_supervisor
 
 ALL_TOPICS = tuple(f"/{topic}" for topic in (*SHOWN_TOPICS, ANAGLYPH, *RECONSTRUCTIONS, LEARNING))
 

@@ -78,9 +78,7 @@ class ViewServer:
         self._server = self._listen(host, port, heard)
         self.port: int = self._server.port
 
-    def _listen(
-        self, host: str, port: int, heard: Mapping[str, Callable[[bytes], None]]
-    ) -> Any:
+    def _listen(self, host: str, port: int, heard: Mapping[str, Callable[[bytes], None]]) -> Any:
         import foxglove  # noqa: PLC0415 (optional)
         from foxglove.websocket import Capability  # noqa: PLC0415 (optional)
 
