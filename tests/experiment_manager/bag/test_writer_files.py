@@ -52,12 +52,6 @@ def test_resuming_deletes_what_was_not_committed_and_goes_on(tmp_path, messages)
         ]
 
 
-def test_resuming_from_nothing_starts_anew(tmp_path, messages) -> None:
-    with BagWriter(tmp_path / "bag", TOPICS, METADATA, resume_files=[]) as writer:
-        writer.write(*messages[0])
-    assert writer.files == ["bag_0.mcap"]
-
-
 def test_resuming_needs_whole_files(tmp_path: Path, messages: list[tuple[str, bytes, int]]) -> None:
     write_bag(tmp_path / "bag", messages, n_per_file=11)
     first = tmp_path / "bag" / "bag_0.mcap"
@@ -70,15 +64,6 @@ def test_resuming_needs_whole_files(tmp_path: Path, messages: list[tuple[str, by
     with pytest.raises(InputError, match=r"expected a bag file such as bag_0\.mcap, got '\.\./x'"):
         BagWriter(tmp_path / "bag", TOPICS, METADATA, resume_files=["../x"])
     assert (tmp_path / "bag" / "bag_2.mcap").exists(), "nothing may be deleted before all is well"
-
-
-def test_what_was_written_can_be_read_before_the_end(tmp_path, messages) -> None:
-    with BagWriter(tmp_path / "bag", TOPICS, METADATA, flush_period_s=0.0) as writer:
-        for message in messages:
-            writer.write(*message)
-        file = McapFile(tmp_path / "bag" / "bag_0.mcap")
-        assert not file.complete
-        assert file.summary().n_messages == len(messages)
 
 
 def test_an_idle_writer_flushes_when_asked(tmp_path, messages, monkeypatch) -> None:
