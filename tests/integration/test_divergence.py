@@ -27,9 +27,14 @@ def test_divergence_ends_the_run_with_one_error(pictures, tmp_path, in_process) 
         output = run.output()
     assert output.count("error: ") == 1
     # On a line of its own, not behind the progress bar.
-    assert re.search(r"^error: vergence_rl diverged in training iteration ", output, re.MULTILINE)
+    error = re.search(r"^error: vergence_rl diverged in training iteration (\d+)", output, re.M)
+    assert error is not None
     assert "expected 100 at most; what was saved before is intact" in output
     assert "fault: " not in output
     assert is_intact(directory)
-    published = Bag(directory / "bag").vectors("actor_critic")["actor_critic"].column("value")
-    assert np.abs(published).max() <= 100.0
+    bag = Bag(directory / "bag")
+    assert all(file.complete for file in bag.files)
+    truth, critic = bag.vectors("ground_truth", "actor_critic").values()
+    assert np.abs(critic.column("value")).max() <= 100.0
+    # All up to the failure, which is many episodes behind the only checkpoint.
+    assert abs(truth.column("training_iteration")[-1] - int(error[1])) <= 1

@@ -18,7 +18,7 @@ from active_binocular_vision.film.frames import (
     shown_part,
 )
 from active_binocular_vision.film.scenes import Scene, scenes
-from experiment_manager.bag.reader import Bag, VectorTable
+from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.writer import BagWriter
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.figures import VERMILION
@@ -113,19 +113,6 @@ def _frames_of_mp4(file: Path) -> list[np.ndarray]:
         if not there:
             return frames
         frames.append(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB))
-
-
-def test_the_muscles_are_read_once_however_many_scenes(bag, monkeypatch) -> None:
-    read: list[str] = []
-    vectors = Bag.vectors
-
-    def counted(self: Bag, *topics: str) -> dict[str, VectorTable]:
-        read.extend(topics)
-        return vectors(self, *topics)
-
-    monkeypatch.setattr(Bag, "vectors", counted)
-    assert len(scenes(Bag(bag))) == 3
-    assert read.count("muscle_activations") == 1
 
 
 # Ten iterations of each of three scenes; each ends with four periods of its last.

@@ -1,5 +1,6 @@
 """A whole run in one process, without nodes: the same files, bit for bit, as a graph writes."""
 
+import contextlib
 import dataclasses
 import sys
 from collections.abc import Sequence
@@ -30,20 +31,18 @@ def run_in_process(directory: Path) -> int:
     so again, so nothing is tried twice. Raises InputError for what cannot be begun.
     """
     interrupts = Interrupts()
-    run: InProcessRun | None = None
+    configuration = read_configuration(directory / CONFIG_FILE)
     try:
-        configuration = read_configuration(directory / CONFIG_FILE)
         run = InProcessRun(configuration, directory, interrupts, resume=goes_on(directory))
-        is_over = run.go_on()
-        run.close()
+        try:
+            with contextlib.closing(run):
+                is_over = run.go_on()
+        except InputError as error:
+            return _fault(str(error))
     except OSError as error:
         return _fault(f"{directory} cannot be written: {error}; what was saved before is intact")
     except DivergenceError as error:
         return _fault(f"{error}; what was saved before is intact")
-    except InputError as error:
-        if run is None:
-            raise
-        return _fault(str(error))
     return 0 if is_over else EXIT_INTERRUPTED
 
 
@@ -136,8 +135,10 @@ class InProcessRun:
 
     def close(self) -> None:
         """Close the bag, whole up to the last message, and release the graphics context."""
-        self._loop.plant.close()
-        self._run.close()
+        try:
+            self._loop.plant.close()
+        finally:
+            self._run.close()
 
 
 def _finite(topic: str, values: Sequence[float]) -> np.ndarray:

@@ -44,9 +44,7 @@ class LiveViewNode(Node):
         config = declare_config(self, LiveViewConfig)
         self._steering = Steering(config.camera.focal_length_px * config.camera.left_magnification)
         self._gaze_targets = VectorPublisher(self, GAZE_TARGET, TARGET_NAMES)
-        self._server = open_server(
-            "active binocular vision", config.host, config.port, self._steering.ask
-        )
+        self._server = open_server(config.host, config.port, self._steering.ask)
         address = f"ws://{config.host}:{self._server.port}"
         try:
             self._page = Page(config.host, config.page_port, address, self._steering)
