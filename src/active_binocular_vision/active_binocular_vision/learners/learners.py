@@ -1,5 +1,6 @@
 """The learners of a checkpoint, with the eyes they had then or with others."""
 
+import hashlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -7,6 +8,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from active_binocular_vision.learners.basis_functions import Tuning, tunings
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import read_schedule
 from experiment_manager.experiment.protocol import protocol_of
@@ -18,7 +23,10 @@ from eye_plant.config import EyePlantConfig, changed
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from lockstep.configuration import flatten
 from lockstep.errors import InputError
+from lockstep.state_file import read_state
 from lockstep.wire.topics import TEST
+from sparse_coder.coder import SparseCoder
+from sparse_coder.config import SparseCoderConfig
 
 
 @dataclass(frozen=True)
@@ -87,21 +95,39 @@ class FrozenLearners:
         """The eyes of that age, except the settings."""
         return config_of(EyePlantConfig, self.configuration)
 
+    @cached_property
+    def atoms(self) -> NDArray[np.float32]:
+        """The basis functions of both scales (2, n_bases, 128)."""
+        coder = SparseCoder(build(SparseCoderConfig, self.configuration["sparse_coder"]))
+        coder.restore(read_state(self._state("sparse_coder"), "sparse_coder"))
+        return coder.atoms()
+
+    @cached_property
+    def tunings(self) -> tuple[Tuning, Tuning]:
+        """What the basis functions of both scales are tuned to; their fits take 10 s."""
+        return tunings(self.atoms)
+
+    @property
+    def state_hash(self) -> str:
+        """SHA-256 of both learners' states, in hexadecimal."""
+        names = "sparse_coder", "vergence_rl"
+        hashes = "".join(checkpoint.hash_of(self._state(name)) for name in names)
+        return hashlib.sha256(hashes.encode()).hexdigest()
+
+    def _state(self, name: str) -> Path:
+        _, states = self._checkpoint
+        other = self.dictionary if name == "sparse_coder" else self.actor
+        return (other or states) / f"{name}.npz"
+
     @contextmanager
     def loop(self, shown: StimulusSet) -> Iterator[InProcessLoop]:
         """Yield plant and learners before stimuli, for episodes with learning=False.
 
         Raises InputError for a state that is damaged or does not fit.
         """
-        _, states = self._checkpoint
         loop = make_loop(self.configuration, shown)
         try:
-            loop.restore(
-                {
-                    "sparse_coder": (self.dictionary or states) / "sparse_coder.npz",
-                    "vergence_rl": (self.actor or states) / "vergence_rl.npz",
-                }
-            )
+            loop.restore({name: self._state(name) for name in ("sparse_coder", "vergence_rl")})
             yield loop
         finally:
             loop.plant.close()
