@@ -121,7 +121,7 @@ class CorrectGaze:
         cameras: they are mended until the left camera looks where it should.
         """
         left_deg, right_deg = self.wanted_gaze_deg(distance_m, target_deg)
-        right_deg = right_deg - (wanted_deg["horizontal"], 0.0)
+        right_deg[0] += wanted_deg["horizontal"]
         version_deg, elevation_deg = ((left_deg + right_deg) / 2.0).tolist()
         has_elevation = "elevation" in TURNED_ANGLES[self._protocol.command_space]
         for _ in range(_MOST_AIMS):

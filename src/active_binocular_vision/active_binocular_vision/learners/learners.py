@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,8 @@ from lockstep.wire.topics import TEST
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 
+_LEARNERS = ("sparse_coder", "vergence_rl")
+
 
 @dataclass(frozen=True)
 class FrozenLearners:
@@ -44,6 +46,22 @@ class FrozenLearners:
     dictionary: Path | None = None
     actor: Path | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def after(cls, run: Path, iteration: int) -> Self:
+        """Return the learners of the checkpoint after so many training iterations of a run.
+
+        Raises InputError, naming those that there are, without one.
+        """
+        protocol = protocol_of(read_configuration(run / CONFIG_FILE))
+        places = checkpoint.places(run / "checkpoints")
+        trained = {protocol.training_iterations_before(place): place for place in places}
+        if iteration not in trained:
+            raise InputError(
+                f"{run / 'checkpoints'}: expected a checkpoint after {iteration:,} training "
+                f"iterations, there is one after {', '.join(map(str, trained)) or 'none'}"
+            )
+        return cls(run, trained[iteration])
 
     @cached_property
     def _checkpoint(self) -> tuple[int, Path]:
@@ -110,8 +128,7 @@ class FrozenLearners:
     @property
     def state_hash(self) -> str:
         """SHA-256 of both learners' states, in hexadecimal."""
-        names = "sparse_coder", "vergence_rl"
-        hashes = "".join(checkpoint.hash_of(self._state(name)) for name in names)
+        hashes = "".join(checkpoint.hash_of(self._state(name)) for name in _LEARNERS)
         return hashlib.sha256(hashes.encode()).hexdigest()
 
     def _state(self, name: str) -> Path:
@@ -127,19 +144,25 @@ class FrozenLearners:
         """
         loop = make_loop(self.configuration, shown)
         try:
-            loop.restore({name: self._state(name) for name in ("sparse_coder", "vergence_rl")})
+            loop.restore({name: self._state(name) for name in _LEARNERS})
             yield loop
         finally:
             loop.plant.close()
 
     def said(self) -> dict[str, Any]:
-        """Return what a document of measures says of them: model, seed, commit and so on."""
+        """Return what a document of measures says of them: model, seed, commit and so on.
+
+        checkpoint: episodes before it; iteration: training iterations before it; states: their
+        hash.
+        """
         return {
             "model": self.manager.model,
             "seed": self.manager.seed,
             "commit": self.manager.commit,
             "lambda": self.manager.metabolic_cost_weight,
             "checkpoint": self.place,
+            "iteration": self.trained,
+            "states": self.state_hash,
             "dictionary": str(self.dictionary.resolve()) if self.dictionary else "",
             "actor": str(self.actor.resolve()) if self.actor else "",
             "settings": dict(self.settings),
