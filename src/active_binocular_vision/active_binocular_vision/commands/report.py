@@ -95,8 +95,8 @@ def parser() -> argparse.ArgumentParser:
         "--columns",
         default=_COLUMNS,
         metavar="NAME,...",
-        help="of that page: EXAMINATION for all of its measures, or EXAMINATION.MEASURE; test is the"
-        f" run's own test (default: {_COLUMNS})",
+        help="of that page: EXAMINATION for all of its measures, or EXAMINATION.MEASURE; test is"
+        f" the run's own test (default: {_COLUMNS})",
     )
     line.add_argument(
         "--ages",

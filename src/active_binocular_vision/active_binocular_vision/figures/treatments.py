@@ -59,8 +59,8 @@ class _Kind(NamedTuple):
 class Course:
     """A treatment at several ages, of learners that are otherwise alike.
 
-    ages_percent: of life, rising, those of `conditions`; untreated: the same learners without it, if
-    there are any.
+    ages_percent: of life, rising, those of `conditions`; untreated: the same learners without it,
+    if there are any.
     """
 
     treatment: str
