@@ -232,10 +232,10 @@ class _Looking:
 
     def __init__(self, session: Session, covered: str) -> None:
         learners = session.learners
-        self.n_iterations = learners.manager.protocol.iterations_per_trial
+        self.n_iterations = learners.manager.iterations_per_trial
         self._session, self._covered = session, covered
         self._turns_deg = learners.plant.camera.turns_deg
-        self._commanded = learners.manager.protocol.space.indices
+        self._commanded = learners.manager.space.indices
         self._eyes = Oculomotor(learners.plant.mechanics)
         self._correct = session.correct(0.0)
 

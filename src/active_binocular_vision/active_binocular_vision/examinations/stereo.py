@@ -101,7 +101,7 @@ def turns_right(session: Session, i_picture: int, distance_m: float, error_deg: 
 
     Eyes that make saccades look at their target already; what these leave of the error counts.
     """
-    n_before = N_SACCADES if session.learners.manager.protocol.fixation_iterations else 0
+    n_before = N_SACCADES if session.learners.manager.fixation_iterations else 0
     course = session.eyes(i_picture, distance_m, error_deg).look(n_before + 1)
     before_deg, after_deg = course.seen_deg[n_before:, _HORIZONTAL].tolist()
     return bool((before_deg - after_deg) * math.copysign(1.0, before_deg) > 0.0)

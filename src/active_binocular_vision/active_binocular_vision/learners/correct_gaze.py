@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from experiment_manager.experiment.config import ProtocolConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.starts import Activations, gaze_inverse
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, LeastCost
 from eye_plant.inverse.pair import FULL_RANGE, Inverse
@@ -40,7 +40,7 @@ class CorrectGaze:
 
     def __init__(
         self,
-        protocol: ProtocolConfig,
+        protocol: ExperimentManagerConfig,
         mechanics: MechanicsConfig,
         turns_deg: TurnsDeg = NO_TURNS_DEG,
         parallax_m: float = 0.0,

@@ -116,7 +116,7 @@ class FrozenLearners:
     @cached_property
     def atoms(self) -> NDArray[np.float32]:
         """The basis functions of both scales (2, n_bases, 128)."""
-        coder = SparseCoder(build(SparseCoderConfig, self.configuration["sparse_coder"]))
+        coder = SparseCoder(config_of(SparseCoderConfig, self.configuration))
         coder.restore(read_state(self._state("sparse_coder"), "sparse_coder"))
         return coder.atoms()
 

@@ -23,7 +23,9 @@ from active_binocular_vision.learners.shown import OWN_TEST_STIMULI
 from active_binocular_vision.runs.groups import Common
 from active_binocular_vision.runs.reported_run import ReportedRun
 from experiment_manager.experiment.plant_changes import read_schedule
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.measures.results import Summary
+from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from lockstep.configuration import build, flatten
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
@@ -103,9 +105,10 @@ def examined_run(
         raise InputError(
             f"{run.directory}: expected a run with a test at its end, {run.n_iterations:,}"
         )
-    schedule = read_schedule(run.parameters("experiment_manager")["schedule"])
+    configuration = read_configuration(run.directory / CONFIG_FILE)
+    schedule = read_schedule(configuration["task"]["schedule"])
     changed_at = tuple(change.at for change in schedule.changes)
-    coder = build(SparseCoderConfig, run.parameters("sparse_coder"))
+    coder = config_of(SparseCoderConfig, configuration)
     kept = _Documents(run.directory)
     found: dict[str, dict[str, Document]] = {}
     reasons: list[str] = []
