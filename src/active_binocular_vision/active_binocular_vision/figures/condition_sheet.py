@@ -23,7 +23,7 @@ from lockstep.figures import (
     title_panels,
 )
 
-MOST_COLUMNS = 7
+MOST_COLUMNS = 6
 PERCENT_TICKS = (0.0, 50.0, 100.0)
 _STYLES: dict[str, dict[str, Any]] = {
     BIRTH: {"color": GREY, "marker": "o", "mfc": "w"},

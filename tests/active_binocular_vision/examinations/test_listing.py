@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from active_binocular_vision.examinations.positions.listing import (
+from active_binocular_vision.examinations.listing import (
     DisplacementPlane,
     displacement_plane,
     rotation_vectors,

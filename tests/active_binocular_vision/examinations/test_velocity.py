@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from active_binocular_vision.examinations.saccades.main_sequence import fitted
+from active_binocular_vision.examinations.velocity import fitted
 
 AMPLITUDES_DEG = np.array([1.0, 2.0, 5.0, 10.0, 20.0])
 
