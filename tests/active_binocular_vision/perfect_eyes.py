@@ -33,8 +33,8 @@ def perfect_eyes() -> Iterator[list[np.ndarray]]:
         turned_deg = tuple(a + b for a, b in zip(right_deg, vars(prism).values(), strict=True))
         key = (learners.run, left_deg, turned_deg, parallax_m, distance_m, tuple(target_deg))
         if key not in known:
-            protocol, mechanics = learners.manager.protocol, learners.plant.mechanics
-            correct = CorrectGaze(protocol, mechanics, (left_deg, turned_deg), parallax_m)  # type: ignore[arg-type]
+            protocol, mechanics = learners.manager, learners.plant.mechanics
+            correct = CorrectGaze(protocol, mechanics, (left_deg, turned_deg), parallax_m)
             known[key] = np.array(correct.activations(distance_m, target_deg=target_deg))
         return known[key]
 

@@ -1,6 +1,7 @@
 """First saccades over time, of eyes that have hardly learned."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from eye_plant.gaze_error import target_place_deg
 from lockstep.errors import InputError
 from tests.active_binocular_vision.moved_eyes import moved_eyes
 
-FEW = {"amplitudes_deg": (2.0, 10.0), "directions_deg": (0.0, 90.0)}
+FEW: dict[str, Any] = {"amplitudes_deg": (2.0, 10.0), "directions_deg": (0.0, 90.0)}
 
 
 @pytest.mark.parametrize("direction_deg", [0.0, 45.0, 90.0, 180.0, 225.0])

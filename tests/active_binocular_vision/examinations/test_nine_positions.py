@@ -125,7 +125,7 @@ def test_the_figure_of_listings_law_has_each_gaze_once_and_the_planes(
         for side in SIDES:
             axes = next(panels)
             dots = [line for line in axes.lines if line.get_linestyle() == "None"]
-            assert sum(len(line.get_xdata()) for line in dots) == 9 + 4
+            assert sum(np.size(line.get_xdata()) for line in dots) == 9 + 4
             plane = planes[side].by_distance[distance_m]
             assert plane is not None
             assert f"thickness {plane.thickness_deg:.2f}" in axes.get_title("left")

@@ -1,5 +1,7 @@
 """The sheet of conditions and the figure of treatments at several ages, of made-up runs."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -20,7 +22,7 @@ SIX = [
 ]
 
 
-def glasses(at: int | None, end: float, *, seed: int = 1, **other: object) -> ExaminedRun:
+def glasses(at: int | None, end: float, *, seed: int = 1, **other: Any) -> ExaminedRun:
     """Return a run with glasses at an age, or without; end: its share fused."""
     before = {} if at is None else {BEFORE: summaries(cover__share_fused=0.1)}
     return examined(

@@ -22,12 +22,19 @@ from active_binocular_vision.examinations.measure import record, text_of
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
 from lockstep.configuration import flatten
-from lockstep.settings import check_settings
+from lockstep.settings import check_settings, setting
 
 
 @dataclass(frozen=True)
 class NoOptions:
     """Of an examination without any."""
+
+
+@dataclass(frozen=True)
+class Distances:
+    """Where the eyes look."""
+
+    distances_m: tuple[float, ...] = setting((0.5, 2.0, 6.0), "distances of the plane", "m")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.examination import Examination, Findings
+from active_binocular_vision.examinations.examination import Distances, Examination, Findings
 from active_binocular_vision.examinations.listing import (
     DisplacementPlane,
     displacement_plane,
@@ -45,11 +45,10 @@ _FEWEST_GAZES = 4
 
 
 @dataclass(frozen=True)
-class NinePositionsOptions:
+class NinePositionsOptions(Distances):
     """Where the eyes look; the right eye may see black, since the target is in the left picture."""
 
     covered: str = setting("", "eye that sees black", choices=("", "right"))
-    distances_m: tuple[float, ...] = setting((0.5, 2.0, 6.0), "distances of the plane", "m")
     n_random: int = setting(40, "random targets at each distance", least=4)
 
 
