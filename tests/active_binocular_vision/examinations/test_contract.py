@@ -21,7 +21,7 @@ from tests.active_binocular_vision.perfect_eyes import perfect_eyes
 
 FEW: dict[str, dict[str, Any]] = {
     "cover": {"distances_m": (2.0,)},
-    "prisms": {"distances_m": (2.0,), "ladder_share": 0.06},
+    "prisms": {"distances_m": (2.0,), "ladder_share": 0.03},
     "acuity": {"distances_m": (2.0,)},
     "stereo": {"distances_m": (2.0,)},
     "nine-positions": {"distances_m": (2.0,), "n_random": 4},
@@ -90,7 +90,9 @@ def test_eyes_in_the_right_posture_have_no_errors(gazing_run, name, condition) -
         for posture_deg in (gazes.eyes.gaze_deg[:, :, 0], gazes.optimum.gaze_deg):
             np.testing.assert_allclose(posture_deg, gazes.wanted_gaze_deg, atol=2e-3)
     if name == "prisms":
-        assert [row["gain"]["median"] for row in measures["conditions"]] == pytest.approx([1.0] * 6)
+        assert [row["gain"]["median"] for row in measures["conditions"]] == pytest.approx(
+            [1.0] * 6, abs=5e-3
+        )
         assert [row["n_broken"] for row in measures["conditions"]] == [0] * 6
 
 
@@ -128,11 +130,12 @@ def test_eyes_without_saccades_are_examined_twice_alike(run_of, name, kind) -> N
 def test_the_command_line_has_each_examination_with_its_options(capsys) -> None:
     with pytest.raises(SystemExit):
         main(["--help"])
-    text = " ".join(capsys.readouterr().out.split())
+    text = "".join(capsys.readouterr().out.split())
     for name, examination in EXAMINATIONS.items():
-        assert f"--{name} {examination.text}" in text
+        assert f"--{name} {examination.text}".replace(" ", "") in text
         for declared in declarations(examination.options):
-            assert f"{declared.name}: {declared.setting.description}" in text
+            said = f"{declared.name}: {declared.setting.description}"
+            assert said.replace(" ", "") in text
 
 
 @pytest.mark.parametrize(
