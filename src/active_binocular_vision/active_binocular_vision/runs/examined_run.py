@@ -163,9 +163,7 @@ class _Documents:
             return {name: self._kept(iteration, EXAMINATIONS[name]) for name in names}
         return {name: self._made(learners, EXAMINATIONS[name]) for name in names}
 
-    def _kept(
-        self, iteration: int, examination: Examination, states: str = ""
-    ) -> dict[str, Any]:
+    def _kept(self, iteration: int, examination: Examination, states: str = "") -> dict[str, Any]:
         key = {
             "iteration": iteration,
             "examination": examination.name,
