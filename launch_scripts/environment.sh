@@ -14,7 +14,7 @@ fingerprint() {
 }
 
 is_set_up() {
-  [[ -x $python && -f $venv/set_up && -f $venv/mujoco_gl ]] && [[ $(fingerprint 2>&1) == "$(<"$venv/set_up")" ]]
+  [[ -x $python && -f $venv/set_up ]] && [[ $(fingerprint 2>&1) == "$(<"$venv/set_up")" ]]
 }
 
 # The comment at the head of the script that was started is its help.
@@ -39,7 +39,6 @@ compiled_sources() {
 export_variables() {
   # rclpy comes from .venv. One from a sourced ROS installation would be found before it.
   unset PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
-  unset PYOPENGL_PLATFORM # MuJoCo sets it from MUJOCO_GL, and refuses to start when it differs
   LD_LIBRARY_PATH=$(without_other_ros "${LD_LIBRARY_PATH:-}")
   export LD_LIBRARY_PATH
   export HOME=${HOME:-~} # ROS writes its logs there and fails without
@@ -49,6 +48,7 @@ export_variables() {
   # Each process works on matrices too small to share out; threads would only fight for the cores.
   export OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1} OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}
   export OPENCV_FOR_THREADS_NUM=${OPENCV_FOR_THREADS_NUM:-1}
+  export MUJOCO_GL=${MUJOCO_GL:-disable} # the OpenGL that MuJoCo loads: our own renderer needs none
   export PYTHONUTF8=1 # in any locale: paths may have umlauts, and ROS reads all as UTF-8
   export PYTHONUNBUFFERED=1 # what is said first is shown first, also through a pipe
   export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$venv/numba_cache/$(compiled_sources)}
@@ -57,7 +57,6 @@ export_variables() {
 set_up() {
   is_set_up || "$root/launch_scripts/setup.sh" || exit
   export_variables
-  export MUJOCO_GL=${MUJOCO_GL:-$(<"$venv/mujoco_gl")}
 }
 
 # run_module MODULE ARGUMENTS...: become the entry point. --help shows ours first, then the entry point's own options.
@@ -68,11 +67,11 @@ run_module() {
     echo
   fi
   set_up
-  [[ $1 != tests.* ]] || export PYTHONPATH=$root # these are not among the packages
+  [[ $1 != tools.* ]] || export PYTHONPATH=$root # these are not among the packages
   exec "$python" -m "$@"
 }
 
-# run_node PACKAGE ARGUMENTS...: become this node, with the parameters of its YAML file; later arguments take precedence.
+# run_node PACKAGE ARGUMENTS...: become this node.
 run_node() {
   local package=$1
   shift
@@ -82,6 +81,5 @@ run_node() {
   fi
   set_up
   export ROS_DOMAIN_ID=${ROS_DOMAIN_ID:-$node_domain}
-  exec "$python" -m "$package.node" \
-    --ros-args --params-file "$root/src/$package/config/$package.yaml" -- "$@"
+  exec "$python" -m "$package.node" "$@"
 }

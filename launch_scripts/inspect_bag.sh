@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Show, export, film, play or repair a bag.
+# Show, export, film or repair a bag.
 #
 # usage: launch_scripts/inspect_bag.sh BAG [options]
 set -euo pipefail

@@ -1,19 +1,15 @@
 #!/usr/bin/env bash
-# Set up all that the project needs, once: a Python environment in .venv with what requirements.lock names, and the
-# OpenGL with which MuJoCo can draw off-screen, if there is one; the renderer "plane" needs none. The other scripts
-# call this by themselves; when all is done it returns at once. As root on Debian or Ubuntu it installs missing system
-# packages with apt, elsewhere it names them.
+# Set up all that the project needs, once: a Python environment in .venv with what requirements.lock names. The other
+# scripts call this by themselves; when all is done it returns at once. As root on Debian or Ubuntu it installs a
+# missing Python with apt, elsewhere it names the packages.
 #
 # usage: launch_scripts/setup.sh [--again]
 #   --again   make the environment again from nothing
 #
-# environment: ABV_PYTHON, the Python to use (3.11 to 3.14; default: the first that fits);
-#              MUJOCO_GL, egl or osmesa (default: the first that works), or disable: set up without OpenGL
+# environment: ABV_PYTHON, the Python to use (3.11 to 3.14; default: the first that fits)
 set -euo pipefail
 # shellcheck source=launch_scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
-
-gl_packages=(libegl1 libgl1 libgl1-mesa-dri)
 
 say() {
   printf 'setup: %s\n' "$*" >&2
@@ -62,60 +58,6 @@ require_python() {
     find_python && return
   fi
   fail "Python 3.11 to 3.14 with its venv module is needed, for example: sudo apt install python3 python3-venv"
-}
-
-gl_library_loads() {
-  "$base_python" -I - <<'PYTHON'
-import ctypes
-import sys
-
-for name in ("libEGL.so.1", "libOSMesa.so.8", "libOSMesa.so.6"):
-    try:
-        ctypes.CDLL(name)
-    except OSError:
-        continue
-    sys.exit(0)
-sys.exit(1)
-PYTHON
-}
-
-# Sets gl to the backend with which a context can be made as the renderer does it, or gl_error to why none can.
-try_gl() {
-  local backend
-  for backend in ${MUJOCO_GL:-egl osmesa}; do
-    if gl_error=$(MUJOCO_GL=$backend "$python" 2>&1 -c '
-import mujoco
-context = mujoco.GLContext(64, 64)
-context.make_current()
-mujoco.MjrContext(mujoco.MjModel.from_xml_string("<mujoco/>"), mujoco.mjtFontScale.mjFONTSCALE_100)
-'); then
-      gl=$backend
-      return
-    fi
-  done
-}
-
-# Whether the system packages could be installed; no picture of MuJoCo's is worth a set-up that fails.
-gl_gets_installed() {
-  may_install && (install_packages "${gl_packages[@]}")
-}
-
-# A library that loads may still have no driver behind it.
-choose_gl() {
-  gl=disable
-  if [[ ${MUJOCO_GL:-} != disable ]]; then
-    if gl_library_loads || gl_gets_installed; then
-      try_gl
-    fi
-    if [[ $gl == disable && -n ${gl_error:-} ]] && gl_gets_installed; then
-      try_gl
-    fi
-  fi
-  if [[ $gl == disable ]]; then
-    say "no OpenGL here${gl_error:+ (${gl_error##*$'\n'})}: runs draw with camera.renderer plane; mujoco" \
-      "needs EGL or OSMesa, for example: sudo apt install ${gl_packages[*]}"
-  fi
-  printf '%s\n' "$gl" >"$venv/mujoco_gl"
 }
 
 pip_install() {
@@ -170,7 +112,6 @@ main() {
   rm -f "$venv/set_up"
   require_python
   make_environment
-  choose_gl
   compile_numerics
   fingerprint >"$venv/set_up.new"
   mv "$venv/set_up.new" "$venv/set_up" # last, so that an interrupted set-up is made again

@@ -3,7 +3,7 @@
 #
 # usage: launch_scripts/sparse_coder.sh [--ros-args -p NAME:=VALUE -r FROM:=TO --params-file FILE ...]
 #
-# Its parameters and their defaults: src/sparse_coder/config/sparse_coder.yaml
+# Its parameters and their defaults: launch_scripts/list_parameters.sh sparse_coder
 # environment: ROS_DOMAIN_ID, the ROS domain (default 42, as for all nodes that are started one by one)
 set -euo pipefail
 # shellcheck source=launch_scripts/environment.sh

@@ -1,5 +1,7 @@
-"""What all tests share: a ROS that stays on this machine, and a few small pictures."""
+"""What all tests share: a ROS that stays on this machine, OpenGL, and a few small pictures."""
 
+import ctypes.util
+import importlib
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +15,11 @@ from tests.made_once import made_once
 
 os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# MuJoCo, when it is imported, loads the OpenGL that this variable names. The tests themselves
+# compare pictures with those of its renderer; what they start needs none.
+os.environ["MUJOCO_GL"] = "egl" if ctypes.util.find_library("EGL") else "disable"
+importlib.import_module("mujoco")
+os.environ["MUJOCO_GL"] = "disable"
 
 STIMULUS_PX = 64
 pytest_plugins = ["tests.made_runs"]

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from types import TracebackType
 from typing import Any
 
-from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
 from tests.patience import PATIENCE_S
@@ -82,10 +81,3 @@ class FoxgloveClient:
             if isinstance(frame, bytes) and frame[0] == _MESSAGE_DATA:
                 _, number, _ = _HEADER.unpack_from(frame)
                 self.received.setdefault(by_number[number], []).append(frame[_HEADER.size :])
-
-    def receive_to_the_end(self) -> None:
-        """Receive until the server closes the connection."""
-        try:
-            self.receive_of_each(["/never"])
-        except ConnectionClosed:
-            return

@@ -7,10 +7,10 @@ from pathlib import Path
 from experiment_manager.bag.reader import Bag, VectorTable
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.in_process.loop import Step, make_loop
 from experiment_manager.run.config_file import Configuration, configuration_text
 from eye_plant.episode import Episode
-from lockstep.configuration import build
 from lockstep.wire.stamps import period_ns
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 from tests.command_lines import configured, set_words
@@ -25,8 +25,8 @@ def small_run(pictures: Path, n_iterations: int = 200, *more: str) -> list[str]:
     """Return the command line of a run of two tests of 4 trials with training between them."""
     settings = (
         "eye_plant.stimuli.size_px=64",
-        "experiment_manager.protocol.test_distances_m=[1.0]",
-        "experiment_manager.protocol.least_start_error_deg=0",
+        "experiment_manager.test_distances_m=[1.0]",
+        "experiment_manager.least_start_error_deg=0",
         "experiment_manager.pictures_every_n_episodes=7",
         "experiment_manager.pictures_every_n_trials=3",
         *more,
@@ -99,7 +99,7 @@ class OracleRun:
     """The run of a configuration in this process and without ROS."""
 
     def __init__(self, configuration: Configuration) -> None:
-        manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
+        manager = config_of(ExperimentManagerConfig, configuration)
         self.protocol = make_protocol(manager)
         self.period_ns = period_ns(manager.mechanics.period_s)
         self._loop = make_loop(configuration)

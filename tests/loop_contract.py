@@ -23,7 +23,7 @@ from lockstep.state_file import read_state
 from lockstep.wire.topics import CAMERA_INFOS, PICTURES
 from tests.graph_harness import OracleRun, small_run
 from tests.made_once import made_once
-from tests.stress.supervised_run import SupervisedRun
+from tests.supervised_run import SupervisedRun
 
 N_TRAINING = 300
 # Of both tests of small_run.
@@ -32,15 +32,14 @@ PICTURE_PX = 130
 SETTINGS = (
     "experiment_manager.checkpoint_period_s=0.2",
     "experiment_manager.gap_s=8.0",
-    "sparse_coder.n_bases=32",
-    "vergence_rl.n_features=64",
-    f"eye_plant.camera.roi_width_px={PICTURE_PX}",
-    f"eye_plant.camera.roi_height_px={PICTURE_PX}",
+    "task.n_bases=32",
+    f"eyes.camera.roi_width_px={PICTURE_PX}",
+    f"eyes.camera.roi_height_px={PICTURE_PX}",
     # Disease and treatment: of the muscles, of what one eye sees, and of what must be drawn for it.
-    "experiment_manager.schedule=["
-    "{at: 90, set: {eye_plant.mechanics.rest_adduction_deg: [0.0, 1.5],"
-    " eye_plant.camera.left_blur_px: 2.5, eye_plant.camera.focal_length_px: 250}},"
-    "{at: 180, set: {eye_plant.camera.left_blur_px: 0.0, eye_plant.camera.left_occluded: true}}]",
+    "task.schedule=["
+    "{at: 90, set: {eyes.mechanics.rest_adduction_deg: [0.0, 1.5],"
+    " eyes.camera.left_blur_px: 2.5, eyes.camera.focal_length_px: 250}},"
+    "{at: 180, set: {eyes.camera.left_blur_px: 0.0, eyes.camera.left_occluded: true}}]",
 )
 _SAMPLED = (*PICTURES, *CAMERA_INFOS, "features")
 _Messages = Mapping[str, Mapping[int, bytes]]

@@ -13,8 +13,8 @@ from rosbags.typesys import Stores, get_typestore
 
 from active_binocular_vision.commands.run_experiment import main as run_experiment
 from experiment_manager.bag.writer import BagWriter
-from experiment_manager.run.config_file import CONFIG_CLASSES, text_of_continuation
-from lockstep.configuration import flatten
+from experiment_manager.experiment.sections import DEFAULTS
+from experiment_manager.run.config_file import text_of_continuation
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES
 from tests.command_lines import set_words
 from tests.made_once import made_once
@@ -124,17 +124,15 @@ def _optimal_w(distance_m: float) -> float:
     return _cost_w(max(needed, 0.0) / 37.7, max(-needed, 0.0) / 40.9)
 
 
-def config_text(model: str, seed: int, n_iterations: int, weight: float, **plant: Any) -> str:
-    """Return the config.yaml of a run with default parameters, except those of the plant given."""
-    configuration = {node: flatten(config()) for node, config in CONFIG_CLASSES.items()}
-    configuration["eye_plant"] |= plant
-    configuration["experiment_manager"] |= {
-        "model": model,
+def config_text(model: str, seed: int, n_iterations: int, weight: float, **task: Any) -> str:
+    """Return the config.yaml of a run with default settings, except those of the task given."""
+    configuration = {section: dict(values) for section, values in DEFAULTS.items()}
+    configuration["task"] |= task | {
         "seed": seed,
-        "protocol.n_training_iterations": n_iterations,
+        "n_training_iterations": n_iterations,
         "metabolic_cost_weight": weight,
-        "commit": "0123abc",
     }
+    configuration["experiment_manager"] |= {"model": model, "commit": "0123abc"}
     versions = ["mujoco 4.0.0", "numpy 2.4.6"]
     return text_of_continuation("", configuration, {"versions": versions})
 
@@ -287,8 +285,8 @@ def small_run(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
     Other tests copy it before they change anything.
     """
     settings = {
-        "experiment_manager.protocol.test_distances_m": "[2.0]",
-        "experiment_manager.protocol.iterations_per_trial": "4",
+        "experiment_manager.test_distances_m": "[2.0]",
+        "task.iterations_per_trial": "4",
         "experiment_manager.pictures_every_n_episodes": "1",
         "experiment_manager.pictures_every_n_trials": "1",
         "eye_plant.stimuli.size_px": str(STIMULUS_PX),
@@ -312,12 +310,12 @@ def run_of(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Callable
 
     def run(kind: str) -> Path:
         settings = {
-            "eye_plant.camera.renderer": "plane",
             "eye_plant.stimuli.size_px": STIMULUS_PX,
-            "experiment_manager.protocol.test_distances_m": "[2.0]",
+            "experiment_manager.test_distances_m": "[2.0]",
+            "task.n_bases": 32,
         }
         if kind != "pair":
-            settings["experiment_manager.protocol.n_starts_per_distance"] = 1
+            settings["experiment_manager.n_starts_per_distance"] = 1
         line = ["--in-process", "--profile", {"pair": "precise"}.get(kind, kind)]
         line += ["--iterations", "40", "--tests", "0,40", "--stimuli", str(pictures)]
         line += set_words(settings)

@@ -94,6 +94,7 @@ class Outsider(Node):
         for topic, kind in hears.items():
             self.create_subscription(kind, topic, self.heard[topic].append, _KEEP_ALL)
         self.status: dict[str, str] = {}
+        self.status_of: dict[str, dict[str, str]] = {}  # by node
         self.n_statuses = 0
         self.create_subscription(DiagnosticArray, "/diagnostics", self._hear_status, _KEEP_ALL)
         self._clients_by_node: dict[str, Any] = {}
@@ -101,6 +102,7 @@ class Outsider(Node):
     def _hear_status(self, message: DiagnosticArray) -> None:
         for status in message.status:
             self.status = {entry.key: entry.value for entry in status.values}
+            self.status_of[status.hardware_id] = self.status
             self.n_statuses += 1
 
     def is_matched(self) -> bool:
@@ -124,7 +126,8 @@ class Outsider(Node):
             first.setdefault(stamp_ns, message)
         return list(first.values())
 
-    def _client(self, node: str) -> Any:
+    def client_of(self, node: str) -> Any:
+        """Return the client of a node's request service."""
         if node not in self._clients_by_node:
             client = self.create_client(SetParametersAtomically, service_name(node))
             self._clients_by_node[node] = client
@@ -134,11 +137,11 @@ class Outsider(Node):
         """Send named values to a node's request service."""
         parameters = [Parameter(k, value=v).to_parameter_msg() for k, v in values.items()]
         request = SetParametersAtomically.Request(parameters=parameters)
-        return self._client(node).call_async(request)
+        return self.client_of(node).call_async(request)
 
     def has_service(self, node: str) -> bool:
         """Whether a node answers requests by now."""
-        return bool(self._client(node).service_is_ready())
+        return bool(self.client_of(node).service_is_ready())
 
 
 class Bench:

@@ -1,9 +1,10 @@
-"""The supervisor of a run as a process, for tests, benchmarks and stress."""
+"""The supervisor of a run as a process, and a node without one, for tests and tools."""
 
 import os
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
 from typing import IO, Any
@@ -66,3 +67,23 @@ def finished(process: "subprocess.Popen[str]", code: int = 0) -> str:
         process.kill()
     assert process.returncode == code, f"exit code {process.returncode}:\n{output}"
     return output
+
+
+class LoneNode(AbstractContextManager["LoneNode"]):
+    """The process of a node that somebody starts without a supervisor, killed after the block."""
+
+    def __init__(
+        self, package: str, config: Path, domain: int, log: Path, prefix: Sequence[str] = ()
+    ) -> None:
+        """config: the run's config.yaml, or a copy; prefix: a command that becomes the node."""
+        node = [sys.executable, "-m", f"{package}.node", "--ros-args", "--params-file", str(config)]
+        variables = {"ROS_DOMAIN_ID": str(domain), "PYTHONUNBUFFERED": "1"}
+        with log.open("a") as output:
+            self.process = started(
+                [*prefix, *node], variables, output, preexec_fn=partial(die_with, os.getpid())
+            )
+
+    def __exit__(self, *exception: object) -> None:
+        """End the node."""
+        self.process.kill()
+        self.process.wait()

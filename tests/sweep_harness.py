@@ -10,7 +10,7 @@ import yaml
 
 from tests.command_lines import set_words
 from tests.graph_harness import SCRIPTS
-from tests.stress.supervised_run import SupervisedRun
+from tests.supervised_run import SupervisedRun
 from tests.supervisor import started
 
 OPTIONS = {
@@ -19,12 +19,11 @@ OPTIONS = {
     "tests": [0],
     "test-stimuli": 1,
     "eye_plant.stimuli.size_px": 64,
-    "eye_plant.camera.renderer": "plane",
-    "eye_plant.camera.roi_width_px": 130,
-    "eye_plant.camera.roi_height_px": 130,
-    "sparse_coder.n_bases": 32,
-    "experiment_manager.protocol.test_distances_m": [1.0],
-    "experiment_manager.protocol.least_start_error_deg": 0,
+    "eyes.camera.roi_width_px": 130,
+    "eyes.camera.roi_height_px": 130,
+    "task.n_bases": 32,
+    "experiment_manager.test_distances_m": [1.0],
+    "experiment_manager.least_start_error_deg": 0,
     "experiment_manager.checkpoint_period_s": 0.1,
 }
 

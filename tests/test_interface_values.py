@@ -3,11 +3,13 @@
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
 
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.in_process.step_messages import StepMessages
 from eye_plant.camera.config import CameraConfig
@@ -16,7 +18,6 @@ from eye_plant.episode import Episode
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep.command_space import MUSCLE_NAMES
-from lockstep.configuration import build
 from lockstep.wire.topics import TEST, TRAINING
 from lockstep.wire.vectors import read_vector
 from tests.interfaces_page import PAGE, VECTORS, quoted, table
@@ -78,20 +79,13 @@ def _is_within(values: np.ndarray, expected: str) -> bool:
 @pytest.fixture(scope="module", params=["k17", "anatomical"])
 def sent(request: pytest.FixtureRequest, pictures: Path) -> Sent:
     """Return what a graph of either parameter set sends in training and in a test."""
-    plant = {
-        "stimuli.directory": str(pictures),
-        "stimuli.size_px": 64,
-        "camera.renderer": "plane",
-        "mechanics.parameter_set": request.param,
+    configuration: dict[str, dict[str, Any]] = {
+        "task": {"n_bases": N_BASES},
+        "eyes": {"mechanics.parameter_set": request.param},
+        "eye_plant": {"stimuli.directory": str(pictures), "stimuli.size_px": 64},
     }
-    loop = make_loop(
-        {
-            "eye_plant": plant,
-            "sparse_coder": {"n_bases": N_BASES},
-            "vergence_rl": {"n_features": 2 * N_BASES},
-        }
-    )
-    messages = StepMessages(build(EyePlantConfig, plant), N_BASES)
+    loop = make_loop(configuration)
+    messages = StepMessages(config_of(EyePlantConfig, configuration), N_BASES)
     found: Sent = defaultdict(list)
     for number in range(3):
         for step in loop.run_episode(_episode(number, phase=TEST if number == 2 else TRAINING)):

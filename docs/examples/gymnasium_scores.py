@@ -12,6 +12,7 @@ gymnasium_curves.py draws it.
 On a machine that is busy, set OMP_NUM_THREADS=1.
 """
 
+import dataclasses
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -23,9 +24,9 @@ import numpy as np
 from gymnasium_agent import train
 
 from active_binocular_vision.runs.results_folder import runs_at
+from experiment_manager.experiment.sections import config_of
 from eye_plant.config import MechanicsConfig
 from eye_plant.inverse.pair import Inverse
-from lockstep.configuration import build
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
 
@@ -42,9 +43,8 @@ def make_environment(action_scale: float | None = None) -> gymnasium.Env:
     return gymnasium.make(
         "active_binocular_vision.environments:ActiveVergenceFeatures-v0",
         settings={
-            "eye_plant.camera.renderer": "plane",
-            "eye_plant.camera.roi_width_px": 128,
-            "eye_plant.camera.roi_height_px": 128,
+            "eyes.camera.roi_width_px": 128,
+            "eyes.camera.roi_height_px": 128,
         },
         coder_state=PRECISE / "sparse_coder_seed_1.npz",
         coder_learns=False,
@@ -107,8 +107,8 @@ def write_curve(path: Path, errors_deg: Sequence[float], n_iterations: int = 10)
 def trained_policy(environment: gymnasium.Env, n_steps: int, curve: Path) -> Policy:
     """Return hindsight regression as in `precise`, trained for so many steps, frozen."""
     (run,) = runs_at(PRECISE / "profile_precise-seed_1")
-    settings = run.configuration["vergence_rl"]
-    agent = Agent(build(VergenceRlConfig, settings | {"n_training_iterations": n_steps}))
+    trained = config_of(VergenceRlConfig, run.configuration)
+    agent = Agent(dataclasses.replace(trained, n_training_iterations=n_steps))
     write_curve(curve, train(environment, agent, n_steps // 10, seed=1))
 
     def policy(observed: dict[str, np.ndarray], reward: float, info: dict[str, Any]) -> np.ndarray:

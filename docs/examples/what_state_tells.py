@@ -18,10 +18,10 @@ import numpy as np
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
-from lockstep.configuration import build
 from lockstep.state_file import read_state
 from lockstep.wire.topics import TRAINING
 from sparse_coder.matching_pursuit import Selections, mean_squared_coefficients
@@ -55,7 +55,7 @@ def quadrants(selections: Selections, n_bases: int) -> np.ndarray:
 def observed(run: Path, n_episodes: int) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
     """Return entries of the state by name, errors in deg (n, 3), and numbers of pictures (n,)."""
     parameters = read_configuration(run / CONFIG_FILE)
-    protocol = make_protocol(build(ExperimentManagerConfig, parameters["experiment_manager"]))
+    protocol = make_protocol(config_of(ExperimentManagerConfig, parameters))
     newest = checkpoint.newest(run / "checkpoints")
     if newest is None:
         sys.exit(f"error: {run}: expected a checkpoint")

@@ -17,7 +17,6 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml", "LICENSE", "README.md"]),
-        (f"share/{package}/config", glob("config/*.yaml")),
         (f"share/{package}/launch", glob("launch/*.launch.py")),
     ],
     install_requires=["setuptools"],

@@ -7,12 +7,11 @@ import pytest
 
 from experiment_manager.bag.reader import Bag
 from tests.graph_harness import small_run
-from tests.stress.supervised_run import SupervisedRun, is_intact
+from tests.supervised_run import SupervisedRun, is_intact
 
 SETTINGS = (
     "experiment_manager.checkpoint_period_s=1e9",  # the first one alone, at the start
-    "sparse_coder.n_bases=32",
-    "vergence_rl.n_features=64",
+    "task.n_bases=32",
     "vergence_rl.cacla.critic_learning_rate=1e6",
     "vergence_rl.cacla.critic_step_limit=1e9",
 )
@@ -28,9 +27,14 @@ def test_divergence_ends_the_run_with_one_error(pictures, tmp_path, in_process) 
         output = run.output()
     assert output.count("error: ") == 1
     # On a line of its own, not behind the progress bar.
-    assert re.search(r"^error: vergence_rl diverged in training iteration ", output, re.MULTILINE)
+    error = re.search(r"^error: vergence_rl diverged in training iteration (\d+)", output, re.M)
+    assert error is not None
     assert "expected 100 at most; what was saved before is intact" in output
     assert "fault: " not in output
     assert is_intact(directory)
-    published = Bag(directory / "bag").vectors("actor_critic")["actor_critic"].column("value")
-    assert np.abs(published).max() <= 100.0
+    bag = Bag(directory / "bag")
+    assert all(file.complete for file in bag.files)
+    truth, critic = bag.vectors("ground_truth", "actor_critic").values()
+    assert np.abs(critic.column("value")).max() <= 100.0
+    # All up to the failure, which is many episodes behind the only checkpoint.
+    assert abs(truth.column("training_iteration")[-1] - int(error[1])) <= 1

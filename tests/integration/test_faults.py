@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from experiment_manager.supervision.processes import PACKAGES
 from tests.loop_contract import assert_as_the_loop, run_line
-from tests.stress.supervised_run import SupervisedRun, is_alive
+from tests.supervised_run import SupervisedRun, is_alive
 
 
 def _beyond(run: SupervisedRun, n_episodes: int) -> Callable[[], bool]:

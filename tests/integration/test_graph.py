@@ -32,7 +32,7 @@ from tests.loop_contract import (
     run_line,
     whole_graph,
 )
-from tests.stress.supervised_run import SupervisedRun, are_gone
+from tests.supervised_run import SupervisedRun, are_gone
 from tests.supervisor import finished, start_supervisor
 
 N_ANSWERED = N_TRAINING + 20 * N_TRIALS
@@ -129,9 +129,9 @@ def _with_own_commands(pictures: Path, directory: Path, *settings: str) -> Path:
     """Make a run whose muscles have commands of their own, and check it against the loop."""
     line = run_line(
         pictures,
-        "experiment_manager.protocol.n_starts_per_distance=4",
-        "eye_plant.mechanics.parameter_set=anatomical",
-        "eye_plant.mechanics.moves=at_once",
+        "experiment_manager.n_starts_per_distance=4",
+        "eyes.mechanics.parameter_set=anatomical",
+        "eyes.mechanics.moves=at_once",
         *settings,
         rule="hindsight",
     )
@@ -144,11 +144,11 @@ def test_muscles_with_commands_of_their_own_are_recorded_as_the_loop_has_them(
     pictures, tmp_path
 ) -> None:
     settings = (
-        f"vergence_rl.command_space={HORIZONTAL_RECTI}",
-        "vergence_rl.lowest_activations=[0.01]",
-        "vergence_rl.highest_activations=[0.2]",
+        f"task.command_space={HORIZONTAL_RECTI}",
+        "task.lowest_activations=[0.01]",
+        "task.highest_activations=[0.2]",
         "vergence_rl.hindsight.n_best=3",
-        "sparse_coder.price_rise_share=0.75",
+        "task.price_rise_share=0.75",
     )
     directory = _with_own_commands(pictures, tmp_path / "run", *settings)
     command = Bag(directory / "bag").vectors("muscle_command")["muscle_command"]
@@ -158,19 +158,19 @@ def test_muscles_with_commands_of_their_own_are_recorded_as_the_loop_has_them(
 
 
 _TWELVE = (
-    f"vergence_rl.command_space={ALL_MUSCLES}",
-    "vergence_rl.lowest_activations=[0.0]",
-    "vergence_rl.highest_activations=[0.2]",
-    "sparse_coder.metabolic_cost_weight=0.3",
+    f"task.command_space={ALL_MUSCLES}",
+    "task.lowest_activations=[0.0]",
+    "task.highest_activations=[0.2]",
+    "task.metabolic_cost_weight=0.3",
 )
 
 
 def test_eyes_that_make_saccades_are_recorded_as_the_loop_has_them(pictures, tmp_path) -> None:
     settings = (
-        "vergence_rl.gaze.fixation_iterations=5",
+        "task.fixation_iterations=5",
         "vergence_rl.products_of_activations=true",
         "vergence_rl.hindsight.n_best=2",
-        "experiment_manager.protocol.gives_targets=false",
+        "experiment_manager.gives_targets=false",
     )
     directory = _with_own_commands(pictures, tmp_path / "run", *_TWELVE, *settings)
     gaze, truth = Bag(directory / "bag").vectors("gaze", "ground_truth").values()
@@ -194,7 +194,7 @@ def test_eyes_that_make_saccades_are_recorded_as_the_loop_has_them(pictures, tmp
 def test_vergence_by_turns_without_saccades_is_recorded_as_the_loop_has_it(
     pictures, tmp_path
 ) -> None:
-    turns = "vergence_rl.gaze.measures_turns=true"
+    turns = "task.measures_turns=true"
     directory = _with_own_commands(pictures, tmp_path / "run", *_TWELVE, turns)
     (gaze,) = Bag(directory / "bag").vectors("gaze").values()
     assert np.isnan(gaze.column("target_up_deg")).all()
@@ -251,12 +251,12 @@ def test_a_schedule_is_recorded(run: Path) -> None:
     told = [dict(zip(message.name, message.position, strict=True)) for message, _ in found]
     assert told == [
         {
-            "eye_plant.mechanics.rest_adduction_deg[0]": 0.0,
-            "eye_plant.mechanics.rest_adduction_deg[1]": 1.5,
-            "eye_plant.camera.left_blur_px": 2.5,
-            "eye_plant.camera.focal_length_px": 250.0,
+            "eyes.mechanics.rest_adduction_deg[0]": 0.0,
+            "eyes.mechanics.rest_adduction_deg[1]": 1.5,
+            "eyes.camera.left_blur_px": 2.5,
+            "eyes.camera.focal_length_px": 250.0,
         },
-        {"eye_plant.camera.left_blur_px": 0.0, "eye_plant.camera.left_occluded": 1.0},
+        {"eyes.camera.left_blur_px": 0.0, "eyes.camera.left_occluded": 1.0},
     ]
     truth = Bag(run / "bag").vectors("ground_truth")["ground_truth"]
     rows = truth.at(np.array([stamp_ns for _, stamp_ns in found]))

@@ -2,24 +2,21 @@
 
 from pathlib import Path
 
-from lockstep.wire.qos import QUEUE_DEPTH
 from tests.graph_harness import small_run, write_configuration
-from tests.stress.fuzzed_graph import NODES, FuzzedGraph
-from tests.stress.fuzzer import LARGEST_BYTES, Hostility
+from tools.stress.fuzzer import Hostility
+from tools.stress.hostile_input import BOUND_MB, NODES, fuzzed
 
-SMALL_LEARNERS = ("sparse_coder.n_bases=32", "vergence_rl.n_features=64")
+SMALL_LEARNERS = ("task.n_bases=32",)
 
 
 def test_two_thousand_hostile_inputs_change_nothing(tmp_path: Path, pictures: Path) -> None:
     config_file = tmp_path / "config.yaml"
     write_configuration(
         config_file,
-        small_run(
-            pictures, 100, *SMALL_LEARNERS, "experiment_manager.protocol.test_distances_m=[6.0]"
-        ),
+        small_run(pictures, 100, *SMALL_LEARNERS, "experiment_manager.test_distances_m=[6.0]"),
     )
     # One trial, which is not learned from, and 9 episodes of training: 120 observations.
-    report = FuzzedGraph(config_file, seed=1).run(10, 17, tmp_path)
+    report = fuzzed(config_file, 1, 10, 17, tmp_path)
     assert report.differences == []
     assert report.n_inputs >= 2000
     # Ground truth, thoughts, dictionaries and weights.
@@ -27,9 +24,8 @@ def test_two_thousand_hostile_inputs_change_nothing(tmp_path: Path, pictures: Pa
     # Of messages with another stamp most are passed over in silence; requests never are.
     assert report.n_refused > 100
     assert set(report.growth_mb) == set(NODES)
-    # What the middleware's queues keep, one message of the largest size in each of their places
-    # for each of at most four topics, and nothing that grows with the number of inputs.
-    assert max(report.growth_mb.values()) < 4 * QUEUE_DEPTH * LARGEST_BYTES / 2**20
+    # What the middleware's queues keep, and nothing that grows with the number of inputs.
+    assert max(report.growth_mb.values()) < BOUND_MB
 
 
 def test_what_is_thrown_is_a_function_of_the_seed() -> None:

@@ -9,8 +9,8 @@ import pytest
 
 from experiment_manager.run.config_file import CONFIG_FILE
 from tests.loop_contract import N_TRAINING, N_TRIALS, PICTURE_PX, assert_as_the_loop, run_line
-from tests.stress.supervised_run import SupervisedRun, are_gone, is_alive
-from tests.stress.two_hosts import NodeOnHost, TwoHosts
+from tests.supervised_run import SupervisedRun, are_gone, is_alive
+from tests.two_hosts import NodeOnHost, TwoHosts
 
 N_PICTURE_BYTES = (N_TRAINING + 20 * N_TRIALS) * 2 * PICTURE_PX**2
 

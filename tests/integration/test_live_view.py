@@ -4,7 +4,6 @@ import json
 import signal
 import socket
 import subprocess
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,8 +16,8 @@ from lockstep.wire.cdr import image_array
 from lockstep.wire.topics import PICTURES
 from tests.foxglove_client import FoxgloveClient
 from tests.graph_harness import small_run
-from tests.loop_contract import assert_as_the_loop, whole_graph
-from tests.supervisor import finished, start_supervisor, started
+from tests.loop_contract import assert_as_the_loop
+from tests.supervisor import finished, start_supervisor
 
 ALL_TOPICS = tuple(f"/{topic}" for topic in (*SHOWN_TOPICS, ANAGLYPH, *RECONSTRUCTIONS, LEARNING))
 
@@ -100,17 +99,3 @@ def test_a_port_in_use_is_one_error_and_the_run_goes_on(pictures: Path, tmp_path
         with _watched([*small_run(pictures, 20), "--out", str(tmp_path / "run")], port) as run:
             output = finished(run)
     assert output.count("the live view has ended: error: live view: cannot listen on") == 1
-
-
-def test_a_recorded_bag_is_played_to_the_same_view(tmp_path_factory, pictures) -> None:
-    port = _free_port()
-    bag = str(whole_graph(tmp_path_factory, pictures))
-    module = "active_binocular_vision.commands.inspect_bag"
-    words = [sys.executable, "-m", module, bag, "--play", "--rate", "1000", "--at", f":{port}"]
-    process = started(words)
-    with FoxgloveClient(port) as viewer:
-        viewer.subscribe(ALL_TOPICS)
-        viewer.receive_to_the_end()
-    output = finished(process)
-    assert f"ws://127.0.0.1:{port}" in output
-    assert set(viewer.received) == set(ALL_TOPICS)

@@ -7,7 +7,7 @@ import pytest
 
 from experiment_manager.sweep.sweep_file import read_sweep
 from tests.slurm_cluster import PARTITION, Cluster, cluster, why_not
-from tests.stress.supervised_run import differences
+from tests.supervised_run import differences
 from tests.supervisor import finished
 from tests.sweep_harness import (
     are_held_at_first_checkpoint,

@@ -14,7 +14,7 @@ import yaml
 
 from experiment_manager.sweep.sweep_file import read_sweep
 from tests.patience import PATIENCE_S
-from tests.stress.supervised_run import differences, stamp_faults
+from tests.supervised_run import differences, stamp_faults
 from tests.supervisor import finished
 from tests.sweep_harness import (
     are_held_at_first_checkpoint,

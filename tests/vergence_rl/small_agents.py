@@ -24,11 +24,11 @@ def changed(config: VergenceRlConfig, changes: dict[str, Any]) -> VergenceRlConf
 
 
 CACLA = VergenceRlConfig(
-    n_features=6, n_training_iterations=300, cacla=CaclaConfig(n_hidden=4, hidden_initial_width=0.5)
+    n_bases=3, n_training_iterations=300, cacla=CaclaConfig(n_hidden=4, hidden_initial_width=0.5)
 )
 HINDSIGHT = VergenceRlConfig(
     learning_rule="hindsight",
-    n_features=6,
+    n_bases=3,
     iterations_per_episode=5,
     hindsight=HindsightConfig(regression_period=20, least_memory=60.0),
 )

@@ -29,7 +29,7 @@ from vergence_rl.messages import actor_critic_values
 from vergence_rl.node import INPUTS, VergenceRlNode
 
 N_BASES = 8
-SMALL = {"n_features": 2 * N_BASES, "n_training_iterations": 100, "cacla.n_hidden": 4}
+SMALL = {"n_bases": N_BASES, "n_training_iterations": 100, "cacla.n_hidden": 4}
 CONFIG = build(VergenceRlConfig, SMALL)
 ANSWERS = {"muscle_command": JointState, "actor_critic": JointState}
 ACTIVATIONS = (0.02, 0.04, 0.04, 0.06)  # medial and lateral rectus, left then right

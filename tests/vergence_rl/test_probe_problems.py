@@ -18,7 +18,7 @@ def config(seed: int = 1, **settings: Any) -> VergenceRlConfig:
     """A small agent with a state large enough to learn in a few hundred steps."""
     small = {
         "seed": seed,
-        "n_features": 2,
+        "n_bases": 1,
         "n_training_iterations": 6000,
         "state_standard_deviation": 0.5,
         "bias_input": 0.5,

@@ -40,7 +40,7 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument(
                 "params_file",
                 default_value="",
-                description="for all nodes; takes precedence over their own files",
+                description="for all nodes",
             ),
             *(SetEnvironmentVariable(name, value) for name, value in variables.items()),
             OpaqueFunction(function=_graph),
@@ -61,8 +61,7 @@ def _graph(context: LaunchContext) -> list[Node | RegisterEventHandler]:
 
 
 def _node(package: str, given: dict[str, str]) -> Node:
-    own = Path(get_package_share_directory(package)) / "config" / f"{package}.yaml"
-    parameters: list[str | dict[str, str]] = [str(own)]
+    parameters: list[str | dict[str, str]] = []
     if given["params_file"]:
         parameters.append(given["params_file"])
     if package == MANAGER and given["run_directory"]:

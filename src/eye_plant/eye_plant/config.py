@@ -9,16 +9,10 @@ from eye_plant.inverse.least_cost import CostOfVergence, cost_of_vergence
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig
 from eye_plant.turns import TurnsDeg
-from lockstep.command_space import (
-    COMMAND_SPACES,
-    LOWEST_ACTIVATIONS,
-    PAIR,
-    CommandSpace,
-    activation_limits,
-)
 from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
+from lockstep.task import TaskConfig
 
 # No machine draws more pictures in time.
 MAX_RATE_HZ = 1000
@@ -42,45 +36,29 @@ class FreeRunningConfig:
 
 
 @dataclass(frozen=True)
-class EyePlantConfig:
-    """Settings of the plant: each field's own fields are ROS parameters, mechanics.* and so on."""
+class EyesConfig:
+    """The eyes: what moves them, and their cameras with what stands before them."""
 
-    command_space: str = setting(
-        PAIR,
-        "muscles that a command moves and whose metabolic rate ground_truth has",
-        choices=tuple(COMMAND_SPACES),
-    )
-    lowest_activations: tuple[float, ...] = setting(
-        LOWEST_ACTIVATIONS,
-        "lowest activation of each command, or one for all, for the least cost",
-        least=0,
-        most=1,
-    )
     mechanics: MechanicsConfig = field(default_factory=MechanicsConfig)
     camera: CameraConfig = field(default_factory=CameraConfig)
+
+
+@dataclass(frozen=True)
+class EyePlantConfig(TaskConfig, EyesConfig):
+    """Settings of the plant: the task, the eyes, and what only the plant needs."""
+
     stimuli: StimuliConfig = field(default_factory=StimuliConfig)
     free_running: FreeRunningConfig = field(default_factory=FreeRunningConfig)
-
-    def __post_init__(self) -> None:
-        """Refuse values out of range."""
-        check_settings(self)
-        activation_limits(self.space, self.lowest_activations, (1.0,))
 
     @property
     def least_costs_of(self) -> tuple[MechanicsConfig, str, tuple[float, ...], TurnsDeg]:
         """What the least costs depend on, as cost_of_vergence takes it."""
-        limits = activation_limits(self.space, self.lowest_activations, (1.0,))
-        return self.mechanics, self.command_space, limits.lowest, self.camera.turns_deg
+        return self.mechanics, self.command_space, self.limits.lowest, self.camera.turns_deg
 
     @property
     def cost_of_vergence(self) -> CostOfVergence:
         """The least costs of these eyes."""
         return cost_of_vergence(*self.least_costs_of)
-
-    @property
-    def space(self) -> CommandSpace:
-        """The command space that was chosen."""
-        return COMMAND_SPACES[self.command_space]
 
 
 # What a run is built on: sizes and stamps of messages, the pictures, who draws them.
@@ -90,22 +68,17 @@ _FIXED = (
     "mechanics.control_period_s",
     "mechanics.moves",
     "camera.renderer",
-    "camera.texture_mipmaps",
     "camera.width_px",
     "camera.height_px",
+    "camera.focal_length_px",
     "camera.roi_width_px",
     "camera.roi_height_px",
 )
-_CHANGEABLE_PARTS = ("mechanics.", "camera.")
 
 
 def changeable_parameters() -> tuple[str, ...]:
     """Return the names of the parameters that may change between two episodes of a run."""
-    return tuple(
-        name
-        for name in flatten(EyePlantConfig())
-        if name.startswith(_CHANGEABLE_PARTS) and name not in _FIXED
-    )
+    return tuple(name for name in flatten(EyesConfig()) if name not in _FIXED)
 
 
 def changed(config: EyePlantConfig, settings: Mapping[str, Any]) -> EyePlantConfig:

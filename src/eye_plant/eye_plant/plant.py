@@ -99,7 +99,6 @@ class EyePlant:
         self._desired_deg, self._optimal_rate_w = desired_deg, optimal_rate_w
         self._held_activations = np.array(episode.activations)
         self.oculomotor.settle(self._held_activations)
-        self._start_drawing(episode)
         state = self.oculomotor.state()
         self._initial_rate_w = self._charged_rate_w(state)
         return self._observe(episode, state)
@@ -139,27 +138,16 @@ class EyePlant:
         move(activations)
         self._held_activations = activations
         self._iteration += 1
-        self._start_drawing(episode)
         return self._observe(episode, self.oculomotor.state())
-
-    def _start_drawing(self, episode: Episode) -> None:
-        """Have the pictures drawn while the state is read out; the last observation has none."""
-        if self.is_waiting:
-            self._camera.start(
-                self.oculomotor.eye_positions_m(),
-                self.oculomotor.eye_rotations(),
-                episode.stimulus,
-                episode.object_distance_m,
-            )
 
     def _observe(self, episode: Episode, state: OculomotorState) -> Observation:
         adduction_deg, elevation_deg, _ = np.degrees(state.eye_angles_rad).T.tolist()
-        rotations = self.oculomotor.eye_rotations()
+        positions_m, rotations = self.oculomotor.eye_positions_m(), self.oculomotor.eye_rotations()
         is_pair = self.config.command_space == PAIR
         # Eyes that one command turns alike have K17's errors, which are the eyes' own.
         seeing = rotations if is_pair else turned(rotations, self.config.camera.turns_deg)
         error = gaze_error(
-            self.oculomotor.eye_positions_m(),
+            positions_m,
             seeing,
             episode.object_distance_m,
             self._camera.parallax_m(episode.stimulus),
@@ -178,7 +166,11 @@ class EyePlant:
             optimal_metabolic_rate_w=self._optimal_rate_w,
             target_deg=target_place_deg(seeing[0], *target_deg) if target_deg else (0.0, 0.0),
         )
-        pictures = self._camera.finish() if self.is_waiting else None
+        pictures = None
+        if self.is_waiting:  # the last observation has none
+            pictures = self._camera.render(
+                positions_m, rotations, episode.stimulus, episode.object_distance_m
+            )
         return Observation(episode, self._iteration, pictures, state, truth)
 
     def _charged_rate_w(self, state: OculomotorState) -> float:

@@ -4,7 +4,7 @@ import numpy as np
 
 from eye_plant.camera.blur import Blur
 from eye_plant.camera.config import MUJOCO, CameraConfig
-from eye_plant.camera.opengl.mujoco_renderer import MujocoRenderer
+from eye_plant.camera.mujoco_renderer import MujocoRenderer
 from eye_plant.camera.ray_casting.plane_renderer import PlaneRenderer
 from eye_plant.camera.renderer import Renderer, View
 from eye_plant.stimuli.stimulus_set import StimulusSet
@@ -31,8 +31,7 @@ class StereoCamera:
 
         stimuli: grey pictures, and stereograms, which have one for each eye; each is stretched over
         the whole plane, row 0 on top. eye_height_m: height of the plane's and the landscape's
-        centres. Raises InputError for a picture of another kind, GraphicsError when this machine
-        cannot draw.
+        centres. Raises InputError for a picture of another kind.
         """
         textures = list(stimuli.all)
         self._i_textures = [(i, i) for i in range(len(textures))]
@@ -52,10 +51,7 @@ class StereoCamera:
         self._take_settings_of(config)
 
     def reconfigure(self, config: CameraConfig) -> None:
-        """Take other settings, of the same renderer and size of pictures; the stimuli stay.
-
-        Raises GraphicsError, having changed nothing, when this machine cannot draw them.
-        """
+        """Take other settings, of the same renderer and size of pictures; the stimuli stay."""
         self._renderer.reconfigure(config)
         self._take_settings_of(config)
 
@@ -78,35 +74,17 @@ class StereoCamera:
         i_stimulus: int,
         distance_m: float,
     ) -> np.ndarray:
-        """Return both eyes' pictures: `start` and `finish`, with nothing in between."""
-        self.start(eye_positions_m, eye_rotations, i_stimulus, distance_m)
-        return self.finish()
-
-    def start(
-        self,
-        eye_positions_m: np.ndarray,
-        eye_rotations: np.ndarray,
-        i_stimulus: int,
-        distance_m: float,
-    ) -> None:
-        """Begin to draw; a renderer may go on in other threads or in hardware.
+        """Return both eyes' pictures, (2, roi_height, roi_width) uint8, left first, row 0 on top.
 
         eye_positions_m (2, 3): the eyes' centres; eye_rotations (2, 3, 3): columns are the eyes'
         x (line of sight), y (left) and z (up) axes in world coordinates, so yaw, pitch and torsion
-        all count; i_stimulus, distance_m: as `check` takes them. Raises InputError, with nothing
-        drawn, for those.
+        all count; i_stimulus, distance_m: as `check` takes them. The array is the caller's own.
+        Raises InputError for a view that `check` refuses, and when MuJoCo's renderer lacks OpenGL.
         """
         self.check(i_stimulus, distance_m)
         rotations = turned(eye_rotations, self._config.turns_deg)
         view = View(eye_positions_m, rotations, self._i_textures[i_stimulus], distance_m)
-        self._renderer.start(view)
-
-    def finish(self) -> np.ndarray:
-        """Return the pictures that were started, (2, roi_height, roi_width) uint8.
-
-        Left first, row 0 on top; the array is the caller's own.
-        """
-        return self._manipulated(self._renderer.finish())
+        return self._manipulated(self._renderer.draw(view))
 
     def check(self, i_stimulus: int, distance_m: float) -> None:
         """Raise InputError unless stimulus i_stimulus can be shown at distance_m.

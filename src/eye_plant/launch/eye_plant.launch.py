@@ -40,8 +40,7 @@ def generate_launch_description() -> LaunchDescription:
 
 def _plant(context: LaunchContext) -> list[Node]:
     given = {name: LaunchConfiguration(name).perform(context) for name in _ARGUMENTS}
-    own = Path(get_package_share_directory("eye_plant")) / "config" / "eye_plant.yaml"
-    parameters: list[str | dict[str, Any]] = [str(own), {"free_running.rate_hz": RATE_HZ}]
+    parameters: list[str | dict[str, Any]] = [{"free_running.rate_hz": RATE_HZ}]
     if given["params_file"]:
         parameters.append(given["params_file"])
     if given["rate_hz"]:

@@ -65,7 +65,7 @@ def _build(config_class: type[Config], values: Mapping[str, Any], prefix: str) -
 
 
 def typed(name: str, hint: Any, value: Any) -> Any:
-    """Return value as the type of a field (an integer passes for a number, a list for a tuple).
+    """Return value as the type of a field: 1 passes for 1.0, 1e6 for 1000000, a list for a tuple.
 
     name: for the error text; hint: one of the types above. Raises InputError for another type.
     """
@@ -79,6 +79,8 @@ def typed(name: str, hint: Any, value: Any) -> Any:
             return float(value)
         except OverflowError as error:
             raise InputError(f"{name}: expected a number of 64 bits, got {value}") from error
+    if hint is int and isinstance(value, float) and value.is_integer():
+        return int(value)  # 1e6
     if type(value) is not hint:
         raise InputError(f"{name}: expected {_NAMES[hint]}, got {value!r}")
     return value

@@ -55,7 +55,7 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
         self._wanted_deg: np.ndarray | None = None
         if self._watch:
             self._gaze = VectorPublisher(self, GAZE, GAZE_NAMES)
-        if self.config.gaze.fixation_iterations:
+        if self.config.fixation_iterations:
             self.create_subscription(JointState, GAZE_TARGET, self._take_target, _TARGET_DEPTH)
 
     def inputs(self) -> Mapping[str, type]:
@@ -80,7 +80,7 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
         iteration, given_deg = 0, NOWHERE_DEG
         if self._watch:
             (iteration,) = whole_values_of(episode, ("iteration",), "episode")
-        if self.config.gaze.fixation_iterations:
+        if self.config.fixation_iterations:
             given_deg = self._given_deg(episode, phase, iteration)
         percept = perceive(
             self.learner,
@@ -116,7 +116,7 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
         given_deg = NOWHERE_DEG
         if set(TARGET_NAMES) <= set(episode.name):
             given_deg = values_of(episode, TARGET_NAMES, "episode", may_lack=True)
-        begins = iteration % self.config.gaze.fixation_iterations == 0
+        begins = iteration % self.config.fixation_iterations == 0
         if begins and phase == TRAINING and self._wanted_deg is not None:
             return self._wanted_deg
         return given_deg

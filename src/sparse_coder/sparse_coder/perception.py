@@ -34,10 +34,10 @@ class Percept:
 
 def gaze_watch(config: SparseCoderConfig) -> Fixations | Turns | None:
     """Return what follows the gaze through episodes, None where nobody asks."""
-    gaze = config.gaze
-    if gaze.fixation_iterations:
-        return Fixations(gaze.fixation_iterations, gaze.focal_length_px)
-    return Turns(gaze.focal_length_px) if gaze.measures_turns else None
+    focal_length_px = config.camera.focal_length_px
+    if config.fixation_iterations:
+        return Fixations(config.fixation_iterations, focal_length_px)
+    return Turns(focal_length_px) if config.measures_turns else None
 
 
 def perceive(

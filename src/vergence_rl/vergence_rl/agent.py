@@ -45,7 +45,13 @@ class Agent:
         self._statistics = empty_statistics(
             config.n_features + config.n_felt, config.initial_squared_deviation
         )
-        self._gaze = GazeControl(*config.limits, config.gaze) if config.gaze.learns_turns else None
+        self._gaze = (
+            GazeControl(
+                *config.limit_arrays, config.gaze, holds_gaze=config.fixation_iterations > 0
+            )
+            if config.learns_turns
+            else None
+        )
         self._pairs = np.triu_indices(config.n_muscles // config.space.n_eyes)
         # The sum of what vergence has asked for in this fixation.
         self._turned_deg = np.zeros(N_TURNS)
@@ -128,7 +134,7 @@ class Agent:
         activations = observation.activations
         is_saccade = bool(np.isfinite(target_deg).all())
         # Before, the eyes could not see how the first command moved them: nobody's visit.
-        n_before = self.config.gaze.n_before
+        n_before = self.config.n_before
         since = observation.iteration % self.config.iterations_per_fixation - n_before
         if since <= 0:
             self._turned_deg = np.zeros(N_TURNS)
@@ -151,7 +157,7 @@ class Agent:
             self._turned_deg = decision.command
             command = control.verge(activations, decision.action)
             # Turns are learned from commands with noise.
-            is_shaken = self.config.gaze.measures_turns and (since < 0 or not control.is_known)
+            is_shaken = self.config.measures_turns and (since < 0 or not control.is_known)
             if is_shaken and draw is not None:
                 command = control.shaken(command, draw)
         return dataclasses.replace(decision, command=command, action=command - activations)

@@ -5,38 +5,33 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.command_space import (
-    COMMAND_SPACES,
-    HIGHEST_ACTIVATIONS,
-    LOWEST_ACTIVATIONS,
-    CommandSpace,
-    activation_limits,
-)
-from lockstep.settings import check_settings, setting
+from lockstep.errors import InputError
+from lockstep.settings import setting
+from lockstep.task import TaskConfig
+from lockstep.wire.topics import N_SACCADES
 from vergence_rl.cacla.config import CaclaConfig
 from vergence_rl.gaze.config import GazeConfig
 from vergence_rl.gaze.eye_turns import N_TURNS
 from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.learning_rule import Task
 
+# Vergence learns from what follows the saccades.
+LEAST_FIXATION = N_SACCADES + 2
+
 
 @dataclass(frozen=True)
-class VergenceRlConfig:
+class VergenceRlConfig(TaskConfig):
     """Settings of the agent; the defaults are the published model's (K17 II).
 
     Raises InputError for a value out of range, and for an episode or limits that do not fit.
     """
 
-    seed: int = setting(1, "seed of the initial weights and of the exploration")
     learning_rule: str = setting(
         "cacla",
         "learning rule of the actor: cacla uses the TD error of a critic, as in K17; hindsight"
         " regresses on the best activations of each episode (D12)",
         choices=("cacla", "hindsight"),
     )
-    n_training_iterations: int = setting(1_000_000, "training iterations of the run", least=1)
-    iterations_per_episode: int = setting(10, "iterations of a training episode", least=1)
-    n_features: int = setting(800, "number of features of both scales", least=1)
     feature_exponent: float = setting(
         1.0, "exponent that is applied to the features before they are normalised (D15)", above=0
     )
@@ -49,21 +44,6 @@ class VergenceRlConfig:
     products_of_activations: bool = setting(
         False,
         "whether the products of two activations of one eye are entries of the state, too (D22)",
-    )
-    command_space: str = setting(
-        "pair", "muscles that a command moves", choices=tuple(COMMAND_SPACES)
-    )
-    lowest_activations: tuple[float, ...] = setting(
-        LOWEST_ACTIVATIONS,
-        "lowest activation of each command, or one for all",
-        least=0,
-        most=1,
-    )
-    highest_activations: tuple[float, ...] = setting(
-        HIGHEST_ACTIVATIONS,
-        "highest activation of each command, or one for all",
-        least=0,
-        most=1,
     )
     state_standard_deviation: float = setting(
         0.02, "standard deviation to which each entry of the state is normalised", above=0
@@ -82,15 +62,34 @@ class VergenceRlConfig:
 
     def __post_init__(self) -> None:
         """Refuse values out of range, and what the chosen rule cannot work with."""
-        check_settings(self)
-        activation_limits(self.space, self.lowest_activations, self.highest_activations)
-        self.gaze.check_fits(self.iterations_per_episode, self.command_space, self.learning_rule)
+        super().__post_init__()
+        self.check_trains()
+        if 0 < self.fixation_iterations < LEAST_FIXATION:
+            raise InputError(
+                f"fixation_iterations: expected 0, or {LEAST_FIXATION} or more, of which "
+                f"{N_SACCADES} are saccades, got {self.fixation_iterations}"
+            )
+        if self.learns_turns and self.learning_rule == "cacla":
+            raise InputError(
+                "learning_rule: expected another one than cacla with saccades or measures_turns: "
+                "its actions are changes of activation and not turns of the eyes"
+            )
         self.rule_config.check_fits(self.iterations_per_fixation, self.n_visits)
 
     @property
-    def space(self) -> CommandSpace:
-        """The command space that was chosen."""
-        return COMMAND_SPACES[self.command_space]
+    def n_features(self) -> int:
+        """Features of both scales."""
+        return 2 * self.n_bases
+
+    @property
+    def learns_turns(self) -> bool:
+        """Whether vergence is learned as turns of the eyes, in place of activations."""
+        return self.fixation_iterations > 0 or self.measures_turns
+
+    @property
+    def n_before(self) -> int:
+        """Iterations of a fixation or an episode before vergence learns from what it does."""
+        return N_SACCADES if self.fixation_iterations else int(self.measures_turns)
 
     @property
     def rule_config(self) -> CaclaConfig | HindsightConfig:
@@ -122,24 +121,23 @@ class VergenceRlConfig:
     @property
     def iterations_per_fixation(self) -> int:
         """Iterations of a fixation; without saccades an episode is one."""
-        return self.gaze.fixation_iterations or self.iterations_per_episode
+        return self.fixation_iterations or self.iterations_per_episode
 
     @property
     def n_visits(self) -> int:
         """Iterations of one picture from which a rule learns: an episode, or of a fixation."""
-        return self.iterations_per_fixation - self.gaze.n_before
+        return self.iterations_per_fixation - self.n_before
 
     @property
-    def limits(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def limit_arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Lowest and highest activation of each command, (n_muscles,)."""
-        limits = activation_limits(self.space, self.lowest_activations, self.highest_activations)
-        return np.array(limits.lowest), np.array(limits.highest)
+        return np.array(self.limits.lowest), np.array(self.limits.highest)
 
     @property
     def task(self) -> Task:
         """What a rule must know; turns of the eyes have no limits."""
-        lowest, highest = self.limits
-        if self.gaze.learns_turns:
+        lowest, highest = self.limit_arrays
+        if self.learns_turns:
             lowest, highest = np.full(N_TURNS, -np.inf), np.full(N_TURNS, np.inf)
         return Task(
             self.seed,

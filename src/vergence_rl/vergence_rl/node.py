@@ -39,7 +39,7 @@ class VergenceRlNode(LearnerNode[Agent]):
 
     def inputs(self) -> Mapping[str, type]:
         """Return features, reward and activations, and what turns of the eyes need."""
-        if not self.config.gaze.learns_turns:
+        if not self.config.learns_turns:
             return INPUTS
         return {GAZE: JointState} | INPUTS
 

@@ -40,8 +40,8 @@ def test_a_setting_said_twice_is_refused_unless_it_is_the_same() -> None:
 
 
 def test_settings_of_the_plant_alone() -> None:
-    texts = ["eye_plant.camera.left_blur_px=1e-1", "eye_plant.camera.renderer=plane"]
-    assert plant_settings(texts) == {"camera.left_blur_px": 0.1, "camera.renderer": "plane"}
+    texts = ["eyes.camera.left_blur_px=1e-1", "eyes.camera.renderer=mujoco"]
+    assert plant_settings(texts) == {"camera.left_blur_px": 0.1, "camera.renderer": "mujoco"}
     for bad in ([*texts, texts[0]], ["vergence_rl.cacla.discount=0.5"]):
         with pytest.raises(InputError, match=re.escape(f"of this test once, got '{bad[-1]}'")):
             plant_settings(bad)

@@ -66,7 +66,7 @@ def test_a_cell_that_cannot_be_keeps_all_from_starting(tmp_path, pictures, capsy
     ("edit", "error"),
     [
         ({"iterations": 400}, "iterations: the run to be resumed, DIR, has"),
-        ({"sparse_coder.n_bases": 16}, "sparse_coder.n_bases: the run to be resumed, DIR"),
+        ({"task.n_bases": 16}, "task.n_bases: the run to be resumed, DIR"),
     ],
 )
 def test_what_a_run_has_begun_with_cannot_be_edited(tmp_path, pictures, capsys, edit, error):

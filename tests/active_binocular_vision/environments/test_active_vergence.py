@@ -18,10 +18,10 @@ import active_binocular_vision.environments  # noqa: F401 (registers them)
 from active_binocular_vision.commands.command_line import arguments, request_of
 from active_binocular_vision.environments.active_vergence import VergenceEnvironment
 from experiment_manager.experiment.protocol import protocol_of
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import Configuration
-from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.state_file import write_state
 from lockstep.wire.topics import GROUND_TRUTH_NAMES
@@ -38,12 +38,12 @@ PRICE = 0.08
 # The left eye is covered in episodes 2 to 4; from 5 on the muscles are weaker.
 SCHEDULE = json.dumps(
     [
-        {"at": 20, "set": {"eye_plant.camera.left_occluded": True}},
+        {"at": 20, "set": {"eyes.camera.left_occluded": True}},
         {
             "at": 50,
             "set": {
-                "eye_plant.camera.left_occluded": False,
-                "eye_plant.mechanics.strength": [0.9] * 12,
+                "eyes.camera.left_occluded": False,
+                "eyes.mechanics.strength": [0.9] * 12,
             },
         },
     ]
@@ -56,8 +56,8 @@ def settings(pictures: Path) -> dict[str, Any]:
     return {
         "eye_plant.stimuli.directory": str(pictures),
         "eye_plant.stimuli.size_px": 64,
-        "sparse_coder.metabolic_cost_weight": PRICE,
-        "experiment_manager.protocol.n_training_iterations": 10 * N_EPISODES,
+        "task.metabolic_cost_weight": PRICE,
+        "task.n_training_iterations": 10 * N_EPISODES,
     }
 
 
@@ -79,8 +79,7 @@ def bare(settings: dict[str, Any]) -> Iterator[VergenceEnvironment]:
 
 
 def test_an_environment_needs_neither_ros_nor_reports(settings: dict[str, Any]) -> None:
-    drawn = settings | {"eye_plant.camera.renderer": "plane"}
-    make = f"gymnasium.make({IDS[1]!r}, model='M_C', settings={drawn!r}).reset(seed=1)"
+    make = f"gymnasium.make({IDS[1]!r}, model='M_C', settings={settings!r}).reset(seed=1)"
     program = (
         f"import sys, gymnasium, active_binocular_vision.environments; {make}; print(*sys.modules)"
     )
@@ -131,7 +130,7 @@ def configuration(settings: dict[str, Any]) -> Configuration:
 
 @pytest.mark.parametrize("rule", ["cacla", "hindsight"])
 def test_our_agent_learns_the_same_numbers_as_in_the_loop(settings, rule) -> None:
-    scheduled = settings | {"experiment_manager.schedule": SCHEDULE}
+    scheduled = settings | {"task.schedule": SCHEDULE}
     parameters = configuration(scheduled | {"vergence_rl.learning_rule": rule})
     loop = make_loop(parameters)
     protocol = protocol_of(parameters)
@@ -147,7 +146,7 @@ def test_our_agent_learns_the_same_numbers_as_in_the_loop(settings, rule) -> Non
     assert spec.loader is not None
     example = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(example)
-    agent = Agent(build(VergenceRlConfig, parameters["vergence_rl"]))
+    agent = Agent(config_of(VergenceRlConfig, parameters))
     environment = gymnasium.make(IDS[1], model="M_C", settings=scheduled)
     got_deg = example.train(environment, agent, N_EPISODES, seed=1)
     environment.close()
@@ -226,7 +225,7 @@ def test_options_choose_an_episode_of_the_protocol(bare: VergenceEnvironment) ->
 
 
 def test_any_episode_has_the_plant_of_its_stage_of_the_schedule(settings) -> None:
-    scheduled = settings | {"experiment_manager.schedule": SCHEDULE}
+    scheduled = settings | {"task.schedule": SCHEDULE}
     made = gymnasium.make(IDS[0], model="M_C", settings=scheduled)
 
     def is_covered(**options: int) -> list[bool]:
@@ -327,7 +326,7 @@ def test_each_muscle_has_an_action_of_its_own(settings: dict[str, Any]) -> None:
 
 
 def test_an_agent_is_told_where_the_gaze_target_is(settings: dict[str, Any]) -> None:
-    without_price = settings | {"sparse_coder.metabolic_cost_weight": 0.0}
+    without_price = settings | {"task.metabolic_cost_weight": 0.0}
     environment = gymnasium.make(IDS[1], profile="gaze", settings=without_price)
     check_env(environment.unwrapped, skip_render_check=True)
     observed, info = environment.reset(seed=1)

@@ -19,7 +19,7 @@ from active_binocular_vision.film.frames import (
     shown_part,
 )
 from active_binocular_vision.film.scenes import Scene, scenes
-from experiment_manager.bag.reader import Bag, VectorTable
+from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.writer import BagWriter
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TEST, TRAINING
@@ -37,7 +37,7 @@ def _grey(episode: int, iteration: int, side: int) -> int:
     return 40 + 50 * episode + 8 * iteration + 20 * side
 
 
-TWELVE = """/**/eye_plant:
+TWELVE = """/**:
   ros__parameters:
     command_space: all_muscles
     lowest_activations: [0.0]
@@ -53,10 +53,13 @@ def bag(tmp_path, vector_bytes, image_bytes) -> Path:
 
 OWN_TARGETS = (
     TWELVE
-    + """/**/experiment_manager:
+    + """    fixation_iterations: 6
+    iterations_per_episode: 12
+    iterations_per_trial: 12
+/**/experiment_manager:
   ros__parameters:
-    protocol.fixation_iterations: 6
-    protocol.gives_targets: false
+    test_iterations: [0]
+    gives_targets: false
 """
 )
 
@@ -110,19 +113,6 @@ def _frames_of_mp4(file: Path) -> list[np.ndarray]:
         if not there:
             return frames
         frames.append(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB))
-
-
-def test_the_muscles_are_read_once_however_many_scenes(bag, monkeypatch) -> None:
-    read: list[str] = []
-    vectors = Bag.vectors
-
-    def counted(self: Bag, *topics: str) -> dict[str, VectorTable]:
-        read.extend(topics)
-        return vectors(self, *topics)
-
-    monkeypatch.setattr(Bag, "vectors", counted)
-    assert len(scenes(Bag(bag))) == 3
-    assert read.count("muscle_activations") == 1
 
 
 # Ten iterations of each of three scenes; each ends with four periods of its last.

@@ -130,7 +130,7 @@ def test_clock_and_diagnostics_may_repeat_their_stamps(tmp_path, messages) -> No
         for stamp_ns in (7, 7, 3):
             assert writer.write("/clock", b"\0\1\0\0" + bytes(8), stamp_ns)
             assert writer.write("/diagnostics", b"\0\1\0\0" + bytes(16), stamp_ns)
-    summary = McapFile.open(tmp_path / "bag" / "bag_0.mcap").summary()
+    summary = McapFile(tmp_path / "bag" / "bag_0.mcap").summary()
     assert summary.message_counts["/clock"] == 3
     assert (summary.start_ns, summary.end_ns) == (3, 7)
 

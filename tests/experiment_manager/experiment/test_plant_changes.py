@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
@@ -17,13 +19,13 @@ from lockstep.wire.topics import TEST, TRAINING
 from tests.pair import pair_activations
 
 PATCHING = """
-- {at: 40, set: {eye_plant.camera.left_occluded: true}}
-- {at: 80, set: {eye_plant.camera.left_occluded: false, eye_plant.mechanics.baseline_m: 0.06}}
+- {at: 40, set: {eyes.camera.left_occluded: true}}
+- {at: 80, set: {eyes.camera.left_occluded: false, eyes.mechanics.baseline_m: 0.06}}
 """
 
 
 def entry(at=10, **settings):
-    return {"at": at, "set": settings or {"eye_plant.camera.left_blur_px": 1.0}}
+    return {"at": at, "set": settings or {"eyes.camera.left_blur_px": 1.0}}
 
 
 def test_a_change_holds_for_the_episodes_that_begin_at_its_iteration_or_later():
@@ -50,20 +52,20 @@ def test_later_changes_add_to_earlier_ones():
 
 def test_a_change_is_told_as_numbers():
     first, second = read_schedule(PATCHING).changes
-    assert first.numbers() == {"eye_plant.camera.left_occluded": 1.0}
+    assert first.numbers() == {"eyes.camera.left_occluded": 1.0}
     assert second.numbers() == {
-        "eye_plant.camera.left_occluded": 0.0,
-        "eye_plant.mechanics.baseline_m": 0.06,
+        "eyes.camera.left_occluded": 0.0,
+        "eyes.mechanics.baseline_m": 0.06,
     }
 
 
 def test_each_entry_of_a_list_has_a_name():
     weak = [1.0] * N_MUSCLES
     weak[7] = 0.4
-    schedule = parse_schedule([entry(**{"eye_plant.mechanics.strength": weak})])
+    schedule = parse_schedule([entry(**{"eyes.mechanics.strength": weak})])
     told = schedule.changes[0].numbers()
-    assert list(told) == [f"eye_plant.mechanics.strength[{i}]" for i in range(N_MUSCLES)]
-    assert told["eye_plant.mechanics.strength[7]"] == 0.4
+    assert list(told) == [f"eyes.mechanics.strength[{i}]" for i in range(N_MUSCLES)]
+    assert told["eyes.mechanics.strength[7]"] == 0.4
 
 
 def test_a_schedule_comes_back_from_its_text():
@@ -85,15 +87,14 @@ def test_a_schedule_comes_back_from_its_text():
         ([entry(20), entry(20)], "expected increasing iterations, got 20 after 20"),
         (
             [entry(**{"eye_plant.camera.left_blurr_px": 1.0})],
-            "at 10: .*got 'eye_plant.camera.left_blurr_px'; did you mean "
-            "eye_plant.camera.left_blur_px",
+            "at 10: .*got 'eye_plant.camera.left_blurr_px'; did you mean eyes.camera.left_blur_px",
         ),
         (
             [entry(**{"vergence_rl.cacla.discount": 0.1})],
-            "a parameter of the plant that may change",
+            "a setting of the eyes that may change",
         ),
-        ([entry(**{"eye_plant.camera.width_px": 64})], "got 'eye_plant.camera.width_px'"),
-        ([entry(**{"eye_plant.mechanics.parameter_set": "k17"})], "that may change"),
+        ([entry(**{"eyes.camera.width_px": 64})], "got 'eyes.camera.width_px'"),
+        ([entry(**{"eyes.mechanics.parameter_set": "k17"})], "that may change"),
     ],
 )
 def test_what_is_no_schedule_is_refused(entries, message):
@@ -102,23 +103,22 @@ def test_what_is_no_schedule_is_refused(entries, message):
 
 
 def test_text_that_is_no_yaml_is_refused():
-    with pytest.raises(InputError, match="schedule: expected YAML or JSON"):
+    with pytest.raises(InputError, match="schedule: expected YAML"):
         read_schedule("[{at: 10")
 
 
 @pytest.mark.parametrize(
     ("schedule", "message"),
     [
-        ("[{at: 45, set: {eye_plant.camera.left_blur_px: 1.0}}]", "a multiple of 10 .* got 45"),
-        ("[{at: 100, set: {eye_plant.camera.left_blur_px: 1.0}}]", "below 100 .* got 100"),
-        ("[{at: 50, set: {eye_plant.camera.left_blur_px: -1.0}}]", "at 50: .*left_blur_px"),
-        ("[{at: 50, set: {eye_plant.camera.left_blur_px: thick}}]", "at 50: .*got 'thick'"),
+        ("[{at: 45, set: {eyes.camera.left_blur_px: 1.0}}]", "a multiple of 10 .* got 45"),
+        ("[{at: 100, set: {eyes.camera.left_blur_px: 1.0}}]", "below 100 .* got 100"),
+        ("[{at: 50, set: {eyes.camera.left_blur_px: -1.0}}]", "at 50: .*left_blur_px"),
+        ("[{at: 50, set: {eyes.camera.left_blur_px: thick}}]", "at 50: .*got 'thick'"),
     ],
 )
 def test_a_schedule_that_the_run_or_the_plant_cannot_keep_is_refused(schedule, message):
-    protocol = ProtocolConfig(n_training_iterations=100)
     with pytest.raises(InputError, match=message):
-        ExperimentManagerConfig(protocol=protocol, schedule=schedule)
+        ExperimentManagerConfig(n_training_iterations=100, schedule=schedule)
 
 
 def protocol_with_changes(*ats):
@@ -166,12 +166,11 @@ def test_stages_change_neither_numbers_nor_draws_of_episodes():
 
 
 def test_the_run_draws_activations_for_the_mechanics_in_force():
-    changed = "[{at: 50, set: {eye_plant.mechanics.rest_adduction_deg: [0.0, 3.0]}}]"
-    small = ProtocolConfig(n_training_iterations=100, test_iterations=(0,), n_stimuli_per_test=1)
-    plain, staged = (
-        make_protocol(ExperimentManagerConfig(protocol=small, schedule=schedule))
-        for schedule in ("", changed)
+    changed = "[{at: 50, set: {eyes.mechanics.rest_adduction_deg: [0.0, 3.0]}}]"
+    small = ExperimentManagerConfig(
+        n_training_iterations=100, test_iterations=(0,), n_stimuli_per_test=1
     )
+    plain, staged = (make_protocol(replace(small, schedule=schedule)) for schedule in ("", changed))
     before, after = plain.n_trials + 4, plain.n_trials + 5
     assert plain.episode(before) == staged.episode(before)
     assert plain.episode(after) != staged.episode(after)

@@ -237,10 +237,10 @@ def test_numbers_that_make_no_experiment(settings: dict[str, Any], message: str)
 
 
 def test_the_trials_that_are_left() -> None:
-    config = ProtocolConfig(
+    config = ExperimentManagerConfig(
         n_training_iterations=20, test_iterations=(0,), n_stimuli_per_test=1, n_test_stimuli=1
     )
-    protocol = make_protocol(ExperimentManagerConfig(protocol=config))
+    protocol = make_protocol(config)
     # 39 trials, two training episodes, 39 trials.
     assert [protocol.trials_from(place) for place in (0, 1, 39, 41, 42, 80)] == [
         *(78, 77, 39, 39, 38, 0)

@@ -11,13 +11,13 @@ from lockstep.command_space import MUSCLE_NAMES
 from lockstep.errors import InputError
 from tests.command_lines import configured
 
-_PROTOCOL = "experiment_manager.protocol"
+_PROTOCOL = "experiment_manager"
 
 
 def _strength(**changed: float) -> str:
     assert set(changed) <= set(MUSCLE_NAMES)
     values = [changed.get(name, 1.0) for name in MUSCLE_NAMES]
-    return f"eye_plant.mechanics.strength={values}"
+    return f"eyes.mechanics.strength={values}"
 
 
 def _check(*settings: str, profile: str = "paper") -> None:
@@ -43,9 +43,9 @@ def test_a_paralysed_muscle_is_allowed_where_the_protocol_can_be_met() -> None:
             (f"{_PROTOCOL}.test_distances_m=[0.2, 1.0]",),
             r"converge by 0\.32 to 10\.72 deg, got 15\.\d\d deg",
         ),
-        (("vergence_rl.highest_activations=[0.02]",), r"reach an elevation of 5\.00 deg with a"),
+        (("task.highest_activations=[0.02]",), r"reach an elevation of 5\.00 deg with a"),
         (
-            ("vergence_rl.highest_activations=[0.01]",),
+            ("task.highest_activations=[0.01]",),
             r"^mechanics: expected muscles that reach a torsional error of -4\.00 deg with a",
         ),
         (
@@ -55,7 +55,7 @@ def test_a_paralysed_muscle_is_allowed_where_the_protocol_can_be_met() -> None:
         (
             (
                 f"{_PROTOCOL}.start_version_deg=[13.9, 0.0]",
-                "vergence_rl.highest_activations=[0.03]",
+                "task.highest_activations=[0.03]",
             ),
             r"reach a version of -13\.90 deg with a horizontal error of -3\.00, a vertical ",
         ),
@@ -67,7 +67,7 @@ def test_what_own_commands_cannot_meet_is_refused(settings: tuple[str, ...], mes
 
 
 def test_anatomical_eyes_meet_the_protocol() -> None:
-    _check("eye_plant.mechanics.parameter_set=anatomical")
+    _check("eyes.mechanics.parameter_set=anatomical")
 
 
 @pytest.mark.parametrize(
@@ -83,17 +83,17 @@ def test_anatomical_eyes_meet_the_protocol() -> None:
             r"these reach -\d\.\d\d to 0\.96 deg",
         ),
         (
-            ("vergence_rl.highest_activations=[0.05, 0.1]",),
+            ("task.highest_activations=[0.05, 0.1]",),
             r"with medial activations in \[0\.0, 0\.05\] and lateral ones in \[0\.0, 0\.1\]",
         ),
         (
-            ("eye_plant.mechanics.rest_adduction_deg=[25.0, -25.0]",),
+            ("eyes.mechanics.rest_adduction_deg=[25.0, -25.0]",),
             r"they look 2\d\.\d deg to the right",
         ),
         (
             (
-                "eye_plant.mechanics.parameter_set=anatomical",
-                "vergence_rl.highest_activations=[0.6]",
+                "eyes.mechanics.parameter_set=anatomical",
+                "task.highest_activations=[0.6]",
             ),
             r"expected muscles with one equilibrium for each pair of activations",
         ),
@@ -108,9 +108,7 @@ def test_what_cannot_be_met_is_refused_with_the_limits(settings, message) -> Non
 def test_pairs_between_the_tested_vergences_must_have_one_rest_too() -> None:
     # At all distances of the protocol these do, but not at all vergences between those.
     with pytest.raises(InputError, match=r"^mechanics: expected muscles with one equilibrium"):
-        _check(
-            "eye_plant.mechanics.parameter_set=anatomical", "vergence_rl.highest_activations=[0.35]"
-        )
+        _check("eyes.mechanics.parameter_set=anatomical", "task.highest_activations=[0.35]")
 
 
 def test_a_run_with_a_paralysed_muscle_measures_each_eye(pictures: Path, tmp_path: Path) -> None:
@@ -128,17 +126,17 @@ def test_a_run_with_a_paralysed_muscle_measures_each_eye(pictures: Path, tmp_pat
 
 def test_the_eyes_of_each_stage_must_meet_the_protocol() -> None:
     weak = [0.0 if name == "right_medial_rectus" else 1.0 for name in MUSCLE_NAMES]
-    change = f"[{{at: 100, set: {{eye_plant.mechanics.strength: {weak}}}}}]"
+    change = f"[{{at: 100, set: {{eyes.mechanics.strength: {weak}}}}}]"
     with pytest.raises(
         InputError, match="schedule, at 100: mechanics: expected muscles that reach"
     ):
-        _check(f"experiment_manager.schedule={change}")
-    _check(f"experiment_manager.schedule={change}", f"{_PROTOCOL}.least_start_error_deg=-2")
+        _check(f"task.schedule={change}")
+    _check(f"task.schedule={change}", f"{_PROTOCOL}.least_start_error_deg=-2")
 
 
 def _eyes_of(baseline_m: float, at: int) -> str:
-    change = f"[{{at: {at}, set: {{eye_plant.mechanics.baseline_m: {baseline_m}}}}}]"
-    return f"experiment_manager.schedule={change}"
+    change = f"[{{at: {at}, set: {{eyes.mechanics.baseline_m: {baseline_m}}}}}]"
+    return f"task.schedule={change}"
 
 
 def test_the_trials_that_are_made_are_checked_not_those_of_another_baseline() -> None:
@@ -147,7 +145,7 @@ def test_the_trials_that_are_made_are_checked_not_those_of_another_baseline() ->
     # At 0.5 m eyes 56 mm apart converge by 6.41 deg, and the tests begin with errors up to 6 deg.
     # With 70.5 mm it is 8.07 deg. A trial that begins with 8 deg would ask for 0.07 deg, but those
     # of 56 mm ask for 0.41 deg at least; lateral recti up to 0.008 give 0.32 deg.
-    only_near.append("vergence_rl.highest_activations=[0.2, 0.008]")
+    only_near.append("task.highest_activations=[0.2, 0.008]")
     _check(*only_near, _eyes_of(0.0705, 100))
     # With 30 mm it is 3.44 deg: -2.56 deg at the start of a trial of 6 deg.
     with pytest.raises(InputError, match=r"schedule, at 100: .* from -2\.56 to "):

@@ -1,6 +1,7 @@
 """How episodes begin where each muscle has a command, and what saccades go to: within ranges."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from experiment_manager.experiment.starts import (
     drawn_targets_deg,
     gaze_inverse,
 )
-from eye_plant.camera.config import CameraTurns
+from eye_plant.camera.config import CameraConfig
 from eye_plant.inverse.gaze import GAZE_ANGLES
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI
@@ -26,9 +27,9 @@ MECHANICS = MechanicsConfig(parameter_set="anatomical")
 LARGEST_DEG = {"horizontal": 3, "vertical": 1.5, "torsional": 4, "version": 5, "elevation": 5}
 
 
-def _config(space: str = ALL_MUSCLES) -> ProtocolConfig:
-    return ProtocolConfig(
-        command_space=space, lowest_activations=(0.0,), highest_activations=(0.2,)
+def _config(space: str = ALL_MUSCLES, **settings: Any) -> ExperimentManagerConfig:
+    return ExperimentManagerConfig(
+        command_space=space, lowest_activations=(0.0,), highest_activations=(0.2,), **settings
     )
 
 
@@ -61,12 +62,13 @@ def test_a_test_has_the_same_starts_for_all_seeds_and_pictures() -> None:
 
 
 def test_eyes_behind_a_prism_begin_with_the_errors_that_they_see() -> None:
-    config = ExperimentManagerConfig(
-        schedule="[{at: 10, set: {eye_plant.camera.right_rotation_deg: -5.0}}]",
-        protocol=replace(_config(), n_training_iterations=20, test_iterations=(0,)),
+    config = _config(
+        schedule="[{at: 10, set: {eyes.camera.right_rotation_deg: -5.0}}]",
+        n_training_iterations=20,
+        test_iterations=(0,),
         mechanics=MECHANICS,
     )
-    sequence, inverse = make_protocol(config), gaze_inverse(config.protocol, MECHANICS)
+    sequence, inverse = make_protocol(config), gaze_inverse(config, MECHANICS)
     first, last = (sequence.episode(sequence.place_after(n)) for n in (0, 20))
     assert (first.phase, last.phase) == (TEST, TEST)
     eyes_deg = [
@@ -77,7 +79,7 @@ def test_eyes_behind_a_prism_begin_with_the_errors_that_they_see() -> None:
     assert eyes_deg[1][1:] == pytest.approx(eyes_deg[0][1:], abs=0.2)
 
     # The same where the cameras are turned from the start.
-    turned = replace(config, schedule="", camera=CameraTurns(right_rotation_deg=-5.0))
+    turned = replace(config, schedule="", camera=CameraConfig(right_rotation_deg=-5.0))
     assert make_protocol(turned).episode(0).activations == last.activations
 
 

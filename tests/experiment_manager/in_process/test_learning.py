@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.in_process.loop import make_loop
 from eye_plant.stimuli.noise import octaves_noise
@@ -16,15 +16,13 @@ N_ITERATIONS = 3000
 SEED = 1
 # A small problem: few basis functions that learn fast, one distance, and an actor in a hurry.
 PARAMETERS: dict[str, dict[str, Any]] = {
-    "eye_plant": {
-        "camera.renderer": "plane",
+    "task": {"n_training_iterations": N_ITERATIONS, "n_bases": 64},
+    "eyes": {
         "camera.roi_width_px": 130,
         "camera.roi_height_px": 130,
     },
-    "sparse_coder": {"n_bases": 64, "learning_rate": 2.0},
+    "sparse_coder": {"learning_rate": 2.0},
     "vergence_rl": {
-        "n_training_iterations": N_ITERATIONS,
-        "n_features": 128,
         "feature_exponent": 0.5,
         "cacla.output_initial_width": 0.2,
         "cacla.actor_learning_rate": 1.0,
@@ -39,7 +37,8 @@ def _pictures(n_pictures: int) -> tuple[np.ndarray, ...]:
 
 
 def _protocol() -> Protocol:
-    protocol = ProtocolConfig(
+    config = ExperimentManagerConfig(
+        seed=SEED,
         n_training_iterations=N_ITERATIONS,
         test_iterations=(N_ITERATIONS,),
         n_training_stimuli=3,
@@ -47,7 +46,7 @@ def _protocol() -> Protocol:
         n_stimuli_per_test=1,
         object_distance_m=(1.0, 1.0),
     )
-    return make_protocol(ExperimentManagerConfig(seed=SEED, protocol=protocol))
+    return make_protocol(config)
 
 
 @pytest.fixture(scope="module")

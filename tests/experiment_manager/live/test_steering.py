@@ -15,7 +15,6 @@ from sensor_msgs.msg import Image, JointState
 from experiment_manager.live.node import LiveViewNode
 from experiment_manager.live.page import Page
 from experiment_manager.live.steering import Steering
-from experiment_manager.live.view import open_server
 from lockstep.errors import InputError
 from lockstep.wire.topics import GAZE_TARGET, PICTURES, TARGET_NAMES
 from tests.foxglove_client import FoxgloveClient
@@ -82,7 +81,7 @@ def test_a_message_that_is_no_target_is_one_error(steering: Steering, message: b
     assert steering.take() is None
 
 
-def _page(steering: Steering | None) -> tuple[Page, str]:
+def _page(steering: Steering) -> tuple[Page, str]:
     page = Page("127.0.0.1", 0, "ws://127.0.0.1:1", steering)
     return page, f"http://127.0.0.1:{page.port}"
 
@@ -117,22 +116,6 @@ def test_before_the_first_picture_there_is_nothing_to_click_in() -> None:
     with pytest.raises(HTTPError, match="400"):
         _click(address, "column_px=1&row_px=1")
     page.close()
-
-
-def test_a_page_without_steering_has_no_picture() -> None:
-    page, address = _page(None)
-    with urllib.request.urlopen(f"{address}/") as answer:
-        assert "left.png" not in answer.read().decode()
-    with pytest.raises(HTTPError, match="404"):
-        _click(address, "column_px=1&row_px=1")
-    page.close()
-
-
-def test_a_server_without_anything_to_steer_takes_no_messages() -> None:
-    server = open_server("test", "127.0.0.1", 0)
-    with FoxgloveClient(server.port) as client:
-        assert "clientPublish" not in client.server["capabilities"]
-    server.close()
 
 
 def test_a_viewer_and_the_page_steer_through_the_real_node(

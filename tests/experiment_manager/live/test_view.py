@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from active_binocular_vision.film.play import play
-from experiment_manager.bag.writer import BagWriter
 from experiment_manager.live import server as server_module
 from experiment_manager.live.page import LAYOUT, Page
 from experiment_manager.live.server import ViewServer, why_unavailable
@@ -57,7 +55,7 @@ NAMES = {
 @pytest.fixture
 def server() -> Iterator[ViewServer]:
     """Return a server on a free port."""
-    server = open_server("test", "127.0.0.1", 0)
+    server = open_server("127.0.0.1", 0, print)
     yield server
     server.close()
 
@@ -105,12 +103,11 @@ def test_what_is_watched_is_sent_as_it_is_and_made_into_pictures(server, vector_
 
 def test_nothing_is_made_or_sent_of_what_nobody_watches(server, image_bytes) -> None:
     view = View(server, n_selections=10)
-    assert not view.is_watched()
     assert view.wanted_topics() == {"ground_truth"}
     view.show({topic: image_bytes(_picture(1), 7) for topic in PICTURES})
     with FoxgloveClient(server.port) as client:
         client.subscribe([f"/{RECONSTRUCTIONS[1]}"])
-        while not view.is_watched():
+        while not server.is_watched(RECONSTRUCTIONS[1]):
             pass
         assert view.wanted_topics() == {"ground_truth", *PICTURES, BASIS_FUNCTIONS}
 
@@ -150,24 +147,11 @@ def test_compared_shows_the_input_above_the_reconstruction() -> None:
     np.testing.assert_array_equal(picture, expected)
 
 
-def test_a_bag_with_a_broken_configuration_has_a_coder_of_the_default_size(tmp_path, vector_bytes):
-    vector = "sensor_msgs/msg/JointState"
-    with BagWriter(
-        tmp_path / "bag", {"ground_truth": vector}, {}, configuration="sparse_coder: [1"
-    ) as writer:
-        truth = vector_bytes(GROUND_TRUTH_NAMES, (0.0,) * len(GROUND_TRUTH_NAMES), 0)
-        writer.write("ground_truth", truth, 0)
-        writer.commit()
-    # The configuration is read before the pictures are looked for.
-    with pytest.raises(InputError, match="expected pictures of both eyes, it has none"):
-        play(tmp_path / "bag", "127.0.0.1", 0, 1.0)
-
-
 def test_a_port_in_use_is_one_error(server: ViewServer) -> None:
     with pytest.raises(InputError, match=rf"cannot listen on 127.0.0.1:{server.port}.*in use"):
-        open_server("another", "127.0.0.1", server.port)
+        open_server("127.0.0.1", server.port, print)
     with pytest.raises(InputError, match=rf"cannot listen on 127.0.0.1:{server.port}"):
-        Page("127.0.0.1", server.port, "ws://127.0.0.1:1")
+        Page("127.0.0.1", server.port, "ws://127.0.0.1:1", Steering(1.0))
 
 
 def test_without_the_sdk_the_command_that_installs_it_is_told(monkeypatch) -> None:
@@ -176,11 +160,11 @@ def test_without_the_sdk_the_command_that_installs_it_is_told(monkeypatch) -> No
     assert command.startswith(".venv/bin/python -m pip install --require-hashes -r ")
     assert "foxglove-sdk==" in Path(command.split()[-1]).read_text()
     with pytest.raises(InputError, match="needs foxglove-sdk"):
-        open_server("test", "127.0.0.1", 0)
+        open_server("127.0.0.1", 0, print)
 
 
 def test_the_page_has_links_to_open_the_view_and_serves_the_layout() -> None:
-    page = Page("127.0.0.1", 0, "ws://127.0.0.1:8765")
+    page = Page("127.0.0.1", 0, "ws://127.0.0.1:8765", Steering(1.0))
     address = f"http://127.0.0.1:{page.port}"
     with urllib.request.urlopen(f"{address}/") as answer:
         text = answer.read().decode()

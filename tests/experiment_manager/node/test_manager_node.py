@@ -32,11 +32,11 @@ from tests.experiment_manager.scripted_graph import (
 from tests.node_harness import Graph, ros_graph
 
 SMALL: dict[str, Any] = {
-    "protocol__n_training_iterations": 20,
-    "protocol__test_iterations": [0],
-    "protocol__test_distances_m": [6.0],
-    "protocol__least_start_error_deg": 0,
-    "protocol__n_stimuli_per_test": 1,
+    "n_training_iterations": 20,
+    "test_iterations": [0],
+    "test_distances_m": [6.0],
+    "least_start_error_deg": 0,
+    "n_stimuli_per_test": 1,
 }
 # A trial, two training episodes, the trial again.
 N_OBSERVATIONS = 21 + 2 * 11 + 21

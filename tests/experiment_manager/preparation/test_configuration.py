@@ -8,28 +8,17 @@ import yaml
 
 from active_binocular_vision.commands.command_line import arguments
 from active_binocular_vision.commands.run_experiment import main as run_experiment
-from experiment_manager.experiment.agreements import AGREEMENTS, by_key, check_agreements
 from experiment_manager.experiment.plant_changes import read_schedule
-from experiment_manager.run.config_file import (
-    CONFIG_CLASSES,
-    configuration_text,
-    read_configuration,
-)
-from lockstep.configuration import flatten
+from experiment_manager.experiment.sections import CONFIG_CLASSES, DEFAULTS, config_of
+from experiment_manager.run.config_file import configuration_text, read_configuration
 from lockstep.errors import InputError
 from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
 from tests.command_lines import configured
 
-_PROTOCOL = "experiment_manager.protocol"
-
 
 def test_the_papers_profile_is_the_defaults() -> None:
-    configuration = configured("--profile", "paper")
-    for node, config_class in CONFIG_CLASSES.items():
-        expected = flatten(config_class())
-        if node == "experiment_manager":
-            expected |= {"commit": "0123abc", "profile": "paper"}
-        assert configuration[node] == expected
+    manager = DEFAULTS["experiment_manager"] | {"commit": "0123abc", "profile": "paper"}
+    assert configured("--profile", "paper") == DEFAULTS | {"experiment_manager": manager}
 
 
 def test_a_model_or_a_number_of_iterations_asks_for_the_paper() -> None:
@@ -48,12 +37,12 @@ def test_the_demonstration_differs_in_named_settings_alone() -> None:
         if demonstration[node][name] != value
     }
     assert {
-        "experiment_manager.protocol.n_training_iterations",
-        "experiment_manager.protocol.test_iterations",
+        "task.n_training_iterations",
+        "experiment_manager.test_iterations",
     } <= differing
     # What the plant is and what the coder learns with stay the paper's.
-    assert not any(name.startswith("eye_plant.mechanics") for name in differing)
-    assert demonstration["experiment_manager"]["protocol.n_stimuli_per_test"] >= 8
+    assert not any(name.startswith("eyes.mechanics") for name in differing)
+    assert demonstration["experiment_manager"]["n_stimuli_per_test"] >= 8
 
 
 @pytest.mark.parametrize(
@@ -64,24 +53,22 @@ def test_the_demonstration_differs_in_named_settings_alone() -> None:
         (("--model", "M"), 0.0),
         (("--model", "M_C"), DEFAULT_METABOLIC_COST_WEIGHTS["k17"]),
         (
-            ("--model", "M_C", "--set", "eye_plant.mechanics.parameter_set=anatomical"),
+            ("--model", "M_C", "--set", "eyes.mechanics.parameter_set=anatomical"),
             DEFAULT_METABOLIC_COST_WEIGHTS["anatomical"],
         ),
-        (("--model", "M_C", "--set", "sparse_coder.metabolic_cost_weight=0.05"), 0.05),
+        (("--model", "M_C", "--set", "task.metabolic_cost_weight=0.05"), 0.05),
         (("--model", "M_C", "--lambda", "0.035"), 0.035),
         (("--model", "M", "--lambda", "0"), 0.0),
     ],
 )
 def test_the_price_of_energy(line: tuple[str, ...], expected: float) -> None:
-    configuration = configured(*line)
-    assert configuration["sparse_coder"]["metabolic_cost_weight"] == expected
-    assert configuration["experiment_manager"]["metabolic_cost_weight"] == expected
+    assert configured(*line)["task"]["metabolic_cost_weight"] == expected
 
 
 def test_the_seed_goes_to_all_who_draw_and_not_to_the_stimuli() -> None:
     one, two = configured("--seed", "1"), configured("--seed", "2")
-    for node in ("sparse_coder", "vergence_rl", "experiment_manager"):
-        assert (one[node]["seed"], two[node]["seed"]) == (1, 2)
+    for config_class in CONFIG_CLASSES.values():
+        assert [config_of(config_class, each).seed for each in (one, two)] == [1, 2]
     assert one["eye_plant"] == two["eye_plant"]
 
 
@@ -89,62 +76,24 @@ def test_a_directory_of_pictures_gives_the_numbers(pictures: Path) -> None:
     configuration = configured("--stimuli", str(pictures))
     manager = configuration["experiment_manager"]
     assert configuration["eye_plant"]["stimuli.directory"] == str(pictures.resolve())
-    assert manager["protocol.n_training_stimuli"] == 3
-    assert manager["protocol.n_test_stimuli"] == manager["protocol.n_stimuli_per_test"] == 2
-
-
-def test_what_two_nodes_must_know_agrees_by_default() -> None:
-    configuration = {n: flatten(c()) for n, c in CONFIG_CLASSES.items()}
-    check_agreements(configuration)
-    # Parameters that are not there are not asked.
-    assert {key for a in AGREEMENTS for key in (a.first, a.second)} <= by_key(configuration).keys()
+    assert manager["n_training_stimuli"] == 3
+    assert manager["n_test_stimuli"] == manager["n_stimuli_per_test"] == 2
 
 
 @pytest.mark.parametrize(
-    ("setting", "partner"),
+    ("setting", "expected"),
     [
-        ("sparse_coder.n_bases=100", "vergence_rl.n_features=200"),
-        ("vergence_rl.n_features=200", "sparse_coder.n_bases=100"),
-        ("vergence_rl.lowest_activations=[0.01]", f"{_PROTOCOL}.lowest_activations=[0.01]"),
-        (f"{_PROTOCOL}.highest_activations=[0.2]", "vergence_rl.highest_activations=[0.2]"),
-        (f"{_PROTOCOL}.n_training_iterations=500", "vergence_rl.n_training_iterations=500"),
-        ("vergence_rl.n_training_iterations=500", f"{_PROTOCOL}.n_training_iterations=500"),
-        ("experiment_manager.mechanics.baseline_m=0.06", "eye_plant.mechanics.baseline_m=0.06"),
+        ("task.n_training_iterations=1e6", 1_000_000),
+        ("vergence_rl.cacla.discount=1e-5", 1e-5),
+        ("task.lowest_activations=[1e-3, 0]", [0.001, 0.0]),
+        ("eyes.camera.left_occluded=true", True),
+        ('experiment_manager.run_id="2024"', "2024"),
+        ("experiment_manager.run_id=2024-01-01", "2024-01-01"),
     ],
 )
-def test_what_two_nodes_must_know_is_said_to_either(setting: str, partner: str) -> None:
-    one = configured("--set", setting, "--tests", "0")
-    assert one == configured("--set", partner, "--tests", "0")
-    assert one == configured("--set", setting, "--set", partner, "--tests", "0")
-    (node, _, name), value = partner.partition("=")[0].partition("."), partner.partition("=")[2]
-    assert one[node][name] == yaml.safe_load(value)
-
-
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        (
-            ("sparse_coder.n_bases=100", "vergence_rl.n_features=300"),
-            "vergence_rl.n_features: expected 2 times sparse_coder.n_bases, which is 100, got 300",
-        ),
-        (
-            ("vergence_rl.n_features=301",),
-            "vergence_rl.n_features: expected 2 times sparse_coder.n_bases, got 301",
-        ),
-        (
-            ("vergence_rl.n_training_iterations=500", f"{_PROTOCOL}.n_training_iterations=1000"),
-            f"expected {_PROTOCOL}.n_training_iterations, which is 1000, got 500",
-        ),
-        (
-            ("eye_plant.mechanics.baseline_m=0.06", "experiment_manager.mechanics.baseline_m=0.05"),
-            "expected eye_plant.mechanics.baseline_m, which is 0.06, got 0.05",
-        ),
-    ],
-)
-def test_what_two_nodes_must_know_is_not_said_in_two_ways(settings, message) -> None:
-    line = [word for setting in settings for word in ("--set", setting)]
-    with pytest.raises(InputError, match=re.escape(message)):
-        configured("--tests", "0", *line)
+def test_values_are_read_as_yaml_1_2(setting: str, expected: object) -> None:
+    section, _, name = setting.partition("=")[0].partition(".")
+    assert configured("--set", setting, "--tests", "0")[section][name] == expected
 
 
 @pytest.mark.parametrize(
@@ -157,7 +106,7 @@ def test_what_two_nodes_must_know_is_not_said_in_two_ways(settings, message) -> 
             ("--seed", str(2**63)),
             "--seed: expected a whole number from -9223372036854775808 to 9223372036854775807, got",
         ),
-        (("--set", "sparse_coder.n_bases=0"), "sparse_coder: n_bases: expected 1 or more, got 0"),
+        (("--set", "task.n_bases=0"), "n_bases: expected 1 or more, got 0"),
         (("--set", "experiment_manager.gap_s=0"), "gap_s: expected more than 0 s, got 0.0"),
         (
             ("--iterations", "1000", "--tests", "0,5000"),
@@ -172,28 +121,32 @@ def test_what_two_nodes_must_know_is_not_said_in_two_ways(settings, message) -> 
             "--lambda 0.03: expected 0 with model M, which has no price on energy, got 0.03; model",
         ),
         (
-            ("--lambda-share", "0.2", "--model", "M"),
-            "--lambda-share 0.2: expected model M_C, M has no price on energy",
+            ("--iterations", "500", "--set", "task.n_training_iterations=1000"),
+            "--iterations 500 and --set task.n_training_iterations=1000: expected one",
         ),
         (
-            ("--iterations", "500", "--set", f"{_PROTOCOL}.n_training_iterations=1000"),
-            f"--iterations 500 and --set {_PROTOCOL}.n_training_iterations=1000: expected one",
-        ),
-        (
-            ("--set", f"{_PROTOCOL}.n_training_stimuli=50"),
-            f"--set {_PROTOCOL}.n_training_stimuli=50: expected 100, as eye_plant.stimuli has",
+            ("--set", "experiment_manager.n_training_stimuli=50"),
+            "--set experiment_manager.n_training_stimuli=50: expected 100, as eye_plant",
         ),
         (
             ("--set", "vergence_rl.cacla.discont=0.5"),
-            "vergence_rl: unknown parameter cacla.discont: did you mean cacla.discount?",
+            "expected a setting, got 'vergence_rl.cacla.discont'; did you mean ",
         ),
-        (("--set", "eye_plant.width_px=9"), "did you mean camera.width_px or "),
-        (("--set", "vergence.discount=1"), "got 'vergence.discount=1'; did you mean vergence_rl?"),
+        (("--set", "eyes.width_px=9"), "did you mean eyes.camera.width_px"),
+        (
+            ("--set", "task.seed=008"),
+            "--set task.seed=008: expected a number without",
+        ),
+        (("--set", "vergence_rl.cacla.discount=.nan"), "cacla.discount: expected"),
+        (("--set", "vergence.discount=1"), "got 'vergence.discount'; did you mean vergence_rl?"),
         (
             ("--set", "vergence_rl.cacla.discount=[1"),
-            "--set vergence_rl.cacla.discount=[1: expected a value",
+            "--set vergence_rl.cacla.discount=[1: expected YAML",
         ),
-        (("--set", "vergence=1"), "--set: expected NODE.PARAMETER=VALUE with a node of eye_plant"),
+        (
+            ("--set", "vergence=1"),
+            "--set: expected SECTION.NAME with a section of task",
+        ),
         (("--lambda", "nan"), "--lambda: expected 0 or more"),
         (
             ("--profile", "paper", "--schedule-delay", "20"),
@@ -203,11 +156,6 @@ def test_what_two_nodes_must_know_is_not_said_in_two_ways(settings, message) -> 
             ("--profile", "clinic/glasses", "--schedule-delay", "-20"),
             "--schedule-delay -20: expected 0 training iterations or more, got -20",
         ),
-        (("--lambda-share", "1"), "--lambda-share 1: expected a share in [0, 1), got 1.0"),
-        (
-            ("--lambda-share", "0.2", "--lambda", "0.1"),
-            "--lambda-share 0.2: expected it without --lambda 0.1, got both",
-        ),
         (("--profile", "demo"), "profile: expected one of "),
         (("--stimuli", "/nowhere"), "stimuli.directory: expected a directory of pictures"),
     ],
@@ -215,18 +163,6 @@ def test_what_two_nodes_must_know_is_not_said_in_two_ways(settings, message) -> 
 def test_a_bad_command_line_is_one_clear_error(line: tuple[str, ...], message: str) -> None:
     with pytest.raises(InputError, match=re.escape(message)):
         configured(*line)
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        (),
-        ("--profile", "precise_m_c"),
-        ("--iterations", "500", "--set", "experiment_manager.model=M_C"),
-    ],
-)
-def test_energy_may_have_a_share_however_the_model_is_chosen(line: tuple[str, ...]) -> None:
-    assert configured("--lambda-share", "0.2", *line) == configured(*line)
 
 
 @pytest.mark.parametrize(
@@ -287,8 +223,8 @@ def test_what_is_no_config_yaml_is_refused(tmp_path: Path, content: bytes) -> No
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("  seed: 7", "  seed: 8", "run.seed: expected 7, as experiment_manager has it, got 8"),
-        ("n_features: 800", "n_features: 600", "vergence_rl.n_features: expected 2 times"),
+        ("  seed: 7", "  seed: 8", "run.seed: expected 7, as the parameters have it, got 8"),
+        ("  n_bases: 400", "  n_bases: 400\n    n_bases: 300", "got 'n_bases' twice"),
     ],
 )
 def test_a_config_yaml_that_contradicts_itself_is_refused(tmp_path, old, new, message) -> None:
@@ -331,9 +267,9 @@ def test_nodes_elsewhere_are_none_of_one_process(tmp_path, capsys) -> None:
 
 def test_a_profile_s_schedule_may_be_put_off() -> None:
     line = ("--profile", "clinic/patching", "--schedule-delay", "2e4", "--tests", "0")
-    schedule = read_schedule(configured(*line)["experiment_manager"]["schedule"])
+    schedule = read_schedule(configured(*line)["task"]["schedule"])
     assert [(change.at, change.settings) for change in schedule.changes] == [
-        (25_000, {"eye_plant.camera.right_blur_px": 0.0}),
-        (25_500, {"eye_plant.camera.left_occluded": True}),
-        (28_000, {"eye_plant.camera.left_occluded": False}),
+        (25_000, {"eyes.camera.right_blur_px": 0.0}),
+        (25_500, {"eyes.camera.left_occluded": True}),
+        (28_000, {"eyes.camera.left_occluded": False}),
     ]

@@ -7,6 +7,7 @@ import pytest
 
 from experiment_manager.experiment.plant_changes import Change, Schedule
 from experiment_manager.experiment.protocol import protocol_of
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.preparation.profiles import (
     Profile,
@@ -16,7 +17,6 @@ from experiment_manager.preparation.profiles import (
 )
 from eye_plant.config import EyePlantConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.configuration import build
 from lockstep.errors import InputError
 from tests.command_lines import configured
 
@@ -44,8 +44,8 @@ def test_what_a_profile_may_hold() -> None:
     description: One eye covered from 100 on.
     settings: {vergence_rl: {cacla.discount: 0.5}}
     schedule:
-    - {at: 100, set: {eye_plant.camera.left_occluded: true}}
-    - {at: 200, set: {eye_plant.camera.left_occluded: false}}
+    - {at: 100, set: {eyes.camera.left_occluded: true}}
+    - {at: 200, set: {eyes.camera.left_occluded: false}}
     """
     assert parse_profile("covered", text) == Profile(
         "covered",
@@ -53,8 +53,8 @@ def test_what_a_profile_may_hold() -> None:
         {"vergence_rl": {"cacla.discount": 0.5}},
         Schedule(
             (
-                Change(100, {"eye_plant.camera.left_occluded": True}),
-                Change(200, {"eye_plant.camera.left_occluded": False}),
+                Change(100, {"eyes.camera.left_occluded": True}),
+                Change(200, {"eyes.camera.left_occluded": False}),
             )
         ),
     )
@@ -64,13 +64,15 @@ def test_a_base_holds_where_a_profile_has_no_setting_of_its_own() -> None:
     text = """
     description: The demonstration, longer.
     base: demonstration
-    settings: {experiment_manager: {protocol.n_training_iterations: 80000}, sparse_coder: {seed: 2}}
+    settings: {task: {n_training_iterations: 80000}, sparse_coder: {learning_rate: 2.0}}
     """
     base, profile = read_profile("demonstration"), parse_profile("longer", text)
     assert profile.settings["vergence_rl"] == base.settings["vergence_rl"]
-    assert profile.settings["sparse_coder"] == {**base.settings["sparse_coder"], "seed": 2}
-    expected = {**base.settings["experiment_manager"], "protocol.n_training_iterations": 80000}
-    assert profile.settings["experiment_manager"] == expected
+    assert profile.settings["sparse_coder"] == {
+        **base.settings["sparse_coder"],
+        "learning_rate": 2.0,
+    }
+    assert profile.settings["task"] == {**base.settings["task"], "n_training_iterations": 80000}
 
 
 def test_a_base_that_is_no_profile_or_has_a_schedule_is_refused() -> None:
@@ -84,8 +86,9 @@ CONDITIONS = [name for name in profile_names() if name.startswith(("rearing/", "
 
 @pytest.mark.parametrize("name", CONDITIONS)
 def test_every_condition_tests_its_end(name: str) -> None:
-    manager = configured("--profile", name)["experiment_manager"]
-    assert manager["protocol.n_training_iterations"] in manager["protocol.test_iterations"]
+    configuration = configured("--profile", name)
+    tests = configuration["experiment_manager"]["test_iterations"]
+    assert configuration["task"]["n_training_iterations"] in tests
 
 
 @pytest.mark.parametrize("name", profile_names())
@@ -114,8 +117,7 @@ def test_every_profile_runs_in_each_stage_of_its_schedule(name, pictures) -> Non
     ],
 )
 def test_strabismus_has_its_angle_at_the_tonic_level(name: str, inward_deg: int) -> None:
-    settings = read_profile(name).settings["eye_plant"]
-    eyes = Oculomotor(build(EyePlantConfig, settings).mechanics)
+    eyes = Oculomotor(config_of(EyePlantConfig, read_profile(name).settings).mechanics)
     eyes.settle(eyes.tonic_activations)
     left_deg, right_deg = np.degrees(eyes.state().eye_angles_rad)[:, 0]
     assert (left_deg, right_deg) == pytest.approx((0.0, inward_deg), abs=0.05)
@@ -123,7 +125,7 @@ def test_strabismus_has_its_angle_at_the_tonic_level(name: str, inward_deg: int)
 
 def _changes_the_eyes(name: str) -> bool:
     profile = read_profile(name)
-    plant = build(EyePlantConfig, profile.settings.get("eye_plant", {}))
+    plant = config_of(EyePlantConfig, profile.settings)
     plants = profile.schedule.plants(plant)
     return any(plant.mechanics != EyePlantConfig().mechanics for plant in plants)
 
@@ -145,7 +147,7 @@ def test_unlike_eyes_come_to_all_that_their_protocol_draws(name: str) -> None:
         ("{description: x}", "expected the keys description, settings"),
         ("{description: x, settings: {}, colour: 1}", "got description, settings, colour"),
         ("{description: 1, settings: {}}", "expected a description in words, got 1"),
-        ("{description: x, settings: {a: 1}}", "expected settings as {NODE: {parameter: value}}"),
+        ("{description: x, settings: {a: 1}}", "expected settings as {SECTION: {name: value}}"),
         ("{description: x, settings: {}, schedule: 1}", "schedule: expected a list of {at, set}"),
         ("{description: x, settings: {}, schedule: [1]}", "schedule: expected {at: ITERATION, set"),
     ],

@@ -19,8 +19,8 @@ FULL = RunRequest(
     tests=(0, 1000),
     test_stimuli=2,
     overrides={
-        "eye_plant.camera.left_blur_px": 1e-5,
-        "vergence_rl.highest_activations": (0.0, 0.3),
+        "eyes.camera.left_blur_px": 1e-5,
+        "task.highest_activations": (0.0, 0.3),
     },
     names={"iterations": "--iterations 2e3"},
 )
@@ -33,36 +33,30 @@ def test_a_document_is_the_same_request() -> None:
 
 def test_what_is_asked_is_settings_of_parameters() -> None:
     settings = FULL.settings()
-    protocol = "experiment_manager.protocol"
     assert {key: given.value for key, given in settings.items()} == {
         "experiment_manager.model": "M_C",
-        f"{protocol}.n_training_iterations": 2000,
-        "sparse_coder.seed": 3,
-        "vergence_rl.seed": 3,
-        "experiment_manager.seed": 3,
-        "sparse_coder.metabolic_cost_weight": 0.02,
-        f"{protocol}.test_iterations": [0, 1000],
-        f"{protocol}.n_stimuli_per_test": 2,
+        "task.n_training_iterations": 2000,
+        "task.seed": 3,
+        "task.metabolic_cost_weight": 0.02,
+        "experiment_manager.test_iterations": [0, 1000],
+        "experiment_manager.n_stimuli_per_test": 2,
         "eye_plant.stimuli.directory": "/pictures",
-        "eye_plant.camera.left_blur_px": 1e-5,
-        "vergence_rl.highest_activations": [0.0, 0.3],
+        "eyes.camera.left_blur_px": 1e-5,
+        "task.highest_activations": [0.0, 0.3],
     }
-    assert settings[f"{protocol}.n_training_iterations"] == Given(
-        2000, "--iterations 2e3", is_option=True
-    )
-    assert settings["sparse_coder.seed"].by == "seed"
+    assert settings["task.n_training_iterations"] == Given(2000, "--iterations 2e3", is_option=True)
+    assert settings["task.seed"].by == "seed"
     assert RunRequest().settings() == {}
 
 
 @pytest.mark.parametrize(
     ("key", "value", "kept"),
     [
-        ("vergence_rl.cacla.discount", "1e-5", 1e-5),
         ("vergence_rl.cacla.discount", math.inf, math.inf),
         ("eye_plant.stimuli.directory", "photos", "photos"),
-        ("vergence_rl.highest_activations", (0.0, 0.3), [0.0, 0.3]),
-        ("experiment_manager.schedule", [{"at": 10, "set": {}}], '[{"at": 10, "set": {}}]'),
-        ("experiment_manager.schedule", "1e5", "1e5"),
+        ("task.highest_activations", (0.0, 0.3), [0.0, 0.3]),
+        ("task.schedule", [{"at": 10, "set": {}}], '[{"at": 10, "set": {}}]'),
+        ("task.schedule", "1e5", "1e5"),
     ],
 )
 def test_overrides_are_kept_as_parameters_have_them(key: str, value: Any, kept: Any) -> None:
@@ -73,8 +67,8 @@ def test_overrides_are_kept_as_parameters_have_them(key: str, value: Any, kept: 
     ("values", "error"),
     [
         ({"model": "X", "names": {"model": "--model X"}}, "--model X: expected M or M_C, got 'X'"),
-        ({"overrides": {"vergence.discount": 1}}, "with a node of .*; did you mean vergence_rl"),
-        ({"overrides": {"vergence_rl": 1}}, "vergence_rl: expected NODE.PARAMETER with a node of"),
+        ({"overrides": {"vergence.discount": 1}}, "with a section of .*; did you mean vergence_rl"),
+        ({"overrides": {"vergence_rl": 1}}, "vergence_rl: expected SECTION.NAME with a section of"),
         (
             {"overrides": {"vergence_rl.cacla.discount": datetime.date(2024, 1, 1)}},
             "vergence_rl.cacla.discount: expected numbers, texts, .* got the date 2024-01-01",

@@ -16,8 +16,9 @@ from active_binocular_vision.commands.evaluate import main as evaluate
 from active_binocular_vision.figures.learning_curve import learning_curve
 from active_binocular_vision.runs.finished_run import FinishedRun
 from experiment_manager.bag.reader import Bag
-from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.run.config_file import CONFIG_CLASSES, configuration_text
+from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.sections import DEFAULTS, sections_of_nodes
+from experiment_manager.run.config_file import configuration_text
 from experiment_manager.run.run_directory import Run
 from lockstep.configuration import flatten
 from lockstep.errors import InputError
@@ -27,7 +28,7 @@ from tests.pair import HORIZONTAL_RECTI
 from tests.supervisor import finished, start_supervisor
 
 PERIOD_NS = 100_000_000
-PROTOCOL = ProtocolConfig(
+SMALL = ExperimentManagerConfig(
     n_training_iterations=60,
     test_iterations=(0, 30),
     n_training_stimuli=2,
@@ -40,9 +41,9 @@ Drive = Callable[[Run, int], None]
 
 
 def _config(directory: Path, *, resume: bool = False) -> ExperimentManagerConfig:
-    return ExperimentManagerConfig(
+    return dataclasses.replace(
+        SMALL,
         run_directory=str(directory),
-        protocol=PROTOCOL,
         resume=resume,
         model="M_C",
         metabolic_cost_weight=0.1,
@@ -51,8 +52,9 @@ def _config(directory: Path, *, resume: bool = False) -> ExperimentManagerConfig
 
 def _begin(directory: Path) -> Run:
     directory.mkdir()
-    configuration = {node: flatten(kind()) for node, kind in CONFIG_CLASSES.items()}
-    configuration["experiment_manager"] = flatten(_config(directory))
+    configuration = DEFAULTS | sections_of_nodes(
+        {"experiment_manager": flatten(_config(directory))}
+    )
     (directory / "config.yaml").write_text(configuration_text(configuration))
     return Run(_config(directory))
 
@@ -150,7 +152,7 @@ def test_a_disk_that_refuses_leaves_what_was_recorded(tmp_path, drive, monkeypat
     run = _begin(tmp_path / "run")
     _commit(run)
     drive(run, 2)
-    n_recorded = 2 * (PROTOCOL.iterations_per_trial + 1)
+    n_recorded = 2 * (SMALL.iterations_per_trial + 1)
     run.writer.release(n_recorded * PERIOD_NS)
 
     def refuse(descriptor: int) -> None:

@@ -25,7 +25,7 @@ def read(tmp_path: Path, text: str, stimuli: Path | None = None) -> Sweep:
 def test_each_combination_is_a_run_named_after_its_values(tmp_path: Path) -> None:
     sweep = read(
         tmp_path,
-        "options: {profile: paper, iterations: 1e5, sparse_coder.n_bases: 32}\n"
+        "options: {profile: paper, iterations: 1e5, task.n_bases: 32}\n"
         "axes: {model: [M, M_C], vergence_rl.cacla.discount: [0.3, 1e-5]}\n",
     )
     cells = {cell.name: cell.request for cell in sweep.cells()}
@@ -37,7 +37,7 @@ def test_each_combination_is_a_run_named_after_its_values(tmp_path: Path) -> Non
     ]
     request = cells["model_M_C-discount_1e-5"]
     assert (request.profile, request.iterations, request.model) == ("paper", 100_000, "M_C")
-    assert request.overrides == {"sparse_coder.n_bases": 32, "vergence_rl.cacla.discount": 1e-5}
+    assert request.overrides == {"task.n_bases": 32, "vergence_rl.cacla.discount": 1e-5}
 
 
 def test_an_entry_may_set_several_together(tmp_path: Path) -> None:
@@ -62,11 +62,11 @@ def test_an_entry_may_set_several_together(tmp_path: Path) -> None:
 
 
 def test_a_cell_is_the_run_of_its_command_line(tmp_path: Path, pictures: Path) -> None:
-    entries: list[object] = [1, {"seed": 2, "eye_plant.camera.left_blur_px": 0.5}]
+    entries: list[object] = [1, {"seed": 2, "eyes.camera.left_blur_px": 0.5}]
     sweep = read_sweep(write_sweep(tmp_path / "s.yaml", pictures, {"seed": entries}))
     lines = (
         command_line(pictures, seed=1),
-        command_line(pictures, seed=2, **{"eye_plant.camera.left_blur_px": 0.5}),
+        command_line(pictures, seed=2, **{"eyes.camera.left_blur_px": 0.5}),
     )
     for cell, line in zip(sweep.cells(), lines, strict=True):
         assert RunRequest.from_json(cell.request.to_json()) == cell.request
@@ -74,7 +74,7 @@ def test_a_cell_is_the_run_of_its_command_line(tmp_path: Path, pictures: Path) -
 
 
 def test_parameters_of_one_last_name_are_told_apart(tmp_path: Path) -> None:
-    sweep = read(tmp_path, "axes: {sparse_coder.seed: [1], vergence_rl.seed: [2]}")
+    sweep = read(tmp_path, "axes: {task.seed: [1], task.seed: [2]}")
     assert [cell.name for cell in sweep.cells()] == ["sparse_coder.seed_1-vergence_rl.seed_2"]
 
 
@@ -174,7 +174,6 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
         ("seed: [1, one]", "seed_one: seed: expected a whole number, got 'one'"),
         ("model: [M], lambda: [0.1]", "model_M-lambda_0.1: lambda: expected 0 with model M"),
         ("lambda: [low]", "lambda_low: lambda: expected a number, got 'low'"),
-        ("lambda-share: [0.2]", "share_0.2: lambda-share: expected model M_C"),
         ("profile: [papre]", "profile_papre: profile: expected one of .* did you mean paper"),
         ("vergence_rl.cacla.discont: [0.1]", "discont_0.1: .*discount"),
         ("vergence_rl.cacla.discount: [2.0]", "discount_2.0: "),

@@ -4,7 +4,7 @@ import io
 
 import pytest
 
-from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.terminal import progress_bar
 from experiment_manager.terminal.progress_bar import ProgressBar
@@ -13,10 +13,10 @@ from experiment_manager.terminal.progress_bar import ProgressBar
 def test_the_trials_left_are_in_the_bar(monkeypatch: pytest.MonkeyPatch) -> None:
     shown = io.StringIO()
     monkeypatch.setattr(progress_bar, "_terminal", lambda: shown)
-    config = ProtocolConfig(
+    config = ExperimentManagerConfig(
         n_training_iterations=20, test_iterations=(0,), n_stimuli_per_test=1, n_test_stimuli=1
     )
-    bar = ProgressBar(make_protocol(ExperimentManagerConfig(protocol=config)), 0)
+    bar = ProgressBar(make_protocol(config), 0)
     for _ in range(40):
         bar.advance(0.5)
     bar.close()

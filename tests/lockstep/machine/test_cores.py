@@ -10,27 +10,17 @@ import pytest
 
 PROGRAM = """
 import json, os, sys, threading
-from pathlib import Path
 from lockstep.machine.cores import share_two_cores
 
 cores = set(json.loads(sys.argv[1]))
 os.sched_setaffinity(0, cores)
 stop = threading.Event()
-names = ["other", "llvmpipe-0", "llvmpipe-1", "llvmpipe-3"]
-ids = {}
-def work(name):
-    Path(f"/proc/self/task/{threading.get_native_id()}/comm").write_text(name)
-    ids[name] = threading.get_native_id()
-    ready.release()
-    stop.wait()
-ready = threading.Semaphore(0)
-threads = [threading.Thread(target=work, args=(name,)) for name in names]
-for thread in threads:
-    thread.start()
-    ready.acquire()
+thread = threading.Thread(target=stop.wait)
+thread.start()
 share_two_cores(int(sys.argv[2]), gives_way=sys.argv[3] == "True")
-found = {n: sorted(os.sched_getaffinity(i)) for n, i in {**ids, "main": 0}.items()}
-policies = {os.sched_getscheduler(i) for i in ids.values()} | {os.sched_getscheduler(0)}
+ids = {"main": 0, "other": thread.native_id}
+found = {name: sorted(os.sched_getaffinity(i)) for name, i in ids.items()}
+policies = {os.sched_getscheduler(i) for i in ids.values()}
 print(json.dumps({"cores": found, "batch": policies == {os.SCHED_BATCH}}))
 stop.set()
 """
@@ -47,12 +37,11 @@ def shared(cores: list[int], i_core: int, *, gives_way: bool = False) -> dict[st
 @pytest.mark.skipif(len(AVAILABLE) < 2, reason="one core only")
 @pytest.mark.parametrize("gives_way", [False, True])
 @pytest.mark.parametrize("i_core", [0, 1])
-def test_of_two_cores_a_process_keeps_to_one_and_draws_on_both(i_core, gives_way) -> None:
+def test_of_two_cores_a_process_keeps_to_one(i_core, gives_way) -> None:
     cores = AVAILABLE[:2]
     mine = [cores[i_core]]
-    drawing = {f"llvmpipe-{i}": [cores[i % 2]] for i in (0, 1, 3)}
     found = shared(cores, i_core, gives_way=gives_way)
-    assert found == {"cores": {"main": mine, "other": mine, **drawing}, "batch": gives_way}
+    assert found == {"cores": {"main": mine, "other": mine}, "batch": gives_way}
 
 
 def test_any_other_number_of_cores_is_left_to_the_system() -> None:

@@ -2,9 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from lockstep.errors import InputError
 from sparse_coder.encoding import Encoding
-from sparse_coder.gaze.config import GazeConfig
 from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations, Turns
 from sparse_coder.matching_pursuit import Selections
 
@@ -115,8 +113,3 @@ def test_without_saccades_the_turns_of_two_commands_are_measured_and_no_target_i
     np.testing.assert_allclose(gazes[6].turns_deg, [[-ten_px_deg, 0, 0], [0, 0, 0]], atol=0.05)
     assert all(np.isnan(gazes[i].turns_deg).all() for i in (0, 2, 3, 4, 5, 7))
     assert all(np.isnan(gaze.target_deg).all() for gaze in gazes)
-
-
-def test_saccades_measure_turns_anyway() -> None:
-    with pytest.raises(InputError, match=r"^measures_turns: expected false with saccades"):
-        GazeConfig(fixation_iterations=10, measures_turns=True)

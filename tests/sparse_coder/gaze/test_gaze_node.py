@@ -30,7 +30,14 @@ def _fixation(number: int, phase: int = TRAINING, given_deg: Any = GIVEN_DEG) ->
 
 @pytest.fixture
 def bench(graph: Graph) -> LearnerBench:
-    node = graph.add(SparseCoderNode, n_bases=16, gaze__fixation_iterations=5)
+    node = graph.add(
+        SparseCoderNode,
+        n_bases=16,
+        command_space="all_muscles",
+        lowest_activations=[0.0],
+        highest_activations=[0.2],
+        fixation_iterations=5,
+    )
     return LearnerBench(graph, node, INPUTS, {GAZE: JointState}, _fixation)
 
 

@@ -20,8 +20,8 @@ RIGHT = LEFT * np.array([[-1.0], [1.0], [-1.0]])
 
 
 def new(*, holds_gaze: bool = True) -> GazeControl:
-    config = GazeConfig(fixation_iterations=5 * holds_gaze, saccade_noise=0.002)
-    return GazeControl(LOWEST, HIGHEST, config)
+    config = GazeConfig(saccade_noise=0.002)
+    return GazeControl(LOWEST, HIGHEST, config, holds_gaze=holds_gaze)
 
 
 def turned_deg(change: np.ndarray) -> np.ndarray:

@@ -15,14 +15,14 @@ from vergence_rl.learning_rule import Decision
 GAZE = build(
     VergenceRlConfig,
     {
-        "n_features": 6,
+        "n_bases": 3,
         "n_training_iterations": 300,
         "learning_rule": "hindsight",
         "command_space": "all_muscles",
         "lowest_activations": (0.0,),
         "highest_activations": (0.2,),
         "products_of_activations": True,
-        "gaze.fixation_iterations": 5,
+        "fixation_iterations": 5,
         "hindsight.regression_period": 10,
     },
 )
@@ -136,19 +136,19 @@ def test_gaze_goes_on_from_its_state_bit_for_bit(known) -> None:
     ("changes", "message"),
     [
         (
-            {"gaze.fixation_iterations": 3},
-            "gaze.fixation_iterations: expected 0, or 4 or more, of ",
+            {"fixation_iterations": 3},
+            "fixation_iterations: expected 0, or 4 or more, of ",
         ),
         ({"iterations_per_episode": 12}, "iterations_per_episode: expected a multiple of 5"),
         (
             {"learning_rule": "cacla"},
-            "gaze.fixation_iterations: expected 0 with learning_rule cacla",
+            "learning_rule: expected another one than cacla",
         ),
-        ({"gaze.measures_turns": True}, "gaze.measures_turns: expected false with saccades"),
+        ({"measures_turns": True}, "measures_turns: expected false with saccades"),
         ({"hindsight.n_best": 3}, "hindsight.n_best: expected less than 3"),
         (
             {"command_space": "pair", "products_of_activations": False},
-            "gaze.fixation_iterations: expected 0 with command_space pair",
+            "fixation_iterations: expected 0 with command_space pair",
         ),
     ],
 )
@@ -206,7 +206,7 @@ def _verged(agent: Agent, n_episodes: int) -> list[Decision]:
 
 
 def test_without_saccades_vergence_is_learned_from_what_follows_the_first_command() -> None:
-    changes = {"gaze.fixation_iterations": 0, "gaze.measures_turns": True}
+    changes = {"fixation_iterations": 0, "measures_turns": True}
     agent = Agent(changed(GAZE, changes))
     # The eyes are shaken until it is known how they turn: 336 movements, two of an episode.
     decisions = _verged(agent, 168)

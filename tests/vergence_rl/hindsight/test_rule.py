@@ -180,7 +180,7 @@ def test_agrees_with_a_slow_rule_that_keeps_all_visits(config: VergenceRlConfig)
 
 def trained_on_gazes(price: float) -> Agent:
     """The gaze is medial - lateral; a cue says which is best, and activation has its price."""
-    config = VergenceRlConfig(learning_rule="hindsight", n_features=2)
+    config = VergenceRlConfig(learning_rule="hindsight", n_bases=1)
     agent, draw = Agent(config), np.random.default_rng(1)
     for episode in range(600):
         gaze, place = draw.uniform(-0.05, 0.1), draw.uniform(0.0, HIGHEST)

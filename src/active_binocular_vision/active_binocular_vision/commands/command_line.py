@@ -5,21 +5,17 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-import yaml
-
 from experiment_manager.experiment.config import MODELS
 from experiment_manager.live.address import Address
 from experiment_manager.preparation.profiles import profile_names
-from experiment_manager.preparation.request import OPTIONS, SCHEDULE, RunRequest
+from experiment_manager.preparation.request import OPTIONS, SCHEDULE, RunRequest, check_key
 from experiment_manager.preparation.written_values import (
-    number_or_text,
     whole_number,
     whole_numbers,
 )
-from experiment_manager.run.config_file import CONFIG_CLASSES
 from lockstep.command_line import CommandLine
 from lockstep.errors import InputError
-from lockstep.nearest import did_you_mean
+from lockstep.yaml_text import load_yaml
 from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
 
 Value = TypeVar("Value")
@@ -43,8 +39,9 @@ def request_of(options: argparse.Namespace) -> RunRequest:
     names: dict[str, str] = {}
     for text in options.set:
         key, value = _read_setting(text)
-        if overrides.setdefault(key, value) != value:
+        if key in overrides and overrides[key] != value:
             raise InputError(f"{names[key]} and --set {text}: expected one value of {key}")
+        overrides[key] = value
         names.setdefault(key, f"--set {text}")
     values = {name: getattr(options, name) for name in OPTIONS}
     for name, value in values.items():
@@ -56,17 +53,17 @@ def request_of(options: argparse.Namespace) -> RunRequest:
 
 
 def plant_settings(texts: Sequence[str]) -> dict[str, Any]:
-    """Return what eye_plant.PARAMETER=VALUE say, by the plant's dotted names.
+    """Return what eyes.NAME=VALUE say, by the plant's dotted names.
 
-    Raises InputError for other nodes, and for a parameter said twice.
+    Raises InputError for other sections, and for a name given twice.
     """
     settings: dict[str, Any] = {}
     for text in texts:
         key, value = _read_setting(text)
-        node, _, name = key.partition(".")
-        if node != "eye_plant" or name in settings:
+        section, _, name = key.partition(".")
+        if section not in ("eyes", "eye_plant") or name in settings:
             raise InputError(
-                f"--set: expected each eye_plant.PARAMETER=VALUE of this test once, got {text!r}"
+                f"--set: expected each eyes.NAME=VALUE of this test once, got {text!r}"
             )
         settings[name] = value
     return settings
@@ -122,8 +119,8 @@ def _add_settings(line: argparse.ArgumentParser) -> None:
         "--set",
         action="append",
         default=[],
-        metavar="NODE.PARAMETER=VALUE",
-        help="set any parameter of any node; may be repeated",
+        metavar="SECTION.NAME=VALUE",
+        help="set anything that list_parameters.sh lists; may be repeated",
     )
 
 
@@ -154,14 +151,6 @@ def _add_price(line: argparse.ArgumentParser) -> None:
         help="price of energy in the reward, 1/W (default for M_C: "
         f"{DEFAULT_METABOLIC_COST_WEIGHTS['k17']}; with anatomical eyes "
         f"{DEFAULT_METABOLIC_COST_WEIGHTS['anatomical']})",
-    )
-    group.add_argument(
-        "--lambda-share",
-        dest="cost_share",
-        type=float,
-        metavar="S",
-        help="choose lambda so that energy is this share of the reward over the first 5,000"
-        " iterations; a run of that length without a price measures it first (about a minute)",
     )
 
 
@@ -240,16 +229,13 @@ def _read_setting(text: str) -> tuple[str, Any]:
     key, equals, value = text.partition("=")
     if key == SCHEDULE:
         return key, value  # a parameter that is YAML itself
-    node, dot, _ = key.partition(".")
-    if not equals or not dot or node not in CONFIG_CLASSES:
-        raise InputError(
-            f"--set: expected NODE.PARAMETER=VALUE with a node of {', '.join(CONFIG_CLASSES)}, "
-            f"got {text!r}" + (did_you_mean(node, CONFIG_CLASSES) if dot else "")
-        )
+    if not equals:
+        raise InputError(f"--set: expected SECTION.NAME=VALUE, got {text!r}")
+    check_key(key, "--set")
     try:
-        return key, number_or_text(yaml.safe_load(value))
-    except yaml.YAMLError as error:
-        raise InputError(f"--set {text}: expected a value as YAML has it") from error
+        return key, load_yaml(value)
+    except InputError as error:
+        raise InputError(f"--set {text}: {error}") from error
 
 
 def _shown(value: Any) -> str:

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-import yaml
 
 from active_binocular_vision.examinations.examination import Examination
 from active_binocular_vision.examinations.registry import EXAMINATIONS
@@ -14,10 +13,10 @@ from active_binocular_vision.figures.examinations import FIGURES
 from active_binocular_vision.figures.style import STYLE, save
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
-from experiment_manager.preparation.written_values import number_or_text
 from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.settings import declarations
+from lockstep.yaml_text import load_yaml
 
 
 def add_examinations(parser: argparse.ArgumentParser) -> None:
@@ -59,9 +58,9 @@ def options_of(examination: Examination, texts: Sequence[str]) -> Any:
     """
     pairs = [text.partition("=") for text in texts]
     try:
-        values = {name: number_or_text(yaml.safe_load(value)) for name, _, value in pairs}
+        values = {name: load_yaml(value) for name, _, value in pairs}
         return build(examination.options, values)
-    except (InputError, yaml.YAMLError) as error:
+    except InputError as error:
         raise InputError(f"--option: {error}") from error
 
 

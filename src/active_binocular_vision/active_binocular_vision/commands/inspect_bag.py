@@ -1,4 +1,4 @@
-"""Shows what a bag holds, plays it, repairs a cut-off one, extracts its pictures."""
+"""Shows what a bag holds, films it, repairs a cut-off one, extracts its pictures."""
 
 import argparse
 import math
@@ -10,12 +10,10 @@ import cv2
 import numpy as np
 
 from active_binocular_vision.film.film import film
-from active_binocular_vision.film.play import play
 from active_binocular_vision.runs.recorded import evaluation_settings_of, trial_table
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT, RUN_METADATA
 from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.repair import repair_bag
-from experiment_manager.live.address import Address
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.tables import summaries_table, text_table
 from experiment_manager.measures.trials import split_tests
@@ -38,9 +36,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if options.repair:
             _print_repairs(path)
-        if options.play:
-            play(path, options.at.host, options.at.port, _rate(options.rate) or 1.0)
-            return 0
         if options.film is not None:
             duration_s = film(path, options.film, _rate(options.rate))
             print(f"wrote {options.film}, {duration_s:.0f} s")
@@ -80,20 +75,10 @@ def parser() -> argparse.ArgumentParser:
         help="write a film of episodes before, during and after learning, .mp4 or .gif",
     )
     line.add_argument(
-        "--play", action="store_true", help="show the sampled episodes in Lichtblick or Foxglove"
-    )
-    line.add_argument(
         "--rate",
         type=float,
         metavar="X",
-        help="simulated seconds per second (default of --play: 1; --film: 5 iterations a second)",
-    )
-    line.add_argument(
-        "--at",
-        type=Address.of,
-        default=Address(),
-        metavar="HOST:PORT",
-        help=f"address on which --play listens (default: {Address()}, this machine only)",
+        help="simulated seconds per second of film (default: 5 iterations a second)",
     )
     return line
 
@@ -181,15 +166,8 @@ def _learning_curve(bag: Bag) -> str:
 
 def _print_repairs(path: Path) -> None:
     repairs = repair_bag(path)
-    for repair in repairs:
-        unnamed = ""
-        if repair.n_unnamed:
-            unnamed = f", {repair.n_unnamed} messages whose topics a broken chunk announced"
-        print(
-            f"{repair.name}: {repair.n_messages} messages kept; lost: "
-            f"{repair.n_broken_chunks} broken chunks, {repair.n_lost_bytes} unreadable bytes"
-            f"{unnamed}"
-        )
+    for name, kept in repairs.items():
+        print(f"{name}: {kept.n_messages} messages kept, {kept.n_lost_chunks} chunks lost")
     if not repairs:
         print("nothing to repair")
 

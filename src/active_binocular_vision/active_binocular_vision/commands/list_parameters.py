@@ -1,16 +1,16 @@
-"""Lists a node's parameters with their meaning, unit, bounds and defaults, as a parameter file."""
+"""Lists the parameters of nodes with meaning, unit, bounds and defaults, as a parameter file."""
 
 import math
 import sys
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import yaml
 
-from experiment_manager.run.config_file import CONFIG_CLASSES
+from experiment_manager.experiment.sections import CONFIG_CLASSES, DEFAULTS, SHARED_CLASSES
 from lockstep.command_line import CommandLine
-from lockstep.configuration import flatten
-from lockstep.settings import Setting, declarations
+from lockstep.settings import Declaration, Setting, declarations
 
 _WIDTH = 100
 _COMMENT = "    # "
@@ -29,28 +29,38 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for node in nodes:
         if node not in CONFIG_CLASSES:
             parser.error(f"expected a node of {', '.join(CONFIG_CLASSES)}, got {node!r}")
-    print("\n".join(parameter_file(node) for node in nodes), end="")
+    print(parameter_file(nodes), end="")
     return 0
 
 
-def parameter_file(node: str) -> str:
-    """Return the text of a node's parameter file: each parameter explained, at its default."""
-    config_class = CONFIG_CLASSES[node]
-    defaults = flatten(config_class())
-    lines = [
-        f"# Parameters of the node {node}, at their defaults.",
-        f"/**/{node}:",
-        "  ros__parameters:",
-    ]
-    for declared in declarations(config_class):
-        value = yaml.safe_dump(
-            defaults[declared.name], default_flow_style=True, width=math.inf
-        ).partition("\n")[0]
-        lines += textwrap.wrap(
-            _comment(declared.setting), _WIDTH, initial_indent=_COMMENT, subsequent_indent=_COMMENT
-        )
-        lines.append(f"    {declared.name}: {value}")
+def parameter_file(nodes: Sequence[str]) -> str:
+    """Return the text of a parameter file of nodes: each parameter explained, at its default.
+
+    What several nodes read, the task and the eyes, stands once, under /**.
+    """
+    declared = {node: declarations(CONFIG_CLASSES[node]) for node in nodes}
+    known = {d.name for of_node in declared.values() for d in of_node}
+    lines: list[str] = []
+    for node, of_node in declared.items():
+        lines += [f"/**/{node}:", "  ros__parameters:"]
+        for d in of_node:
+            if d.name in DEFAULTS[node]:
+                lines += _explained(d, DEFAULTS[node])
+    # Last, so that -p takes precedence over the sections of the nodes, too.
+    lines += ["# The task and the eyes, as every node reads them.", "/**:", "  ros__parameters:"]
+    for section, kind in SHARED_CLASSES.items():
+        for d in declarations(kind):
+            if d.name in known:
+                lines += _explained(d, DEFAULTS[section])
     return "\n".join(lines) + "\n"
+
+
+def _explained(declared: Declaration, defaults: Mapping[str, Any]) -> list[str]:
+    text = yaml.safe_dump(defaults[declared.name], default_flow_style=True, width=math.inf)
+    comment = textwrap.wrap(
+        _comment(declared.setting), _WIDTH, initial_indent=_COMMENT, subsequent_indent=_COMMENT
+    )
+    return [*comment, f"    {declared.name}: {text.partition(chr(10))[0]}"]
 
 
 def _comment(setting: Setting) -> str:

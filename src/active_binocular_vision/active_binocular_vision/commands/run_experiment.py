@@ -9,12 +9,15 @@ from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
 from active_binocular_vision.commands.command_line import arguments, request_of
+from experiment_manager.experiment.protocol import protocol_of
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.in_process.run import run_in_process
 from experiment_manager.live.address import Address
 from experiment_manager.live.server import why_unavailable
 from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.results import RESULTS_FILE, Results, read_results
 from experiment_manager.measures.tables import in_words, summaries_table
+from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.continuation import (
     Branch,
     branch,
@@ -23,11 +26,7 @@ from experiment_manager.preparation.continuation import (
     contradiction,
     extend,
 )
-from experiment_manager.preparation.graphics import check_graphics, drawable_configuration
-from experiment_manager.preparation.lambda_share import first_iterations, with_weight
-from experiment_manager.preparation.plan import plan, preparation
 from experiment_manager.preparation.request import RunRequest
-from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import (
     CONFIG_FILE,
     Configuration,
@@ -42,8 +41,7 @@ from experiment_manager.supervision.processes import PACKAGES
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from eye_plant.config import EyePlantConfig
-from eye_plant.stimuli.stimulus_set import load_stimuli
-from lockstep.configuration import build
+from eye_plant.stimuli.stimulus_set import count_missing, load_stimuli
 from lockstep.durable_files import is_free, replace_file, why_unwritable
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
@@ -61,22 +59,12 @@ def source_commit() -> str:
 
 def _prepare_stimuli(configuration: Configuration) -> None:
     """Make the generated stimuli now if they are not in the cache: a node has no time for that."""
-    stimuli = build(EyePlantConfig, configuration["eye_plant"]).stimuli
-    if line := preparation(stimuli):
-        print(line)
+    stimuli = config_of(EyePlantConfig, configuration).stimuli
+    if stimuli.directory:
+        print(f"reading the pictures of {stimuli.directory}")
+    elif n_missing := count_missing(stimuli):
+        print(f"generating {n_missing:,} stimuli, once (on two cores 140 take about a minute)")
     load_stimuli(stimuli)
-
-
-def _with_share(configuration: Configuration, share: float) -> Configuration:
-    """Return the configuration with the lambda that gives energy this share of the reward."""
-    first = first_iterations(configuration)
-    weight = first.weight_for(share)
-    print(
-        f"over the first {first.n_iterations} iterations with lambda 0: mean E "
-        f"{first.reconstruction_error:.4f}, mean C {first.metabolic_rate_w:.4f} W; lambda "
-        f"{weight:.6g} per W makes lambda C {share:g} of E + lambda C"
-    )
-    return with_weight(configuration, weight)
 
 
 def _say_how_to_start(nodes: Collection[str], domain: int | None, config: Path) -> None:
@@ -120,29 +108,20 @@ def prepare(options: argparse.Namespace) -> Path:
     if options.branch is not None:
         branched = branch(options.branch, request, source_commit())
     directory = options.out or Path("runs") / time.strftime("%Y%m%d-%H%M%S")
-    return prepare_new(request, directory.resolve(), branched, options.elsewhere)
+    return prepare_new(request, directory.resolve(), branched)
 
 
-def prepare_new(
-    request: RunRequest,
-    directory: Path,
-    branched: Branch | None = None,
-    elsewhere: Collection[str] = (),
-) -> Path:
+def prepare_new(request: RunRequest, directory: Path, branched: Branch | None = None) -> Path:
     """Make the directory of a new run, with its config.yaml; return it.
 
-    branched: what the run begins from; elsewhere: nodes on another machine. Raises InputError for a
-    request that no run can meet, and a directory that holds something.
+    branched: what the run begins from. Raises InputError for a request that no run can meet, and a
+    directory that holds something.
     """
     _refuse_used(directory)
-    if branched is not None:
-        configuration = branched.configuration
-        check_graphics(configuration, elsewhere)
-    else:
-        configuration = drawable_configuration(request, source_commit(), elsewhere)
+    configuration = (
+        configuration_of(request, source_commit()) if branched is None else branched.configuration
+    )
     _prepare_stimuli(configuration)
-    if request.cost_share is not None:
-        configuration = _with_share(configuration, request.cost_share)
     try:
         directory.mkdir(parents=True, exist_ok=True)
         if branched is not None:
@@ -167,7 +146,6 @@ def _prepare_old(options: argparse.Namespace, request: RunRequest) -> Path:
         check_settings(request, directory, read_configuration(directory / CONFIG_FILE))
         _check_writable(directory)
         extend(directory, options.extend)
-    check_graphics(read_configuration(directory / CONFIG_FILE), options.elsewhere)
     return directory
 
 
@@ -244,10 +222,13 @@ def in_one_process(directory: Path) -> tuple[Path, int]:
 
 
 def _announced(directory: Path) -> Path:
-    print(f"run directory: {directory}")
-    newest = checkpoint.newest(directory / "checkpoints")
-    place = newest[0].place if newest is not None else 0
-    print("\n".join(plan(read_configuration(directory / CONFIG_FILE), place)))
+    protocol = protocol_of(read_configuration(directory / CONFIG_FILE))
+    print(
+        f"run directory: {directory}\n"
+        f"{protocol.config.n_training_iterations:,} training iterations, "
+        f"tests after {', '.join(f'{n:,}' for n in protocol.test_iterations)}: "
+        f"{protocol.n_trials:,} trials of {protocol.config.iterations_per_trial} iterations each"
+    )
     return directory
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from active_binocular_vision.commands.run_experiment import source_commit
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.preparation.continuation import check_settings
 from experiment_manager.run.config_file import CONFIG_FILE, about_in, read_configuration
 from experiment_manager.sweep import slurm
@@ -20,7 +21,6 @@ from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import load_stimuli
 from lockstep.command_line import CommandLine
-from lockstep.configuration import build
 from lockstep.durable_files import is_free, replace_file
 from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
@@ -104,7 +104,7 @@ def _check_begun(run: CellRun) -> None:
         was_extended = "extended_from" in about_in(path.read_text())
     except (InputError, OSError):
         return  # it has not begun, or will say itself what is wrong
-    request = replace(run.cell.request, cost_share=None)  # it was measured then
+    request = run.cell.request
     if was_extended:
         request = replace(request, iterations=None, tests=None)
     check_settings(request, run.directory, configuration)
@@ -118,7 +118,7 @@ def _begin(directory: Path, sweep: Sweep) -> None:
     configurations = [cell.configuration(commit) for cell in sweep.cells()]
     print(f"{len(configurations)} runs in {directory}; preparing their stimuli")
     # Generated ones are made once, before the runs; pictures are seen to be readable.
-    plants = [build(EyePlantConfig, configuration["eye_plant"]) for configuration in configurations]
+    plants = [config_of(EyePlantConfig, configuration) for configuration in configurations]
     for stimuli in dict.fromkeys(plant.stimuli for plant in plants):
         load_stimuli(stimuli)
     try:

@@ -10,12 +10,12 @@ import numpy as np
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.request import RunRequest
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.plant import EyePlant
-from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.state_file import read_state
 from sparse_coder.coder import SparseCoder
@@ -33,26 +33,25 @@ class Experiment:
     def __init__(self, request: RunRequest, coder_state: str | Path | None) -> None:
         """coder_state: see `VergenceEnvironment`; every coder starts from it."""
         configuration = configuration_of(request, commit="")
-        manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
-        end = (manager.protocol.n_training_iterations,)
-        protocol = dataclasses.replace(manager.protocol, test_iterations=end)
-        self._manager = dataclasses.replace(manager, protocol=protocol)
-        self._coder = build(SparseCoderConfig, configuration["sparse_coder"])
+        manager = config_of(ExperimentManagerConfig, configuration)
+        end = (manager.n_training_iterations,)
+        self._manager = dataclasses.replace(manager, test_iterations=end)
+        self._coder = config_of(SparseCoderConfig, configuration)
         self._coder_state: Mapping[str, np.ndarray] | None = None
         if coder_state is not None:
             self._coder_state = read_state(Path(coder_state), "sparse_coder")
         self.start(manager.seed)  # refuses here what would be refused at each reset
         self._n_training = self._protocol.segments[-1].first
-        plant = build(EyePlantConfig, configuration["eye_plant"])
-        agent = build(VergenceRlConfig, configuration["vergence_rl"])
+        plant = config_of(EyePlantConfig, configuration)
+        agent = config_of(VergenceRlConfig, configuration)
         self.camera = plant.camera
         self.n_bases = self._coder.n_bases
         # The squares of what matching pursuit takes from a patch sum up to the patch's, 1 for each
         # eye; one atom takes most where all selections are of it, and alike.
         self.largest_feature = 2.0 * self._coder.n_selections
-        self.activation_limits = agent.limits
+        self.activation_limits = agent.limit_arrays
         self.space = agent.space
-        self.has_targets = protocol.fixation_iterations > 0
+        self.has_targets = manager.fixation_iterations > 0
         self.plant = EyePlant(plant)
 
     def start(self, seed: int) -> SparseCoder:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from active_binocular_vision.examinations.examination import Examination, Findings
+from active_binocular_vision.examinations.examination import Distances, Examination, Findings
 from active_binocular_vision.examinations.gratings import Resolution, resolution
 from active_binocular_vision.examinations.measure import SHARE, key, measure
 from active_binocular_vision.learners.basis_functions import left_share
@@ -14,16 +14,8 @@ from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import session_of
 from active_binocular_vision.learners.shown import Shown
 from lockstep.command_space import SIDES
-from lockstep.settings import setting
 
 _N_PICTURES = 10
-
-
-@dataclass(frozen=True)
-class AcuityOptions:
-    """Where the eyes look while their shares in the code are measured."""
-
-    distances_m: tuple[float, ...] = setting((0.5, 2.0, 6.0), "distances of the plane", "m")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,7 +51,7 @@ class AcuitySummary:
     left_share_in_code: float | None = measure(SHARE, "left eye in code")
 
 
-def _examine(learners: FrozenLearners, shown: Shown, options: AcuityOptions) -> Findings:
+def _examine(learners: FrozenLearners, shown: Shown, options: Distances) -> Findings:
     """Measure acuity with gratings, suppression with pictures at correct fixation."""
     with session_of(learners, shown, _N_PICTURES) as session:
         features = [
@@ -105,5 +97,5 @@ ACUITY = Examination(
     text="measure the acuity of each eye, and each eye's share in the code",
     examine=_examine,
     summary=AcuitySummary,
-    options=AcuityOptions,
+    options=Distances,
 )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.examination import Examination, Findings
+from active_binocular_vision.examinations.examination import Distances, Examination, Findings
 from active_binocular_vision.examinations.measure import (
     SHARE,
     Quartiles,
@@ -36,10 +36,9 @@ _N_ITERATIONS = 20
 
 
 @dataclass(frozen=True)
-class CoverOptions:
-    """Where the eyes look, and where they begin."""
+class CoverOptions(Distances):
+    """Where the eyes look and begin."""
 
-    distances_m: tuple[float, ...] = setting((0.5, 2.0, 6.0), "distances of the plane", "m")
     at_rest: bool = setting(
         False, "whether the eyes begin with all muscles at their tonic level, not without errors"
     )

@@ -22,12 +22,23 @@ from active_binocular_vision.examinations.measure import record, text_of
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
 from lockstep.configuration import flatten
-from lockstep.settings import check_settings
+from lockstep.settings import check_settings, setting
 
 
 @dataclass(frozen=True)
-class NoOptions:
-    """Of an examination without any."""
+class Options:
+    """Of an examination without any; others declare theirs with `lockstep.settings.setting`."""
+
+    def __post_init__(self) -> None:
+        """Raise InputError for an option out of its bounds."""
+        check_settings(self)
+
+
+@dataclass(frozen=True)
+class Distances(Options):
+    """Where the eyes look."""
+
+    distances_m: tuple[float, ...] = setting((0.5, 2.0, 6.0), "distances of the plane", "m")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,15 +77,15 @@ class Examination:
 
     name: option of evaluate.sh; text: what --help says; version: rises when a measure is defined
     otherwise; examine: (learners, shown, options) -> Findings, raises InputError for learners,
-    pictures or options that cannot be used; summary: class of the summary's row; options: class
-    whose fields are declared with `lockstep.settings.setting`.
+    pictures or options that cannot be used; summary: class of the summary's row; options: their
+    class.
     """
 
     name: str
     text: str
     examine: Callable[[FrozenLearners, Shown, Any], Findings]
     summary: type[Any]
-    options: type[Any] = NoOptions
+    options: type[Any] = Options
     version: int = 1
 
     def document(
@@ -96,6 +107,4 @@ class Examination:
         self, learners: FrozenLearners, shown: Shown = OWN_TEST_STIMULI, **options: Any
     ) -> Findings:
         """Make the examination; options: other than the defaults."""
-        chosen = self.options(**options)
-        check_settings(chosen)
-        return self.examine(learners, shown, chosen)
+        return self.examine(learners, shown, self.options(**options))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.examination import Examination, Findings
+from active_binocular_vision.examinations.examination import Distances, Examination, Findings
 from active_binocular_vision.examinations.measure import SHARE, key, measure
 from active_binocular_vision.learners.basis_functions import SCALES, left_share
 from active_binocular_vision.learners.learners import FrozenLearners
@@ -27,10 +27,9 @@ _N_PICTURES = 10
 
 
 @dataclass(frozen=True)
-class LandscapeOptions:
+class LandscapeOptions(Distances):
     """Distances and errors; a quarter of a degree is about a pixel."""
 
-    distances_m: tuple[float, ...] = setting((0.5, 2.0, 6.0), "distances of the plane", "m")
     vergence_errors_deg: tuple[float, ...] = setting(
         tuple((np.arange(-16, 17) / 4.0).tolist()), "errors of vergence", "deg"
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.examination import Examination, Findings
+from active_binocular_vision.examinations.examination import Examination, Findings, Options
 from active_binocular_vision.examinations.measure import SHARE, key, measure
 from active_binocular_vision.examinations.velocity import MainSequence, fitted
 from active_binocular_vision.learners.correct_gaze import direction_deg as angles_of_direction_deg
@@ -32,7 +32,7 @@ _RESTS_DEG = 1e-6
 
 
 @dataclass(frozen=True)
-class MainSequenceOptions:
+class MainSequenceOptions(Options):
     """Where the targets are, seen from straight ahead."""
 
     amplitudes_deg: tuple[float, ...] = setting(

@@ -138,7 +138,8 @@ def text_of(rows: Sequence[Any]) -> str:
     """Return rows of one class as a table; "" without any."""
     if not rows:
         return ""
-    shown = {name: of for name, of in measures_of(rows[0]).items() if of.is_shown}
+    keys_first = sorted(measures_of(rows[0]).items(), key=lambda item: not item[1].is_key)
+    shown = {name: declared for name, declared in keys_first if declared.is_shown}
     header = [heading for declared in shown.values() for heading in declared.headings]
     n_left = next((i for i, of in enumerate(shown.values()) if not of.is_key), len(shown))
     lines = [

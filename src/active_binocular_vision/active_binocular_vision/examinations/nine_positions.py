@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.examination import Examination, Findings
+from active_binocular_vision.examinations.examination import Distances, Examination, Findings
 from active_binocular_vision.examinations.listing import (
     DisplacementPlane,
     displacement_plane,
@@ -45,11 +45,10 @@ _FEWEST_GAZES = 4
 
 
 @dataclass(frozen=True)
-class NinePositionsOptions:
+class NinePositionsOptions(Distances):
     """Where the eyes look; the right eye may see black, since the target is in the left picture."""
 
     covered: str = setting("", "eye that sees black", choices=("", "right"))
-    distances_m: tuple[float, ...] = setting((0.5, 2.0, 6.0), "distances of the plane", "m")
     n_random: int = setting(40, "random targets at each distance", least=4)
 
 
@@ -232,10 +231,10 @@ class _Looking:
 
     def __init__(self, session: Session, covered: str) -> None:
         learners = session.learners
-        self.n_iterations = learners.manager.protocol.iterations_per_trial
+        self.n_iterations = learners.manager.iterations_per_trial
         self._session, self._covered = session, covered
         self._turns_deg = learners.plant.camera.turns_deg
-        self._commanded = learners.manager.protocol.space.indices
+        self._commanded = learners.manager.space.indices
         self._eyes = Oculomotor(learners.plant.mechanics)
         self._correct = session.correct(0.0)
 

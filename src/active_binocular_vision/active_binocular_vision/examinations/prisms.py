@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.examination import Examination, Findings
+from active_binocular_vision.examinations.examination import Examination, Findings, Options
 from active_binocular_vision.examinations.measure import Quartiles, key, measure
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import Prism, Session, is_fused, session_of
@@ -185,7 +185,7 @@ def prism_trial(
 
 
 @dataclass(frozen=True)
-class PrismOptions:
+class PrismOptions(Options):
     """Where the eyes look, and how far the prisms go."""
 
     distances_m: tuple[float, ...] = setting(DISTANCES_M, "distances of the plane", "m")

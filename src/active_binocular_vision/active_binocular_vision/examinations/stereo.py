@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.examination import Examination, Findings
+from active_binocular_vision.examinations.examination import Distances, Examination, Findings
 from active_binocular_vision.examinations.gratings import crossing
 from active_binocular_vision.examinations.measure import SHARE, key, measure
 from active_binocular_vision.learners.learners import FrozenLearners
@@ -20,7 +20,6 @@ from active_binocular_vision.learners.session import Session, session_of
 from active_binocular_vision.learners.shown import Shown
 from experiment_manager.terminal.progress_lines import progress
 from lockstep.errors import InputError
-from lockstep.settings import setting
 from lockstep.wire.topics import N_SACCADES
 
 Array = NDArray[np.float64]
@@ -101,17 +100,10 @@ def turns_right(session: Session, i_picture: int, distance_m: float, error_deg: 
 
     Eyes that make saccades look at their target already; what these leave of the error counts.
     """
-    n_before = N_SACCADES if session.learners.manager.protocol.fixation_iterations else 0
+    n_before = N_SACCADES if session.learners.manager.fixation_iterations else 0
     course = session.eyes(i_picture, distance_m, error_deg).look(n_before + 1)
     before_deg, after_deg = course.seen_deg[n_before:, _HORIZONTAL].tolist()
     return bool((before_deg - after_deg) * math.copysign(1.0, before_deg) > 0.0)
-
-
-@dataclass(frozen=True)
-class StereoOptions:
-    """Where the eyes look."""
-
-    distances_m: tuple[float, ...] = setting((0.5, 2.0, 6.0), "distances of the plane", "m")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,7 +125,7 @@ class StereoSummary:
     threshold_arcsec: float | None = measure("arcsec", "stereo threshold", 0)
 
 
-def _examine(learners: FrozenLearners, shown: Shown, options: StereoOptions) -> Findings:
+def _examine(learners: FrozenLearners, shown: Shown, options: Distances) -> Findings:
     """Measure the threshold with random dots of the run's own seed."""
     if shown.text and not shown.random_dots:
         raise InputError(f"--stereo: expected its own random-dot stereograms, got {shown.text}")
@@ -171,5 +163,5 @@ STEREO = Examination(
     text="how small a disparity of random dots still decides which way the eyes turn",
     examine=_examine,
     summary=StereoSummary,
-    options=StereoOptions,
+    options=Distances,
 )

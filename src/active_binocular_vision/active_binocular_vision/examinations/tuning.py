@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.examination import Examination, Findings, NoOptions
+from active_binocular_vision.examinations.examination import Examination, Findings, Options
 from active_binocular_vision.examinations.measure import SHARE, key, measure
 from active_binocular_vision.learners.basis_functions import SCALES, Tuning
 from active_binocular_vision.learners.learners import FrozenLearners
@@ -54,7 +54,7 @@ class TuningSummary:
     binocular_share: Sequence[float] = _of_scales("binocular_share", "binocular")
 
 
-def _examine(learners: FrozenLearners, shown: Shown, _: NoOptions) -> Findings:
+def _examine(learners: FrozenLearners, shown: Shown, _: Options) -> Findings:
     """Fit the basis functions; no picture is shown."""
     if shown.text:
         raise InputError("--tuning: expected no pictures, since the dictionary alone is examined")

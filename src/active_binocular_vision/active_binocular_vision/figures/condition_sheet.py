@@ -23,7 +23,7 @@ from active_binocular_vision.figures.style import (
 from active_binocular_vision.runs.conditions import Column, Condition
 from active_binocular_vision.runs.examined_run import AGES, BEFORE, BIRTH, END
 
-MOST_COLUMNS = 7
+MOST_COLUMNS = 6
 PERCENT_TICKS = (0.0, 50.0, 100.0)
 _STYLES: dict[str, dict[str, Any]] = {
     BIRTH: {"color": GREY, "marker": "o", "mfc": "w"},

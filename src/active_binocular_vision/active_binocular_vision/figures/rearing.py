@@ -1,4 +1,4 @@
-"""Figures of conditions: learning, landscape of the reward, basis functions."""
+"""Figures of conditions: learning, landscape of the reward, tuning; a panel or a row for each."""
 
 import textwrap
 from collections.abc import Callable, Mapping, Sequence

@@ -1,13 +1,12 @@
 """Activations with which eyes look correctly at a plane, for all kinds of eyes."""
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from experiment_manager.experiment.config import ProtocolConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.starts import Activations, gaze_inverse
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, LeastCost
 from eye_plant.inverse.pair import FULL_RANGE, Inverse
@@ -24,7 +23,7 @@ AHEAD_DEG = (0.0, 0.0)
 # Where on the line of pairs of equal vergence the pair begins: half-way.
 _FRACTION = 0.5
 # Of the left line of sight, and how often it is aimed again.
-_AIMED_DEG = 1e-5
+_AIMED_DEG = 1e-3
 _MOST_AIMS = 20
 
 
@@ -40,7 +39,7 @@ class CorrectGaze:
 
     def __init__(
         self,
-        protocol: ProtocolConfig,
+        protocol: ExperimentManagerConfig,
         mechanics: MechanicsConfig,
         turns_deg: TurnsDeg = NO_TURNS_DEG,
         parallax_m: float = 0.0,
@@ -91,15 +90,16 @@ class CorrectGaze:
         not reach.
         """
         assert self._gaze is not None
-        inverse, found = self._gaze, LeastCost(np.empty(0), math.inf)
+        inverse = self._gaze
+        found: list[LeastCost] = []
 
         def least(wanted_deg: dict[str, float]) -> Array:
-            nonlocal found
-            found = inverse.least(wanted_deg, distance_m)
-            return found.activations
+            near = found[-1] if found else None
+            found.append(inverse.least(wanted_deg, distance_m, near))
+            return found[-1].activations
 
         self._aimed(least, dict.fromkeys(ERRORS, 0.0), distance_m, target_deg)
-        return found
+        return found[-1]
 
     def wanted_gaze_deg(self, distance_m: float, target_deg: Sequence[float]) -> Array:
         """Return azimuth (right) and elevation (2, 2) of what left and right eye look at.
@@ -121,8 +121,12 @@ class CorrectGaze:
         cameras: they are mended until the left camera looks where it should.
         """
         left_deg, right_deg = self.wanted_gaze_deg(distance_m, target_deg)
-        right_deg[0] += wanted_deg["horizontal"]
-        version_deg, elevation_deg = ((left_deg + right_deg) / 2.0).tolist()
+        # A turn toward the nose is one to the right in the left eye, to the left in the right eye.
+        (left_inward_deg, left_up_deg, _), (right_inward_deg, right_up_deg, _) = self._turns_deg
+        left_eye_deg = left_deg - (left_inward_deg, left_up_deg)
+        right_eye_deg = right_deg + np.array([right_inward_deg, -right_up_deg])
+        right_eye_deg[0] += wanted_deg["horizontal"]
+        version_deg, elevation_deg = ((left_eye_deg + right_eye_deg) / 2.0).tolist()
         has_elevation = "elevation" in TURNED_ANGLES[self._protocol.command_space]
         for _ in range(_MOST_AIMS):
             gaze_deg = {"version": version_deg}

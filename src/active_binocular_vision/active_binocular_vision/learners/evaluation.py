@@ -10,7 +10,7 @@ import numpy as np
 
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
-from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
+from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.in_process.loop import InProcessLoop
 from experiment_manager.measures.criteria import criteria_of
@@ -60,19 +60,19 @@ def evaluated(
     or picture that cannot be used.
     """
     manager = learners.manager
-    criteria = criteria_of(learners.plant, manager.protocol.fixation_iterations)
-    n_default = _N_STEREOGRAMS if shown.random_dots else manager.protocol.n_stimuli_per_test
+    criteria = criteria_of(learners.plant, manager.fixation_iterations)
+    n_default = _N_STEREOGRAMS if shown.random_dots else manager.n_stimuli_per_test
     stimuli = shown.load(learners.plant.stimuli, n_default)
     n_stimuli = len(stimuli.all) + len(stimuli.stereograms)
-    started = dataclasses.replace(manager, protocol=_with_starts(manager.protocol, start_scale))
+    started = _with_starts(manager, start_scale)
     protocol = _test_protocol(started, learners.trained, n_stimuli)
     with learners.loop(stimuli) as loop:
         table = _trial_table(loop, protocol)
-    trials = only_test(table, manager.protocol.iterations_per_trial)
+    trials = only_test(table, manager.iterations_per_trial)
     return FrozenResults(learners, start_scale, shown.text, n_stimuli, summary_of(trials, criteria))
 
 
-def _with_starts(protocol: ProtocolConfig, start_scale: float) -> ProtocolConfig:
+def _with_starts(protocol: ExperimentManagerConfig, start_scale: float) -> ExperimentManagerConfig:
     if start_scale == 1.0:
         return protocol
     if protocol.command_space == PAIR:
@@ -90,13 +90,13 @@ def _with_starts(protocol: ProtocolConfig, start_scale: float) -> ProtocolConfig
 def _test_protocol(config: ExperimentManagerConfig, trained: int, n_stimuli: int) -> Protocol:
     """Return a protocol that ends after so many training iterations, with a single test."""
     tested = dataclasses.replace(
-        config.protocol,
+        config,
         n_training_iterations=trained,
         test_iterations=(trained,),
         n_test_stimuli=n_stimuli,
         n_stimuli_per_test=n_stimuli,
     )
-    return make_protocol(dataclasses.replace(config, protocol=tested))
+    return make_protocol(tested)
 
 
 def _trial_table(loop: InProcessLoop, protocol: Protocol) -> TrialTable:

@@ -15,12 +15,13 @@ from active_binocular_vision.learners.basis_functions import Tuning, tunings
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import read_schedule
 from experiment_manager.experiment.protocol import protocol_of
+from experiment_manager.experiment.sections import Configuration, config_of
 from experiment_manager.in_process.loop import InProcessLoop, make_loop
 from experiment_manager.run import checkpoint
-from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
+from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.stimuli.stimulus_set import StimulusSet
-from lockstep.configuration import build, flatten
+from lockstep.configuration import flatten
 from lockstep.errors import InputError
 from lockstep.state_file import read_state
 from lockstep.wire.topics import TEST
@@ -90,34 +91,32 @@ class FrozenLearners:
 
     @cached_property
     def configuration(self) -> Configuration:
-        """The parameters of all nodes as in a test at that age, except the settings.
+        """The run's configuration as in a test at that age, except the settings.
 
         Without any schedule. Raises InputError for settings that the plant cannot have.
         """
-        schedule = read_schedule(self._of_run["experiment_manager"]["schedule"])
+        task = self._of_run["task"]
+        schedule = read_schedule(task["schedule"])
         then = schedule.settings(schedule.stage(TEST, self.trained))
-        started_with = build(EyePlantConfig, self._of_run["eye_plant"])
+        started_with = config_of(EyePlantConfig, self._of_run)
         plant = flatten(changed(started_with, then | dict(self.settings)))
-        of_run = self._of_run["experiment_manager"]
-        # The manager has the plant's eyes once more, under the same names.
-        eyes = {name: value for name, value in plant.items() if name in of_run}
-        manager = of_run | eyes | {"schedule": ""}
-        return self._of_run | {"eye_plant": plant, "experiment_manager": manager}
+        eyes = {name: plant[name] for name in self._of_run["eyes"]}
+        return self._of_run | {"eyes": eyes, "task": task | {"schedule": ""}}
 
     @cached_property
     def manager(self) -> ExperimentManagerConfig:
         """The experiment, with eyes of that age, except the settings."""
-        return build(ExperimentManagerConfig, self.configuration["experiment_manager"])
+        return config_of(ExperimentManagerConfig, self.configuration)
 
     @cached_property
     def plant(self) -> EyePlantConfig:
         """The eyes of that age, except the settings."""
-        return build(EyePlantConfig, self.configuration["eye_plant"])
+        return config_of(EyePlantConfig, self.configuration)
 
     @cached_property
     def atoms(self) -> NDArray[np.float32]:
         """The basis functions of both scales (2, n_bases, 128)."""
-        coder = SparseCoder(build(SparseCoderConfig, self.configuration["sparse_coder"]))
+        coder = SparseCoder(config_of(SparseCoderConfig, self.configuration))
         coder.restore(read_state(self._state("sparse_coder"), "sparse_coder"))
         return coder.atoms()
 

@@ -117,7 +117,7 @@ class Eyes:
 
     def _whole_fixations(self, n_iterations: int) -> tuple[int, int]:
         """Return how many iterations there are, and how many targets."""
-        per_fixation = self._session.learners.manager.protocol.fixation_iterations
+        per_fixation = self._session.learners.manager.fixation_iterations
         if not per_fixation:
             return n_iterations, 0
         n_targets = math.ceil(n_iterations / per_fixation)
@@ -136,9 +136,7 @@ class Session:
         manager = learners.manager
         turns_deg = learners.plant.camera.turns_deg
         self.correct = cache(
-            lambda parallax_m: CorrectGaze(
-                manager.protocol, learners.plant.mechanics, turns_deg, parallax_m
-            )
+            lambda parallax_m: CorrectGaze(manager, learners.plant.mechanics, turns_deg, parallax_m)
         )
 
     @property
@@ -174,7 +172,7 @@ class Session:
     def _healthy(self) -> CorrectGaze:
         healthy = replace(self.learners, settings={})
         turns_deg = self.learners.plant.camera.turns_deg
-        return CorrectGaze(healthy.manager.protocol, healthy.plant.mechanics, turns_deg)
+        return CorrectGaze(healthy.manager, healthy.plant.mechanics, turns_deg)
 
     @cached_property
     def _cheapest_pair(self) -> CheapestPair:
@@ -237,10 +235,10 @@ def session_of(learners: FrozenLearners, shown: Shown, n_pictures: int) -> Itera
 
 def check_looks_at_targets(learners: FrozenLearners, shown: Shown, option: str) -> None:
     """Raise InputError, which names the option, unless the learners can look at targets."""
-    if not learners.manager.protocol.fixation_iterations:
+    if not learners.manager.fixation_iterations:
         raise InputError(
             f"{option}: expected eyes that make saccades, as those of profile gaze, got a run with "
-            "protocol.fixation_iterations 0"
+            "fixation_iterations 0"
         )
     check_shows_pictures(shown, option)
 

@@ -1,1 +1,1 @@
-"""Finished runs, what they have in common, and what stays of them."""
+"""Runs that were read: one, and groups of them."""

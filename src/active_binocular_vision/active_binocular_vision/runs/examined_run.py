@@ -19,6 +19,7 @@ from active_binocular_vision.learners.shown import OWN_TEST_STIMULI
 from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE, FinishedRun
 from active_binocular_vision.runs.groups import Common
 from experiment_manager.experiment.plant_changes import read_schedule
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.measures.results import Summary
 from lockstep.configuration import build, flatten
 from lockstep.durable_files import replace_file
@@ -98,9 +99,9 @@ def examined_run(
         raise InputError(
             f"{run.directory}: expected a run with a test at its end, {run.n_iterations:,}"
         )
-    schedule = read_schedule(run.configuration["experiment_manager"]["schedule"])
+    schedule = read_schedule(run.configuration["task"]["schedule"])
     changed_at = tuple(change.at for change in schedule.changes)
-    coder = build(SparseCoderConfig, run.configuration["sparse_coder"])
+    coder = config_of(SparseCoderConfig, run.configuration)
     kept = _Documents(run)
     found: dict[str, dict[str, Document]] = {}
     reasons: list[str] = []

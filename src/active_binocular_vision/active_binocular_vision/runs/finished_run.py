@@ -1,14 +1,15 @@
 """A run that was made: what it is, and what it measured, each part read on first use."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from active_binocular_vision.runs.recorded import Measured, measured
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
 from experiment_manager.bag.reader import Bag
+from experiment_manager.experiment.sections import Configuration
 from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import KeptTrials, read_kept
 from experiment_manager.measures.metrics import summary_of
@@ -22,15 +23,12 @@ from experiment_manager.measures.results import (
 )
 from experiment_manager.measures.trials import Trials
 from experiment_manager.run import checkpoint
-from experiment_manager.run.config_file import (
-    CONFIG_FILE,
-    Configuration,
-    about_in,
-    parameters_in,
-)
+from experiment_manager.run.config_file import CONFIG_FILE, about_in, parameters_in
 from lockstep.command_space import PAIR
 from lockstep.errors import InputError
 
+S = TypeVar("S")
+T = TypeVar("T")
 # What was found in a run's learners, at some or all of their ages.
 EXAMINATIONS_FILE = "examinations.json"
 
@@ -64,19 +62,22 @@ class FinishedRun:
     @cached_property
     def about(self) -> Mapping[str, Any]:
         """The section of config.yaml that says what the run is."""
-        return about_in(self.configuration_text, str(self.directory))
+        return self._named(about_in, self.configuration_text)
 
     @cached_property
     def configuration(self) -> Configuration:
         """All parameters by node, by dotted name, as in config.yaml."""
-        return parameters_in(self.configuration_text, str(self.directory))
+        return self._named(parameters_in, self.configuration_text)
 
     @cached_property
     def evaluation_settings(self) -> EvaluationSettings:
         """How the run is tested."""
-        parameters = self.configuration
+        return self._named(EvaluationSettings.of, self.configuration)
+
+    def _named(self, read: Callable[[S], T], source: S) -> T:
+        """Return what a function reads; its errors name the run."""
         try:
-            return EvaluationSettings.of(parameters)
+            return read(source)
         except InputError as error:
             raise InputError(f"{self.directory}: {error}") from error
 

@@ -7,15 +7,14 @@ from pathlib import Path
 
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.recorded import RecordedTest
+from experiment_manager.experiment.sections import DEFAULTS, completed
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import Trials, pooled
 from experiment_manager.run.config_file import (
-    CONFIG_CLASSES,
     FREE_TO_CHANGE,
     RUN_SECTION,
-    completed,
 )
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep.errors import InputError
@@ -32,18 +31,12 @@ _NO_SETTINGS = (
     "pictures_every_n_episodes",
     "pictures_every_n_trials",
     "n_training_iterations",
-    "protocol.n_training_iterations",
-    "protocol.test_iterations",
+    "test_iterations",
     "camera.roi_width_px",
     "camera.roi_height_px",
 )
-# Parts of a node's parameters: the manager has some of the plant's once more, and a run's plant
-# does not run freely.
-_NO_PARTS = (
-    ("experiment_manager", "mechanics"),
-    ("experiment_manager", "camera"),
-    ("eye_plant", "free_running"),
-)
+# A run's plant does not run freely.
+_NO_PARTS = (("eye_plant", "free_running"),)
 # Of what a run is, the course that settings do not show.
 _COURSE = ("branched_at_iteration", "extended_from")
 _MOST_SETTINGS_NAMED = 2
@@ -221,7 +214,7 @@ def _with_own_pictures(seeds: Mapping[Common, set[int]]) -> dict[Common, Common]
 
 def _key(run: FinishedRun) -> Common:
     parameters = run.configuration
-    if parameters.keys() >= CONFIG_CLASSES.keys():
+    if parameters.keys() >= DEFAULTS.keys():
         # What is not there is the default; the parameters of a replaced node stay as they are.
         with contextlib.suppress(InputError):
             parameters = completed(parameters)

@@ -122,7 +122,7 @@ def pictured_episodes(bag: Bag) -> PicturedEpisodes:
 def evaluation_settings_of(bag: Bag) -> EvaluationSettings:
     """Return how the run of a bag was tested; InputError for a bag without its configuration."""
     text = bag.attachment(CONFIGURATION_ATTACHMENT).decode()
-    return EvaluationSettings.of(parameters_in(text, f"bag {bag.path}"))
+    return EvaluationSettings.of(parameters_in(text))
 
 
 def _sum_in_order(values: np.ndarray) -> float:

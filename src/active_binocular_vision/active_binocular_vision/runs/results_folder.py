@@ -18,6 +18,7 @@ import numpy as np
 import yaml
 
 from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE, FinishedRun
+from experiment_manager.experiment.sections import Configuration
 from experiment_manager.measures.kept_trials import KEPT_FILE, KeptTrials, arrays_of, from_arrays
 from experiment_manager.measures.results import (
     RESULTS_FILE,
@@ -27,7 +28,7 @@ from experiment_manager.measures.results import (
     SetSummary,
     Summary,
 )
-from experiment_manager.run.config_file import CONFIG_FILE, RUN_SECTION, Configuration
+from experiment_manager.run.config_file import CONFIG_FILE, RUN_SECTION
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError

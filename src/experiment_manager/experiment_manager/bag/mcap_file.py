@@ -1,49 +1,40 @@
-"""Random access to one .mcap file, whole or cut off at any byte.
-
-A whole file is read through the index at its end. A cut-off one has no index; its records are
-walked from the start up to the last complete chunk. The MCAP format: https://mcap.dev/spec.
-"""
+"""One .mcap file, whole or cut off at any byte, read and rewritten with the package mcap."""
 
 import struct
 import zlib
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.reader import SeekingReader
+from mcap.reader import FOOTER_SIZE, SeekingReader
 from mcap.records import (
     Attachment,
     Channel,
     Chunk,
     ChunkIndex,
+    Footer,
+    McapRecord,
     Message,
+    MessageIndex,
     Metadata,
     Schema,
-    Statistics,
 )
-from mcap.stream_reader import get_chunk_data_stream
+from mcap.stream_reader import MAGIC_SIZE, StreamReader, breakup_chunk, get_chunk_data_stream
+from mcap.summary import Summary
+from mcap.writer import MCAP0_MAGIC, Writer
 
 from experiment_manager.bag.metadata import FileSummary
 from lockstep.errors import InputError
 
-_INDEX_HEADER = struct.Struct("<BQHI")  # opcode, length of the body, channel, bytes of entries
-_FOOTER = struct.Struct("<BQQQI")  # opcode, length, start of the summary, of its offsets, checksum
-_MAGIC = b"\x89MCAP0\r\n"
-_RECORD = struct.Struct("<BQ")  # opcode, length of the body
-_MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
-_LEAST_BYTES = 2 * len(_MAGIC) + _FOOTER.size
-_CHUNK_LIMIT_BYTES = 1 << 31
-# A message index entry; and what a message record is made of before its data.
-INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
-MESSAGE_HEADER_BYTES = _RECORD.size + _MESSAGE.size
-_MESSAGE_HEAD = np.dtype(
+# What a message record begins with, its data follow; the length counts from behind itself.
+HEAD = np.dtype(
     [
         ("opcode", "u1"),
         ("length", "<u8"),
@@ -53,12 +44,14 @@ _MESSAGE_HEAD = np.dtype(
         ("publish_time", "<u8"),
     ]
 )
-# What broken bytes make of the readers of records, checksums and compressed blocks.
+HEAD_BYTES_IN_LENGTH = HEAD.itemsize - 9
+_RECORD_HEAD_BYTES = 9  # opcode and length of any record
+# What broken bytes make of the package's readers and of compressed blocks.
 _BROKEN = (
     McapError,
-    EOFError,
     struct.error,
     ValueError,
+    KeyError,
     OverflowError,
     MemoryError,
     RuntimeError,
@@ -66,302 +59,213 @@ _BROKEN = (
 )
 
 
-@dataclass(frozen=True)
-class IndexedChunk:
-    """Where a chunk is, and its messages: {channel id: entries (n,) of INDEX_ENTRY}."""
+class Rewritten(NamedTuple):
+    """What was kept and lost of a file: messages, and chunks that are broken or half-written."""
 
-    offset: int
-    n_bytes: int
-    entries: Callable[[int], np.ndarray]
-    channel_ids: frozenset[int]
+    n_messages: int
+    n_lost_chunks: int
 
 
-@dataclass
 class McapFile:
-    """One .mcap file: its records by kind, and its messages chunk by chunk.
+    """One .mcap file: what its index holds, and its messages chunk by chunk.
 
-    complete: it ends as it should. channels, schemas: by id. metadata: {record name: {key: text}}.
-    attachments: {name: content}. n_lost_bytes: what lies behind the last complete record,
-    and in broken ones that are no chunks.
+    complete: it ends with its index. A file without one is read as its repair would leave it.
+    topics: {topic: id of its channel}. metadata: {record name: {key: text}}. attachments: {name:
+    content}.
     """
 
-    path: Path
-    complete: bool = False
-    channels: dict[int, Channel] = field(default_factory=dict)
-    schemas: dict[int, Schema] = field(default_factory=dict)
-    metadata: dict[str, dict[str, str]] = field(default_factory=dict)
-    attachments: dict[str, bytes] = field(default_factory=dict)
-    chunks: list[IndexedChunk] = field(default_factory=list)
-    n_lost_bytes: int = 0
-    _statistics: Statistics | None = None
-
-    @classmethod
-    def open(cls, path: Path, *, beyond_damage: bool = False) -> "McapFile":
-        """Read the index of a file, or walk its records when it has none.
-
-        beyond_damage: do not end a walk at a broken record; broken chunks are then there, too,
-        without messages. Raises InputError when the path is no file or does not begin as an MCAP
-        file.
-        """
+    def __init__(self, path: Path) -> None:
+        """Read the index; InputError for what is no MCAP file, or a broken one with an index."""
         if not path.is_file():
             raise InputError(f"expected an .mcap file, {path} is none")
-        file = cls(path)
+        self.path = path
+        self._rewritten: bytes | None = None
         with path.open("rb") as stream:
             # A kill may leave less than the first eight bytes: a file cut off before anything.
-            if not _MAGIC.startswith(stream.read(len(_MAGIC))):
+            if not MCAP0_MAGIC.startswith(stream.read(MAGIC_SIZE)):
                 raise InputError(f"{path}: expected an MCAP file, its first bytes are others")
-            if not file._read_summary(stream):
-                file._walk(stream, beyond_damage=beyond_damage)
-        return file
+            self.complete = _is_indexed(stream)
+            if not self.complete:
+                rewritten = BytesIO()
+                rewrite(stream, rewritten)
+                self._rewritten = rewritten.getvalue()
+        try:
+            with self._open() as stream:
+                reader = SeekingReader(stream)
+                self._summary = reader.get_summary() or Summary()
+                self.metadata = {r.name: dict(r.metadata) for r in reader.iter_metadata()}
+                self.attachments = {r.name: r.data for r in reader.iter_attachments()}
+        except _BROKEN as error:
+            raise InputError(f"{path}: broken metadata or attachment: {error}") from error
+        self.topics = {channel.topic: i for i, channel in self.channels.items()}
 
-    def channel_id(self, topic: str) -> int | None:
-        """Return the channel of a topic, None when the file has none."""
-        return next((i for i, channel in self.channels.items() if channel.topic == topic), None)
-
-    def entries(self, chunk: IndexedChunk, topic: str) -> np.ndarray:
-        """Return the stamps and positions of a topic's messages in a chunk: (n,) of INDEX_ENTRY."""
-        channel_id = self.channel_id(topic)
-        return np.zeros(0, INDEX_ENTRY) if channel_id is None else chunk.entries(channel_id)
+    @property
+    def channels(self) -> dict[int, Channel]:
+        """The channels by id."""
+        return self._summary.channels
 
     def type_name(self, channel_id: int) -> str:
         """Return the message type of a channel, such as sensor_msgs/msg/Image."""
-        schema = self.schemas.get(self.channels[channel_id].schema_id)
+        schema = self._summary.schemas.get(self.channels[channel_id].schema_id)
         return schema.name if schema else ""
 
-    def read_chunk(self, chunk: IndexedChunk) -> np.ndarray:
+    def chunks(self, *topics: str) -> list[ChunkIndex]:
+        """Return the chunks, in the file's order, that hold messages of any of these topics."""
+        wanted = {self.topics[topic] for topic in topics if topic in self.topics}
+        return [
+            chunk
+            for chunk in self._summary.chunk_indexes
+            if not wanted.isdisjoint(chunk.message_index_offsets)
+        ]
+
+    def read_chunk(self, chunk: ChunkIndex) -> np.ndarray:
         """Return the records of a chunk, decompressed: (n_bytes,) uint8.
-
-        Raises InputError when the chunk does not fit its checksum, or its index does not fit it:
-        what is returned may be trusted.
-        """
-        records = np.frombuffer(self._chunk_data(chunk), np.uint8)
-        for channel_id in chunk.channel_ids:
-            if not _index_fits(records, chunk.entries(channel_id), channel_id):
-                raise InputError(f"{self.path}: broken index of the chunk at byte {chunk.offset}")
-        return records
-
-    def messages(self, chunk: IndexedChunk) -> list[Message]:
-        """Return the messages of a chunk, found without its index.
 
         Raises InputError when the chunk does not fit its checksum.
         """
-        data = self._chunk_data(chunk)
-        return [
-            Message.read(ReadDataStream(BytesIO(body)), len(body))
-            for opcode, _, body in _records(data)
-            if opcode == Opcode.MESSAGE
-        ]
-
-    def _chunk_data(self, chunk: IndexedChunk) -> bytes:
         try:
-            with self.path.open("rb") as stream:
-                stream.seek(chunk.offset + _RECORD.size)
-                return _chunk_data(Chunk.read(ReadDataStream(stream)))
+            with self._open() as stream:
+                stream.seek(chunk.chunk_start_offset + _RECORD_HEAD_BYTES)
+                record = Chunk.read(ReadDataStream(stream))
+                data, n_bytes = get_chunk_data_stream(record, validate_crc=True)
+                return np.frombuffer(data.read(n_bytes), np.uint8)
         except _BROKEN as error:
             raise InputError(
-                f"{self.path}: broken chunk at byte {chunk.offset}: {error}"
+                f"{self.path}: broken chunk at byte {chunk.chunk_start_offset}: {error}"
             ) from error
 
-    def log_times_ns(self, channel_id: int) -> np.ndarray:
-        """Return the stamps of all messages of a channel (n,) int64, in the file's order."""
-        times = [c.entries(channel_id)["log_time"] for c in self.chunks]
-        return np.concatenate([np.zeros(0, np.uint64), *times]).astype(np.int64)
+    def index(self, chunk: ChunkIndex, topic: str) -> np.ndarray:
+        """Return log time and offset in the chunk of each message of a topic: (n, 2) int64."""
+        offset = chunk.message_index_offsets.get(self.topics.get(topic, -1))
+        if offset is None:
+            return np.zeros((0, 2), np.int64)
+        try:
+            with self._open() as stream:
+                stream.seek(offset)
+                record = next(StreamReader(stream, skip_magic=True).records)
+            if not isinstance(record, MessageIndex):
+                raise McapError(f"expected a message index, got {type(record).__name__}")
+            return np.array(record.records, np.int64).reshape(-1, 2)
+        except _BROKEN as error:
+            raise InputError(f"{self.path}: broken index at byte {offset}: {error}") from error
 
-    def last_stamps_ns(self) -> dict[str, int]:
-        """Return the greatest stamp of each topic that has messages."""
-        last: dict[str, int] = {}
-        for channel_id, channel in self.channels.items():
-            for chunk in reversed(self.chunks):
-                if channel_id in chunk.channel_ids:
-                    last[channel.topic] = int(chunk.entries(channel_id)["log_time"].max())
-                    break
-        return last
+    def heads(self, chunk: ChunkIndex, topic: str, data: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Return where the messages of a topic begin in a chunk's data, and their heads.
+
+        data: of `read_chunk`. Offsets of the heads (n,) int64 and heads (n,) of HEAD. Raises
+        InputError when the index does not fit the chunk.
+        """
+        log_times_ns, offsets = self.index(chunk, topic).T
+        inside = (offsets >= 0) & (offsets <= len(data) - HEAD.itemsize)
+        heads = rows_at(data, offsets * inside, HEAD.itemsize).view(HEAD)[:, 0]
+        fits = inside & (heads["opcode"] == Opcode.MESSAGE) & (heads["log_time"] == log_times_ns)
+        if not (fits & (heads["channel"] == self.topics.get(topic))).all():
+            raise InputError(
+                f"{self.path}: broken index of the chunk at byte {chunk.chunk_start_offset}"
+            )
+        return offsets, heads
+
+    def stamps_ns(self, topic: str) -> np.ndarray:
+        """Return the stamps of all messages of a topic (n,) int64, in the file's order."""
+        times = [self.index(chunk, topic)[:, 0] for chunk in self.chunks(topic)]
+        return np.concatenate([np.zeros(0, np.int64), *times])
+
+    def last_stamp_ns(self, topic: str) -> int:
+        """Return the greatest stamp of a topic, -1 where it has no message."""
+        last = self.chunks(topic)[-1:]
+        return max((int(self.index(chunk, topic)[:, 0].max()) for chunk in last), default=-1)
+
+    def is_whole(self) -> bool:
+        """Whether nothing is missing or broken."""
+        try:
+            for chunk in self._summary.chunk_indexes:
+                data = self.read_chunk(chunk)
+                for channel_id in chunk.message_index_offsets:
+                    self.heads(chunk, self.channels[channel_id].topic, data)
+        except (InputError, KeyError):
+            return False
+        return self.complete
 
     def summary(self) -> FileSummary:
         """Return the counts and the time span of the file."""
-        topics = {i: channel.topic for i, channel in self.channels.items()}
-        if self._statistics is not None:
-            found = self._statistics.channel_message_counts
-            start_ns, end_ns = (
-                self._statistics.message_start_time,
-                self._statistics.message_end_time,
+        statistics = self._summary.statistics
+        assert statistics is not None, "the writer makes them"
+        counts = {t: statistics.channel_message_counts.get(i, 0) for t, i in self.topics.items()}
+        start_ns, end_ns = statistics.message_start_time, statistics.message_end_time
+        return FileSummary(self.path.name, start_ns, end_ns, counts)
+
+    def _open(self) -> BinaryIO:
+        return self.path.open("rb") if self._rewritten is None else BytesIO(self._rewritten)
+
+
+def rewrite(source: BinaryIO, target: BinaryIO) -> Rewritten:
+    """Write what can be read of a file as a whole one.
+
+    Every chunk that fits its checksum is kept, also behind a broken one. Messages are lost where
+    the name of their topic is: the first chunk announces all topics, and only the index, which a
+    cut-off file lacks, does so again.
+    """
+    writer = Writer(target)
+    writer.start(profile="ros2")
+    schemas: dict[int, int] = {0: 0}
+    channels: dict[int, int] = {}
+    n_messages = n_lost_chunks = 0
+    for record in _records(source):
+        if isinstance(record, Schema) and record.id not in schemas:
+            schemas[record.id] = writer.register_schema(record.name, record.encoding, record.data)
+        elif isinstance(record, Channel) and record.id not in channels:
+            channels[record.id] = writer.register_channel(
+                record.topic, record.message_encoding, schemas[record.schema_id], record.metadata
             )
-            counts = {topic: found.get(i, 0) for i, topic in topics.items()}
-            return FileSummary(self.path.name, start_ns, end_ns, counts)
-        times = {topic: self.log_times_ns(i) for i, topic in topics.items()}
-        all_ns = np.concatenate([np.zeros(0, np.int64), *times.values()])
-        return FileSummary(
-            name=self.path.name,
-            start_ns=int(all_ns.min()) if len(all_ns) else 0,
-            end_ns=int(all_ns.max(initial=0)),
-            message_counts={topic: len(t) for topic, t in times.items()},
-        )
+        elif isinstance(record, Metadata):
+            writer.add_metadata(record.name, record.metadata)
+        elif isinstance(record, Attachment):
+            writer.add_attachment(
+                record.create_time, record.log_time, record.name, record.media_type, record.data
+            )
+        n_lost_chunks += isinstance(record, Chunk)
+    for record in _records(source):
+        if isinstance(record, Message) and record.channel_id in channels:
+            writer.add_message(
+                channels[record.channel_id],
+                record.log_time,
+                record.data,
+                record.publish_time,
+                record.sequence,
+            )
+            n_messages += 1
+    writer.finish()
+    return Rewritten(n_messages, n_lost_chunks)
 
-    def _read_summary(self, stream: BinaryIO) -> bool:
-        size = stream.seek(0, 2)
-        stream.seek(max(0, size - len(_MAGIC)))
-        if stream.read() != _MAGIC or size < _LEAST_BYTES or not _summary_fits(stream, size):
+
+def _records(stream: BinaryIO) -> Iterator[McapRecord]:
+    """Yield the records of a file and those in its chunks; of a chunk that is broken, itself."""
+    stream.seek(0)
+    with suppress(*_BROKEN):
+        for record in StreamReader(stream, emit_chunks=True).records:
+            inside: list[McapRecord] = [record]
+            if isinstance(record, Chunk):
+                with suppress(*_BROKEN):
+                    inside = breakup_chunk(record, validate_crc=True)
+            yield from inside
+
+
+def _is_indexed(stream: BinaryIO) -> bool:
+    """Whether a file ends with an index that has its checksum."""
+    try:
+        stream.seek(-FOOTER_SIZE - MAGIC_SIZE, 2)
+        *_, footer = StreamReader(stream, skip_magic=True).records
+        if not isinstance(footer, Footer) or not footer.summary_start:
             return False
-        stream.seek(0)
-        try:
-            reader = SeekingReader(stream)
-            summary = reader.get_summary()
-            if summary is None or not _is_indexed(summary):
-                return False
-            metadata = {r.name: dict(r.metadata) for r in reader.iter_metadata()}
-            attachments = {r.name: r.data for r in reader.iter_attachments()}
-        except _BROKEN:
-            return False
-        self._statistics = summary.statistics
-        self.metadata, self.attachments = metadata, attachments
-        self.channels = dict(summary.channels)
-        self.schemas = dict(summary.schemas)
-        for index in sorted(summary.chunk_indexes, key=lambda i: i.chunk_start_offset):
-            self.chunks.append(self._indexed(index))
-        self.complete = True
-        return True
-
-    def _indexed(self, index: ChunkIndex) -> IndexedChunk:
-        def entries(channel_id: int) -> np.ndarray:
-            offset = index.message_index_offsets.get(channel_id)
-            if offset is None:
-                return _no_entries(channel_id)
-            with self.path.open("rb") as stream:
-                stream.seek(offset)
-                head = stream.read(_INDEX_HEADER.size)
-                if len(head) == _INDEX_HEADER.size:
-                    opcode, _, found_id, n_bytes = _INDEX_HEADER.unpack(head)
-                    body = stream.read(min(n_bytes, _CHUNK_LIMIT_BYTES))
-                    whole = len(body) == n_bytes and not n_bytes % INDEX_ENTRY.itemsize
-                    if (opcode, found_id, whole) == (Opcode.MESSAGE_INDEX, channel_id, True):
-                        return np.frombuffer(body, INDEX_ENTRY)
-            raise InputError(f"{self.path}: broken message index at byte {offset}")
-
-        return IndexedChunk(
-            index.chunk_start_offset,
-            index.chunk_length,
-            entries,
-            frozenset(index.message_index_offsets),
-        )
-
-    def _walk(self, stream: BinaryIO, *, beyond_damage: bool) -> None:
-        end = stream.seek(0, 2)
-        position = stream.seek(len(_MAGIC))
-        while position + _RECORD.size <= end:
-            opcode, length = _RECORD.unpack(stream.read(_RECORD.size))
-            following = position + _RECORD.size + length
-            if following > end:
-                break
-            try:
-                self._take(opcode, position, stream, length)
-            except _BROKEN:
-                # Where nothing begins that can be right, no record behind it is found either.
-                if not beyond_damage or opcode not in set(Opcode):
-                    break
-                if opcode == Opcode.CHUNK:
-                    self.chunks.append(
-                        IndexedChunk(position, following - position, _no_entries, frozenset())
-                    )
-                else:
-                    self.n_lost_bytes += following - position
-            position = stream.seek(following)
-        self.n_lost_bytes += end - position
-
-    def _take(self, opcode: int, position: int, stream: BinaryIO, length: int) -> None:
-        if opcode == Opcode.CHUNK:
-            chunk = Chunk.read(ReadDataStream(stream))
-            n_bytes = _RECORD.size + length
-            self.chunks.append(self._scanned(position, n_bytes, _chunk_data(chunk)))
-        elif opcode == Opcode.METADATA:
-            metadata = Metadata.read(ReadDataStream(stream))
-            self.metadata[metadata.name] = dict(metadata.metadata)
-        elif opcode == Opcode.ATTACHMENT:
-            attachment = Attachment.read(ReadDataStream(stream))
-            self.attachments[attachment.name] = attachment.data
-        elif opcode not in set(Opcode) and opcode < 0x80:
-            # Opcodes from 0x80 are for applications; below, nothing unknown can be right.
-            raise McapError(f"unknown record {opcode} of {length} bytes at {position}")
-
-    def _scanned(self, offset: int, n_bytes: int, data: bytes) -> IndexedChunk:
-        found: dict[int, list[tuple[int, int]]] = {}
-        for opcode, position, body in _records(data):
-            if opcode == Opcode.MESSAGE:
-                channel_id, _, log_time, _ = _MESSAGE.unpack_from(body)
-                found.setdefault(channel_id, []).append((log_time, position))
-            elif opcode == Opcode.CHANNEL:
-                channel = Channel.read(ReadDataStream(BytesIO(body)))
-                self.channels[channel.id] = channel
-            elif opcode == Opcode.SCHEMA:
-                schema = Schema.read(ReadDataStream(BytesIO(body)))
-                self.schemas[schema.id] = schema
-        entries = {i: np.array(pairs, dtype=INDEX_ENTRY) for i, pairs in found.items()}
-        return IndexedChunk(
-            offset, n_bytes, lambda i: entries.get(i, _no_entries(i)), frozenset(entries)
-        )
-
-
-def _no_entries(channel_id: int) -> np.ndarray:
-    return np.zeros(0, INDEX_ENTRY)
-
-
-def _summary_fits(stream: BinaryIO, size: int) -> bool:
-    """Whether the index at the end of a file of that size has its checksum."""
-    stream.seek(size - len(_MAGIC) - _FOOTER.size)
-    footer = stream.read(_FOOTER.size)
-    opcode, _, start, _, checksum = _FOOTER.unpack(footer)
-    if opcode != Opcode.FOOTER or not len(_MAGIC) <= start < size:
+        stream.seek(footer.summary_start)
+        covered = stream.read()[: -MAGIC_SIZE - 4]  # the checksum itself is the footer's end
+    except (*_BROKEN, OSError):
         return False
-    stream.seek(start)
-    summary = stream.read(size - len(_MAGIC) - _FOOTER.size - start)
-    covered = footer[: _FOOTER.size - 4]
-    return checksum == 0 or zlib.crc32(covered, zlib.crc32(summary)) == checksum
+    return footer.summary_crc in (0, zlib.crc32(covered))
 
 
-def _index_fits(records: np.ndarray, entries: np.ndarray, channel_id: int) -> bool:
-    """Whether each entry (n,) leads to a message of the channel with the entry's stamp."""
-    offsets = entries["offset"].astype(np.int64)
-    if (offsets > len(records) - MESSAGE_HEADER_BYTES).any() or (offsets < 0).any():
-        return False
-    heads = np.ndarray(
-        (max(0, len(records) - MESSAGE_HEADER_BYTES + 1),), _MESSAGE_HEAD, records, strides=(1,)
-    )[offsets]
-    return bool(
-        (heads["opcode"] == Opcode.MESSAGE).all()
-        and (heads["channel"] == channel_id).all()
-        and (heads["log_time"] == entries["log_time"]).all()
-        and (heads["length"] <= len(records) - offsets - _RECORD.size).all()
-    )
-
-
-def _is_indexed(summary: Any) -> bool:
-    """Whether the summary names all channels and the messages of all chunks."""
-    counted = summary.statistics is not None and (
-        summary.statistics.chunk_count == len(summary.chunk_indexes)
-    )
-    named = all(
-        index.message_index_offsets and set(index.message_index_offsets) <= set(summary.channels)
-        for index in summary.chunk_indexes
-    )
-    return bool(counted and named)
-
-
-def _chunk_data(chunk: Chunk) -> bytes:
-    if chunk.uncompressed_size > _CHUNK_LIMIT_BYTES:
-        raise McapError(f"a chunk of {chunk.uncompressed_size} bytes cannot be right")
-    stream, size = get_chunk_data_stream(chunk)
-    data = stream.read(size) if size else b""
-    if len(data) != chunk.uncompressed_size:
-        raise McapError(f"a chunk has {len(data)} bytes, {chunk.uncompressed_size} announced")
-    if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
-        raise McapError("a chunk does not fit its checksum")
-    return data
-
-
-def _records(data: bytes) -> Iterator[tuple[int, int, bytes]]:
-    """Yield (opcode, position, body) of each record of a chunk."""
-    position = 0
-    while position < len(data):
-        opcode, length = _RECORD.unpack_from(data, position)
-        body = position + _RECORD.size
-        yield opcode, position, data[body : body + length]
-        position = body + length
+def rows_at(data: np.ndarray, starts: np.ndarray, n_bytes: int) -> np.ndarray:
+    """Return the n_bytes behind each start in data (n,) uint8: (n, n_bytes) uint8."""
+    # As one item per window each row is copied at once, which is ten times quicker than by byte.
+    windows = np.ndarray((max(0, len(data) - n_bytes + 1),), f"V{n_bytes}", data, strides=(1,))
+    return windows[starts].view(np.uint8).reshape(len(starts), n_bytes)

@@ -202,21 +202,18 @@ class BagWriter(contextlib.AbstractContextManager["BagWriter"]):
 
     def _continue(self, names: Sequence[str]) -> None:
         self._directory.mkdir(parents=True, exist_ok=True)
-        announced = {topic.name: name for name, topic in self._topics.items()}
         for name in names:
             if not _FILE_NAME.match(name):
                 raise InputError(f"expected a bag file such as bag_0.mcap, got {name!r}")
-            file = McapFile.open(self._directory / name)
+            file = McapFile(self._directory / name)
             if not file.complete:
                 raise InputError(
                     f"{self._directory / name}: expected a complete file, it is cut off"
                 )
             self._committed.append(file.summary())
-            for topic, stamp_ns in file.last_stamps_ns().items():
-                as_announced = announced.get(topic)
-                if as_announced is not None:
-                    last_ns = self._last_stamp_ns[as_announced]
-                    self._last_stamp_ns[as_announced] = max(stamp_ns, last_ns)
+            for topic, announced in self._topics.items():
+                last_ns = file.last_stamp_ns(announced.name)
+                self._last_stamp_ns[topic] = max(self._last_stamp_ns[topic], last_ns)
         for path in self._directory.iterdir():
             if _FILE_NAME.match(path.name) and path.name not in names:
                 path.unlink()
@@ -284,7 +281,7 @@ class _OpenFile:
         self._stream.flush()
         os.fsync(self._stream.fileno())
         self._stream.close()
-        return McapFile.open(self._path).summary()
+        return McapFile(self._path).summary()
 
     def abandon(self) -> None:
         # Closing writes the rest of the buffer, and may fail for the reason that was raised before.

@@ -1,26 +1,14 @@
 """Settings of the experiment manager."""
 
-import dataclasses
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from experiment_manager.experiment.plant_changes import check_places, read_schedule
-from eye_plant.camera.config import CameraConfig, CameraTurns
-from eye_plant.config import EyePlantConfig
+from eye_plant.config import EyePlantConfig, EyesConfig
 from eye_plant.inverse.pair import Limits as PairLimits
 from eye_plant.inverse.pair import pair_limits
-from eye_plant.mechanics.model import MechanicsConfig
-from lockstep.command_space import (
-    ALL_MUSCLES,
-    COMMAND_SPACES,
-    HIGHEST_ACTIVATIONS,
-    LOWEST_ACTIVATIONS,
-    PAIR,
-    CommandSpace,
-    Limits,
-    activation_limits,
-)
 from lockstep.errors import InputError
-from lockstep.settings import check_settings, setting
+from lockstep.settings import setting
+from lockstep.task import TaskConfig
 
 MODELS = ("M", "M_C")
 
@@ -34,15 +22,12 @@ _LEAST_DISTANCE_M = 0.1
 
 
 @dataclass(frozen=True)
-class ProtocolConfig:
-    """What is shown, how long, and when it is tested; defaults are the paper's.
+class ProtocolConfig(TaskConfig):
+    """The task, what is shown, and when it is tested; defaults are the paper's.
 
     Raises InputError for values that make no experiment.
     """
 
-    n_training_iterations: int = setting(1_000_000, "training iterations of the run", least=0)
-    iterations_per_episode: int = setting(10, "iterations of a training episode", least=1)
-    iterations_per_trial: int = setting(20, "iterations of a test trial", least=1)
     test_iterations: tuple[int, ...] = setting(
         PAPER_TEST_ITERATIONS,
         "training iterations before each test; tests beyond the end are left out, and one at the"
@@ -109,12 +94,6 @@ class ProtocolConfig:
     n_starts_per_distance: int = setting(
         6, "with a command for each muscle: initial gazes at each distance of a test", least=1
     )
-    fixation_iterations: int = setting(
-        0, "iterations of a fixation; 0: the eyes make no saccades (D22)", least=0
-    )
-    measures_turns: bool = setting(
-        False, "whether turns of the eyes are measured without saccades, too (D23)"
-    )
     gives_targets: bool = setting(
         True,
         "whether training gives a gaze target for each fixation, as tests do; otherwise the eyes"
@@ -136,42 +115,10 @@ class ProtocolConfig:
         most=45,
         n_entries=2,
     )
-    command_space: str = setting(
-        PAIR, "muscles that a command moves", choices=tuple(COMMAND_SPACES)
-    )
-    lowest_activations: tuple[float, ...] = setting(
-        LOWEST_ACTIVATIONS,
-        "lowest initial activation of each command, or one for all",
-        least=0,
-        most=1,
-    )
-    highest_activations: tuple[float, ...] = setting(
-        HIGHEST_ACTIVATIONS,
-        "highest initial activation of each command, or one for all",
-        least=0,
-        most=1,
-    )
 
     def __post_init__(self) -> None:
         """Refuse values out of range, and numbers that do not fit together."""
-        check_settings(self)
-        activation_limits(self.space, self.lowest_activations, self.highest_activations)
-        if self.n_training_iterations % self.iterations_per_episode:
-            raise InputError(
-                f"n_training_iterations: expected a multiple of {self.iterations_per_episode} "
-                f"(iterations per episode), got {self.n_training_iterations}"
-            )
-        if self.fixation_iterations and self.command_space != ALL_MUSCLES:
-            raise InputError(
-                f"fixation_iterations: expected 0 with command_space {self.command_space}, since "
-                f"saccades turn each eye about all axes, got {self.fixation_iterations}"
-            )
-        for name in ("iterations_per_episode", "iterations_per_trial"):
-            if self.fixation_iterations and getattr(self, name) % self.fixation_iterations:
-                raise InputError(
-                    f"{name}: expected a multiple of {self.fixation_iterations} "
-                    f"(fixation_iterations), got {getattr(self, name)}"
-                )
+        super().__post_init__()
         if any(n % self.iterations_per_episode for n in self.test_iterations):
             raise InputError(
                 f"test_iterations: expected multiples of {self.iterations_per_episode}, "
@@ -184,31 +131,17 @@ class ProtocolConfig:
             )
 
     @property
-    def space(self) -> CommandSpace:
-        """The command space that was chosen."""
-        return COMMAND_SPACES[self.command_space]
-
-    @property
-    def limits(self) -> Limits:
-        """Of the first activation of each command."""
-        return activation_limits(self.space, self.lowest_activations, self.highest_activations)
-
-    @property
     def pair_limits(self) -> PairLimits:
         """((lowest, highest) medial, (lowest, highest) lateral) first activations."""
         return pair_limits(self.limits.lowest, self.limits.highest)
 
 
 @dataclass(frozen=True)
-class ExperimentManagerConfig:
+class ExperimentManagerConfig(ProtocolConfig, EyesConfig):
     """Settings of one run; raises InputError for a value out of range."""
 
-    seed: int = setting(1, "seed of episodes and trials")
     model: str = setting("M", "model, for the results", choices=MODELS)
     profile: str = setting("", "name of the run's profile, for the results; empty: none")
-    metabolic_cost_weight: float = setting(
-        0.0, "lambda, price of energy in the reward, the same as the sparse coder's", "1/W", least=0
-    )
     run_directory: str = setting("", "directory of the run; empty: a new one under runs/")
     run_id: str = setting("", "name of the run in requests; empty: the name of its directory")
     commit: str = setting("", "commit of the source, for the results")
@@ -238,27 +171,15 @@ class ExperimentManagerConfig:
         "whether a supervisor restarts all nodes after a fault; conditions that might pass by"
         " waiting then count as faults",
     )
-    schedule: str = setting(
-        "",
-        "changes of the plant during the run, as YAML or JSON:"
-        " [{at: ITERATION, set: {NODE.PARAMETER: value}}]; empty: none",
-    )
-    protocol: ProtocolConfig = field(default_factory=ProtocolConfig)
-    # As the plant has them, for the first activations of an episode.
-    mechanics: MechanicsConfig = field(default_factory=MechanicsConfig)
-    camera: CameraTurns = field(default_factory=CameraTurns)
 
     def __post_init__(self) -> None:
-        """Refuse values out of range, and a schedule that the run or the plant cannot keep."""
-        check_settings(self)
+        """Refuse values out of range, and a schedule that the run or the eyes cannot keep."""
+        super().__post_init__()
         schedule = read_schedule(self.schedule)
-        check_places(
-            schedule, self.protocol.n_training_iterations, self.protocol.iterations_per_episode
-        )
+        check_places(schedule, self.n_training_iterations, self.iterations_per_episode)
         schedule.plants(self.plant)
 
     @property
     def plant(self) -> EyePlantConfig:
         """Of the plant's configuration what the first activations of episodes depend on."""
-        camera = CameraConfig(**dataclasses.asdict(self.camera))
-        return EyePlantConfig(mechanics=self.mechanics, camera=camera)
+        return EyePlantConfig(mechanics=self.mechanics, camera=self.camera)

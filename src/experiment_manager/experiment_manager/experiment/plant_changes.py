@@ -1,6 +1,6 @@
 """Changes of the plant in the course of a run: treatment, patching, surgery, a disease.
 
-A schedule is a list of {at: TRAINING_ITERATION, set: {NODE.PARAMETER: value}}, in YAML or JSON. A
+A schedule is a list of {at: TRAINING_ITERATION, set: {eyes.PARAMETER: value}}, in YAML or JSON. A
 change holds for the training episodes that begin at that iteration or later, and for the tests
 after it: a test at that very iteration still finds the plant as it was.
 """
@@ -11,20 +11,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-import yaml
-
 from eye_plant.config import EyePlantConfig, changeable_parameters, changed
 from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
 from lockstep.nearest import did_you_mean
 from lockstep.wire.topics import TRAINING
+from lockstep.yaml_text import load_yaml
 
-_NODE = "eye_plant."
+_EYES = "eyes."
 
 
 @dataclass(frozen=True)
 class Change:
-    """What a schedule changes: from training iteration `at` on, {NODE.PARAMETER: value}."""
+    """What a schedule changes: from training iteration `at` on, {eyes.PARAMETER: value}."""
 
     at: int
     settings: Mapping[str, Any]
@@ -65,7 +64,7 @@ class Schedule:
         merged: dict[str, Any] = {}
         for change in self.changes[:stage]:
             merged |= change.settings
-        return {name.removeprefix(_NODE): value for name, value in merged.items()}
+        return {name.removeprefix(_EYES): value for name, value in merged.items()}
 
     def plants(self, plant: EyePlantConfig) -> list[EyePlantConfig]:
         """Return the plant's configuration in each stage; plant: the one it is started with.
@@ -94,9 +93,9 @@ class Schedule:
 def read_schedule(text: str) -> Schedule:
     """Return the schedule of a text in YAML or JSON; "" is none. Errors as for parse_schedule."""
     try:
-        entries = yaml.safe_load(text) if text else []
-    except yaml.YAMLError as error:
-        raise InputError(f"schedule: expected YAML or JSON: {error}") from error
+        entries = load_yaml(text) if text else []
+    except InputError as error:
+        raise InputError(f"schedule: {error}") from error
     return parse_schedule(entries)
 
 
@@ -120,7 +119,7 @@ def parse_schedule(entries: Any) -> Schedule:
 def _change(entry: Any) -> Change:
     if not isinstance(entry, dict) or set(entry) != {"at", "set"}:
         raise InputError(
-            f"schedule: expected {{at: ITERATION, set: {{NODE.PARAMETER: value}}}}, got {entry!r}"
+            f"schedule: expected {{at: ITERATION, set: {{eyes.PARAMETER: value}}}}, got {entry!r}"
         )
     at, settings = entry["at"], entry["set"]
     if type(at) is not int or at < 1:
@@ -130,13 +129,13 @@ def _change(entry: Any) -> Change:
         )
     if not isinstance(settings, dict) or not settings:
         raise InputError(
-            f"schedule, at {at}: expected {{NODE.PARAMETER: value}} as `set`, got {settings!r}"
+            f"schedule, at {at}: expected {{eyes.PARAMETER: value}} as `set`, got {settings!r}"
         )
-    known = [f"{_NODE}{name}" for name in changeable_parameters()]
+    known = [f"{_EYES}{name}" for name in changeable_parameters()]
     for name in settings:
         if name not in known:
             raise InputError(
-                f"schedule, at {at}: expected a parameter of the plant that may change in the "
+                f"schedule, at {at}: expected a setting of the eyes that may change in the "
                 f"course of a run, got {name!r}"
                 + did_you_mean(str(name), known)
                 + f"; those are {', '.join(known)}"
@@ -146,7 +145,7 @@ def _change(entry: Any) -> Change:
 
 def _typed(at: int, name: str, value: Any) -> Any:
     """Return a value as the plant has it: a whole number may stand for another one."""
-    of_plant = name.removeprefix(_NODE)
+    of_plant = name.removeprefix(_EYES)
     try:
         return flatten(build(EyePlantConfig, {of_plant: value}))[of_plant]
     except InputError as error:

@@ -12,9 +12,9 @@ from typing import Any
 
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.experiment.plant_changes import Change, Schedule, read_schedule
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.experiment.starts import Starts, conditions, starts
 from eye_plant.episode import Episode
-from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.randomness import generator
 from lockstep.wire.topics import TEST, TRAINING
@@ -225,12 +225,12 @@ def make_protocol(config: ExperimentManagerConfig) -> Protocol:
     """Return the sequence of episodes of a configuration."""
     schedule = read_schedule(config.schedule)
     starts_of_stages = [
-        starts(config.protocol, plant.mechanics, plant.camera.turns_deg)
+        starts(config, plant.mechanics, plant.camera.turns_deg)
         for plant in schedule.plants(config.plant)
     ]
-    return Protocol(config.protocol, config.seed, starts_of_stages, schedule)
+    return Protocol(config, config.seed, starts_of_stages, schedule)
 
 
-def protocol_of(parameters: Mapping[str, Mapping[str, Any]]) -> Protocol:
-    """Return the sequence of episodes of a run; parameters: of all nodes, by node."""
-    return make_protocol(build(ExperimentManagerConfig, parameters["experiment_manager"]))
+def protocol_of(configuration: Mapping[str, Mapping[str, Any]]) -> Protocol:
+    """Return the sequence of episodes of a run, from its configuration by section."""
+    return make_protocol(config_of(ExperimentManagerConfig, configuration))

@@ -10,6 +10,7 @@ import numpy as np
 
 from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.experiment.plant_changes import read_schedule
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.experiment.starts import (
     Condition,
     conditions,
@@ -23,7 +24,6 @@ from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.turns import TurnsDeg
 from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import PAIR
-from lockstep.configuration import build
 from lockstep.errors import InputError
 
 # What is asked for may lie on the limit itself, and is solved for to a millionth of this.
@@ -34,22 +34,22 @@ _ENDS = (0.0, 1.0)
 _N_VERGENCES, _N_FRACTIONS = 33, 9
 
 
-def check_reach(parameters: Mapping[str, Mapping[str, Any]]) -> None:
+def check_reach(configuration: Mapping[str, Mapping[str, Any]]) -> None:
     """Raise InputError unless the eyes of a run reach what its episodes begin with and aim at.
 
-    parameters: of all nodes, by node. With the activations within the protocol's limits, each
+    configuration: by section. With the activations within the protocol's limits, each
     vergence that is asked for must come about, and both lines of sight must then meet the plane;
     so it must with the eyes of each stage of the run's schedule. Any pair of activations with which
     an episode may begin must have one rest, so that no run stops half-way for want of it.
     """
-    manager = build(ExperimentManagerConfig, parameters["experiment_manager"])
-    started_with = build(EyePlantConfig, parameters["eye_plant"])
-    tested = conditions(manager.protocol, started_with.mechanics.baseline_m)
+    manager = config_of(ExperimentManagerConfig, configuration)
+    started_with = config_of(EyePlantConfig, configuration)
+    tested = conditions(manager, started_with.mechanics.baseline_m)
     schedule = read_schedule(manager.schedule)
     ats = [0, *(change.at for change in schedule.changes)]
     for at, plant in zip(ats, schedule.plants(started_with), strict=True):
         try:
-            _check_eyes(manager.protocol, plant, tested)
+            _check_eyes(manager, plant, tested)
         except InputError as error:
             raise InputError(f"schedule, at {at}: {error}" if at else str(error)) from error
 

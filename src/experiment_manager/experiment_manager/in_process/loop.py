@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from experiment_manager.experiment.sections import config_of
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.observation import Observation
 from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimulusSet
-from lockstep.configuration import build
 from lockstep.errors import InputError
 from lockstep.state_file import read_state, write_state
 from lockstep.wire.topics import TRAINING
@@ -133,15 +133,15 @@ class InProcessLoop:
 
 
 def make_loop(
-    parameters: Mapping[str, Mapping[str, Any]], stimuli: StimulusSet | None = None
+    configuration: Mapping[str, Mapping[str, Any]], stimuli: StimulusSet | None = None
 ) -> InProcessLoop:
-    """Return the loop of a run, untrained, from all parameters by node.
+    """Return the loop of a run, untrained, from its configuration by section.
 
     stimuli: instead of those that the plant's parameters ask for. Raises InputError for whatever a
     node would refuse.
     """
     return InProcessLoop(
-        EyePlant(build(EyePlantConfig, parameters["eye_plant"]), stimuli),
-        SparseCoder(build(SparseCoderConfig, parameters["sparse_coder"])),
-        Agent(build(VergenceRlConfig, parameters["vergence_rl"])),
+        EyePlant(config_of(EyePlantConfig, configuration), stimuli),
+        SparseCoder(config_of(SparseCoderConfig, configuration)),
+        Agent(config_of(VergenceRlConfig, configuration)),
     )

@@ -1,5 +1,6 @@
 """A whole run in one process, without nodes: the same files, bit for bit, as a graph writes."""
 
+import contextlib
 import dataclasses
 import sys
 from collections.abc import Sequence
@@ -8,15 +9,15 @@ from pathlib import Path
 import numpy as np
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.sections import Configuration, config_of
 from experiment_manager.in_process.loop import Step, make_loop
 from experiment_manager.in_process.step_messages import StepMessages
 from experiment_manager.run.attempt import goes_on
-from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
+from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.picture_sample import takes_pictures
 from experiment_manager.run.run_directory import Run
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
-from lockstep.configuration import build
 from lockstep.errors import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
 from lockstep.machine.interrupts import Interrupts
@@ -30,20 +31,18 @@ def run_in_process(directory: Path) -> int:
     so again, so nothing is tried twice. Raises InputError for what cannot be begun.
     """
     interrupts = Interrupts()
-    run: InProcessRun | None = None
+    configuration = read_configuration(directory / CONFIG_FILE)
     try:
-        configuration = read_configuration(directory / CONFIG_FILE)
         run = InProcessRun(configuration, directory, interrupts, resume=goes_on(directory))
-        is_over = run.go_on()
-        run.close()
+        try:
+            with contextlib.closing(run):
+                is_over = run.go_on()
+        except InputError as error:
+            return _fault(str(error))
     except OSError as error:
         return _fault(f"{directory} cannot be written: {error}; what was saved before is intact")
     except DivergenceError as error:
         return _fault(f"{error}; what was saved before is intact")
-    except InputError as error:
-        if run is None:
-            raise
-        return _fault(str(error))
     return 0 if is_over else EXIT_INTERRUPTED
 
 
@@ -62,9 +61,9 @@ class InProcessRun:
 
         Raises InputError for whatever a node would refuse, OSError when nothing can be written.
         """
-        manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
+        manager = config_of(ExperimentManagerConfig, configuration)
         self._config = dataclasses.replace(manager, run_directory=str(directory), resume=resume)
-        plant = build(EyePlantConfig, configuration["eye_plant"])
+        plant = config_of(EyePlantConfig, configuration)
         self._period_ns = period_ns(plant.mechanics.period_s)
         self._loop = make_loop(configuration)
         self._space = plant.space
@@ -136,8 +135,10 @@ class InProcessRun:
 
     def close(self) -> None:
         """Close the bag, whole up to the last message, and release the graphics context."""
-        self._loop.plant.close()
-        self._run.close()
+        try:
+            self._loop.plant.close()
+        finally:
+            self._run.close()
 
 
 def _finite(topic: str, values: Sequence[float]) -> np.ndarray:

@@ -42,11 +42,9 @@ class LiveViewNode(Node):
         """Listen on the configured ports; raises InputError when that cannot be."""
         super().__init__("live_view", **kwargs)
         config = declare_config(self, LiveViewConfig)
-        self._steering = Steering(config.focal_length_px)
+        self._steering = Steering(config.camera.focal_length_px * config.camera.left_magnification)
         self._gaze_targets = VectorPublisher(self, GAZE_TARGET, TARGET_NAMES)
-        self._server = open_server(
-            "active binocular vision", config.host, config.port, self._steering.ask
-        )
+        self._server = open_server(config.host, config.port, self._steering.ask)
         address = f"ws://{config.host}:{self._server.port}"
         try:
             self._page = Page(config.host, config.page_port, address, self._steering)

@@ -26,8 +26,7 @@ or <a href="https://app.foxglove.dev/?{query}">in Foxglove</a>.</li>
 <li>The first time: save the <a href="layout.json" download>layout</a>, then <em>Layouts</em>,
 <em>Import from file</em>.</li>
 </ol>
-"""
-_STEERING = """<h2>Where to look</h2>
+<h2>Where to look</h2>
 <p>What the left eye sees. Eyes that make saccades (profile <code>gaze</code>) look at the place
 that you click, from the next fixation of training on.</p>
 <img id="left" src="left.png" width="640" alt="no picture yet" style="cursor: crosshair">
@@ -49,16 +48,13 @@ left.onclick = (event) => {
 class Page:
     """Serves the page, the layout and the picture to click in from threads of its own."""
 
-    def __init__(
-        self, host: str, port: int, address: str, steering: Steering | None = None
-    ) -> None:
+    def __init__(self, host: str, port: int, address: str, steering: Steering) -> None:
         """Listen on host and port (0: any free one); address: of the WebSocket server.
 
-        steering: takes clicks; None where there is nothing to steer. Raises InputError when nobody
-        can listen there.
+        steering: takes clicks. Raises InputError when nobody can listen there.
         """
         query = urlencode({"ds": "foxglove-websocket", "ds.url": address})
-        text = _PAGE.format(address=address, query=query) + (_STEERING if steering else "")
+        text = _PAGE.replace("{address}", address).replace("{query}", query)
         documents = {
             "/": ("text/html; charset=utf-8", text.encode()),
             "/layout.json": ("application/json", LAYOUT.read_bytes()),
@@ -81,7 +77,7 @@ class _Handler(BaseHTTPRequestHandler):
     def __init__(
         self,
         documents: dict[str, tuple[str, bytes]],
-        steering: Steering | None,
+        steering: Steering,
         *arguments: object,
     ) -> None:
         self._documents, self._steering = documents, steering
@@ -91,7 +87,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Answer with one of the documents or the picture."""
         path = urlsplit(self.path).path
         kind, content = self._documents.get(path, ("image/png", b""))
-        if path == "/left.png" and self._steering is not None:
+        if path == "/left.png":
             content = self._steering.png()
         if not content:
             self.send_error(404)
@@ -106,7 +102,7 @@ class _Handler(BaseHTTPRequestHandler):
     def do_POST(self) -> None:
         """Take a click."""
         address = urlsplit(self.path)
-        if address.path != "/look" or self._steering is None:
+        if address.path != "/look":
             self.send_error(404)
             return
         try:

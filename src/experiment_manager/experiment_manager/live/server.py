@@ -13,6 +13,7 @@ import numpy as np
 from experiment_manager.bag.message_definitions import message_definition
 from lockstep.errors import InputError
 
+_NAME = "active binocular vision"
 _LOCK_FILE = "requirements-live.lock"
 # Of messages for one client: what a slow one cannot take is dropped, the oldest first.
 _BACKLOG = 64
@@ -38,7 +39,6 @@ class ViewServer:
 
     def __init__(
         self,
-        name: str,
         host: str,
         port: int,
         *,
@@ -75,25 +75,23 @@ class ViewServer:
             self._channels[topic] = foxglove.Channel(
                 f"/{topic}", schema=numbers, context=self._context
             )
-        self._server = self._listen(name, host, port, heard)
+        self._server = self._listen(host, port, heard)
         self.port: int = self._server.port
 
-    def _listen(
-        self, name: str, host: str, port: int, heard: Mapping[str, Callable[[bytes], None]]
-    ) -> Any:
+    def _listen(self, host: str, port: int, heard: Mapping[str, Callable[[bytes], None]]) -> Any:
         import foxglove  # noqa: PLC0415 (optional)
         from foxglove.websocket import Capability  # noqa: PLC0415 (optional)
 
         listener: Any = _Listener(heard)
         try:
             return foxglove.start_server(
-                name=name,
+                name=_NAME,
                 host=host,
                 port=port,
                 context=self._context,
                 message_backlog_size=_BACKLOG,
-                capabilities=[Capability.ClientPublish] if heard else [],
-                supported_encodings=[_HEARD_ENCODING] if heard else [],
+                capabilities=[Capability.ClientPublish],
+                supported_encodings=[_HEARD_ENCODING],
                 server_listener=listener,
             )
         except RuntimeError as error:

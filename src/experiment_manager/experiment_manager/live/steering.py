@@ -21,7 +21,7 @@ class Steering:
     """Takes places from the servers' threads, and gives the newest to the node's."""
 
     def __init__(self, focal_length_px: float) -> None:
-        """focal_length_px: of the left eye's camera."""
+        """focal_length_px: of the left picture, magnification included."""
         self._focal_length_px = focal_length_px
         self._asked: deque[bytes] = deque(maxlen=1)
         self._picture: np.ndarray | None = None

@@ -24,31 +24,27 @@ SHOWN_TOPICS = dict.fromkeys(SMALL_TOPICS, VECTOR) | dict.fromkeys((*PICTURES, "
 ANAGLYPH = "live/anaglyph"
 RECONSTRUCTIONS = ("live/reconstruction_coarse", "live/reconstruction_fine")
 LEARNING = "live/learning"
-_MADE = (ANAGLYPH, *RECONSTRUCTIONS, LEARNING)
 LEARNING_NAMES = ("training_iteration", "running_median_error_deg")
 
 _N_RUNNING = 200  # episodes
 _ENLARGED = 4
-TRUTH_NAMES = ("phase", "iteration", "training_iteration", "vergence_error_deg")
+_TRUTH_NAMES = ("phase", "iteration", "training_iteration", "vergence_error_deg")
 
 Messages = Mapping[str, bytes]
 
 
-def open_server(
-    name: str, host: str, port: int, ask: Callable[[bytes], None] | None = None
-) -> ViewServer:
+def open_server(host: str, port: int, ask: Callable[[bytes], None]) -> ViewServer:
     """Return a server with all channels of a view; see `ViewServer`.
 
-    ask: takes what clients publish on gaze_target, in a thread of the server; None to refuse it.
+    ask: takes what clients publish on gaze_target, in a thread of the server.
     """
     return ViewServer(
-        name,
         host,
         port,
         topics=SHOWN_TOPICS,
         pictures=(ANAGLYPH, *RECONSTRUCTIONS),
         tables={LEARNING: LEARNING_NAMES},
-        heard={} if ask is None else {GAZE_TARGET: ask},
+        heard={GAZE_TARGET: ask},
     )
 
 
@@ -76,23 +72,16 @@ class View:
             topics.add(BASIS_FUNCTIONS)
         return topics
 
-    def is_watched(self) -> bool:
-        """Whether a client subscribes to anything."""
-        return any(map(self._server.is_watched, (*SHOWN_TOPICS, *_MADE)))
-
     def count(self, ground_truth: bytes) -> None:
         """Take note of an observation's ground truth, sent or not."""
         vector = read_vector(ground_truth, "ground_truth")
-        self.count_values(values_of(vector, TRUTH_NAMES, "ground_truth"))
-
-    def count_values(self, truth: np.ndarray) -> None:
-        """Take note of an observation's ground truth, the values of TRUTH_NAMES."""
+        truth = values_of(vector, _TRUTH_NAMES, "ground_truth")
         phase, iteration, training_iteration, error_deg = truth.tolist()
         if phase == TRAINING:
             self._running_error.add(int(iteration), training_iteration, error_deg)
 
     def take_basis_functions(self, atoms: np.ndarray) -> None:
-        """Take over atoms (n_scales * n_bases, n_pixels) or (n_scales, n_bases, n_pixels)."""
+        """Take over atoms (n_scales * n_bases, n_pixels)."""
         atoms = np.ascontiguousarray(atoms, np.float32).reshape(2, -1, N_PIXELS)
         config = SparseCoderConfig(n_bases=atoms.shape[1], n_selections=self._n_selections)
         coder = SparseCoder(config)

@@ -1,29 +1,22 @@
 """What the measures count as close enough and as silent: it depends on a run's eyes and cameras."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Self
 
+from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import Schedule, read_schedule
+from experiment_manager.experiment.sections import DEFAULTS, EYES, TASK, config_of
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.metabolics import silent_activation
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.vergence import degrees_per_px, fixation_distance_m
-from lockstep.command_space import activation_limits
-from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
 from lockstep.wire.topics import TEST
 
-# What the manager says of a test, in the order of EvaluationSettings.
-_OF_MANAGER = (
-    "schedule",
-    "protocol.iterations_per_trial",
-    "protocol.fixation_iterations",
-    "protocol.gives_targets",
-)
 # Relaxed eyes see an object right whose vergence differs by less than this from theirs.
 _RELAXED_PX = 0.5
 
@@ -50,8 +43,7 @@ class Criteria:
 
 def criteria_of(plant: EyePlantConfig, fixation_iterations: int = 0) -> Criteria:
     """Return what counts with a plant's cameras and eyes."""
-    limits = activation_limits(plant.space, plant.lowest_activations, (1.0,))
-    criteria = _criteria(plant.camera.focal_length_px, plant.mechanics, limits.lowest)
+    criteria = _criteria(plant.camera.focal_length_px, plant.mechanics, plant.limits.lowest)
     return replace(criteria, fixation_iterations=fixation_iterations)
 
 
@@ -86,22 +78,25 @@ class EvaluationSettings:
     gives_targets: bool = True
 
     @classmethod
-    def of(cls, parameters: Mapping[str, Mapping[str, Any]]) -> Self:
-        """Return those of a run's parameters by node; another plant has these eyes, our cameras.
+    def of(cls, configuration: Mapping[str, Mapping[str, Any]]) -> Self:
+        """Return those of a run's configuration by section.
 
-        Raises InputError where one is missing: a default may be that of another experiment.
+        Raises InputError where a part of the task or of the eyes is missing: its default may be
+        that of another experiment.
         """
-        manager = parameters.get("experiment_manager", {})
-        _check_complete("experiment_manager", _OF_MANAGER, manager)
-        plant = parameters.get("eye_plant", {})
-        if "mechanics.parameter_set" not in plant:
-            eyes = {name: manager[name] for name in manager if name.startswith("mechanics.")}
-            plant = flatten(EyePlantConfig()) | eyes
-        _check_complete("eye_plant", flatten(EyePlantConfig()), plant)
+        for section in (TASK, EYES):
+            of_section = configuration.get(section, {})
+            missing = [f"{section}.{name}" for name in DEFAULTS[section] if name not in of_section]
+            if missing:
+                more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
+                raise InputError(f"expected a run's configuration, it lacks {missing[0]}{more}")
+        manager = config_of(ExperimentManagerConfig, configuration)
         return cls(
-            build(EyePlantConfig, plant),
-            read_schedule(manager["schedule"]),
-            *(manager[name] for name in _OF_MANAGER[1:]),
+            config_of(EyePlantConfig, configuration),
+            read_schedule(manager.schedule),
+            manager.iterations_per_trial,
+            manager.fixation_iterations,
+            manager.gives_targets,
         )
 
     def criteria(self, training_iterations: int) -> Criteria:
@@ -112,13 +107,6 @@ class EvaluationSettings:
         """Return the plant of the test after so many training iterations."""
         stage = self.schedule.stage(TEST, training_iterations)
         return changed(self.plant, self.schedule.settings(stage))
-
-
-def _check_complete(node: str, names: Iterable[str], parameters: Mapping[str, Any]) -> None:
-    missing = [f"{node}.{name}" for name in names if name not in parameters]
-    if missing:
-        more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
-        raise InputError(f"expected a run's configuration, it lacks {missing[0]}{more}")
 
 
 def _distance_m(vergence_deg: float, baseline_m: float) -> float:

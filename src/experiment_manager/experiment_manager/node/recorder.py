@@ -187,7 +187,7 @@ class Recorder:
             is_last = stamp_ns == record.last_ns
             progress.add_truth(values_of(vector, GROUND_TRUTH_NAMES, topic), is_last=is_last)
         elif topic == "muscle_activations":
-            values = values_of(vector, self._config.protocol.space.muscle_names, topic)
+            values = values_of(vector, self._config.space.muscle_names, topic)
             progress.add_activations(record.episode.phase, values)
         else:
             self._measure_learner(topic, vector, record, stamp_ns)

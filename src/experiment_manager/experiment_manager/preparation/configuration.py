@@ -1,17 +1,18 @@
-"""From the request of a run to the effective configuration of all nodes."""
+"""From the request of a run to its effective configuration, by section."""
 
 from collections.abc import Mapping
 from typing import Any
 
-from experiment_manager.experiment.agreements import (
-    by_key,
-    by_node,
-    check_agreements,
-    with_partners,
-)
-from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import Schedule
 from experiment_manager.experiment.reach import check_reach
+from experiment_manager.experiment.sections import (
+    DEFAULTS,
+    Configuration,
+    by_key,
+    by_section,
+    completed,
+    config_of,
+)
 from experiment_manager.preparation.profiles import Profile, read_profile
 from experiment_manager.preparation.request import (
     ITERATIONS,
@@ -23,10 +24,8 @@ from experiment_manager.preparation.request import (
     Given,
     RunRequest,
 )
-from experiment_manager.run.config_file import CONFIG_CLASSES, Configuration
 from eye_plant.config import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import count_stimuli
-from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
 from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
 
@@ -38,7 +37,7 @@ def profile_of(request: RunRequest) -> Profile:
 
 
 def configuration_of(request: RunRequest, commit: str) -> Configuration:
-    """Return all parameters of all nodes of a new run, by node, checked.
+    """Return the configuration of a new run, complete and checked.
 
     Raises InputError for whatever a node would refuse.
     """
@@ -68,23 +67,20 @@ def schedule_of(profile: Profile, request: RunRequest) -> Schedule:
 
 
 def configuration_with(settings: Mapping[str, Any], request: RunRequest) -> Configuration:
-    """Return all parameters of all nodes: settings by key, and above them what a request asks.
+    """Return a complete configuration: settings by key, and above them what a request asks.
 
-    Each brings those with it that must agree. Raises InputError for whatever a node would refuse,
-    and for what contradicts itself.
+    Raises InputError for whatever a node would refuse, and for what contradicts itself.
     """
     given = request.settings()
-    above = with_partners({key: setting.value for key, setting in given.items()})
-    values = with_partners(settings) | above
+    values = dict(settings) | {key: setting.value for key, setting in given.items()}
     _count_stimuli(values, given)
-    if WEIGHT not in above and (MODEL in above or WEIGHT not in values):
-        values |= with_partners({WEIGHT: _default_weight(values)})
+    if WEIGHT not in given and (MODEL in given or WEIGHT not in values):
+        values[WEIGHT] = _default_weight(values)
     _check_tests(values, given)
-    configuration = {
-        node: flatten(_built(node, of_node, given))
-        for node, of_node in by_node(values, CONFIG_CLASSES).items()
-    }
-    check_agreements(configuration)
+    try:
+        configuration = completed(by_section(values))
+    except InputError as error:
+        raise _in_words_of_request(error, given) from error
     _check_price(configuration, request, given)
     check_reach(configuration)
     return configuration
@@ -93,20 +89,16 @@ def configuration_with(settings: Mapping[str, Any], request: RunRequest) -> Conf
 def _default_weight(values: Mapping[str, Any]) -> float:
     if values.get(MODEL, "M") == "M":
         return 0.0
-    default = EyePlantConfig().mechanics.parameter_set
-    return DEFAULT_METABOLIC_COST_WEIGHTS[values.get("eye_plant.mechanics.parameter_set", default)]
+    default = DEFAULTS["eyes"]["mechanics.parameter_set"]
+    return DEFAULT_METABOLIC_COST_WEIGHTS[values.get("eyes.mechanics.parameter_set", default)]
 
 
 def _check_price(
     configuration: Configuration, request: RunRequest, given: Mapping[str, Given]
 ) -> None:
-    manager = configuration["experiment_manager"]
-    if manager["model"] != "M":
+    if configuration["experiment_manager"]["model"] != "M":
         return
-    if request.cost_share is not None:
-        by = request.by("cost_share")
-        raise InputError(f"{by}: expected model M_C, M has no price on energy")
-    weight = manager["metabolic_cost_weight"]
+    weight = configuration["task"]["metabolic_cost_weight"]
     if weight > 0.0:
         by = given[WEIGHT].by if WEIGHT in given else "metabolic_cost_weight"
         raise InputError(
@@ -117,15 +109,18 @@ def _check_price(
 
 def _count_stimuli(values: dict[str, Any], given: Mapping[str, Given]) -> None:
     """Set how many stimuli there are, and that a test has no more than that."""
-    plant = _built("eye_plant", by_node(values, CONFIG_CLASSES)["eye_plant"], given)
+    try:
+        plant = config_of(EyePlantConfig, by_section(values))
+    except InputError as error:
+        raise _in_words_of_request(error, given) from error
     n_training, n_test = count_stimuli(plant.stimuli)
     found = {"n_training_stimuli": n_training, "n_test_stimuli": n_test}
     for name, n_stimuli in found.items():
-        key = f"experiment_manager.protocol.{name}"
+        key = f"experiment_manager.{name}"
         if key in given and given[key].value != n_stimuli:
             raise InputError(f"{given[key].by}: expected {n_stimuli}, as eye_plant.stimuli has")
         values[key] = n_stimuli
-    wanted = values.get(TEST_STIMULI, ExperimentManagerConfig().protocol.n_stimuli_per_test)
+    wanted = values.get(TEST_STIMULI, DEFAULTS["experiment_manager"]["n_stimuli_per_test"])
     if TEST_STIMULI in given and type(wanted) is int and wanted > n_test:
         raise InputError(
             f"{given[TEST_STIMULI].by}: expected {n_test} or less, as many test stimuli there are"
@@ -135,7 +130,7 @@ def _count_stimuli(values: dict[str, Any], given: Mapping[str, Given]) -> None:
 
 def _check_tests(values: Mapping[str, Any], given: Mapping[str, Given]) -> None:
     """Refuse tests that were asked for and cannot be made; a profile's are left out then."""
-    end = values.get(ITERATIONS, ExperimentManagerConfig().protocol.n_training_iterations)
+    end = values.get(ITERATIONS, DEFAULTS["task"]["n_training_iterations"])
     if TESTS not in given or type(end) is not int or not isinstance(values[TESTS], list):
         return
     beyond = [n for n in values[TESTS] if type(n) is int and n > end]
@@ -146,18 +141,10 @@ def _check_tests(values: Mapping[str, Any], given: Mapping[str, Given]) -> None:
         )
 
 
-def _built(node: str, values: Mapping[str, Any], given: Mapping[str, Given]) -> Any:
-    try:
-        return build(CONFIG_CLASSES[node], values)
-    except InputError as error:
-        name, _, wrong = str(error).partition(": ")
-        option = _option_of(f"{node}.{name}", given)
-        raise InputError(f"{option}: {wrong}" if option else f"{node}: {error}") from error
-
-
-def _option_of(key: str, given: Mapping[str, Given]) -> str:
-    """Return the option that gave a key its value, itself or by a partner; "" for an override."""
-    for given_key, setting in given.items():
-        if setting.is_option and key in with_partners({given_key: setting.value}):
-            return setting.by.split()[0]
-    return ""
+def _in_words_of_request(error: InputError, given: Mapping[str, Given]) -> InputError:
+    """Return an error about a setting as one about the option that gave the setting."""
+    name, _, wrong = str(error).partition(": ")
+    for key, setting in given.items():
+        if setting.is_option and key.partition(".")[2] == name:
+            return InputError(f"{setting.by.split()[0]}: {wrong}")
+    return error

@@ -7,8 +7,15 @@ from typing import Any
 
 import msgspec
 
-from experiment_manager.experiment.agreements import by_key, by_node, with_partners
 from experiment_manager.experiment.protocol import Protocol, protocol_of
+from experiment_manager.experiment.sections import (
+    CONFIG_CLASSES,
+    Configuration,
+    by_key,
+    by_section,
+    completed,
+    config_of,
+)
 from experiment_manager.measures.trials import TrialTable
 from experiment_manager.preparation.configuration import configuration_with, schedule_of
 from experiment_manager.preparation.profiles import read_profile
@@ -16,22 +23,18 @@ from experiment_manager.preparation.request import ITERATIONS, TESTS, RunRequest
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
 from experiment_manager.run.config_file import (
-    CONFIG_CLASSES,
     CONFIG_FILE,
-    Configuration,
     check_unchanged,
     read_configuration,
     text_of_continuation,
 )
 from experiment_manager.run.progress import Progress
 from experiment_manager.run.run_directory import TRIALS_FILE, TRIALS_KIND
-from lockstep.configuration import build, flatten
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
 from lockstep.state_file import read_state, write_state
 from sparse_coder.coder import SparseCoder
 from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
 
 # What a run decides for itself, whoever it begins from.
 _OF_ONE_RUN = tuple(
@@ -56,10 +59,10 @@ def check_settings(request: RunRequest, directory: Path, configuration: Configur
     """
     _check_whole_run(request, directory, configuration)
     for key, given in request.settings().items():
-        node, _, name = key.partition(".")
-        found = configuration[node].get(name)
-        wanted = flatten(build(CONFIG_CLASSES[node], {**configuration[node], name: given.value}))
-        if wanted[name] != found:
+        section, _, name = key.partition(".")
+        found = configuration[section].get(name)
+        wanted = completed(by_section({**by_key(configuration), key: given.value}))
+        if wanted[section][name] != found:
             raise contradiction(given.by, directory, f"{key} = {found}")
 
 
@@ -67,11 +70,8 @@ def _check_whole_run(request: RunRequest, directory: Path, configuration: Config
     profile = configuration["experiment_manager"]["profile"]
     if request.profile is not None and request.profile != profile:
         raise contradiction(request.by("profile"), directory, f"profile {profile!r}")
-    if request.cost_share is not None:
-        weight = configuration["experiment_manager"]["metabolic_cost_weight"]
-        raise contradiction(request.by("cost_share"), directory, f"lambda = {weight:g}")
     if request.schedule_delay is not None:
-        schedule = configuration["experiment_manager"]["schedule"]
+        schedule = configuration["task"]["schedule"]
         if schedule_of(read_profile(profile), request).text() != schedule:
             raise contradiction(request.by("schedule_delay"), directory, f"schedule {schedule}")
 
@@ -94,10 +94,9 @@ def extend(directory: Path, n_more: int) -> None:
         raise InputError(f"--extend: expected 1 or more, got {n_more}")
     path = directory / CONFIG_FILE
     before = read_configuration(path)
-    end = before["experiment_manager"]["protocol.n_training_iterations"]
-    tests = sorted({*before["experiment_manager"]["protocol.test_iterations"], end})
-    longer = with_partners({ITERATIONS: end + n_more, TESTS: tests})
-    after = by_node(by_key(before) | longer, CONFIG_CLASSES)
+    end = before["task"]["n_training_iterations"]
+    tests = sorted({*before["experiment_manager"]["test_iterations"], end})
+    after = by_section(by_key(before) | {ITERATIONS: end + n_more, TESTS: tests})
     protocol = protocol_of(after)
     space = protocol.config.space
     manifests = []
@@ -164,7 +163,7 @@ def branch(text: str, request: RunRequest, commit: str) -> Branch:
 
     Raises InputError for a run, checkpoint or setting that cannot be used.
     """
-    for name in ("profile", "cost_share", "schedule_delay"):
+    for name in ("profile", "schedule_delay"):
         if getattr(request, name) is not None:
             raise InputError(
                 f"--branch: expected the settings of {text} and single ones, got {request.by(name)}"
@@ -183,14 +182,14 @@ def branch(text: str, request: RunRequest, commit: str) -> Branch:
     protocol.place_after(trained)
     for node, learner in _LEARNERS.items():
         # The nodes would refuse what does not fit; here it costs nothing.
-        config: Any = build(CONFIG_CLASSES[node], configuration[node])
+        config: Any = config_of(CONFIG_CLASSES[node], configuration)
         learner(config).restore(read_state(states / f"{node}.npz", node))
     return Branch(source, trained, configuration, states)
 
 
 def _check_command_space(source: Path, before: Configuration, request: RunRequest) -> None:
     """Raise InputError for a branch whose learners have commanded other muscles."""
-    space = build(VergenceRlConfig, before["vergence_rl"]).command_space
+    space = before["task"]["command_space"]
     for key, given in request.settings().items():
         if key.endswith("command_space") and given.value != space:
             raise InputError(

@@ -1,9 +1,9 @@
 """Named sets of settings: a YAML file each, in the package's folder `profiles`.
 
 description: one line for people
-settings: {NODE: {parameter: value}}
+settings: {SECTION: {name: value}}
 base: NAME    of a profile whose settings hold where this one has none; may be left out
-schedule: [{at: TRAINING_ITERATION, set: {NODE.PARAMETER: value}}]    may be left out
+schedule: [{at: TRAINING_ITERATION, set: {eyes.NAME: value}}]    may be left out
 """
 
 from collections.abc import Mapping
@@ -11,11 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from experiment_manager.experiment.plant_changes import Schedule, parse_schedule
 from lockstep.errors import InputError
 from lockstep.nearest import did_you_mean
+from lockstep.yaml_text import load_yaml
 
 _FOLDER = Path(__file__).parents[1] / "profiles"
 _NEEDED, _KEYS = {"description", "settings"}, {"description", "settings", "base", "schedule"}
@@ -25,7 +24,7 @@ _NEEDED, _KEYS = {"description", "settings"}, {"description", "settings", "base"
 class Profile:
     """A named set of settings.
 
-    settings: by node, then by parameter; what is not named keeps the paper's default.
+    settings: by section, then by name; what is not named keeps the paper's default.
     schedule: what changes in the course of the run.
     """
 
@@ -54,9 +53,9 @@ def read_profile(name: str) -> Profile:
 def parse_profile(name: str, text: str) -> Profile:
     """Return the profile that a YAML text holds; InputError when it is none."""
     try:
-        document = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise InputError(f"profile {name}: expected YAML: {error}") from error
+        document = load_yaml(text)
+    except InputError as error:
+        raise InputError(f"profile {name}: {error}") from error
     if not isinstance(document, dict) or not _NEEDED <= set(document) <= _KEYS:
         got = ", ".join(map(str, document)) if isinstance(document, dict) else repr(document)
         raise InputError(
@@ -69,7 +68,7 @@ def parse_profile(name: str, text: str) -> Profile:
     settings = document["settings"]
     if not isinstance(settings, dict) or not all(isinstance(v, dict) for v in settings.values()):
         raise InputError(
-            f"profile {name}: expected settings as {{NODE: {{parameter: value}}}}, got {settings!r}"
+            f"profile {name}: expected settings as {{SECTION: {{name: value}}}}, got {settings!r}"
         )
     base = document.get("base")
     if base is not None:
@@ -85,8 +84,8 @@ def _over(base: Profile, settings: Mapping[str, Mapping[str, Any]]) -> dict[str,
     """Return a base's settings with others above them; a schedule is each profile's own."""
     if base.schedule.changes:
         raise InputError(f"profile {base.name}: expected a base without a schedule")
-    nodes = {**base.settings, **settings}
-    return {node: {**base.settings.get(node, {}), **settings.get(node, {})} for node in nodes}
+    sections = {**base.settings, **settings}
+    return {s: {**base.settings.get(s, {}), **settings.get(s, {})} for s in sections}
 
 
 def _files() -> dict[str, Path]:

@@ -7,26 +7,25 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from experiment_manager.experiment.config import MODELS
-from experiment_manager.preparation.written_values import number_or_text
-from experiment_manager.run.config_file import CONFIG_CLASSES
+from experiment_manager.experiment.sections import DEFAULTS, SECTIONS
 from lockstep.errors import InputError
 from lockstep.nearest import did_you_mean
 
-# Keys, NODE.PARAMETER, of what has a name of its own in a request.
+# Keys, SECTION.NAME, of what has a name of its own in a request.
 MODEL = "experiment_manager.model"
-ITERATIONS = "experiment_manager.protocol.n_training_iterations"
-TESTS = "experiment_manager.protocol.test_iterations"
-TEST_STIMULI = "experiment_manager.protocol.n_stimuli_per_test"
-WEIGHT = "sparse_coder.metabolic_cost_weight"
-SCHEDULE = "experiment_manager.schedule"
+ITERATIONS = "task.n_training_iterations"
+TESTS = "experiment_manager.test_iterations"
+TEST_STIMULI = "experiment_manager.n_stimuli_per_test"
+WEIGHT = "task.metabolic_cost_weight"
+SCHEDULE = "task.schedule"
 _KEYS = {
-    "model": (MODEL,),
-    "iterations": (ITERATIONS,),
-    "seed": ("sparse_coder.seed", "vergence_rl.seed", "experiment_manager.seed"),
-    "metabolic_cost_weight": (WEIGHT,),
-    "tests": (TESTS,),
-    "test_stimuli": (TEST_STIMULI,),
-    "stimuli": ("eye_plant.stimuli.directory",),
+    "model": MODEL,
+    "iterations": ITERATIONS,
+    "seed": "task.seed",
+    "metabolic_cost_weight": WEIGHT,
+    "tests": TESTS,
+    "test_stimuli": TEST_STIMULI,
+    "stimuli": "eye_plant.stimuli.directory",
 }
 # The option of run_experiment.sh for each field, without its dashes; so a sweep's file names it.
 OPTIONS = {
@@ -36,7 +35,6 @@ OPTIONS = {
     "seed": "seed",
     "stimuli": "stimuli",
     "metabolic_cost_weight": "lambda",
-    "cost_share": "lambda-share",
     "tests": "tests",
     "test_stimuli": "test-stimuli",
     "schedule_delay": "schedule-delay",
@@ -47,12 +45,25 @@ OPTIONS = {
 class Given:
     """A value that is asked of a parameter, and how errors name it.
 
-    is_option: by an option of its own, not by NODE.PARAMETER.
+    is_option: by an option of its own, not by SECTION.NAME.
     """
 
     value: Any
     by: str
     is_option: bool = False
+
+
+def check_key(key: str, by: str) -> None:
+    """Raise InputError unless a key is SECTION.NAME of a known setting; by: how errors name it."""
+    section, dot, name = key.partition(".")
+    if not dot or section not in SECTIONS:
+        raise InputError(
+            f"{by}: expected SECTION.NAME with a section of {', '.join(SECTIONS)}, "
+            f"got {key!r}{did_you_mean(section, SECTIONS)}"
+        )
+    if name not in DEFAULTS[section]:
+        known = [f"{s}.{n}" for s, names in DEFAULTS.items() for n in names]
+        raise InputError(f"{by}: expected a setting, got {key!r}{did_you_mean(key, known)}")
 
 
 @dataclass(frozen=True)
@@ -61,10 +72,9 @@ class RunRequest:
 
     profile: its name, None for the paper's if a model or iterations are given, else the
     demonstration's; model: M or M_C; iterations: of training; stimuli: directory of images, "" for
-    generated ones; metabolic_cost_weight: lambda, 1/W; cost_share: share of the reward that energy
-    is to have, from which lambda follows; tests: training iterations before each test;
+    generated ones; metabolic_cost_weight: lambda, 1/W; tests: training iterations before each test;
     test_stimuli: how many a test shows; schedule_delay: training iterations by which the profile's
-    schedule is put off; overrides: {NODE.PARAMETER: value}.
+    schedule is put off; overrides: {SECTION.NAME: value}.
     names: how errors name a field or a key of the overrides, where not by itself.
     Raises InputError for an unknown model or node, and a value that no parameter can have.
     """
@@ -75,7 +85,6 @@ class RunRequest:
     seed: int | None = None
     stimuli: str | None = None
     metabolic_cost_weight: float | None = None
-    cost_share: float | None = None
     tests: tuple[int, ...] | None = None
     test_stimuli: int | None = None
     schedule_delay: int | None = None
@@ -89,12 +98,7 @@ class RunRequest:
                 f"{self.by('model')}: expected {' or '.join(MODELS)}, got {self.model!r}"
             )
         for key in self.overrides:
-            node, dot, _ = key.partition(".")
-            if not dot or node not in CONFIG_CLASSES:
-                raise InputError(
-                    f"{self.by(key)}: expected NODE.PARAMETER with a node of "
-                    f"{', '.join(CONFIG_CLASSES)}, got {key!r}{did_you_mean(node, CONFIG_CLASSES)}"
-                )
+            check_key(key, self.by(key))
         plain = {key: self._plain(key, value) for key, value in self.overrides.items()}
         object.__setattr__(self, "overrides", plain)
 
@@ -115,11 +119,10 @@ class RunRequest:
         return self.names.get(name, name)
 
     def settings(self) -> dict[str, Given]:
-        """Return what is asked of single parameters, by key, NODE.PARAMETER.
+        """Return what is asked of single parameters, by key, SECTION.NAME.
 
-        Raises InputError where two values are asked of one, and for a share that cannot be.
+        Raises InputError where two values are asked of one.
         """
-        self._check_share()
         given: dict[str, Given] = {}
         for key, setting in self._settings():
             before = given.setdefault(key, setting)
@@ -128,28 +131,16 @@ class RunRequest:
         return given
 
     def _settings(self) -> Iterator[tuple[str, Given]]:
-        for name, keys in _KEYS.items():
+        for name, key in _KEYS.items():
             value = getattr(self, name)
             if value is not None:
                 value = list(value) if isinstance(value, tuple) else value
-                given = Given(value, self.by(name), is_option=True)
-                yield from ((key, given) for key in keys)
+                yield key, Given(value, self.by(name), is_option=True)
         for key, value in self.overrides.items():
             yield key, Given(value, self.by(key))
 
-    def _check_share(self) -> None:
-        share, by = self.cost_share, self.by("cost_share")
-        if share is None:
-            return
-        if self.metabolic_cost_weight is not None:
-            raise InputError(
-                f"{by}: expected it without {self.by('metabolic_cost_weight')}, got both"
-            )
-        if not 0.0 <= share < 1.0:
-            raise InputError(f"{by}: expected a share in [0, 1), got {share}")
-
     def _plain(self, key: str, value: Any) -> Any:
-        """Return a value as a parameter has it: of JSON's kinds, a number if it reads as one."""
+        """Return a value as a parameter has it: of JSON's kinds."""
         try:
             text = json.dumps(value)
         except TypeError as error:  # YAML takes 2024-01-01 for a date
@@ -159,4 +150,4 @@ class RunRequest:
             ) from error
         if key == SCHEDULE:
             return value if isinstance(value, str) else text  # a parameter that is YAML itself
-        return number_or_text(json.loads(text))
+        return json.loads(text)

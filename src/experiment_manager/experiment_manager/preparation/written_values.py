@@ -1,7 +1,5 @@
 """Numbers as people write them on a command line or in a sweep's file: 1e5, 1_000, 0,500."""
 
-from typing import Any
-
 from lockstep.errors import InputError
 
 
@@ -24,14 +22,6 @@ def number(text: str) -> float:
         return float(text)
     except ValueError as error:
         raise InputError(f"expected a number, got {text!r}") from error
-
-
-def number_or_text(value: Any) -> Any:
-    """Return a value, a text that is a number as that: YAML takes 1e-5 for a word."""
-    try:
-        return float(value) if isinstance(value, str) else value
-    except ValueError:
-        return value
 
 
 def _exact(value: float) -> int:

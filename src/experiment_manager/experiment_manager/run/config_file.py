@@ -8,29 +8,20 @@ from typing import Any
 
 import yaml
 
-from experiment_manager.experiment.agreements import (
-    by_key,
-    by_node,
-    check_agreements,
-    with_partners,
+from experiment_manager.experiment.sections import (
+    DEFAULTS,
+    SHARED_CLASSES,
+    Configuration,
+    completed,
 )
-from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.run.checkpoint import Manifest
-from eye_plant.config import EyePlantConfig
-from lockstep.configuration import build, flatten
 from lockstep.errors import InputError
-from sparse_coder.config import SparseCoderConfig
-from vergence_rl.config import VergenceRlConfig
+from lockstep.yaml_text import load_yaml
 
 CONFIG_FILE = "config.yaml"
-CONFIG_CLASSES: dict[str, type] = {
-    "eye_plant": EyePlantConfig,
-    "sparse_coder": SparseCoderConfig,
-    "vergence_rl": VergenceRlConfig,
-    "experiment_manager": ExperimentManagerConfig,
-}
 # The pseudo-node of config.yaml that says what the run is; no ROS node has this name.
 RUN_SECTION = "run"
+_EVERY_NODE, _PARAMETERS = "/**", "ros__parameters"
 # What may differ between a run and its resumption without touching a number of it.
 FREE_TO_CHANGE = {
     "experiment_manager": {
@@ -47,8 +38,6 @@ FREE_TO_CHANGE = {
 }
 _PACKAGES = ("mujoco", "numpy", "opencv-python-headless", "ros-jazzy-rclpy", "mcap", "numba")
 
-Configuration = dict[str, dict[str, Any]]
-
 
 def configuration_text(configuration: Configuration) -> str:
     """Return config.yaml: a ROS parameter file of all nodes, and what the run is."""
@@ -60,93 +49,94 @@ def text_of_continuation(text: str, configuration: Configuration, more: Mapping[
 
     text: config.yaml so far, "" for a new run; more: further words on what the run is.
     """
-    before = (yaml.safe_load(text) or {}).get(RUN_SECTION, {}).get("ros__parameters", {})
+    before = (load_yaml(text) or {}).get(RUN_SECTION, {}).get(_PARAMETERS, {})
     begun = {
         "date": datetime.datetime.now(tz=datetime.UTC).isoformat(timespec="seconds"),
         "versions": [f"{name} {metadata.version(name)}" for name in _PACKAGES],
     }
     run = {**begun, **before, **about(configuration), **more}
-    sections = {f"/**/{node}": values for node, values in configuration.items()}
-    document = {
-        name: {"ros__parameters": values}
-        for name, values in ({RUN_SECTION: run} | sections).items()
+    shared = {
+        name: value for section in SHARED_CLASSES for name, value in configuration[section].items()
     }
+    nodes = {
+        f"{_EVERY_NODE}/{node}": values
+        for node, values in configuration.items()
+        if node not in SHARED_CLASSES
+    }
+    # ROS takes the sections in this order and -p as a part of the last, so -p has precedence.
+    sections = {RUN_SECTION: run} | nodes | {_EVERY_NODE: shared}
+    document = {name: {_PARAMETERS: values} for name, values in sections.items()}
     return yaml.safe_dump(document, sort_keys=False)
 
 
 def about(configuration: Configuration) -> dict[str, Any]:
     """Return what the parameters say the run is, as in the section of that name."""
-    manager = configuration["experiment_manager"]
+    manager, task = configuration["experiment_manager"], configuration["task"]
     return {
         "model": manager["model"],
         "profile": manager["profile"],
-        "seed": manager["seed"],
-        "n_training_iterations": manager["protocol.n_training_iterations"],
-        "metabolic_cost_weight": manager["metabolic_cost_weight"],
+        "seed": task["seed"],
+        "n_training_iterations": task["n_training_iterations"],
+        "metabolic_cost_weight": task["metabolic_cost_weight"],
         "commit": manager["commit"],
     }
 
 
 def read_configuration(path: Path) -> Configuration:
-    """Return the parameters by node of a config.yaml; raise InputError when it is none.
+    """Return the configuration of a config.yaml; what the file lacks is the default.
 
-    So it is where parameters that must agree do not, or the section that says what the run is says
-    something else than they do. What the file lacks follows from the parameter that it must agree
-    with, or is the default.
+    Raises InputError when the file is none, has what no node has, or says of the run something
+    else than its parameters do.
     """
     try:
-        document = yaml.safe_load(path.read_text())
-        given = {node: document[f"/**/{node}"]["ros__parameters"] for node in CONFIG_CLASSES}
-        configuration = completed(given)
-        check_agreements(configuration)
-        header = document.get(RUN_SECTION, {}).get("ros__parameters", {})
+        text = path.read_text()
+        configuration = completed(parameters_in(text))
+        document = load_yaml(text) or {}
+        if _EVERY_NODE not in document:
+            raise InputError(f"expected the configuration of a run, with a section {_EVERY_NODE}")
+        header = document.get(RUN_SECTION, {}).get(_PARAMETERS, {})
         _check_header(header, about(configuration))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    except (OSError, ValueError, yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
+    except (OSError, ValueError) as error:
         raise InputError(f"{path}: expected the configuration of a run: {error}") from error
     return configuration
 
 
-def completed(given: Mapping[str, Mapping[str, Any]]) -> Configuration:
-    """Return all parameters of all nodes from those that a config.yaml of any version has.
+def parameters_in(text: str) -> Configuration:
+    """Return the configuration by section in a config.yaml's text, as it is, of any nodes.
 
-    Raises InputError for what no node has.
+    Raises InputError for what is no parameter file.
     """
-    complete = by_node(with_partners(by_key(given)), CONFIG_CLASSES)
-    return {
-        node: flatten(build(config_class, complete[node]))
-        for node, config_class in CONFIG_CLASSES.items()
+    found = _parameter_file(text)
+    found.pop(RUN_SECTION, None)
+    shared = found.pop(_EVERY_NODE, {})
+    configuration: Configuration = {
+        section: {name: shared.pop(name) for name in DEFAULTS[section] if name in shared}
+        for section in SHARED_CLASSES
     }
+    if shared:
+        raise InputError(f"unknown parameter {', '.join(sorted(shared))}")
+    return configuration | {name.rpartition("/")[2]: values for name, values in found.items()}
 
 
-def parameters_in(text: str, source: str = CONFIG_FILE) -> Configuration:
-    """Return the parameters by node of a config.yaml's text, as they are, of any nodes.
-
-    source: of the text, for errors. Raises InputError for what is no parameter file.
-    """
-    sections = _sections(text, source)
-    return {name.removeprefix("/**/"): of for name, of in sections.items() if name != RUN_SECTION}
-
-
-def about_in(text: str, source: str = CONFIG_FILE) -> dict[str, Any]:
+def about_in(text: str) -> dict[str, Any]:
     """Return the section of a config.yaml's text that says what the run is.
 
-    source: of the text, for errors. Raises InputError where it does not say that.
+    Raises InputError where it does not say that.
     """
-    about = _sections(text, source).get(RUN_SECTION, {})
+    about = _parameter_file(text).get(RUN_SECTION, {})
     needed = {"model", "seed", "n_training_iterations", "metabolic_cost_weight", "commit"}
     if missing := sorted(needed - about.keys()):
-        raise InputError(f"{source}: expected a run's configuration, it lacks {', '.join(missing)}")
+        raise InputError(f"expected the configuration of a run, it lacks {', '.join(missing)}")
     return about
 
 
-def _sections(text: str, source: str) -> Configuration:
+def _parameter_file(text: str) -> Configuration:
     try:
-        sections = yaml.safe_load(text) or {}
-        return {name: dict(section["ros__parameters"]) for name, section in sections.items()}
-    except (yaml.YAMLError, KeyError, TypeError, ValueError, AttributeError) as error:
-        raise InputError(f"{source}: expected parameters by node: {error}") from error
+        return {name: dict(s[_PARAMETERS]) for name, s in (load_yaml(text) or {}).items()}
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(f"expected the configuration of a run: {error}") from error
 
 
 def check_unchanged(directory: Path, manifest: Manifest, found: Configuration) -> None:
@@ -193,6 +183,6 @@ def _check_header(header: Mapping[str, Any], expected: Mapping[str, Any]) -> Non
     for name, value in expected.items():
         if name in header and header[name] != value:
             raise InputError(
-                f"{RUN_SECTION}.{name}: expected {value!r}, as experiment_manager has it, "
+                f"{RUN_SECTION}.{name}: expected {value!r}, as the parameters have it, "
                 f"got {header[name]!r}"
             )

@@ -26,6 +26,5 @@ SAMPLED_TOPICS = tuple(
 
 def small_topics(config: ExperimentManagerConfig) -> tuple[str, ...]:
     """Return the topics of which each observation of a run has one message."""
-    protocol = config.protocol
-    has_gaze = protocol.fixation_iterations or protocol.measures_turns
+    has_gaze = config.fixation_iterations or config.measures_turns
     return SMALL_TOPICS_WITH_GAZE if has_gaze else SMALL_TOPICS

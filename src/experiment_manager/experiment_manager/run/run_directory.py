@@ -11,10 +11,14 @@ from typing import Any
 import msgspec
 
 from experiment_manager.bag.writer import BagWriter
-from experiment_manager.experiment.agreements import check_agreements
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.experiment.reach import check_reach
+from experiment_manager.experiment.sections import (
+    DEFAULTS,
+    Configuration,
+    sections_of_nodes,
+)
 from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import arrays_of, from_arrays, write_trials
 from experiment_manager.measures.results import (
@@ -29,7 +33,6 @@ from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
 from experiment_manager.run.config_file import (
     CONFIG_FILE,
-    Configuration,
     check_as_written,
     check_unchanged,
     configuration_text,
@@ -38,7 +41,7 @@ from experiment_manager.run.config_file import (
 from experiment_manager.run.picture_sample import is_sampled
 from experiment_manager.run.progress import Progress
 from experiment_manager.terminal.progress_bar import ProgressBar
-from eye_plant.config import EyePlantConfig
+from eye_plant.config import EyesConfig
 from eye_plant.episode import Episode
 from lockstep.configuration import flatten
 from lockstep.durable_files import replace_file
@@ -70,7 +73,7 @@ class Run:
         self.protocol = make_protocol(config)
         self.directory = Path(config.run_directory or _new_directory())
         self.run_id = config.run_id or self.directory.name
-        self.progress = Progress(config.protocol.n_training_iterations, config.protocol.space)
+        self.progress = Progress(config.n_training_iterations, config.space)
         self.place = 0
         self.stamp_ns = 0
         self._checkpoint_place = -1
@@ -83,7 +86,8 @@ class Run:
             text = config_file.read_text() if config_file.exists() else ""
         except UnicodeDecodeError as error:
             raise InputError(f"{config_file}: expected text in UTF-8: {error}") from error
-        self._parameters = parameters_in(text, str(config_file)) | {_MANAGER: flatten(config)}
+        of_manager = sections_of_nodes({_MANAGER: flatten(config)})
+        self._parameters = parameters_in(text) | of_manager
         self._bag_is_elsewhere = False
         bag_files = self._resume(*found) if found else None
         self.writer = BagWriter(
@@ -145,11 +149,20 @@ class Run:
         segment = self.protocol.segment(self.place)
         self.place += 1
         if segment.i_test >= 0 and self.place == segment.first + segment.n_episodes:
-            settings = EvaluationSettings.of(self._parameters)
+            settings = self._evaluation_settings()
             criteria = settings.criteria(segment.training_iteration)
             test = self.progress.end_test(settings.iterations_per_trial, criteria)
             self._bar.say(summary_line(test))
         self._bar.advance(self.progress.running_median_error_deg)
+
+    def _evaluation_settings(self) -> EvaluationSettings:
+        """Return how the run is tested; another plant has these eyes and our cameras."""
+        known = self._parameters.get("eye_plant", {}).keys() == DEFAULTS["eye_plant"].keys()
+        if known:
+            return EvaluationSettings.of(self._parameters)
+        ours = {"eyes": flatten(EyesConfig(mechanics=self._config.mechanics))}
+        of_manager = {n: v for n, v in self._parameters.items() if n in ("task", _MANAGER)}
+        return EvaluationSettings.of(of_manager | ours)
 
     # Checkpoints
 
@@ -237,14 +250,12 @@ class Run:
         those of its config.yaml, where nodes contradict each other, and where the eyes cannot do
         what the protocol asks.
         """
-        found = {n: values for n, values in parameters.items() if values} | {
-            _MANAGER: flatten(self._config)
-        }
-        check_agreements(found)
+        of_nodes = {n: values for n, values in parameters.items() if values}
+        found = sections_of_nodes(of_nodes | {_MANAGER: flatten(self._config)})
         if (path := self.directory / CONFIG_FILE).exists():
             check_as_written(path, self._parameters, found)
             return
-        if found.get("eye_plant", {}).keys() == flatten(EyePlantConfig()).keys():
+        if found.get("eye_plant", {}).keys() == DEFAULTS["eye_plant"].keys():
             check_reach(found)
         text = configuration_text(found)
         replace_file(path, text.encode())
@@ -272,7 +283,7 @@ class Run:
             model=config.model,
             profile=config.profile,
             seed=config.seed,
-            iterations=config.protocol.n_training_iterations,
+            iterations=config.n_training_iterations,
             commit=config.commit,
             metabolic_cost_weight=weight,
             cost_shares=CostShares(

@@ -5,7 +5,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 from experiment_manager.live.address import Address
-from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
+from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.supervision.fork_server import ForkServer, NodeProcess, stop
 from experiment_manager.supervision.processes import last_words, parameter_arguments
 
@@ -23,15 +23,9 @@ class LiveView(AbstractContextManager["LiveView"]):
         self._process: NodeProcess | None = None
         if address is None:
             return
-        configuration = read_configuration(directory / CONFIG_FILE)
-        given = {
-            "host": address.host,
-            "port": address.port,
-            "page_port": address.port + 1,
-            "n_selections": configuration["sparse_coder"]["n_selections"],
-            "focal_length_px": configuration["eye_plant"]["camera.focal_length_px"],
-        }
-        arguments = ["--ros-args", *parameter_arguments(given)]
+        given = {"host": address.host, "port": address.port, "page_port": address.port + 1}
+        config = str(directory / CONFIG_FILE)
+        arguments = ["--ros-args", "--params-file", config, *parameter_arguments(given)]
         with self._log.open("ab") as log:
             self._process = fork_server.start(PACKAGE, arguments, domain, log)
 

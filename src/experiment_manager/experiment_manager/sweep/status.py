@@ -7,13 +7,13 @@ from pathlib import Path
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import Protocol, make_protocol
+from experiment_manager.experiment.sections import config_of
 from experiment_manager.measures.results import Summary, read_results
 from experiment_manager.measures.tables import text_table
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
 from experiment_manager.sweep.cell_run import CellRun
-from lockstep.configuration import build
 
 _COLUMNS = ("run", "state", "iterations", "it/s", "time left", "last test")
 _MINUTE_S, _HOUR_S = 60, 3600
@@ -63,7 +63,7 @@ def status_of(run: CellRun) -> Status:
     if not (run.directory / CONFIG_FILE).exists():
         return Status(run.cell.name, state)
     configuration = read_configuration(run.directory / CONFIG_FILE)
-    manager = build(ExperimentManagerConfig, configuration["experiment_manager"])
+    manager = config_of(ExperimentManagerConfig, configuration)
     protocol = make_protocol(manager)
     points = _checkpoints(run.directory)
     made = [_iterations_before(protocol, place) for place, _, _ in points]

@@ -9,22 +9,22 @@ from typing import Any
 
 import yaml
 
+from experiment_manager.experiment.sections import SECTIONS, Configuration
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.request import OPTIONS, RunRequest
 from experiment_manager.preparation.written_values import number, whole_number, whole_numbers
-from experiment_manager.run.config_file import CONFIG_CLASSES, Configuration
 from lockstep.errors import InputError
 from lockstep.nearest import did_you_mean
+from lockstep.yaml_text import load_yaml
 
 SWEEP_FILE = "sweep.yaml"
-# By its name in the file, the field of a request; any NODE.PARAMETER besides.
+# By its name in the file, the field of a request; any SECTION.NAME besides.
 _FIELDS = {name: field for field, name in OPTIONS.items()}
 # How the text of a value is read; what is not here is a text.
 _READERS: dict[str, Callable[[str], Any]] = {
     "iterations": whole_number,
     "seed": whole_number,
     "lambda": number,
-    "lambda-share": number,
     "tests": whole_numbers,
     "test-stimuli": whole_number,
     "schedule-delay": whole_number,
@@ -53,7 +53,7 @@ class Cell:
 class Sweep:
     """options: for all runs, {name: value}; axes: {name: entries}, each entry in a run of its own.
 
-    Names are options of run_experiment.sh without dashes, and NODE.PARAMETER. An entry is a value,
+    Names are options of run_experiment.sh without dashes, and SECTION.NAME. An entry is a value,
     or {name: value} for several that belong together, that of the axis among them.
     Raises InputError for an unknown name, one that is set twice, an axis without entries, two runs
     of one name, and a value that cannot be read.
@@ -131,8 +131,8 @@ def read_sweep(path: Path, stimuli: Path | None = None) -> Sweep:
     Raises InputError for a file that is none, naming it.
     """
     try:
-        document = yaml.safe_load(path.read_text())
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        document = load_yaml(path.read_text())
+    except (OSError, UnicodeDecodeError, InputError) as error:
         raise InputError(f"{path}: expected a sweep as YAML: {error}") from error
     if not isinstance(document, dict):
         raise InputError(f"{path}: expected a sweep with axes, got {type(document).__name__}")
@@ -188,11 +188,11 @@ def _names(axis: str, entries: Any) -> list[str]:
 
 def _check_name(part: str, name: Any) -> None:
     name = str(name)
-    if name in _FIELDS or name.partition(".")[0] in CONFIG_CLASSES:
+    if name in _FIELDS or name.partition(".")[0] in SECTIONS:
         return
     raise InputError(
-        f"{part}: expected NODE.PARAMETER or one of {', '.join(_FIELDS)}, got {name!r}"
-        + did_you_mean(name, (*_FIELDS, *CONFIG_CLASSES))
+        f"{part}: expected SECTION.NAME or one of {', '.join(_FIELDS)}, got {name!r}"
+        + did_you_mean(name, (*_FIELDS, *SECTIONS))
     )
 
 

@@ -8,11 +8,12 @@ from typing import Any
 from eye_plant.camera.blur import blur_radius_px
 from eye_plant.turns import TurnsDeg
 from lockstep.errors import InputError
+from lockstep.optics import OpticsConfig
 from lockstep.settings import check_settings, setting
 
 MUJOCO = "mujoco"
 PLANE = "plane"
-RENDERERS = (MUJOCO, PLANE)
+RENDERERS = (PLANE, MUJOCO)
 
 _BLURS = tuple(
     f"{side}_{kind}blur_px"
@@ -69,7 +70,7 @@ class CameraTurns:
 
 
 @dataclass(frozen=True)
-class CameraConfig(CameraTurns):
+class CameraConfig(CameraTurns, OpticsConfig):
     """Two equal pinhole cameras, the plane and the landscape (K17, section on the environment).
 
     Of the two fields of view that K17 gives only F = 257.34 px fits both: 50 deg is the vertical
@@ -77,14 +78,13 @@ class CameraConfig(CameraTurns):
     """
 
     renderer: str = setting(
-        MUJOCO,
-        "renderer: MuJoCo's, which needs OpenGL, or a ray caster of plane and landscape, which"
-        " does not",
+        PLANE,
+        "renderer: a ray caster of plane and landscape, or MuJoCo's own, which needs OpenGL and is"
+        " slower",
         choices=RENDERERS,
     )
     width_px: int = setting(320, "width of each picture", "px", least=2, multiple_of=2)
     height_px: int = setting(240, "height of each picture", "px", least=2, multiple_of=2)
-    focal_length_px: float = setting(257.34, "focal length of both cameras", "px", above=0)
     roi_width_px: int = setting(
         320,
         "width of the region of interest about the picture's centre; only this region is drawn,"
@@ -97,10 +97,6 @@ class CameraConfig(CameraTurns):
         240, "height of the region of interest", "px", least=2, multiple_of=2
     )
     plane_size_m: float = setting(3.0, "width and height of the textured plane", "m", above=0)
-    texture_mipmaps: bool = setting(
-        True,
-        "whether a distant plane is drawn from a smaller copy of its texture; otherwise it aliases",
-    )
     landscape_distance_m: float = setting(
         9.1, "distance of the landscape behind the plane", "m", least=0.2, most=19
     )
@@ -120,12 +116,6 @@ class CameraConfig(CameraTurns):
     )
     right_vertical_blur_px: float = _blur_px(
         "additional blur of the right picture along its columns"
-    )
-    left_magnification: float = setting(
-        1.0, "magnification of the left picture about its centre", above=0
-    )
-    right_magnification: float = setting(
-        1.0, "magnification of the right picture about its centre", above=0
     )
     left_occluded: bool = setting(False, "whether the left picture is black")
     right_occluded: bool = setting(False, "whether the right picture is black")

@@ -1,5 +1,7 @@
 """The landscape behind the plane, generated (D10): what eyes see that look past it."""
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 
@@ -15,10 +17,12 @@ _N_TREES = 300
 _N_CLUSTERS = 60  # of leaves, per tree
 
 
+@lru_cache(maxsize=1)
 def landscape_picture(seed: int) -> np.ndarray:
     """Return a grey landscape, (800, 2600) uint8: sky, ridges, fields, and trees before them.
 
-    A function of the seed. Everything carries 1/f texture: an even wall would be trivial to encode.
+    A function of the seed, read only. Everything carries 1/f texture: an even wall would be trivial
+    to encode.
     """
     random = generator(seed, "landscape", 0)
     texture = octaves_noise(random, WIDTH_PX)
@@ -28,7 +32,9 @@ def landscape_picture(seed: int) -> np.ndarray:
     _paint_fields(random, picture, ground)
     _paint_trees(random, picture)
     picture *= 1.0 + 0.08 * hills
-    return np.clip(cv2.GaussianBlur(picture, (0, 0), 0.8), 0.0, 255.0).astype(np.uint8)
+    grey = np.clip(cv2.GaussianBlur(picture, (0, 0), 0.8), 0.0, 255.0).astype(np.uint8)
+    grey.setflags(write=False)
+    return grey
 
 
 def _paint_ridges(random: np.random.Generator, picture: np.ndarray, texture: np.ndarray) -> None:

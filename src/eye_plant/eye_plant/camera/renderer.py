@@ -22,7 +22,7 @@ FAR_M = 20.0
 class View:
     """Where the eyes are and what is on the plane.
 
-    eye_positions_m (2, 3), eye_rotations (2, 3, 3): as StereoCamera.start takes them; i_stimuli:
+    eye_positions_m (2, 3), eye_rotations (2, 3, 3): as StereoCamera.render takes them; i_stimuli:
     of the left and the right eye's plane; distance_m: of the plane from x = 0.
     """
 
@@ -45,19 +45,16 @@ class Renderer(Protocol):
     """Draws the central part of both eyes' pictures, of the size CameraConfig.drawn_px.
 
     The same view gives the same bits on one machine, whatever was drawn before, and the same
-    pixels in a smaller part.
+    pixels in a smaller part. A copy, by deepcopy or pickle, draws the same.
     """
 
     def reconfigure(self, config: CameraConfig) -> None:
         """Draw as another configuration has it, and another part of the picture; stimuli stay."""
 
-    def start(self, view: View) -> None:
-        """Begin to draw a view that the camera has checked."""
+    def draw(self, view: View) -> np.ndarray:
+        """Draw a view that the camera has checked: (2, height, width) uint8, left first.
 
-    def finish(self) -> np.ndarray:
-        """Return what was started, (2, height, width) uint8, left first, row 0 on top.
-
-        The array is the caller's own.
+        Row 0 is on top; the array is the caller's own.
         """
 
     def close(self) -> None:

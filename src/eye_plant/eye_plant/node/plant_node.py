@@ -7,7 +7,6 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from eye_plant.camera.opengl.offscreen import GraphicsError
 from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.node.free_running import FreeRunning
@@ -38,11 +37,7 @@ class EyePlantNode(Node):
         """Set up the plant; raises InputError when its configuration cannot be met."""
         super().__init__("eye_plant", **kwargs)
         config = declare_config(self, EyePlantConfig)
-        try:
-            self._plant = EyePlant(config)
-        except GraphicsError as error:
-            # Nobody's input: a run has tried OpenGL before, and what lacks memory says the same.
-            raise RuntimeError(str(error)) from error
+        self._plant = EyePlant(config)
         self._period_ns = period_ns(config.mechanics.period_s)
         self._observation: Observation | None = None
         is_free = config.free_running.rate_hz > 0.0

@@ -7,17 +7,14 @@ they interrupt whoever is at work on that core, some thirty times in an iteratio
 """
 
 import os
-import re
 from pathlib import Path
 
 _N_CORES = 2
 _TASKS = Path("/proc/self/task")
-# Mesa's software renderer draws with as many threads as there are cores.
-_RENDERER = re.compile(r"llvmpipe-(\d+)")
 
 
 def share_two_cores(i_core: int, *, gives_way: bool) -> None:
-    """Keep this process to the first (0) or second (1) core; its drawing threads take one each.
+    """Keep this process to the first (0) or second (1) core.
 
     gives_way: its threads wait for a free core rather than interrupt another thread (SCHED_BATCH);
     their share of a busy machine stays the same. Threads that start later follow the one that
@@ -28,10 +25,8 @@ def share_two_cores(i_core: int, *, gives_way: bool) -> None:
         return
     for task in _TASKS.iterdir():
         try:
-            drawing = _RENDERER.match((task / "comm").read_text())
-            i_own = int(drawing[1]) % _N_CORES if drawing else i_core
-            os.sched_setaffinity(int(task.name), {cores[i_own]})
+            os.sched_setaffinity(int(task.name), {cores[i_core]})
             if gives_way and os.sched_getscheduler(int(task.name)) == os.SCHED_OTHER:
                 os.sched_setscheduler(int(task.name), os.SCHED_BATCH, os.sched_param(0))
-        except (FileNotFoundError, ProcessLookupError):
+        except ProcessLookupError:
             continue  # it has ended meanwhile

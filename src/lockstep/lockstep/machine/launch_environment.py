@@ -10,7 +10,7 @@ _DEFAULTS = {
     "OPENBLAS_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",
     "OPENCV_FOR_THREADS_NUM": "1",
-    "MUJOCO_GL": "egl",
+    "MUJOCO_GL": "disable",
     "PYTHONUTF8": "1",
     "PYTHONUNBUFFERED": "1",
 }

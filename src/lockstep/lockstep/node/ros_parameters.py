@@ -15,6 +15,8 @@ Config = TypeVar("Config")
 
 # What rclpy itself declares on every node.
 OF_RCLPY = ("use_sim_time", "start_type_description_service", "qos_overrides.")
+# Of the eyes: a parameter file gives them to every node, also to one that asks for none of them.
+OF_EYES = ("mechanics.", "camera.")
 
 
 def declare_config(node: Node, config_class: type[Config]) -> Config:
@@ -28,6 +30,8 @@ def declare_config(node: Node, config_class: type[Config]) -> Config:
         for name, parameter in node._parameter_overrides.items()
         if not name.startswith(OF_RCLPY)
     }
+    known = configuration.flatten(config_class())
+    given = {n: v for n, v in given.items() if n in known or not n.startswith(OF_EYES)}
     config = configuration.build(config_class, given)
     values = configuration.flatten(config)
     for declared in declarations(config_class):

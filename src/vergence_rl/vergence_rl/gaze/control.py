@@ -30,11 +30,13 @@ class GazeControl:
     Activations are those of twelve muscles, the left eye's six first.
     """
 
-    def __init__(self, lowest: Floats, highest: Floats, config: GazeConfig) -> None:
-        """lowest, highest: (12,) limits of the commands."""
+    def __init__(
+        self, lowest: Floats, highest: Floats, config: GazeConfig, *, holds_gaze: bool
+    ) -> None:
+        """lowest, highest: (12,) limits of the commands; holds_gaze: whether saccades turn it."""
         # Vergence leaves the left line of sight where it is, to which saccades have turned it;
         # without saccades both eyes verge, and version is free.
-        self._holds_gaze = config.fixation_iterations > 0
+        self._holds_gaze = holds_gaze
         self._noise, self._limits = config.saccade_noise, (lowest, highest)
         self._eyes = [
             EyeTurns(low, high, config.memory_share)

@@ -67,7 +67,7 @@ def test_a_long_legend_leaves_a_figure_its_height(drawn, runs) -> None:
 
 def test_the_motor_space_is_that_of_the_last_test(runs, monkeypatch) -> None:
     run = runs[0]
-    turned_in = {"eye_plant.mechanics.rest_adduction_deg": [5.0, 5.0]}
+    turned_in = {"eyes.mechanics.rest_adduction_deg": [5.0, 5.0]}
     schedule = read_schedule(yaml.safe_dump([{"at": 200, "set": turned_in}]))
     run.evaluation_settings = replace(run.evaluation_settings, schedule=schedule)
     drawn: list[MechanicsConfig] = []

@@ -1,1 +1,1 @@
-"""Drawing by casting rays in compiled loops, which needs no OpenGL."""
+"""Drawing by casting rays, in compiled loops."""

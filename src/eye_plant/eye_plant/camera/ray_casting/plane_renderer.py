@@ -1,4 +1,4 @@
-"""Both eyes' pictures by casting one ray per pixel: without OpenGL, on one core."""
+"""Both eyes' pictures by casting one ray per pixel, on one core."""
 
 from collections.abc import Sequence
 
@@ -7,16 +7,12 @@ import numpy as np
 from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.landscape import landscape_picture
 from eye_plant.camera.ray_casting.ray_caster import cast_rays
-from eye_plant.camera.ray_casting.texels import aliased_textures, texture_of, textures_of
+from eye_plant.camera.ray_casting.texture_storage import texture_of, textures_of
 from eye_plant.camera.renderer import FAR_M, N_EYES, NEAR_M, View, shows_reduced
 
 
 class PlaneRenderer:
-    """Casts rays at the plane and at the landscape behind it; draws as MuJoCo's renderer does.
-
-    Within one grey level of it on software OpenGL, except for pixels on the plane's outline and
-    where two mip-map levels meet.
-    """
+    """Casts rays at the plane and at the landscape behind it."""
 
     def __init__(
         self, config: CameraConfig, eye_height_m: float, stimuli: Sequence[np.ndarray]
@@ -25,9 +21,7 @@ class PlaneRenderer:
         self._config = config
         self._eye_height_m = eye_height_m
         self._sizes_px = [max(stimulus.shape) for stimulus in stimuli]
-        self._textures = (
-            textures_of(stimuli) if config.texture_mipmaps else aliased_textures(stimuli)
-        )
+        self._textures = textures_of(stimuli)
         self._landscape = texture_of(landscape_picture(config.landscape_seed))
 
     def reconfigure(self, config: CameraConfig) -> None:
@@ -36,29 +30,28 @@ class PlaneRenderer:
             self._landscape = texture_of(landscape_picture(config.landscape_seed))
         self._config = config
 
-    def start(self, view: View) -> None:
-        """Draw the view."""
+    def draw(self, view: View) -> np.ndarray:
+        """Return both eyes' pictures."""
         width_px, height_px = self._config.drawn_px
-        self._pictures = np.empty((N_EYES, height_px, width_px), np.uint8)
+        pictures = np.empty((N_EYES, height_px, width_px), np.uint8)
         rectangles_m = self._rectangles_m(view.distance_m)
         for i_eye in range(N_EYES):
-            self._draw(i_eye, view, rectangles_m)
-
-    def finish(self) -> np.ndarray:
-        """Return what was drawn, (2, height, width) uint8."""
-        return self._pictures
+            self._draw_eye(pictures[i_eye], i_eye, view, rectangles_m)
+        return pictures
 
     def close(self) -> None:
         """Forget the stimuli."""
         self._textures = []
 
-    def _draw(self, i_eye: int, view: View, rectangles_m: np.ndarray) -> None:
+    def _draw_eye(
+        self, picture: np.ndarray, i_eye: int, view: View, rectangles_m: np.ndarray
+    ) -> None:
         config = self._config
         width_px, height_px = config.drawn_px
         i_stimulus = view.i_stimuli[i_eye]
         is_reduced = shows_reduced(config, self._sizes_px[i_stimulus], view.distance_m)
         cast_rays(
-            self._pictures[i_eye],
+            picture,
             ((config.width_px - width_px) // 2, (config.height_px - height_px) // 2),
             (view.eye_positions_m[i_eye], view.eye_rotations[i_eye]),
             (

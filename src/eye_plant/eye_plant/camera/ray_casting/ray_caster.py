@@ -285,8 +285,8 @@ def cast_rays(
     focal length, column and row of the full picture's centre, px, the least and the greatest depth
     along the line of sight that are drawn, m; surfaces: of the plane, which is nearer, and of the
     landscape distance x, height z of the centre, width and height, m (2, 4), and two textures, each
-    a Texture of the module texels. What sees neither surface is black. A pixel's grey does not
-    depend on what else is drawn.
+    a Texture of the module texture_storage. What sees neither surface is black. A pixel's grey does
+    not depend on what else is drawn.
     """
     height, width = picture.shape
     left_px, top_px = origin_px

@@ -1,1 +1,0 @@
-"""Drawing by MuJoCo's own renderer, which needs OpenGL."""

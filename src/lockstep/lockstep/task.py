@@ -1,0 +1,122 @@
+"""What all nodes must agree on: declared once, given once, and part of each node's configuration.
+
+In a parameter file the task stands under `/**`, so it reaches every node.
+"""
+
+from dataclasses import dataclass
+
+from lockstep.command_space import (
+    ALL_MUSCLES,
+    COMMAND_SPACES,
+    HIGHEST_ACTIVATIONS,
+    LOWEST_ACTIVATIONS,
+    PAIR,
+    CommandSpace,
+    Limits,
+    activation_limits,
+)
+from lockstep.errors import InputError
+from lockstep.settings import check_settings, setting
+
+
+@dataclass(frozen=True)
+class TaskConfig:
+    """The task of a run; defaults are the paper's. Raises InputError for values out of range."""
+
+    seed: int = setting(1, "seed of dictionaries, weights, exploration, episodes and trials")
+    n_training_iterations: int = setting(1_000_000, "training iterations of the run", least=0)
+    iterations_per_episode: int = setting(10, "iterations of a training episode", least=1)
+    iterations_per_trial: int = setting(20, "iterations of a test trial", least=1)
+    fixation_iterations: int = setting(
+        0,
+        "iterations of a fixation, which begins with two saccades to the gaze target; 0: the eyes"
+        " make no saccades (D22)",
+        least=0,
+    )
+    measures_turns: bool = setting(
+        False,
+        "whether the turns of both eyes are measured without saccades, too, so that vergence can be"
+        " learned as turns (D23)",
+    )
+    command_space: str = setting(
+        PAIR,
+        "muscles that a command moves and whose metabolic rate counts",
+        choices=tuple(COMMAND_SPACES),
+    )
+    lowest_activations: tuple[float, ...] = setting(
+        LOWEST_ACTIVATIONS,
+        "lowest activation of each command, or one for all",
+        least=0,
+        most=1,
+    )
+    highest_activations: tuple[float, ...] = setting(
+        HIGHEST_ACTIVATIONS,
+        "highest activation of each command, or one for all",
+        least=0,
+        most=1,
+    )
+    n_bases: int = setting(400, "basis functions of each scale's dictionary", least=1)
+    n_selections: int = setting(10, "matching pursuit's selections per patch", least=1)
+    metabolic_cost_weight: float = setting(
+        0.0, "lambda of K17 eq. 5, price of energy in the reward; 0 in model M", "1/W", least=0
+    )
+    price_rise_share: float = setting(
+        0.0,
+        "share of training over which that price rises linearly from 0 (D21); 0: it is constant",
+        least=0,
+        most=1,
+    )
+    schedule: str = setting(
+        "",
+        "changes of the eyes during the run, as YAML or JSON:"
+        " [{at: ITERATION, set: {eyes.PARAMETER: value}}]; empty: none",
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of range, and those that make no task together."""
+        check_settings(self)
+        activation_limits(self.space, self.lowest_activations, self.highest_activations)
+        if self.n_training_iterations % self.iterations_per_episode:
+            raise InputError(
+                f"n_training_iterations: expected a multiple of {self.iterations_per_episode} "
+                f"(iterations per episode), got {self.n_training_iterations}"
+            )
+        if self.fixation_iterations and self.measures_turns:
+            raise InputError(
+                "measures_turns: expected false with saccades, whose turns are measured anyway"
+            )
+        self._check_turning()
+
+    def check_trains(self) -> None:
+        """Raise InputError for a task without training, over which no rate can fall."""
+        if not self.n_training_iterations:
+            raise InputError("n_training_iterations: expected 1 or more, got 0")
+
+    def _check_turning(self) -> None:
+        """Refuse saccades of eyes that cannot make them, and fixations that are cut off."""
+        if not (self.fixation_iterations or self.measures_turns):
+            return
+        name, none = (
+            ("measures_turns", "false") if self.measures_turns else ("fixation_iterations", "0")
+        )
+        if self.command_space != ALL_MUSCLES:
+            raise InputError(
+                f"{name}: expected {none} with command_space {self.command_space}, since each eye "
+                f"is turned about all axes, got {getattr(self, name)}"
+            )
+        for length in ("iterations_per_episode", "iterations_per_trial"):
+            if self.fixation_iterations and getattr(self, length) % self.fixation_iterations:
+                raise InputError(
+                    f"{length}: expected a multiple of {self.fixation_iterations} "
+                    f"(fixation_iterations), got {getattr(self, length)}"
+                )
+
+    @property
+    def space(self) -> CommandSpace:
+        """The command space that was chosen."""
+        return COMMAND_SPACES[self.command_space]
+
+    @property
+    def limits(self) -> Limits:
+        """Of the activation of each command."""
+        return activation_limits(self.space, self.lowest_activations, self.highest_activations)

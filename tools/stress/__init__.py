@@ -1,0 +1,1 @@
+"""Disturbs runs on purpose: torture.sh."""
