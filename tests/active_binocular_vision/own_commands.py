@@ -20,7 +20,11 @@ _N_STARTS, _N_STIMULI = 4, 2
 
 def write_run(directory: Path, command_space: str, model: str = "M", weight: float = 0.0) -> Path:
     """Write the files of a run with tests after 0 and 1,000 iterations; return its directory."""
-    task = {"command_space": command_space, "lowest_activations": [0.0]}
+    task = {
+        "command_space": command_space,
+        "lowest_activations": [0.0],
+        "highest_activations": [0.2],
+    }
     text = config_text(model, 1, 1000, weight, **task)
     criteria = EvaluationSettings.of(parameters_in(text)).criteria(0)
     tests = [random_test(command_space, at, weight) for at in (0, 1000)]

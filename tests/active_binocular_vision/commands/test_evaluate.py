@@ -22,7 +22,7 @@ def test_a_run_tells_what_it_is(run: FinishedRun) -> None:
     assert (run.name, run.model, run.seed, run.n_iterations) == ("M_C", "M_C", 1, 400)
     assert (run.metabolic_cost_weight, run.commit) == (0.08, "0123abc")
     assert run.versions == ("mujoco 4.0.0", "numpy 2.4.6")
-    assert run.configuration["eye_plant"]["mechanics.baseline_m"] == 0.056
+    assert run.configuration["eyes"]["mechanics.baseline_m"] == 0.056
 
 
 def test_the_tests_are_joined_by_stamp(run: FinishedRun) -> None:
@@ -112,9 +112,9 @@ def test_a_configuration_that_cannot_be_read_is_one_line(
     directory = Path(shutil.copytree(run_directories["M"], tmp_path / "run"))
     text = FinishedRun(directory).configuration_text
     for damaged, told in (
-        ("[1", "expected parameters by node"),
-        (text.replace("camera.focal_length_px", "camera.f"), "it lacks eye_plant.camera.focal"),
-        (text.replace("protocol.iterations_per_trial", "n"), "it lacks experiment_manager.proto"),
+        ("[1", "expected the configuration of a run"),
+        (text.replace("    camera.focal_length_px: 257.34\n", ""), "it lacks eyes.camera.focal"),
+        (text.replace("    iterations_per_trial: 20\n", ""), "it lacks task.iterations_per_trial"),
     ):
         (directory / "config.yaml").write_text(damaged)
         assert main([str(directory)]) == 2

@@ -24,20 +24,21 @@ def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[Fini
     assert len(groups[0].trials_at(130).trial) == 2 * 39
 
 
-def _with(run: FinishedRun, node: str, **changed: Any) -> FinishedRun:
-    """The same run as if parameters of a node had been others; __ stands for the dot in a name."""
+def _with(run: FinishedRun, section: str, **changed: Any) -> FinishedRun:
+    """The same run as if settings of a section had been others; __ is the dot in a name."""
     other = copy.copy(run)
     named = {name.replace("__", "."): value for name, value in changed.items()}
-    other.configuration = run.configuration | {node: run.configuration[node] | named}
+    other.configuration = run.configuration | {section: run.configuration[section] | named}
     return other
 
 
 def test_runs_with_other_settings_are_not_pooled(runs: list[FinishedRun]) -> None:
     run = runs[0]
-    for free in ({"seed": 5}, {"commit": "abc"}):
-        assert len(groups_of([run, _with(run, "experiment_manager", **free)])) == 1, free
-    changed = {"mechanics__parameter_set": "anatomical", "stimuli__directory": "/my/photos"}
-    first, second = groups_of([run, _with(run, "eye_plant", **changed)])
+    for section, free in (("task", {"seed": 5}), ("experiment_manager", {"commit": "abc"})):
+        assert len(groups_of([run, _with(run, section, **free)])) == 1, free
+    photos = _with(run, "eye_plant", stimuli__directory="/my/photos")
+    other = _with(photos, "eyes", mechanics__parameter_set="anatomical")
+    first, second = groups_of([run, other])
     assert first.label.endswith("parameter_set k17, 1 run")
     assert first.name == "M, generated stimuli, parameter_set k17"
     assert second.label.endswith("photos stimuli, parameter_set anatomical, 1 run")
@@ -50,7 +51,7 @@ def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(
     paper = _with(runs[0], "experiment_manager", profile="paper")
     precise = _with(runs[0], "experiment_manager", profile="precise")
     # Where runs of one profile differ, it does not say in what.
-    third = _with(precise, "eye_plant", mechanics__parameter_set="anatomical")
+    third = _with(precise, "eyes", mechanics__parameter_set="anatomical")
     first, second = groups_of([paper, third])
     assert first.label.endswith(", profile paper, 1 run")
     assert second.label.endswith(", profile precise, 1 run")
@@ -64,13 +65,13 @@ def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(
 
 
 def test_a_parameter_that_is_lacking_has_its_default(runs: list[FinishedRun]) -> None:
-    run, name = runs[0], "n_selections"
+    run, name = runs[0], "learning_rate"
     of_coder = dict(run.configuration["sparse_coder"])
     other = copy.copy(run)
     del of_coder[name]
     other.configuration = run.configuration | {"sparse_coder": of_coder}
     assert len(groups_of([run, other])) == 1
-    other.configuration = run.configuration | {"sparse_coder": of_coder | {name: 3}}
+    other.configuration = run.configuration | {"sparse_coder": of_coder | {name: 0.3}}
     assert len(groups_of([run, other])) == 2
 
 

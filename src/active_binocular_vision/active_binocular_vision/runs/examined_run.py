@@ -139,7 +139,7 @@ class _Documents:
             self._documents = [dict(of) for of in run.examinations["examined"]]
         except (ValueError, KeyError, TypeError) as error:
             raise InputError(
-                f"{run.directory}: expected its {EXAMINATIONS_FILE}: {error!r}"
+                f"{run.directory}: expected the examinations of a run: {error!r}"
             ) from error
 
     def at(self, iteration: int, names: Collection[str]) -> dict[str, Document]:

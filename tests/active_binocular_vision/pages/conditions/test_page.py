@@ -16,11 +16,12 @@ from active_binocular_vision.commands.report import main
 from active_binocular_vision.commands.run_experiment import main as run_experiment
 from active_binocular_vision.pages.conditions.page import (
     conditions_table,
-    finished_runs,
     left_out,
 )
 from active_binocular_vision.runs.conditions import conditions_of
-from active_binocular_vision.runs.examined_run import BIRTH, END, EXAMINATIONS_FILE
+from active_binocular_vision.runs.examined_run import BIRTH, END
+from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE
+from active_binocular_vision.runs.results_folder import finished_runs
 from experiment_manager.measures.kept_trials import read_trials
 from lockstep.errors import InputError
 from tests.active_binocular_vision.made_examined import column, examined, reared, summaries
@@ -175,5 +176,5 @@ def test_a_sweep_stands_for_its_finished_runs_in_its_order(tmp_path) -> None:
         run.mkdir()
     for run in (first, last):
         (run / "results.json").touch()
-    assert finished_runs(tmp_path) == [first, last]
-    assert finished_runs(last) == [last]
+    assert [run.directory for run in finished_runs(tmp_path)] == [first, last]
+    assert [run.directory for run in finished_runs(last)] == [last]

@@ -197,7 +197,8 @@ def _examined(
     reasons: list[str] = []
     for directory in directories:
         try:
-            found += finished_runs(directory)
+            runs = finished_runs(directory)
+            found += [run for run in runs if run.about]
         except InputError as error:
             reasons.append(str(error))
     if not found:
