@@ -18,7 +18,7 @@ from experiment_manager.supervision.domains import own_domain
 from eye_plant.camera.config import CameraConfig
 from eye_plant.messages import picture_message
 from lockstep.errors import InputError
-from lockstep.node.fast_executor import LockstepExecutor
+from lockstep.node.executor import LockstepExecutor
 from lockstep.node.process import run_node
 from lockstep.wire.images import ImagePublisher
 from lockstep.wire.qos import LOCKSTEP_QOS
