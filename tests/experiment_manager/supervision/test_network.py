@@ -1,6 +1,6 @@
 """Nodes that began while the network was away."""
 
-from experiment_manager.supervision.network import Network
+from experiment_manager.supervision.network import Network, addresses
 
 LOOP, BOTH = frozenset({"127.0.0.1"}), frozenset({"127.0.0.1", "10.0.0.1"})
 
@@ -32,3 +32,7 @@ def test_a_cut_while_nodes_began_though_others_had_been_met() -> None:
     network = Network(BOTH)
     assert not network.is_back(LOOP, all_began=False, met=True)
     assert network.is_back(BOTH, all_began=True, met=True)
+
+
+def test_this_machine_has_its_loopback() -> None:
+    assert "127.0.0.1" in addresses()

@@ -36,7 +36,6 @@ from experiment_manager.run.config_file import (
     read_configuration,
 )
 from experiment_manager.supervision.fork_server import ForkServer
-from experiment_manager.supervision.heartbeats import LISTENER
 from experiment_manager.supervision.live_view import PACKAGE as LIVE_VIEW
 from experiment_manager.supervision.node_neighbours import refuse_neighbours
 from experiment_manager.supervision.processes import PACKAGES
@@ -215,7 +214,7 @@ def _run(options: argparse.Namespace) -> tuple[Path, int]:
     _check_in_process(options)
     if options.in_process:
         return in_one_process(prepare(options))
-    packages = [LISTENER, *(package for package in PACKAGES if package not in options.elsewhere)]
+    packages = [package for package in PACKAGES if package not in options.elsewhere]
     if options.live is not None:
         packages.append(LIVE_VIEW)
     # Before anything that begins threads, as DDS does.

@@ -17,7 +17,6 @@ from lockstep.errors import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, FAULT_TEXT
 from lockstep.machine.cores import share_two_cores
 from lockstep.machine.domain import given_domain
-from lockstep.machine.unfinished_ports import remove_unfinished_ports
 from lockstep.node.executor import LockstepExecutor
 
 # Bad input, by phase: what reading the arguments raises, and names and parameters of the node.
@@ -38,7 +37,6 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
     """
     try:
         _read_arguments(arguments)
-        remove_unfinished_ports()
     except _OF_ARGUMENTS as error:
         return _refused(error)
     try:
