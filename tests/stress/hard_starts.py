@@ -17,8 +17,8 @@ _SUPERVISOR = "supervisor"
 _START_S = 10.0
 # The same fault three times without a checkpoint ends a run, as it should.
 _MOST_IN_A_RUN = 2
-# More than a node has as it is forked: with the least it cannot begin, with the most it finishes.
-_LEAST_BYTES, _MOST_BYTES = 10 << 20, 500 << 20
+# With the least a node cannot import anything, with the most it finishes.
+_LEAST_BYTES, _MOST_BYTES = 100 << 20, 8 << 30
 
 
 def kill_starts(directory: Path, n_kills: int, seeds: np.random.SeedSequence) -> Found:
@@ -62,16 +62,14 @@ def kill(run: SupervisedRun, known: set[int], draw: np.random.Generator) -> str:
 
 
 def limit(run: SupervisedRun, known: set[int], draw: np.random.Generator) -> str:
-    """Limit the address space of a node that has just been forked; known: see `kill`."""
+    """Limit the address space of a node that has just been started; known: see `kill`."""
     who = str(draw.choice(PACKAGES))
-    more_bytes = int(np.exp(draw.uniform(np.log(_LEAST_BYTES), np.log(_MOST_BYTES))))
+    most = int(np.exp(draw.uniform(np.log(_LEAST_BYTES), np.log(_MOST_BYTES))))
     node = _next_node(run, who, known)
     if node is None:
         return ""
     try:
-        process = psutil.Process(node)
-        most = process.memory_info().vms + more_bytes
-        process.rlimit(resource.RLIMIT_AS, (most, most))
+        psutil.Process(node).rlimit(resource.RLIMIT_AS, (most, most))
     except psutil.NoSuchProcess:
         return ""
     return f"{who} limited"

@@ -12,7 +12,6 @@ from experiment_manager.live.address import Address
 from experiment_manager.run.attempt import goes_on, place_of
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
-from experiment_manager.supervision.fork_server import ForkServer
 from experiment_manager.supervision.live_view import LiveView
 from experiment_manager.supervision.network import Network, addresses
 from experiment_manager.supervision.node_heartbeats import Heartbeats
@@ -54,18 +53,15 @@ class Supervisor:
     def __init__(
         self,
         directory: Path,
-        fork_server: ForkServer,
         elsewhere: Collection[str] = (),
         live: Address | None = None,
     ) -> None:
         """directory: holds config.yaml, and whatever the run has done so far.
 
-        fork_server: starts the nodes; entered meanwhile. elsewhere: nodes that somebody else
-        starts, in the domain of `known_domain`; what they lack of signs of life the manager
-        notices. live: where a live view listens, None for none.
+        elsewhere: nodes that somebody else starts, in the domain of `known_domain`; what they lack
+        of signs of life the manager notices. live: where a live view listens, None for none.
         """
         self._directory = directory
-        self._fork_server = fork_server
         self._elsewhere = frozenset(elsewhere)
         self._live = live
         self._packages = [package for package in PACKAGES if package not in elsewhere]
@@ -84,10 +80,7 @@ class Supervisor:
             with own_domain(frozenset(used)) if known is None else nullcontext(known) as domain:
                 used.append(domain)
                 print(f"to listen from another terminal: export ROS_DOMAIN_ID={domain}")
-                try:
-                    code, fault = self._attempt(domain)
-                except ConnectionError as gone:
-                    code, fault = EXIT_FAULT, str(gone)
+                code, fault = self._attempt(domain)
             if code == EXIT_NETWORK:
                 print("the network is back: starting the nodes again", file=sys.stderr)
                 continue
@@ -131,8 +124,8 @@ class Supervisor:
         more = {MANAGER: parameter_arguments(given)}
         directory, packages, network = self._directory, self._packages, Network(addresses())
         with (
-            NodeProcesses(self._fork_server, directory, domain, more, packages) as processes,
-            LiveView(self._fork_server, self._live, domain, directory) as live_view,
+            NodeProcesses(directory, domain, more, packages) as processes,
+            LiveView(self._live, domain, directory) as live_view,
             Heartbeats(domain, packages) as heartbeats,
         ):
             self._processes = processes
