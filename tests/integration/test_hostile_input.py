@@ -2,10 +2,14 @@
 
 from pathlib import Path
 
+import pytest
+
 from lockstep.wire.qos import QUEUE_DEPTH
 from tests.graph_harness import small_run, write_configuration
 from tests.stress.fuzzed_graph import NODES, FuzzedGraph
 from tests.stress.fuzzer import LARGEST_BYTES, Hostility
+
+pytestmark = pytest.mark.graph
 
 SMALL_LEARNERS = ("task.n_bases=32",)
 

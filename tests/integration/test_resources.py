@@ -19,6 +19,8 @@ from tests.stress.clock_jumps import jumping_clock
 from tests.stress.supervised_run import SupervisedRun, is_intact, n_messages, stamp_faults
 from tests.supervisor import start_supervisor
 
+pytestmark = pytest.mark.graph
+
 
 @pytest.fixture(scope="module")
 def line(pictures: Path) -> list[str]:
