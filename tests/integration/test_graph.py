@@ -35,6 +35,8 @@ from tests.loop_contract import (
 from tests.supervised_run import SupervisedRun, are_gone
 from tests.supervisor import finished, start_supervisor
 
+pytestmark = pytest.mark.graph
+
 N_ANSWERED = N_TRAINING + 20 * N_TRIALS
 # Of each node's health, by the clock on the wall.
 NOT_COMPARED = "/diagnostics"

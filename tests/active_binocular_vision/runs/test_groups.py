@@ -5,9 +5,9 @@ import copy
 import pytest
 import yaml
 
+from active_binocular_vision.commands.command_line import arguments, request_of
 from active_binocular_vision.runs.groups import groups_of, held_back
 from active_binocular_vision.runs.reported_run import ReportedRun
-from active_binocular_vision.commands.command_line import arguments, request_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import configuration_text
 from lockstep.errors import InputError

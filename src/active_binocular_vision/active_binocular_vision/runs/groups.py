@@ -10,11 +10,11 @@ from matplotlib.colors import to_hex
 
 from active_binocular_vision.runs.recorded_run import RecordedTest
 from active_binocular_vision.runs.reported_run import ReportedRun
+from experiment_manager.experiment.sections import DEFAULTS, completed
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import Trials, pooled
-from experiment_manager.experiment.sections import DEFAULTS, completed
 from experiment_manager.run.config_file import (
     FREE_TO_CHANGE,
     RUN_SECTION,

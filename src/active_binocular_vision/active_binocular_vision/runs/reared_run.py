@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.figures.dictionaries import SCALES
 from active_binocular_vision.examinations.landscape import RewardLandscape
+from active_binocular_vision.figures.dictionaries import SCALES
 from experiment_manager.measures.results import Results
 from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
