@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sparse_coder.dictionary import Dictionary, declining_rate, initial_atoms, learned_atoms
+from sparse_coder.dictionary import Dictionary, dictionary_rate, initial_atoms, learned_atoms
 from sparse_coder.matching_pursuit import Selections, matching_pursuit, reconstruction_error
 
 SELECTIONS = Selections(
@@ -44,7 +44,7 @@ def gradient(atoms: NDArray[np.float32], patches: NDArray[np.float32]) -> NDArra
     [(1.0, 0.7, 0.2), (0.0, 0.0, 0.2), (0.0, 0.75, 0.05), (0.5, 1.0, 0.1), (0.0, 1.0, 0.0)],
 )
 def test_the_rate_declines_linearly_to_its_share(share: float, done: float, rate: float) -> None:
-    assert declining_rate(0.2, share, done) == pytest.approx(rate)
+    assert dictionary_rate(0.2, share, done) == pytest.approx(rate)
 
 
 def test_step_is_down_the_gradient_then_normalised() -> None:

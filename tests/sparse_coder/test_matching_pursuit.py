@@ -11,7 +11,7 @@ from sparse_coder.matching_pursuit import (
     residual_energies,
 )
 from sparse_coder.patches import binocular_patches, coarse_window, fine_window
-from sparse_coder.reconstruction import coded_patches
+from sparse_coder.picture_of_code import coded_patches
 from tests.sparse_coder.slow import slow_pursuit
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from lockstep.errors import InputError
 from lockstep.randomness import generator
 from sparse_coder.config import SparseCoderConfig
-from sparse_coder.dictionary import Dictionary, declining_rate, initial_atoms, learned_atoms
+from sparse_coder.dictionary import Dictionary, dictionary_rate, initial_atoms, learned_atoms
 from sparse_coder.encoding import Encoding
 from sparse_coder.matching_pursuit import (
     matching_pursuit,
@@ -86,7 +86,7 @@ class SparseCoder:
         config = self.config
         n_until_rest = config.resting_share * config.n_training_iterations
         done = min(1.0, self.learning_steps / n_until_rest)
-        return declining_rate(config.learning_rate, config.final_learning_rate_share, done)
+        return dictionary_rate(config.learning_rate, config.final_learning_rate_share, done)
 
     @property
     def metabolic_cost_weight(self) -> float:

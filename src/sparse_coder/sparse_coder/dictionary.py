@@ -40,7 +40,7 @@ def initial_atoms(
     return (atoms / np.linalg.norm(atoms, axis=1, keepdims=True)).astype(np.float32)
 
 
-def declining_rate(initial_rate: float, final_share: float, fraction_done: float) -> float:
+def dictionary_rate(initial_rate: float, final_share: float, fraction_done: float) -> float:
     """Return the learning rate, linear from initial_rate to final_share of it (D17; K17: 1).
 
     ours: the actor's own rate falls to 0, so it cannot follow features that go on changing.

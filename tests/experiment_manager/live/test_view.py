@@ -40,7 +40,7 @@ from lockstep.wire.topics import (
 )
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
-from sparse_coder.reconstruction import reconstructed_windows, seen_windows
+from sparse_coder.picture_of_code import reconstructed_windows, seen_windows
 from tests.foxglove_client import FoxgloveClient
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
 

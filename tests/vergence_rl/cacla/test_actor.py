@@ -8,8 +8,8 @@ from vergence_rl.cacla.actor import (
     ActorOutput,
     ActorWeights,
     actor,
+    actor_rate,
     actor_step,
-    declining_rate,
     n_updates,
 )
 
@@ -26,7 +26,7 @@ def test_actor_is_hand_computed() -> None:
 
 @pytest.mark.parametrize(("now", "rate"), [(0, 0.5), (250, 0.375), (1000, 0.0), (1001, 0.0)])
 def test_rate_declines_linearly_to_0(now: int, rate: float) -> None:
-    assert declining_rate(0.5, now, 1000) == pytest.approx(rate)
+    assert actor_rate(0.5, now, 1000) == pytest.approx(rate)
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def actor(weights: ActorWeights, state: NDArray[np.float64]) -> ActorOutput:
     return ActorOutput(activity, weights.output @ activity)
 
 
-def declining_rate(initial_rate: float, training_iteration: int, n_iterations: int) -> float:
+def actor_rate(initial_rate: float, training_iteration: int, n_iterations: int) -> float:
     """Return the rate that falls linearly from initial_rate to 0 at n_iterations (K17 II)."""
     return initial_rate * max(0.0, 1.0 - training_iteration / n_iterations)
 

@@ -13,8 +13,8 @@ from vergence_rl.cacla.actor import (
     ActorOutput,
     ActorWeights,
     actor,
+    actor_rate,
     actor_step,
-    declining_rate,
     n_updates,
 )
 from vergence_rl.cacla.config import CaclaConfig
@@ -126,7 +126,7 @@ class CaclaRule:
         return delta
 
     def _rate(self, observation: Observation) -> float:
-        return declining_rate(
+        return actor_rate(
             self._config.actor_learning_rate,
             observation.training_iteration,
             self._task.n_training_iterations,

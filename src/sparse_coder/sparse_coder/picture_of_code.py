@@ -1,4 +1,4 @@
-"""What the sparse code says the eyes see: the windows, put together again from their code.
+"""The picture that a sparse code holds: the windows, put together again from their patches' codes.
 
 Dimensions: n_eyes is 2, left before right; n_patches, n_pixels, n_bases.
 """
