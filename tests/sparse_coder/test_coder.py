@@ -10,7 +10,6 @@ from lockstep.errors import InputError
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.dictionary import learned_atoms
-from sparse_coder.perception import perceive
 from tests.sparse_coder.slow import slow_patches, slow_pursuit
 
 Pair = tuple[NDArray[np.uint8], NDArray[np.uint8]]
@@ -92,7 +91,7 @@ def test_a_price_rises_from_0(stereo_pair: Pair, rise: float, expected: list[flo
     coder, rate_w = SparseCoder(config), np.array([0.3, 0.1])
     rewards, errors = [], []
     for _ in expected:
-        percept = perceive(coder, *stereo_pair, rate_w)
+        percept = coder.perceive(*stereo_pair, rate_w)
         rewards.append(percept.reward)
         errors.append(percept.encoding.reconstruction_error.sum())
         coder.learn(percept.encoding)

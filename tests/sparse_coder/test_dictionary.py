@@ -3,7 +3,8 @@ import pytest
 from numpy.typing import NDArray
 
 from sparse_coder.dictionary import Dictionary, dictionary_rate, initial_atoms, learned_atoms
-from sparse_coder.matching_pursuit import Selections, matching_pursuit, reconstruction_error
+from sparse_coder.matching_pursuit import Selections, matching_pursuit
+from sparse_coder.reward import reconstruction_error
 
 SELECTIONS = Selections(
     np.array([[0, 2, 0], [2, 1, 1]], np.int32),

@@ -7,11 +7,11 @@ from sparse_coder.matching_pursuit import (
     Selections,
     matching_pursuit,
     mean_squared_coefficients,
-    reconstruction_error,
     residual_energies,
 )
 from sparse_coder.patches import binocular_patches, coarse_window, fine_window
 from sparse_coder.picture_of_code import coded_patches
+from sparse_coder.reward import reconstruction_error
 from tests.sparse_coder.slow import slow_pursuit
 
 

@@ -68,7 +68,8 @@ def test_features_and_reward_are_the_coders(bench: LearnerBench) -> None:
         coarse, fine = encoding.reconstruction_error.tolist()
         assert tuple(values.name) == REWARD_NAMES
         rate_w = 1.875
-        expected = [coarse, fine, rate_w, -(coarse + fine) - 0.1 * rate_w, number - 1]
+        penalty = 0.1 * rate_w
+        expected = [coarse, fine, rate_w, penalty, -(coarse + fine) - penalty, number - 1]
         assert list(values.position) == pytest.approx(expected, rel=1e-12)
         assert list(values.position)[:3] == expected[:3]
         coder.learn(encoding)

@@ -307,7 +307,7 @@ def _assert_refused(agent: Agent, change, message: str) -> None:
             r"activations: expected medial_rectus, lateral_rectus, got .*\(3,\)",
         ),
         ({"reward": math.nan}, "reward: expected a finite number, got nan"),
-        ({"price": math.inf}, "price: expected a finite number, got inf"),
+        ({"energy_penalty": math.inf}, "energy_penalty: expected a finite number, got inf"),
         ({"iteration": -1}, "iteration: expected 0 or more, got -1"),
         ({"training_iteration": -1}, "training_iteration: expected 0 or more, got -1"),
     ],

@@ -158,7 +158,7 @@ def _activation(value: float) -> Callable[[dict[str, Any]], None]:
     return changed("muscle_activations", position=array.array("d", [0.0, value, 1.0, 0.5]))
 
 
-_NAN_REWARD = array.array("d", [0.0, 0.0, 0.0, math.nan, 0.0])
+_NAN_REWARD = array.array("d", [0.0, 0.0, 0.0, 0.0, math.nan, 0.0])
 
 
 @pytest.mark.parametrize(
@@ -173,10 +173,10 @@ _NAN_REWARD = array.array("d", [0.0, 0.0, 0.0, math.nan, 0.0])
         (_feature(-math.inf), "features: expected finite values, got NaN or infinity"),
         (changed("reward", position=_NAN_REWARD), "reward: expected finite values"),
         (
-            changed("reward", name=list("abcde")),
+            changed("reward", name=list("abcdef")),
             "reward: expected names reward; reward did not come",
         ),
-        (changed("reward", effort=array.array("d", [0.0])), "reward: expected fields of 5 entries"),
+        (changed("reward", effort=array.array("d", [0.0])), "reward: expected fields of 6 entries"),
         (
             changed("muscle_activations", position=array.array("d")),
             "expected one position per name",

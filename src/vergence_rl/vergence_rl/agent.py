@@ -73,7 +73,7 @@ class Agent:
         exploration: bool,
         target_deg: NDArray[np.float64] = _NO_TARGET,
         turns_deg: NDArray[np.float64] = _NO_TURNS,
-        price: float = 0.0,
+        energy_penalty: float = 0.0,
     ) -> Decision:
         """Learn from what was done so far and answer with what to do next.
 
@@ -82,14 +82,14 @@ class Agent:
         training iterations before this one. There is nothing to learn at an episode's start or
         after a gap, nor from an action that was taken without learning. target_deg: (2,) sideways
         and up from the left line of sight, where there is a place to look at now; turns_deg: (2, 3)
-        how each eye was seen to turn since the observation before; NaN otherwise. price: what the
-        activations take from the reward, lambda C, where vergence is learned as turns.
+        how each eye was seen to turn since the observation before; NaN otherwise. energy_penalty:
+        lambda C, what the activations take from the reward, where vergence is learned as turns.
         Raises InputError, and changes nothing, for a wrong size or a number that is not finite;
         DivergenceError when value, TD error or action leave every sane range.
         """
         entries = self._checked_entries(features, activations)
         _check_numbers(
-            {"reward": reward, "price": price},
+            {"reward": reward, "energy_penalty": energy_penalty},
             {"iteration": iteration, "training_iteration": training_iteration},
         )
         target_deg, turns_deg = checked_gaze(target_deg, turns_deg)
@@ -108,9 +108,9 @@ class Agent:
         if self._gaze is None:
             decision = self._rule.step(observation, learning=learning, draw=draw)
         else:
-            self._gaze.see(observation, turns_deg, price, learning=learning)
+            self._gaze.see(observation, turns_deg, energy_penalty, learning=learning)
             decision = self._turn(
-                self._gaze, observation, target_deg, price, learning=learning, draw=draw
+                self._gaze, observation, target_deg, energy_penalty, learning=learning, draw=draw
             )
         _check_sanity(training_iteration, decision)
         return decision
@@ -120,7 +120,7 @@ class Agent:
         control: GazeControl,
         observation: Observation,
         target_deg: NDArray[np.float64],
-        price: float,
+        energy_penalty: float,
         *,
         learning: bool,
         draw: np.random.Generator | None,
@@ -128,8 +128,8 @@ class Agent:
         """Make a saccade where there is a target, otherwise verge where the eyes look (D22, D23).
 
         The rule sees what follows the saccades, or the first command, as an episode of its own, in
-        which the place of the eyes is the sum of the turns that it has asked for. The price is not
-        among its rewards: the control lowers it, and leaves the vergence that the rule has chosen.
+        which the place of the eyes is the sum of the turns that it has asked for. Its rewards are
+        without the penalty: the control lowers that and leaves the vergence the rule has chosen.
         """
         activations = observation.activations
         is_saccade = bool(np.isfinite(target_deg).all())
@@ -142,7 +142,7 @@ class Agent:
             observation,
             iteration=since,
             activations=self._turned_deg,
-            reward=observation.reward + price,
+            reward=observation.reward + energy_penalty,
         )
         n_learned = self._rule.learning_steps
         learns = learning and not is_saccade and since >= 0 and control.is_known

@@ -29,11 +29,11 @@ GAZE = build(
 
 
 def _fixated(
-    agent: Agent, n_episodes: int, first: int = 0, *, is_seen: bool = True, price: float = 0.0
+    agent: Agent, n_episodes: int, first: int = 0, *, is_seen: bool = True, penalty: float = 0.0
 ) -> list[Decision]:
     """Return the decisions of episodes of two fixations, each with two saccades.
 
-    is_seen: whether the first saccade's movement is; without it there is no second one. price: in
+    is_seen: whether the first saccade's movement is; without it there is no second one. penalty: in
     each reward.
     """
     draw, decisions = np.random.default_rng(4), []
@@ -43,7 +43,7 @@ def _fixated(
             agent.observe(
                 draw.random(6),
                 draw.uniform(0.05, 0.15, 12),
-                -float(draw.random()) - price,
+                -float(draw.random()) - penalty,
                 i % 10,
                 i,
                 learning=True,
@@ -51,7 +51,7 @@ def _fixated(
                 target_deg=np.array([1.0, 2.0]) * (1.0 if of_fixation < 1 + is_seen else np.nan),
                 turns_deg=draw.normal(0, 1, (2, 3))
                 * (1.0 if is_seen and of_fixation == 1 else np.nan),
-                price=price,
+                energy_penalty=penalty,
             )
         )
     return decisions
@@ -125,9 +125,9 @@ def test_products_of_activations_are_of_one_eye() -> None:
 
 def test_gaze_goes_on_from_its_state_bit_for_bit(known) -> None:
     whole, part = _knowing(known), _knowing(known)
-    _fixated(whole, 3, 170, price=0.5)
+    _fixated(whole, 3, 170, penalty=0.5)
     part.restore(whole.state())
-    again = (_fixated(agent, 20, 173, price=0.5) for agent in (whole, part))
+    again = (_fixated(agent, 20, 173, penalty=0.5) for agent in (whole, part))
     for one, other in zip(*again, strict=True):
         assert one.command.tobytes() == other.command.tobytes()
 
@@ -171,10 +171,12 @@ def test_vergence_is_learned_after_a_saccade_that_was_not_seen(known) -> None:
     assert (state["actor"] != known["actor"]).any()
 
 
-def test_the_price_is_learned_and_hidden_from_the_rule(known) -> None:
-    """The rule's best places are those of most reward without the price."""
+def test_the_penalty_is_learned_and_hidden_from_the_rule(known) -> None:
+    """The rule's best places are those of most reward without it."""
     bare, priced = _knowing(known), _knowing(known)
-    for one, other in zip(_fixated(bare, 2, 170), _fixated(priced, 2, 170, price=0.5), strict=True):
+    for one, other in zip(
+        _fixated(bare, 2, 170), _fixated(priced, 2, 170, penalty=0.5), strict=True
+    ):
         assert one.td_error == pytest.approx(other.td_error, nan_ok=True)
     np.testing.assert_allclose(bare.state()["actor"], priced.state()["actor"])
     assert (bare.state()["effort_products"] != priced.state()["effort_products"]).any()

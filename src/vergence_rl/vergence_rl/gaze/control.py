@@ -53,19 +53,20 @@ class GazeControl:
         return all(eye.is_known for eye in self._eyes)
 
     def see(
-        self, observation: Observation, turns_deg: Floats, price: float, *, learning: bool
+        self, observation: Observation, turns_deg: Floats, energy_penalty: float, *, learning: bool
     ) -> None:
         """Learn from the last command, which led to this observation, and what its place costs.
 
-        turns_deg: (2, n_turns) of each eye, NaN where it was not seen clearly; price: what the
-        activations take from the reward, 0 where energy is free. Nothing is learned of a movement
-        from the first observation of an episode.
+        turns_deg: (2, n_turns) of each eye, NaN where it was not seen clearly.
+        energy_penalty: what the activations take from the reward, 0 where energy is free.
+
+        Nothing is learned of a movement from the first observation of an episode.
         """
         before, self._before = self._before, None
         if not learning:
             return
-        if price:
-            self._effort.learn(observation.activations, price)
+        if energy_penalty:
+            self._effort.learn(observation.activations, energy_penalty)
         if before is None or observation.iteration == 0:
             return
         places = _of_eyes(before), _of_eyes(observation.activations)
@@ -112,9 +113,9 @@ class GazeControl:
         return np.clip(command, *self._limits)
 
     def _saving(self, command: Floats, slopes: Floats) -> Floats:
-        """Return the change (12,) of a command that lowers its price and leaves the vergence.
+        """Return the change (12,) of a command that lowers its penalty and leaves the vergence.
 
-        slopes: (12,) of the price. What may change is what turns both eyes alike: the rotation
+        slopes: (12,) of the penalty. What may change is what turns both eyes alike: the rotation
         about their lines of sight and, unless gaze is held, all turns.
         """
         left, right = (

@@ -17,8 +17,8 @@ HALF = 0.5 * CHANGE / ACTIVATION
 _N_STEPS, _CLOSE_DEG = 8, 1e-4
 # Of the mean square of the slopes: below it, the free muscles cannot turn the eye that way.
 _RIDGE_SHARE = 1e-10
-# Of an angle's slopes, below which it depends on the others; and of the price's slopes, below which
-# there is no way down.
+# Of an angle's slopes, below which it depends on the others; and of the penalty's slopes, below
+# which there is no way down.
 _LEAST_SLOPE, _LEVEL = 1e-6, 1e-9
 _ROUNDING = 1e-12
 
@@ -157,8 +157,8 @@ def lowered(
 ) -> Floats:
     """Return the change (n,) of activations (n,) that descends a slope while angles are held.
 
-    slopes: (n,) of the price; held: (n_angles, n) slopes of the angles; limits: lowest and highest
-    activations (n,); largest: change of any activation. Straight down as far as the angles let it,
+    slopes: (n,) of the penalty; held: (n_angles, n) slopes of the angles; limits: lowest and
+    highest activations (n,); largest: change of any activation. Straight down as the angles let it,
     until a muscle comes to a limit; then the others go on (gradient projection: Rosen 1960), until
     one has changed by the largest.
     """
