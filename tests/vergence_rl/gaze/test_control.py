@@ -31,8 +31,10 @@ def turned_deg(change: np.ndarray) -> np.ndarray:
 def see(
     control: GazeControl, activations: np.ndarray, turns_deg: np.ndarray, *, iteration: int = 1
 ) -> None:
-    observation = Observation(iteration, iteration, np.zeros(0), activations, 0.0)
-    control.see(observation, turns_deg, 0.0, learning=True)
+    observation = Observation(
+        iteration, iteration, np.zeros(0), activations, 0.0, turns_deg=turns_deg
+    )
+    control.see(observation, learning=True)
 
 
 def learned(
@@ -48,8 +50,12 @@ def learned(
         before = draw.uniform(0.08, 0.12, 12)
         after = control.saccade(before, np.zeros(2), draw)
         turns_deg = turned_deg(after - before) if seen else np.full((2, 3), np.nan)
-        observation = Observation(1, 1, np.zeros(0), after, 0.0)
-        control.see(observation, turns_deg, price * float(after.sum()), learning=True)
+        observation = Observation(
+            *(1, 1, np.zeros(0), after, 0.0),
+            turns_deg=turns_deg,
+            energy_penalty=price * float(after.sum()),
+        )
+        control.see(observation, learning=True)
     return control
 
 

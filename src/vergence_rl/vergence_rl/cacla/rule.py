@@ -44,7 +44,6 @@ class CaclaRule:
     def __init__(self, config: CaclaConfig, task: Task) -> None:
         """Start with random weights, a function of the seed."""
         self._config, self._task = config, task
-        self.learning_steps = 0
         n_state, n_hidden = task.n_state, config.n_hidden
         of_critic = config.critic_initial_width or 1.0 / n_state
         of_hidden = config.hidden_initial_width or 1.0 / (n_state * n_hidden)
@@ -91,7 +90,6 @@ class CaclaRule:
             "actor_hidden": self._actor.hidden.copy(),
             "actor_output": self._actor.output.copy(),
             "critic": self._critic.copy(),
-            "learning_steps": np.array(self.learning_steps),
             "td_variance": np.array(self._td_variance),
         }
 
@@ -99,7 +97,6 @@ class CaclaRule:
         """Continue from what state returned, with the next episode."""
         self._actor = ActorWeights(state["actor_hidden"].copy(), state["actor_output"].copy())
         self._critic = state["critic"].copy()
-        self.learning_steps = int(state["learning_steps"])
         self._td_variance = float(state["td_variance"])
         self._last = None
 
@@ -122,7 +119,6 @@ class CaclaRule:
                 rate=rate * n,
                 shrinkage=rate * config.weight_shrinkage,
             )
-        self.learning_steps += 1
         return delta
 
     def _rate(self, observation: Observation) -> float:
