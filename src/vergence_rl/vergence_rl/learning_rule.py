@@ -1,7 +1,7 @@
 """What a learning rule is to the agent, whichever rule it is.
 
 A third rule is two files, its settings (RuleConfig) and the rule (LearningRule), and one line in
-the table of `rules.py`, from which parameters, choices and checks follow.
+the table of `rules.py`, with its import, from which parameters, choices and checks follow.
 """
 
 from collections.abc import Mapping
