@@ -1,4 +1,3 @@
-import dataclasses
 from typing import Any
 
 import cv2
@@ -48,13 +47,6 @@ def test_encoding_changes_nothing_and_repeats_bit_for_bit(stereo_pair: Pair) -> 
         np.testing.assert_array_equal(array, before[name])
 
 
-def test_a_view_into_a_larger_picture_gives_the_same_code(picture: NDArray[np.uint8]) -> None:
-    coder, view = SparseCoder(SMALL), picture[10:250, 10:330]
-    np.testing.assert_array_equal(
-        coder.encode(view, view).features, coder.encode(view.copy(), view.copy()).features
-    )
-
-
 def test_learning_lowers_the_error_at_both_scales(stereo_pair: Pair) -> None:
     coder = SparseCoder(SMALL)
     before = coder.encode(*stereo_pair).reconstruction_error
@@ -66,7 +58,9 @@ def test_learning_lowers_the_error_at_both_scales(stereo_pair: Pair) -> None:
 
 
 def test_dictionaries_come_to_rest_as_training_ends(stereo_pair: Pair) -> None:
-    config = SparseCoderConfig(n_bases=40, n_training_iterations=4, final_learning_rate_share=0.0)
+    config = SparseCoderConfig(
+        n_bases=40, n_training_iterations=4, iterations_per_episode=1, final_learning_rate_share=0.0
+    )
     coder = SparseCoder(config)
     moved = []
     for _ in range(6):
@@ -75,28 +69,6 @@ def test_dictionaries_come_to_rest_as_training_ends(stereo_pair: Pair) -> None:
         moved.append(float(np.abs(coder.atoms() - before).max()))
     assert min(moved[:4]) > 0.0
     assert moved[4:] == [0.0, 0.0]
-
-
-@pytest.mark.parametrize(
-    ("rise", "expected"),
-    [(0.4, [0.0, 0.125, 0.25, 0.375, 0.5, 0.5, 0.5]), (0.0, [0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5])],
-)
-def test_a_price_rises_from_0(stereo_pair: Pair, rise: float, expected: list[float]) -> None:
-    config = dataclasses.replace(
-        SMALL,
-        n_training_iterations=10,
-        metabolic_cost_weight=0.5,
-        price_rise_share=rise,
-    )
-    coder, rate_w = SparseCoder(config), np.array([0.3, 0.1])
-    rewards, errors = [], []
-    for _ in expected:
-        percept = coder.perceive(*stereo_pair, rate_w)
-        rewards.append(percept.reward)
-        errors.append(percept.encoding.reconstruction_error.sum())
-        coder.learn(percept.encoding)
-    prices = -(np.array(rewards) + errors) / 0.4
-    np.testing.assert_allclose(prices, expected, atol=1e-12)
 
 
 def test_a_step_at_rate_zero_would_leave_the_bits_of_normalised_atoms(stereo_pair: Pair) -> None:

@@ -16,11 +16,6 @@ def test_the_error_is_the_share_of_all_patches_energy_that_their_selections_leav
     assert reconstruction_error(patches, selections) == pytest.approx(25.0 / 50.0)
 
 
-def test_without_a_price_the_reward_is_the_negative_error_of_both_scales() -> None:
-    got = reward(ERRORS, 1.4, 0.0)
-    assert (got.value, got.energy_penalty) == (-0.4, 0.0)
-
-
 def test_energy_is_charged_at_its_price() -> None:
     got = reward(ERRORS, 1.4, 0.035)
     assert got.value == pytest.approx(-0.4 - 0.049)

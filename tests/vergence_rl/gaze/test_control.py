@@ -145,14 +145,3 @@ def test_commands_stay_within_their_limits() -> None:
     assert (command >= LOWEST).all()
     assert (command <= HIGHEST).all()
     assert (learned().verge(MID, 40.0 * TURN) <= HIGHEST).all()
-
-
-def test_goes_on_from_its_state_bit_for_bit() -> None:
-    whole, part = learned(2500, price=1.0), new()
-    part.restore(whole.state())
-    target_deg = np.array([4.0, 2.0])
-    for one, other in (
-        (whole.saccade(MID, target_deg, None), part.saccade(MID, target_deg, None)),
-        (whole.verge(MID, TURN), part.verge(MID, TURN)),
-    ):
-        assert one.tobytes() == other.tobytes()

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from lockstep.errors import InputError
 from tests.vergence_rl.small_agents import GAZE, changed, knowing, observation, train, trained
 from vergence_rl import Agent, Decision
 
@@ -41,31 +40,6 @@ def test_products_of_activations_are_of_one_eye() -> None:
     means = trained(GAZE, 10).state()["statistics_mean"]
     assert len(means) == 6 + 2 * 21 + 12
     assert 0.005 < means[6:48].min() < means[6:48].max() < 0.02
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (
-            {"fixation_iterations": 3},
-            "gaze.fixation_iterations: expected 0, or 4 or more, of ",
-        ),
-        ({"iterations_per_episode": 12}, "iterations_per_episode: expected a multiple of 5"),
-        (
-            {"learning_rule": "cacla"},
-            "learning_rule: expected another one than cacla",
-        ),
-        ({"measures_turns": True}, "gaze.measures_turns: expected false with saccades"),
-        ({"hindsight.n_best": 3}, "hindsight.n_best: expected less than 3"),
-        (
-            {"command_space": "pair", "products_of_activations": False},
-            "fixation_iterations: expected 0 with command_space pair",
-        ),
-    ],
-)
-def test_fixations_that_do_not_fit_are_refused(changes, message: str) -> None:
-    with pytest.raises(InputError, match=f"^{message}"):
-        changed(GAZE, changes)
 
 
 def test_vergence_is_learned_after_a_saccade_that_was_not_seen() -> None:
