@@ -35,6 +35,16 @@ class SparseCoder:
 
     perceive and learn are separate, so that features and reward can be published before the
     dictionaries move; whatever of the work needs the atoms alone is done in learn.
+
+    Example:
+        >>> import numpy as np
+        >>> from sparse_coder import SparseCoder, SparseCoderConfig
+        >>> left, right = np.random.default_rng(0).integers(0, 256, (2, 240, 320), np.uint8)
+        >>> coder = SparseCoder(SparseCoderConfig(n_bases=40))
+        >>> percept = coder.perceive(left, right, metabolic_rates_w=np.zeros(4))
+        >>> percept.encoding.features.shape
+        (2, 40)
+        >>> coder.learn(percept.encoding)
     """
 
     def __init__(self, config: SparseCoderConfig) -> None:

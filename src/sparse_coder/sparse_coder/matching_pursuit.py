@@ -36,8 +36,10 @@ def matching_pursuit(
     The residual itself is never formed: its correlations follow from the Gram matrix,
     phi_i . r <- phi_i . r - kappa phi_i . phi_k.
 
-    patches: (n_patches, n_pixels); atoms: (n_bases, n_pixels), unit rows; gram: (n_bases, n_bases),
-    all products of two atoms.
+    patches: (n_patches, n_pixels).
+    atoms: (n_bases, n_pixels), unit rows.
+    gram: (n_bases, n_bases), all products of two atoms.
+    n_selections: of each patch.
     """
     correlations = np.matmul(patches, atoms.T)
     selected = np.empty((patches.shape[0], n_selections), np.int32)

@@ -17,7 +17,7 @@ from vergence_rl.learning_rule import (
     NO_TURNS_DEG,
     Decision,
     LearningRule,
-    Observation,
+    TimeStep,
 )
 from vergence_rl.normalizer import (
     RunningStatistics,
@@ -36,6 +36,18 @@ class Agent:
 
     learning_steps: training iterations so far that had a predecessor in their episode to learn
     from.
+
+    Example:
+        >>> import numpy as np
+        >>> from vergence_rl import Agent, VergenceRlConfig
+        >>> agent, place = Agent(VergenceRlConfig(n_bases=3)), np.array([0.1, 0.05])
+        >>> for i in range(10):  # an episode
+        ...     decision = agent.observe(
+        ...         np.ones(6), place, -0.2, i, i, learning=True, exploration=True
+        ...     )
+        ...     place = decision.command
+        >>> agent.learning_steps
+        9
     """
 
     def __init__(self, config: VergenceRlConfig) -> None:
@@ -48,7 +60,7 @@ class Agent:
             rule = TurningRule(rule, control, config.iterations_per_fixation, config.n_before)
         self._rule = rule
         self.learning_steps = 0
-        self._last: Observation | None = None
+        self._last: TimeStep | None = None
         self._hidden = {
             "all": slice(0),
             "features": slice(config.n_features, None),
@@ -100,7 +112,7 @@ class Agent:
         target_deg, turns_deg = checked_gaze(target_deg, turns_deg)
         if learning:
             self._statistics = updated_statistics(self._statistics, entries)
-        observation = Observation(
+        observation = TimeStep(
             iteration,
             training_iteration,
             self._state_vector(entries),

@@ -42,7 +42,7 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Observation:
+class TimeStep:
     """One observation as a rule sees it.
 
     iteration: within the episode, from 0; training_iteration: training iterations before this one;
@@ -60,7 +60,7 @@ class Observation:
     turns_deg: Floats = field(default_factory=lambda: NO_TURNS_DEG)
     energy_penalty: float = 0.0
 
-    def follows(self, other: "Observation") -> bool:
+    def follows(self, other: "TimeStep") -> bool:
         """Whether this is the next iteration of the same training episode."""
         steps = (
             self.iteration - other.iteration,
@@ -111,7 +111,7 @@ class LearningRule(Protocol):
     """
 
     def step(
-        self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
+        self, observation: TimeStep, *, learning: bool, draw: np.random.Generator | None
     ) -> Decision:
         """Answer an observation.
 

@@ -3,7 +3,7 @@ import pytest
 
 from vergence_rl.gaze.config import GazeConfig
 from vergence_rl.gaze.control import GazeControl
-from vergence_rl.learning_rule import Observation
+from vergence_rl.learning_rule import TimeStep
 
 LOWEST, HIGHEST = np.zeros(12), np.full(12, 0.2)
 MID = np.full(12, 0.1)
@@ -31,9 +31,7 @@ def turned_deg(change: np.ndarray) -> np.ndarray:
 def see(
     control: GazeControl, activations: np.ndarray, turns_deg: np.ndarray, *, iteration: int = 1
 ) -> None:
-    observation = Observation(
-        iteration, iteration, np.zeros(0), activations, 0.0, turns_deg=turns_deg
-    )
+    observation = TimeStep(iteration, iteration, np.zeros(0), activations, 0.0, turns_deg=turns_deg)
     control.see(observation, learning=True)
 
 
@@ -50,7 +48,7 @@ def learned(
         before = draw.uniform(0.08, 0.12, 12)
         after = control.saccade(before, np.zeros(2), draw)
         turns_deg = turned_deg(after - before) if seen else np.full((2, 3), np.nan)
-        observation = Observation(
+        observation = TimeStep(
             *(1, 1, np.zeros(0), after, 0.0),
             turns_deg=turns_deg,
             energy_penalty=price * float(after.sum()),

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tests.vergence_rl.reinforce.config import ReinforceConfig
-from vergence_rl.learning_rule import Decision, Floats, Observation, Task
+from vergence_rl.learning_rule import Decision, Floats, Task, TimeStep
 from vergence_rl.td import td_variance
 
 
@@ -20,10 +20,10 @@ class ReinforceRule:
         self._config, self._task = config, task
         self._weights = np.zeros((task.n_muscles, task.n_state))
         self._td_variance = task.initial_td_variance
-        self._last: tuple[Observation, Floats] | None = None
+        self._last: tuple[TimeStep, Floats] | None = None
 
     def step(
-        self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
+        self, observation: TimeStep, *, learning: bool, draw: np.random.Generator | None
     ) -> Decision:
         """Learn from the last action's noise, then act."""
         delta, sd = math.nan, math.sqrt(self._config.exploration_variance)

@@ -45,7 +45,20 @@ class Step:
 
 
 class InProcessLoop:
-    """Plant, coder and agent, called in the order in which the graph's messages call them."""
+    """Plant, coder and agent, called in the order in which the graph's messages call them.
+
+    Example:
+        >>> import numpy as np
+        >>> from experiment_manager.in_process.loop import make_loop
+        >>> from eye_plant import Episode, StimulusSet
+        >>> noise = np.random.default_rng(0).integers(0, 256, (2, 64, 64), np.uint8)
+        >>> loop = make_loop({}, StimulusSet((noise[0],), (noise[1],)))
+        >>> episode = Episode.alone(0, 1.0, [0.05] * 12, n_iterations=2)
+        >>> steps = list(loop.run_episode(episode))
+        >>> [step.answer is not None for step in steps]
+        [True, True, False]
+        >>> loop.plant.close()
+    """
 
     def __init__(self, plant: EyePlant, coder: SparseCoder, agent: Agent) -> None:
         """All three must have the same command space."""

@@ -18,7 +18,7 @@ from vergence_rl.cacla.actor import (
     n_updates,
 )
 from vergence_rl.cacla.config import CaclaConfig
-from vergence_rl.learning_rule import Decision, Floats, Observation, Task
+from vergence_rl.learning_rule import Decision, Floats, Task, TimeStep
 from vergence_rl.td import bounded_rate, critic_step, td_error, td_variance, value
 
 
@@ -29,7 +29,7 @@ class _Experience:
     copied: (n_muscles,) action that the actor is to copy, should it have done well.
     """
 
-    observation: Observation
+    observation: TimeStep
     output: ActorOutput
     copied: Floats
 
@@ -58,7 +58,7 @@ class CaclaRule:
         self._last: _Experience | None = None
 
     def step(
-        self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
+        self, observation: TimeStep, *, learning: bool, draw: np.random.Generator | None
     ) -> Decision:
         """Learn from the last action of the episode, if there is one, then act."""
         value_t, delta = value(self._critic, observation.state), math.nan
@@ -100,7 +100,7 @@ class CaclaRule:
         self._td_variance = float(state["td_variance"])
         self._last = None
 
-    def _learn(self, last: _Experience, observation: Observation, value_t: float) -> float:
+    def _learn(self, last: _Experience, observation: TimeStep, value_t: float) -> float:
         """Update critic and actor for the last state and action; return the TD error."""
         config, state_tm1 = self._config, last.observation.state
         value_tm1 = value(self._critic, state_tm1)
@@ -121,7 +121,7 @@ class CaclaRule:
             )
         return delta
 
-    def _rate(self, observation: Observation) -> float:
+    def _rate(self, observation: TimeStep) -> float:
         return actor_rate(
             self._config.actor_learning_rate,
             observation.training_iteration,

@@ -16,7 +16,7 @@ from vergence_rl.gaze.config import GazeConfig
 from vergence_rl.gaze.descent import lowered
 from vergence_rl.gaze.effort import Effort
 from vergence_rl.gaze.eye_turns import N_TURNS, EyeTurns
-from vergence_rl.learning_rule import Observation
+from vergence_rl.learning_rule import TimeStep
 
 Floats = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ class GazeControl:
         """Whether enough movements of both eyes are known to make turns of them."""
         return all(eye.is_known for eye in self._eyes)
 
-    def see(self, observation: Observation, *, learning: bool) -> None:
+    def see(self, observation: TimeStep, *, learning: bool) -> None:
         """Learn from the last command, which led to this observation, and what its place costs.
 
         Nothing is learned of a movement from the first observation of an episode.

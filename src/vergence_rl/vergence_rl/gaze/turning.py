@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from vergence_rl.gaze.control import GazeControl
 from vergence_rl.gaze.eye_turns import N_TURNS
-from vergence_rl.learning_rule import Decision, LearningRule, Observation
+from vergence_rl.learning_rule import Decision, LearningRule, TimeStep
 
 
 class TurningRule:
@@ -36,7 +36,7 @@ class TurningRule:
         self._turned_deg = np.zeros(N_TURNS)
 
     def step(
-        self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
+        self, observation: TimeStep, *, learning: bool, draw: np.random.Generator | None
     ) -> Decision:
         """Make a saccade where there is a target, otherwise verge where the eyes look."""
         control, activations = self._control, observation.activations

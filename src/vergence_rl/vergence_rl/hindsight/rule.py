@@ -19,7 +19,7 @@ from vergence_rl.hindsight.regression import (
     residual_covariance,
     weights_of_ranks,
 )
-from vergence_rl.learning_rule import Decision, Floats, Observation, Task
+from vergence_rl.learning_rule import Decision, Floats, Task, TimeStep
 from vergence_rl.td import td_variance
 
 
@@ -31,7 +31,7 @@ class _Visit:
     own. noise: (n_muscles,) their exploration.
     """
 
-    seen: Observation
+    seen: TimeStep
     asked: Floats
     noise: Floats
 
@@ -67,7 +67,7 @@ class HindsightRule:
         self._selected = self._covariance.copy()
 
     def step(
-        self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
+        self, observation: TimeStep, *, learning: bool, draw: np.random.Generator | None
     ) -> Decision:
         """Collect the observation, learn from the episode if it is its last one, then act."""
         value, delta = observation.reward, math.nan
@@ -91,7 +91,7 @@ class HindsightRule:
             0.0,
         )
 
-    def _collect(self, observation: Observation) -> tuple[float, float]:
+    def _collect(self, observation: TimeStep) -> tuple[float, float]:
         """Return the largest reward of the episode, and by how much the last exceeds the others."""
         visits = self._visits
         if not (visits and observation.follows(visits[-1].seen)):
