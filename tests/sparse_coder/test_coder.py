@@ -1,3 +1,4 @@
+import dataclasses
 from typing import Any
 
 import cv2
@@ -69,6 +70,18 @@ def test_dictionaries_come_to_rest_as_training_ends(stereo_pair: Pair) -> None:
         moved.append(float(np.abs(coder.atoms() - before).max()))
     assert min(moved[:4]) > 0.0
     assert moved[4:] == [0.0, 0.0]
+
+
+def test_the_price_rises_with_the_learning_steps() -> None:
+    changes: dict[str, Any] = {
+        "n_training_iterations": 10,
+        "metabolic_cost_weight": 0.5,
+        "price_rise_share": 0.4,
+    }
+    coder, prices = SparseCoder(dataclasses.replace(SMALL, **changes)), []
+    for coder.learning_steps in range(6):
+        prices.append(coder.price_of_energy)
+    assert prices == [0.0, 0.125, 0.25, 0.375, 0.5, 0.5]
 
 
 def test_a_step_at_rate_zero_would_leave_the_bits_of_normalised_atoms(stereo_pair: Pair) -> None:

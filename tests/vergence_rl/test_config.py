@@ -51,7 +51,7 @@ def test_bad_settings_are_refused(settings: dict[str, Any], message: str) -> Non
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"fixation_iterations": 3}, "fixation_iterations: expected 0, or 4 or more, of "),
+        ({"fixation_iterations": 2}, "fixation_iterations: expected 0, or 4 or more, of "),
         ({"iterations_per_episode": 12}, "iterations_per_episode: expected a multiple of 5"),
         ({"learning_rule": "cacla"}, "learning_rule: expected another one than cacla with sacc"),
         ({"measures_turns": True}, "measures_turns: expected false with saccades"),

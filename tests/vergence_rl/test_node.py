@@ -167,28 +167,9 @@ REFUSED = [
     (changed("features", width=7), "features: expected little-endian 32FC1 with 2 rows"),
     (_fewer, "features: expected 16, got shape (2, 4)"),
     (_feature(math.nan), "features: expected finite values, got NaN or infinity"),
-    (_feature(-math.inf), "features: expected finite values, got NaN or infinity"),
     (changed("reward", position=_NAN_REWARD), "reward: expected finite values"),
-    (
-        changed("reward", name=list("abcdef")),
-        "reward: expected names reward; reward did not come",
-    ),
-    (changed("reward", effort=array.array("d", [0.0])), "reward: expected fields of 6 entries"),
-    (
-        changed("muscle_activations", position=array.array("d")),
-        "expected one position per name",
-    ),
     (_activation(1.0000001), "muscle_activations: expected activations in [0, 1]"),
     (_activation(-0.1), "muscle_activations: expected activations in [0, 1]"),
     (_episode(iteration=-1.0), "episode: expected whole numbers from 0 to 2^53"),
-    (_episode(iteration=0.5), "episode: expected whole numbers from 0 to 2^53"),
-    (_episode(training_iteration=1e300), "episode: expected whole numbers from 0 to 2^53"),
     (_episode(training_iteration=-1.0), "episode: expected whole numbers from 0 to 2^53"),
-    (_episode(phase=math.nan), "episode: expected finite values"),
 ]
-
-
-def test_the_last_training_iteration_there_can_be(bench: LearnerBench) -> None:
-    bench.send(_observation(1, training_iteration=2.0**53))
-    bench.wait_distinct("muscle_command", 1)
-    assert bench.node.diagnostics.n_refused == 0
