@@ -38,7 +38,7 @@ from lockstep.wire.topics import (
 )
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
-from sparse_coder.reconstruction import reconstructed_windows, seen_windows
+from sparse_coder.picture_of_code import reconstructed_windows, seen_windows
 from tests.foxglove_client import FoxgloveClient
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
 
@@ -74,7 +74,7 @@ def test_what_is_watched_is_sent_as_it_is_and_made_into_pictures(server, vector_
     messages = {
         "left/image_raw": image_bytes(left, 7),
         "right/image_raw": image_bytes(right, 7),
-        "reward": vector_bytes(REWARD_NAMES, [0.1, 0.2, 1.0, -0.3, 5.0], 7),
+        "reward": vector_bytes(REWARD_NAMES, [0.1, 0.2, 1.0, 0.0, -0.3, 5.0], 7),
     }
     coder = SparseCoder(SparseCoderConfig(n_bases=16, seed=3))
     view.take_basis_functions(coder.atoms().reshape(32, 128))

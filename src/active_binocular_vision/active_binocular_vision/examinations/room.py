@@ -21,7 +21,7 @@ from eye_plant.observation import Observation
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from eye_plant.turns import eye_rotations, turned
 from eye_plant.vergence import degrees_per_px
-from sparse_coder.encoding import Encoding
+from sparse_coder.percept import Encoding
 
 Array = NDArray[np.float64]
 

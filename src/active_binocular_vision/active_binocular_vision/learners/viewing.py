@@ -6,7 +6,7 @@ from typing import Any
 from experiment_manager.in_process.loop import InProcessLoop
 from eye_plant.episode import Episode
 from eye_plant.observation import Observation
-from sparse_coder.encoding import Encoding
+from sparse_coder.percept import Encoding
 
 
 class Viewing:

@@ -16,7 +16,7 @@ from lockstep.wire.vectors import read_vector, values_of
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.patches import N_PIXELS
-from sparse_coder.reconstruction import reconstructed_windows, seen_windows
+from sparse_coder.picture_of_code import reconstructed_windows, seen_windows
 
 # As they are. All of an observation; the first ones are small, one each.
 SHOWN_TOPICS = dict.fromkeys(SMALL_TOPICS, VECTOR) | dict.fromkeys((*PICTURES, "features"), IMAGE)
