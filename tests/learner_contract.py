@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import Image
 
-from lockstep.errors import InputError
-from lockstep.state_file import write_state
+from lockstep import InputError, write_state
 from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import TEST, TRAINING
 from tests.node_harness import Bench, Graph

@@ -22,7 +22,7 @@ from rosbags.highlevel import AnyReader
 from experiment_manager.bag.reader import Bag
 from experiment_manager.measures.kept_trials import read_trials
 from experiment_manager.measures.results import RESULTS_FILE, read_results
-from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI
+from lockstep import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI
 from lockstep.wire.topics import TEST, TOPIC_TYPES
 from tests.graph_harness import small_run
 from tests.loop_contract import (

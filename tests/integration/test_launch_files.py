@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from experiment_manager.experiment.sections import CONFIG_CLASSES
-from lockstep.configuration import flatten
+from lockstep import flatten
 from lockstep.machine.environment import node_environment
 
 ROOT = Path(__file__).parents[2]

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lockstep.errors import InputError
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
+from lockstep import InputError
+from sparse_coder import SparseCoder, SparseCoderConfig
 from sparse_coder.dictionary import learned_atoms
 from tests.sparse_coder.slow import slow_patches, slow_pursuit
 

@@ -11,8 +11,7 @@ from sensor_msgs.msg import Image, JointState
 
 from lockstep.wire.topics import EPISODE_NAMES, PICTURES, REWARD_NAMES, TRAINING
 from lockstep.wire.vectors import vector_message
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
+from sparse_coder import SparseCoder, SparseCoderConfig
 from sparse_coder.node import INPUTS, SparseCoderNode
 from tests.learner_contract import LearnerBench, LearnerContract, changed, image_message
 from tests.node_harness import Graph

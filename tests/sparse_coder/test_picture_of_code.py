@@ -1,9 +1,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from sparse_coder import Encoding
 from sparse_coder.matching_pursuit import Selections
 from sparse_coder.patches import binocular_patches
-from sparse_coder.percept import Encoding
 from sparse_coder.picture_of_code import coded_patches, reconstructed_windows, seen_windows
 
 

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from lockstep.errors import InputError
+from lockstep import InputError
 from sparse_coder.matching_pursuit import Selections
 from sparse_coder.reward import price_of_energy, reconstruction_error, reward
 

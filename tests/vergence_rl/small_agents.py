@@ -7,13 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.command_space import MUSCLE_NAMES
-from lockstep.configuration import build, flatten
-from vergence_rl.agent import Agent
+from lockstep import MUSCLE_NAMES, build, flatten
+from vergence_rl import Agent, Decision, VergenceRlConfig
 from vergence_rl.cacla.config import CaclaConfig
-from vergence_rl.config import VergenceRlConfig
 from vergence_rl.hindsight.config import HindsightConfig
-from vergence_rl.learning_rule import Decision
 
 Floats = NDArray[np.float64]
 MID, HIGHEST = np.array([0.1, 0.05]), np.array([0.2, 0.1])

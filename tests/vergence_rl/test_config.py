@@ -5,10 +5,9 @@ from typing import Any
 
 import pytest
 
-from lockstep.configuration import build
-from lockstep.errors import InputError
+from lockstep import InputError, build
 from tests.vergence_rl.small_agents import GAZE, changed
-from vergence_rl.config import VergenceRlConfig
+from vergence_rl import VergenceRlConfig
 
 
 @pytest.mark.parametrize(

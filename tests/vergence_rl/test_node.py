@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
 
-from lockstep.configuration import build
+from lockstep import build
 from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import EPISODE_NAMES, REWARD_NAMES, TEST, TRAINING
 from lockstep.wire.vectors import vector_message
@@ -21,9 +21,7 @@ from tests.learner_contract import (
 )
 from tests.node_harness import Graph
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES, HORIZONTAL_RECTI
-from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
-from vergence_rl.learning_rule import Decision
+from vergence_rl import Agent, Decision, VergenceRlConfig
 from vergence_rl.messages import actor_critic_values
 from vergence_rl.node import INPUTS, VergenceRlNode
 

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lockstep.configuration import build
-from lockstep.errors import InputError
+from lockstep import InputError, build
 from tests.vergence_rl.probe import SETTINGS, gaze_errors, trained_on_gazes
 from tests.vergence_rl.small_agents import (
     CACLA,

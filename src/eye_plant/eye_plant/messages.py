@@ -9,7 +9,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from eye_plant.camera.config import CameraConfig
 from eye_plant.config import EyePlantConfig
 from eye_plant.observation import Observation
-from lockstep.command_space import MUSCLE_NAMES, SIDES
+from lockstep import MUSCLE_NAMES, SIDES
 from lockstep.wire.cdr import serialized
 from lockstep.wire.codec import Writer
 from lockstep.wire.images import ImageBytes

@@ -17,8 +17,7 @@ from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli
 from eye_plant.turns import turned
 from eye_plant.vergence import desired_vergence_deg
-from lockstep.command_space import PAIR
-from lockstep.errors import InputError
+from lockstep import PAIR, InputError
 
 
 class EyePlant:

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.errors import InputError
-from lockstep.randomness import generator
+from lockstep import InputError, generator
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.dictionary import Dictionary, dictionary_rate, initial_atoms, learned_atoms
 from sparse_coder.gaze.fixations import gaze_watch

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from lockstep import setting
 from lockstep.optics import OpticsConfig
-from lockstep.settings import setting
 from lockstep.task import TaskConfig
 
 # Lambda of M_C unless another is given, 1/W, by the eyes' parameter set: energy is 20 % of the

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import Image, JointState
 
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.node.learner_node import LearnerNode
 from lockstep.node.process import run_node
 from lockstep.wire.images import ImagePublisher

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.errors import InputError
+from lockstep import InputError
 from sparse_coder.matching_pursuit import Selections, energy
 
 

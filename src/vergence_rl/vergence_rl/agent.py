@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.errors import DivergenceError, InputError
-from lockstep.randomness import generator
+from lockstep import DivergenceError, InputError, generator
 from vergence_rl.config import VergenceRlConfig
 from vergence_rl.gaze.control import GazeControl, checked_gaze
 from vergence_rl.gaze.turning import TurningRule

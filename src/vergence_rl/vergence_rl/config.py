@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.errors import InputError
-from lockstep.settings import setting
+from lockstep import InputError, setting
 from lockstep.task import TaskConfig
 from lockstep.wire.topics import N_SACCADES
 from vergence_rl.gaze.config import GazeConfig

@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import Image, JointState
 
-from lockstep.command_space import SIDES, CommandSpace
-from lockstep.errors import InputError
+from lockstep import SIDES, CommandSpace, InputError
 from lockstep.wire.topics import GAZE, GAZE_NAMES
 from lockstep.wire.vectors import values_of
 from vergence_rl.learning_rule import Decision

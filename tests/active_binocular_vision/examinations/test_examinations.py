@@ -7,7 +7,7 @@ import cv2
 import pytest
 
 from active_binocular_vision.commands.evaluate import main
-from lockstep.command_space import SIDES
+from lockstep import SIDES
 
 KINDS = ("pair", "twelve", "gaze")
 # What a plane and an eye or direction give.

@@ -5,14 +5,10 @@ import numpy as np
 import pytest
 
 from active_binocular_vision.examinations.landscape import reward_landscape
-from eye_plant.config import EyePlantConfig
+from eye_plant import EyePlant, EyePlantConfig, StimulusSet
 from eye_plant.mechanics.model import MechanicsConfig
-from eye_plant.plant import EyePlant
-from eye_plant.stimuli.stimulus_set import StimulusSet
-from lockstep.errors import InputError
-from lockstep.state_file import read_state
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
+from lockstep import InputError, read_state
+from sparse_coder import SparseCoder, SparseCoderConfig
 
 RESULTS = Path(__file__).parents[3] / "results"
 LEARNED = RESULTS / "paper_short/seed_1-model_M/checkpoints/000023120/sparse_coder.npz"

@@ -8,7 +8,7 @@ import pytest
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI
 from active_binocular_vision.learners.viewing import Viewing
-from lockstep.errors import InputError
+from lockstep import InputError
 
 
 @pytest.fixture

@@ -25,8 +25,7 @@ from experiment_manager.live.view import (
     compared,
     open_server,
 )
-from lockstep.command_space import MUSCLE_NAMES
-from lockstep.errors import InputError
+from lockstep import MUSCLE_NAMES, InputError
 from lockstep.wire.topics import (
     BASIS_FUNCTIONS,
     EYE_STATE_NAMES,
@@ -36,8 +35,7 @@ from lockstep.wire.topics import (
     REWARD_NAMES,
     VECTOR,
 )
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
+from sparse_coder import SparseCoder, SparseCoderConfig
 from sparse_coder.picture_of_code import reconstructed_windows, seen_windows
 from tests.foxglove_client import FoxgloveClient
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES

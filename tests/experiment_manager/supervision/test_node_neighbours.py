@@ -11,7 +11,7 @@ from experiment_manager.supervision import node_neighbours
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
 from experiment_manager.supervision.node_neighbours import refuse_neighbours
 from experiment_manager.supervision.supervisor import known_domain
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.wire.qos import LOCKSTEP_QOS
 from tests.node_harness import Graph
 

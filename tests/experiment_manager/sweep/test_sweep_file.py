@@ -9,7 +9,7 @@ from active_binocular_vision.commands.command_line import parser
 from experiment_manager.preparation.request import OPTIONS, RunRequest
 from experiment_manager.run.config_file import Configuration
 from experiment_manager.sweep.sweep_file import Sweep, read_sweep
-from lockstep.errors import InputError
+from lockstep import InputError
 from tests.command_lines import configured
 from tests.sweep_harness import command_line, write_sweep
 

@@ -8,7 +8,7 @@ import rclpy
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
 from lockstep.node.process import run_node
 

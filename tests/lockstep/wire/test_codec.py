@@ -13,7 +13,7 @@ from sensor_msgs.msg import Image, JointState
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.messages import camera_info
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.wire import codec
 from lockstep.wire.cdr import deserialized, serialized
 from lockstep.wire.codec import Reader, Writer

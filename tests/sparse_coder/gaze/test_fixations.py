@@ -2,9 +2,9 @@ import cv2
 import numpy as np
 import pytest
 
+from sparse_coder import Encoding
 from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations, Turns
 from sparse_coder.matching_pursuit import Selections
-from sparse_coder.percept import Encoding
 
 FOCAL_PX = 250.0
 SIDE_PX = 192

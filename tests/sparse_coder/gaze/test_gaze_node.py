@@ -7,7 +7,7 @@ import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from lockstep.command_space import MUSCLE_NAMES
+from lockstep import MUSCLE_NAMES
 from lockstep.wire.topics import GAZE, GAZE_NAMES, GAZE_TARGET, TARGET_NAMES, TEST, TRAINING
 from lockstep.wire.vectors import vector_message
 from sparse_coder.node import INPUTS, SparseCoderNode

@@ -5,10 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lockstep.configuration import build
-from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
-from vergence_rl.learning_rule import Decision
+from lockstep import build
+from vergence_rl import Agent, Decision, VergenceRlConfig
 
 MID = np.array([0.1, 0.05])
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lockstep.errors import DivergenceError
-from lockstep.randomness import generator
+from lockstep import DivergenceError, generator
 from tests.vergence_rl.small_agents import (
     CACLA,
     HINDSIGHT,
@@ -18,8 +17,7 @@ from tests.vergence_rl.small_agents import (
     train,
     trained,
 )
-from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
+from vergence_rl import Agent, VergenceRlConfig
 
 WIDE = changed(CACLA, {"feature_exponent": 0.5, "cacla.exploration_variance": 2.5e-4})
 of_both_rules = pytest.mark.parametrize("config", [CACLA, HINDSIGHT, MEAN])

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
+from vergence_rl import TimeStep
 from vergence_rl.gaze.config import GazeConfig
 from vergence_rl.gaze.control import GazeControl
-from vergence_rl.learning_rule import TimeStep
 
 LOWEST, HIGHEST = np.zeros(12), np.full(12, 0.2)
 MID = np.full(12, 0.1)

@@ -3,8 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from lockstep.errors import DivergenceError
-from lockstep.randomness import generator
+from lockstep import DivergenceError, generator
 from tests.vergence_rl.probe import gaze_errors, trained_on_gazes
 from tests.vergence_rl.small_agents import (
     HIGHEST,
@@ -17,8 +16,7 @@ from tests.vergence_rl.small_agents import (
     train,
     trained,
 )
-from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
+from vergence_rl import Agent, VergenceRlConfig
 from vergence_rl.hindsight.noise import root_of
 
 # The same as MEAN with distances in the shape of the noise.

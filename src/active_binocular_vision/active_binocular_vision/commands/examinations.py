@@ -21,8 +21,7 @@ from active_binocular_vision.figures.nine_positions import (
 )
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
-from lockstep.command_space import SIDES
-from lockstep.errors import InputError
+from lockstep import SIDES, InputError
 from lockstep.figures import STYLE, save
 
 

@@ -36,10 +36,10 @@ from experiment_manager.run.config_file import (
 from experiment_manager.supervision.node_neighbours import refuse_neighbours
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from experiment_manager.terminal.lasting_output import ignore_broken_pipes
-from eye_plant.config import EyePlantConfig
-from eye_plant.stimuli.stimulus_set import count_missing, load_stimuli
+from eye_plant import EyePlantConfig, load_stimuli
+from eye_plant.stimuli.stimulus_set import count_missing
+from lockstep import InputError
 from lockstep.durable_files import is_free, replace_file, why_unwritable
-from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
 from lockstep.machine.environment import reaches_other_machines
 

@@ -16,12 +16,10 @@ from gymnasium.spaces import Box, Dict, Space
 from active_binocular_vision.environments.experiment import Experiment
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.preparation.request import RunRequest
-from eye_plant.episode import Episode
-from eye_plant.observation import Observation
-from lockstep.errors import InputError
+from eye_plant import Episode, Observation
+from lockstep import InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, TRAINING
-from sparse_coder.coder import SparseCoder
-from sparse_coder.percept import Percept
+from sparse_coder import Percept, SparseCoder
 
 Pictures = np.ndarray
 _RESET_OPTIONS = ("episode", "trial")

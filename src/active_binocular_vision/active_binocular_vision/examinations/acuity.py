@@ -13,7 +13,7 @@ from active_binocular_vision.learners.basis_functions import left_share
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.measures.tables import number, percent, text_table
-from lockstep.command_space import SIDES
+from lockstep import SIDES
 
 DISTANCES_M = (0.5, 2.0, 6.0)
 _N_PICTURES = 10

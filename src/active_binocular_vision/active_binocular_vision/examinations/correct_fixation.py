@@ -7,12 +7,11 @@ import numpy as np
 
 from experiment_manager.experiment.config import ProtocolConfig
 from experiment_manager.experiment.starts import Activations, gaze_inverse
+from eye_plant import Inverse, desired_vergence_deg
 from eye_plant.inverse.gaze import TURNED_ANGLES
-from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.turns import NO_TURNS_DEG, TurnsDeg
-from eye_plant.vergence import desired_vergence_deg
-from lockstep.command_space import PAIR
+from lockstep import PAIR
 
 # Where on the line of pairs of equal vergence the pair begins: half-way.
 _FRACTION = 0.5

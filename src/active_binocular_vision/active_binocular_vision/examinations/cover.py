@@ -23,7 +23,7 @@ from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.measures.tables import number, percent, text_table
 from experiment_manager.terminal.progress_lines import progress
-from lockstep.command_space import SIDES
+from lockstep import SIDES
 
 Array = NDArray[np.float64]
 

@@ -7,14 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_binocular_vision.learners.basis_functions import left_share
-from eye_plant.episode import Episode
-from eye_plant.inverse.pair import FULL_RANGE, Inverse
+from eye_plant import Episode, EyePlant, Inverse, Observation, desired_vergence_deg
+from eye_plant.inverse.pair import FULL_RANGE
 from eye_plant.mechanics.model import MechanicsConfig
-from eye_plant.observation import Observation
-from eye_plant.plant import EyePlant
-from eye_plant.vergence import desired_vergence_deg
-from lockstep.errors import InputError
-from sparse_coder.coder import SparseCoder
+from lockstep import InputError
+from sparse_coder import SparseCoder
 
 Array = NDArray[np.float64]
 

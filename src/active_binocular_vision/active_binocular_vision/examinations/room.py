@@ -16,12 +16,11 @@ from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from active_binocular_vision.learners.viewing import Viewing
 from experiment_manager.in_process.loop import InProcessLoop
+from eye_plant import Observation, StimulusSet
 from eye_plant.gaze_error import gaze_error
-from eye_plant.observation import Observation
-from eye_plant.stimuli.stimulus_set import StimulusSet
 from eye_plant.turns import eye_rotations, turned
 from eye_plant.vergence import degrees_per_px
-from sparse_coder.percept import Encoding
+from sparse_coder import Encoding
 
 Array = NDArray[np.float64]
 

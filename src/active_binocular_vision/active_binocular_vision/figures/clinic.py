@@ -15,7 +15,7 @@ from active_binocular_vision.examinations.cover import CoverResults
 from active_binocular_vision.examinations.prisms import Array, PrismResults, PrismTrial
 from active_binocular_vision.figures.quartiles import draw_band
 from experiment_manager.measures.metrics import QUARTILES
-from lockstep.command_space import SIDES
+from lockstep import SIDES
 from lockstep.figures import (
     BLUE,
     GREY,

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from active_binocular_vision.examinations.positions.examination import Examined
 from active_binocular_vision.examinations.positions.listing import DisplacementPlane
 from active_binocular_vision.examinations.positions.measures import is_silent, planes_of_eyes
-from lockstep.command_space import MUSCLES, SIDES
+from lockstep import SIDES
+from lockstep.command_space import MUSCLES
 from lockstep.figures import (
     BLUE,
     GREEN,

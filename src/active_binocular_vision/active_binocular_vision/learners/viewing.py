@@ -4,9 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from experiment_manager.in_process.loop import InProcessLoop
-from eye_plant.episode import Episode
-from eye_plant.observation import Observation
-from sparse_coder.percept import Encoding
+from eye_plant import Episode, Observation
+from sparse_coder import Encoding
 
 
 class Viewing:

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
+from lockstep import InputError
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
 
 EXAMINED_FILE = "clinic.json"
 BIRTH, BEFORE, END = "birth", "before", "end"

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from active_binocular_vision.examinations.landscape import RewardLandscape
 from active_binocular_vision.figures.dictionaries import SCALES
 from experiment_manager.measures.results import Results
+from lockstep import InputError
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
 
 MEASURES_FILE = "rearing.json"
 

@@ -22,8 +22,8 @@ from experiment_manager.bag.metadata import (
     write_metadata,
 )
 from experiment_manager.bag.reordering import Held, StampBuffer
+from lockstep import InputError
 from lockstep.durable_files import is_free, sync_directory
-from lockstep.errors import InputError
 
 # Kept whatever their stamps.
 _EXEMPT = frozenset(("/clock", "/diagnostics"))

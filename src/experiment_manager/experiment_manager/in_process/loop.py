@@ -8,20 +8,12 @@ from typing import Any
 import numpy as np
 
 from experiment_manager.experiment.sections import config_of
-from eye_plant.config import EyePlantConfig
-from eye_plant.episode import Episode
-from eye_plant.observation import Observation
-from eye_plant.plant import EyePlant
-from eye_plant.stimuli.stimulus_set import StimulusSet
-from lockstep.errors import InputError
-from lockstep.state_file import read_state, write_state
+from eye_plant import Episode, EyePlant, EyePlantConfig, Observation, StimulusSet
+from lockstep import InputError, read_state, write_state
 from lockstep.wire.topics import TRAINING
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
-from sparse_coder.percept import NO_GAZE, Percept
-from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
-from vergence_rl.learning_rule import Decision
+from sparse_coder import Percept, SparseCoder, SparseCoderConfig
+from sparse_coder.percept import NO_GAZE
+from vergence_rl import Agent, Decision, VergenceRlConfig
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from experiment_manager.run.episode_record import EpisodeRecord
 from experiment_manager.run.picture_sample import takes_pictures
 from experiment_manager.run.recorded_topics import FREE_TOPICS, SAMPLED_TOPICS, small_topics
 from experiment_manager.run.run_directory import Run
-from eye_plant.episode import Episode
+from eye_plant import Episode
 from lockstep.wire.cdr import stamp_of
 from lockstep.wire.codec import Reader
 from lockstep.wire.qos import LOCKSTEP_QOS, QUEUE_DEPTH

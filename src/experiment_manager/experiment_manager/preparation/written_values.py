@@ -1,6 +1,6 @@
 """Numbers as people write them on a command line or in a sweep's file: 1e5, 1_000, 0,500."""
 
-from lockstep.errors import InputError
+from lockstep import InputError
 
 
 def whole_number(text: str) -> int:

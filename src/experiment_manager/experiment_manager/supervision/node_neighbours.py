@@ -10,7 +10,7 @@ from rclpy.node import Node
 
 from experiment_manager.node.presence import UNKNOWN_NODE
 from experiment_manager.supervision.domains import is_silent
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.machine.environment import reaches_other_machines
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 

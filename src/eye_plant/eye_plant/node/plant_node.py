@@ -13,7 +13,7 @@ from eye_plant.node.free_running import FreeRunning
 from eye_plant.node.publisher import ObservationPublisher
 from eye_plant.observation import Observation
 from eye_plant.plant import EyePlant
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.process import run_node
 from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, Arguments, RequestServer

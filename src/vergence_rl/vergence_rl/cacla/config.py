@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from lockstep.settings import check_settings, setting
+from lockstep import check_settings, setting
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.randomness import generator
+from lockstep import generator
 from vergence_rl.cacla.actor import (
     ActorOutput,
     ActorWeights,

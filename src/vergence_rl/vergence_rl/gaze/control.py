@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.command_space import SIDES
-from lockstep.errors import InputError
+from lockstep import SIDES, InputError
 from vergence_rl.gaze.config import GazeConfig
 from vergence_rl.gaze.descent import lowered
 from vergence_rl.gaze.effort import Effort

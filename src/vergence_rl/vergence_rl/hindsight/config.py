@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from lockstep.errors import InputError
-from lockstep.settings import check_settings, setting
+from lockstep import InputError, check_settings, setting
 
 
 @dataclass(frozen=True)

@@ -22,9 +22,9 @@ from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
 from active_binocular_vision.learners.viewing import Viewing
 from experiment_manager.experiment.starts import gaze_inverse
-from eye_plant.inverse.gaze import GazeInverse
+from eye_plant import GazeInverse
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.command_space import MUSCLE_NAMES, SIDES
+from lockstep import MUSCLE_NAMES, SIDES
 from tests.active_binocular_vision.moved_eyes import moved_eyes
 
 DISTANCES_M = (0.5, 6.0)

@@ -11,9 +11,9 @@ from active_binocular_vision.examinations.positions.targets import (
     wanted_angles_deg,
     wanted_gaze_deg,
 )
-from eye_plant.inverse.gaze import GazeInverse
+from eye_plant import GazeInverse
 from eye_plant.mechanics.model import MechanicsConfig
-from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES
+from lockstep import ALL_MUSCLES, COMMAND_SPACES
 
 POSITIONS_M = np.array([[0.0, 0.03, 1.7], [0.0, -0.03, 1.7]])
 

@@ -19,7 +19,7 @@ from active_binocular_vision.figures.main_sequence import main_sequence_figure
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from eye_plant.gaze_error import target_place_deg
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.figures import STYLE
 from tests.active_binocular_vision.moved_eyes import moved_eyes
 

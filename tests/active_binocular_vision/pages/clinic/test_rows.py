@@ -22,7 +22,7 @@ from active_binocular_vision.runs.examined_run import (
 )
 from active_binocular_vision.runs.groups import Common
 from experiment_manager.preparation.profiles import profile_names
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.figures import STYLE
 from tests.readable import assert_readable
 

@@ -29,7 +29,7 @@ from active_binocular_vision.runs.reared_run import (
     write_measures,
 )
 from experiment_manager.measures.results import Results
-from lockstep.errors import InputError
+from lockstep import InputError
 from sparse_coder.patches import PX_PER_PIXEL
 from tests.active_binocular_vision.learners.gabor_patch import gabor_patch
 from tests.experiment_manager.summaries import summary

@@ -21,7 +21,7 @@ from active_binocular_vision.examinations.positions.text import tables
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.measures.yoked import SharedChange
-from lockstep.command_space import SIDES
+from lockstep import SIDES
 
 SUMMARISED = ("missed_deg", *(f"{axis}_error_deg" for axis in ERROR_AXES), "metabolic_rate_w")
 

@@ -26,7 +26,7 @@ from experiment_manager.experiment.starts import gaze_inverse
 from experiment_manager.in_process.loop import InProcessLoop
 from experiment_manager.terminal.progress_lines import progress
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.errors import InputError
+from lockstep import InputError
 
 Array = NDArray[np.float64]
 

@@ -17,8 +17,8 @@ from active_binocular_vision.examinations.positions.posture import Posture
 from experiment_manager.measures.criteria import criteria_of
 from experiment_manager.measures.metrics import antagonist_names, silent_below
 from experiment_manager.measures.yoked import SharedChange, shared_change, yoked_names
-from eye_plant.config import EyePlantConfig
-from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES, MUSCLE_NAMES, SIDES
+from eye_plant import EyePlantConfig
+from lockstep import ALL_MUSCLES, COMMAND_SPACES, MUSCLE_NAMES, SIDES
 
 Array = NDArray[np.float64]
 

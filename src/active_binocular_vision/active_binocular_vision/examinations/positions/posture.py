@@ -12,7 +12,7 @@ from active_binocular_vision.examinations.positions.listing import rotation_vect
 from active_binocular_vision.examinations.positions.targets import direction_deg
 from eye_plant.gaze_error import gaze_error, target_place_deg
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.command_space import MUSCLE_NAMES, SIDES
+from lockstep import MUSCLE_NAMES, SIDES
 
 Array = NDArray[np.float64]
 

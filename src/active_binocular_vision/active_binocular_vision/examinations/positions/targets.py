@@ -10,8 +10,7 @@ from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from experiment_manager.experiment.starts import gaze_inverse
 from eye_plant.inverse.gaze import ERRORS
-from lockstep.errors import InputError
-from lockstep.randomness import generator
+from lockstep import InputError, generator
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from active_binocular_vision.examinations.positions.posture import ERROR_AXES
 from experiment_manager.measures.tables import number, percent, text_table
-from lockstep.command_space import SIDES
+from lockstep import SIDES
 
 Json = Mapping[str, Any]
 

@@ -25,7 +25,7 @@ from experiment_manager.measures.tables import number, percent, text_table
 from experiment_manager.terminal.progress_lines import progress
 from eye_plant.mechanics.movement import Movement, angles_deg, movements
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.errors import InputError
+from lockstep import InputError
 
 Array = NDArray[np.float64]
 

@@ -17,8 +17,8 @@ from experiment_manager.experiment.sections import config_of
 from experiment_manager.measures.kept_trials import read_trials
 from experiment_manager.measures.results import RESULTS_FILE, Results, read_results
 from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
-from lockstep.errors import InputError
-from sparse_coder.config import SparseCoderConfig
+from lockstep import InputError
+from sparse_coder import SparseCoderConfig
 from sparse_coder.patches import PX_PER_PIXEL
 
 _FOLDER = "clinic/"

@@ -21,8 +21,8 @@ from active_binocular_vision.runs.reported_run import FIGURES
 from experiment_manager.measures.tables import number
 from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.run.described_run import DescribedRun
+from lockstep import InputError
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
 from lockstep.figures import STYLE, save
 
 CLINIC_FILE = "clinic.html"

@@ -18,14 +18,11 @@ from experiment_manager.experiment.sections import config_of
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, Configuration, read_configuration
-from eye_plant.config import EyePlantConfig, changed
-from eye_plant.plant import EyePlant
-from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli
+from eye_plant import EyePlant, EyePlantConfig, StimulusSet, load_stimuli
+from eye_plant.config import changed
 from eye_plant.vergence import degrees_per_px
-from lockstep.errors import InputError
-from lockstep.state_file import read_state
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
+from lockstep import InputError, read_state
+from sparse_coder import SparseCoder, SparseCoderConfig
 from sparse_coder.patches import PX_PER_PIXEL
 
 _FOLDER = "rearing/"

@@ -28,8 +28,8 @@ from active_binocular_vision.runs.reported_run import FIGURES
 from experiment_manager.measures.results import RESULTS_FILE, Summary
 from experiment_manager.measures.tables import number
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
+from lockstep import InputError
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
 from lockstep.figures import STYLE, save
 
 REARING_FILE = "rearing.html"
