@@ -249,7 +249,8 @@ class SyntheticRun:
         half = 0.22 - 0.13 * skill * math.exp(-(error_deg**2)) + float(self._rng.normal(0, 0.01))
         weight = 0.08 if self._model == "M_C" else 0.0
         cost_w = values["metabolic_rate_w"]
-        parts = [half, half, cost_w, -2 * half - weight * cost_w, float(self._observation)]
+        penalty, number = weight * cost_w, float(self._observation)
+        parts = [half, half, cost_w, penalty, -2 * half - penalty, number]
         self._writer.write("reward", _vector_bytes(REWARD_NAMES, parts, stamp_ns), stamp_ns)
         if values["phase"] == 1 and values["trial"] % 10 == 0:
             shift_px = error_deg / 0.2226 / 2

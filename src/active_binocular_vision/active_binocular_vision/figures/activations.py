@@ -19,7 +19,7 @@ from active_binocular_vision.figures.style import (
 )
 from active_binocular_vision.runs.groups import Group
 from experiment_manager.measures.metrics import QUARTILES, antagonist_names
-from lockstep.command_space import SIDES
+from lockstep import SIDES
 
 # Of the first and the second of two antagonists: hue, and where from a distance's place.
 _COLOURS = (BLUE, VERMILION)

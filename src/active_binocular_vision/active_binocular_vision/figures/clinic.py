@@ -27,7 +27,7 @@ from active_binocular_vision.figures.style import (
     title_panels,
 )
 from experiment_manager.measures.metrics import QUARTILES
-from lockstep.command_space import SIDES
+from lockstep import SIDES
 
 # Of left and right eye, and of near and far.
 _COLOURS = (BLUE, VERMILION)

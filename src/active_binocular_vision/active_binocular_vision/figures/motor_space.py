@@ -22,9 +22,9 @@ from active_binocular_vision.figures.style import (
 from active_binocular_vision.runs.groups import Group
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.trials import Trials
+from eye_plant import desired_vergence_deg
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import HIGHEST_ACTIVATIONS
 
 # Start errors whose paths are drawn, where a test has them (of K17's -3 to 3 deg).

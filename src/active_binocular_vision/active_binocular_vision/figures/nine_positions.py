@@ -29,7 +29,8 @@ from active_binocular_vision.figures.style import (
     new_figure,
     title_panels,
 )
-from lockstep.command_space import MUSCLES, SIDES
+from lockstep import SIDES
+from lockstep.command_space import MUSCLES
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,8 @@ from matplotlib.ticker import MaxNLocator
 from active_binocular_vision.figures.style import BLUE, GREEN, GREY, LIGHT_GREY, STYLE, VERMILION
 from active_binocular_vision.film.scenes import ERRORS, Scene
 from experiment_manager.anaglyph import anaglyph
-from lockstep.command_space import MUSCLES, SIDES
+from lockstep import SIDES
+from lockstep.command_space import MUSCLES
 
 _DPI = 100
 # Three panels side by side: a page shows such a frame as it is, with text of 9 pt.

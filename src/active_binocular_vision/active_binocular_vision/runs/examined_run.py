@@ -21,10 +21,9 @@ from active_binocular_vision.runs.groups import Common
 from experiment_manager.experiment.plant_changes import read_schedule
 from experiment_manager.experiment.sections import config_of
 from experiment_manager.measures.results import Summary
-from lockstep.configuration import build, flatten
+from lockstep import InputError, build, flatten
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
-from sparse_coder.config import SparseCoderConfig
+from sparse_coder import SparseCoderConfig
 
 BIRTH, BEFORE, END = "birth", "before", "end"
 AGES = (BIRTH, BEFORE, END)

@@ -24,8 +24,7 @@ from experiment_manager.measures.results import (
 from experiment_manager.measures.trials import Trials
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, about_in, parameters_in
-from lockstep.command_space import PAIR
-from lockstep.errors import InputError
+from lockstep import PAIR, InputError
 
 S = TypeVar("S")
 T = TypeVar("T")

@@ -17,7 +17,7 @@ from experiment_manager.run.config_file import (
     RUN_SECTION,
 )
 from eye_plant.mechanics.model import MechanicsConfig
-from lockstep.errors import InputError
+from lockstep import InputError
 
 _STIMULI, _PROFILE = "eye_plant.stimuli.directory", "experiment_manager.profile"
 _PICTURES_SEED, _OF_EACH = "eye_plant.stimuli.seed", "of each run"

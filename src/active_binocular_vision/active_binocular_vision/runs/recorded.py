@@ -10,8 +10,7 @@ from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.metrics import QUARTILES, SHARE_ITERATIONS, cost_share
 from experiment_manager.measures.trials import Trials, TrialTable, split_tests
 from experiment_manager.run.config_file import parameters_in
-from lockstep.command_space import CommandSpace
-from lockstep.errors import InputError
+from lockstep import CommandSpace, InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TRAINING
 
 # The error of a single episode says how hard it was; a median over some says what was learned.

@@ -30,9 +30,8 @@ from experiment_manager.measures.results import (
 )
 from experiment_manager.run.config_file import CONFIG_FILE, RUN_SECTION
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
+from lockstep import InputError, read_state, write_state
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
-from lockstep.state_file import read_state, write_state
 
 MEASURES_FILE, RUNS_FILE = "measures.csv", "runs.yaml"
 COLUMNS = (

@@ -9,12 +9,12 @@ from typing import Any, Self
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import Schedule, read_schedule
 from experiment_manager.experiment.sections import DEFAULTS, EYES, TASK, config_of
-from eye_plant.config import EyePlantConfig, changed
-from eye_plant.inverse.pair import Inverse
+from eye_plant import EyePlantConfig, Inverse, fixation_distance_m
+from eye_plant.config import changed
 from eye_plant.mechanics.metabolics import silent_activation
 from eye_plant.mechanics.model import MechanicsConfig
-from eye_plant.vergence import degrees_per_px, fixation_distance_m
-from lockstep.errors import InputError
+from eye_plant.vergence import degrees_per_px
+from lockstep import InputError
 from lockstep.wire.topics import TEST
 
 # Relaxed eyes see an object right whose vergence differs by less than this from theirs.

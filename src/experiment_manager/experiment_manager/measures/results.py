@@ -7,8 +7,8 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from lockstep import InputError
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
 
 RESULTS_FILE = "results.json"
 

@@ -13,8 +13,8 @@ from typing import Annotated, Any, Literal
 import msgspec
 
 from experiment_manager.run.progress import ProgressState
+from lockstep import InputError
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
 
 _VERSION: Literal[3] = 3
 _MANIFEST = "manifest.json"

@@ -29,8 +29,8 @@ from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Common, common_of
 from active_binocular_vision.runs.one_a_core import of_each_run
 from active_binocular_vision.runs.results_folder import finished_runs
+from lockstep import InputError
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
 
 CONDITIONS_FILE = "conditions.html"
 

@@ -20,7 +20,7 @@ from active_binocular_vision.figures.price import over_prices, price_figure
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group
 from eye_plant.mechanics.model import MechanicsConfig
-from lockstep.state_file import read_state
+from lockstep import read_state
 
 # More than these cannot be told apart in one plane of activations; they are chosen evenly.
 _MOST_GROUPS = 4
