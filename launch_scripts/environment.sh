@@ -42,21 +42,14 @@ export_variables() {
   LD_LIBRARY_PATH=$(without_other_ros "${LD_LIBRARY_PATH:-}")
   export LD_LIBRARY_PATH
   export HOME=${HOME:-~} # ROS writes its logs there and fails without
-  export RMW_IMPLEMENTATION=rmw_fastrtps_cpp # the only one in the lock file
-  export ROS_AUTOMATIC_DISCOVERY_RANGE=${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}
-  export FASTRTPS_DEFAULT_PROFILES_FILE=${FASTRTPS_DEFAULT_PROFILES_FILE:-$root/src/lockstep/config/fastdds.xml}
-  # Each process works on matrices too small to share out; threads would only fight for the cores.
-  export OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1} OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}
-  export OPENCV_FOR_THREADS_NUM=${OPENCV_FOR_THREADS_NUM:-1}
-  export MUJOCO_GL=${MUJOCO_GL:-disable} # the OpenGL that MuJoCo loads: our own renderer needs none
-  export PYTHONUTF8=1 # in any locale: paths may have umlauts, and ROS reads all as UTF-8
-  export PYTHONUNBUFFERED=1 # what is said first is shown first, also through a pipe
+  unset RMW_IMPLEMENTATION # the lock file has only one
   export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$venv/numba_cache/$(compiled_sources)}
 }
 
 set_up() {
   is_set_up || "$root/launch_scripts/setup.sh" || exit
   export_variables
+  eval "$("$python" -I -S "$root/src/lockstep/lockstep/machine/environment.py" "$root/src/lockstep/config")"
 }
 
 # run_module MODULE ARGUMENTS...: become the entry point. --help shows ours first, then the entry point's own options.

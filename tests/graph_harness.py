@@ -10,7 +10,7 @@ from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.experiment.sections import config_of
 from experiment_manager.in_process.loop import Step, make_loop
 from experiment_manager.run.config_file import Configuration, configuration_text
-from eye_plant.episode import Episode
+from eye_plant import Episode
 from lockstep.wire.stamps import period_ns
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 from tests.command_lines import configured, set_words

@@ -1,15 +1,14 @@
 """The contract of both learners' nodes: answered once, learned from once, saved and loaded."""
 
 import array
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pytest
 from sensor_msgs.msg import Image
 
-from lockstep.errors import InputError
-from lockstep.state_file import write_state
+from lockstep import InputError, write_state
 from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import TEST, TRAINING
 from tests.node_harness import Bench, Graph
@@ -25,7 +24,10 @@ def image_message(pixels: np.ndarray, encoding: str, stamp_ns: int) -> Image:
     return message
 
 
-def changed(topic: str, **changes: Any) -> Callable[[dict[str, Any]], None]:
+Change = Callable[[dict[str, Any]], None]
+
+
+def changed(topic: str, **changes: Any) -> Change:
     """Return what changes fields of one of an observation's messages."""
 
     def change(messages: dict[str, Any]) -> None:
@@ -45,15 +47,22 @@ class LearnerBench(Bench):
         inputs: Mapping[str, type],
         answers: Mapping[str, type],
         observation: Callable[[int, int], dict[str, Any]],
+        *,
+        refused: Sequence[tuple[Change, str]] = (),
     ) -> None:
-        """observation: returns the messages {topic: message} of a number, its stamp in s."""
+        """Start a run.
+
+        observation: returns the messages {topic: message} of a number, its stamp in s; refused:
+        changes of an observation, and what the node says of each.
+        """
         super().__init__(graph, node, inputs, answers)
-        self.inputs, self.answers, self._observation = set(inputs), tuple(answers), observation
+        self.inputs, self.answers, self.observation = set(inputs), tuple(answers), observation
+        self.refused = refused
         assert self.request("start_run") == (True, "")
 
     def show(self, number: int, phase: int = TRAINING) -> None:
         """Send the messages of an observation."""
-        self.send(self._observation(number, phase))
+        self.send(self.observation(number, phase))
 
     def send(self, messages: Mapping[str, Any]) -> None:
         """Send messages {topic: message}."""
@@ -99,6 +108,18 @@ class LearnerContract:
         topic = bench.answers[-1]
         bench.wait_distinct(topic, 2)
         assert bench.outsider.stamps_ns(topic) == [5 * 10**9, 6 * 10**9]
+
+    def test_bad_observations_are_refused_and_the_good_one_answered(self, bench) -> None:
+        before = bench.weights()
+        for n, (change, reason) in enumerate(bench.refused, start=1):
+            messages = bench.observation(1, TRAINING)
+            change(messages)
+            bench.send(messages)
+            assert reason in bench.wait_refused(n)
+        assert bench.weights() == before
+        # The same stamp, repeated whole, is still to be answered, and learned from once.
+        bench.shown(1)
+        assert all(bench.outsider.stamps_ns(topic) == [10**9] for topic in bench.answers)
 
     def test_tests_are_answered_and_not_learned_from(self, bench: LearnerBench) -> None:
         before = bench.weights()

@@ -19,7 +19,7 @@ from experiment_manager.in_process.step_messages import StepMessages
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
-from lockstep.state_file import read_state
+from lockstep import read_state
 from lockstep.wire.topics import CAMERA_INFOS, PICTURES
 from tests.graph_harness import OracleRun, small_run
 from tests.made_once import made_once
@@ -38,7 +38,7 @@ SETTINGS = (
     # Disease and treatment: of the muscles, of what one eye sees, and of what must be drawn for it.
     "task.schedule=["
     "{at: 90, set: {eyes.mechanics.rest_adduction_deg: [0.0, 1.5],"
-    " eyes.camera.left_blur_px: 2.5, eyes.camera.focal_length_px: 250}},"
+    " eyes.camera.left_blur_px: 2.5, eyes.camera.left_magnification: 1.1}},"
     "{at: 180, set: {eyes.camera.left_blur_px: 0.0, eyes.camera.left_occluded: true}}]",
 )
 _SAMPLED = (*PICTURES, *CAMERA_INFOS, "features")

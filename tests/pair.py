@@ -1,6 +1,6 @@
 """The pair of both eyes' medial and lateral rectus, which the paper's commands set."""
 
-from lockstep.command_space import COMMAND_SPACES, PAIR
+from lockstep import COMMAND_SPACES, PAIR
 from lockstep.wire.topics import actor_critic_names
 
 PAIR_SPACE = COMMAND_SPACES[PAIR]

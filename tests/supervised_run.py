@@ -61,8 +61,7 @@ class SupervisedRun(AbstractContextManager["SupervisedRun"]):
         """Return the process ids of the nodes that are there now, by package."""
         found: dict[str, int] = {}
         with contextlib.suppress(psutil.NoSuchProcess):
-            # The fork server between them lives as long as the supervisor.
-            for child in psutil.Process(self.process.pid).children(recursive=True):
+            for child in psutil.Process(self.process.pid).children():
                 with contextlib.suppress(psutil.NoSuchProcess):
                     words = child.cmdline()
                     found |= {p: child.pid for p in PACKAGES if f"{p}.node" in words}

@@ -12,12 +12,11 @@ from sensor_msgs.msg import JointState
 from experiment_manager.experiment.sections import config_of
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.in_process.step_messages import StepMessages
+from eye_plant import Episode, EyePlantConfig
 from eye_plant.camera.config import CameraConfig
-from eye_plant.config import EyePlantConfig
-from eye_plant.episode import Episode
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.command_space import MUSCLE_NAMES
+from lockstep import MUSCLE_NAMES
 from lockstep.wire.topics import TEST, TRAINING
 from lockstep.wire.vectors import read_vector
 from tests.interfaces_page import PAGE, VECTORS, quoted, table

@@ -8,8 +8,8 @@ import pytest
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, ReliabilityPolicy
 
 from experiment_manager.node.requests import PLANT_WAIT_S, SERVICE_WAIT_S
-from eye_plant.episode import Episode
-from lockstep.command_space import MUSCLE_NAMES
+from eye_plant import Episode
+from lockstep import MUSCLE_NAMES
 from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, RequestClient
 from lockstep.wire import topics
 from lockstep.wire.qos import LOCKSTEP_QOS, QUEUE_DEPTH

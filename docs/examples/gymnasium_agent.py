@@ -12,8 +12,7 @@ from collections import deque
 import gymnasium
 import numpy as np
 
-from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
+from vergence_rl import Agent, VergenceRlConfig
 
 
 def train(environment: gymnasium.Env, agent: Agent, n_episodes: int, seed: int) -> list[float]:

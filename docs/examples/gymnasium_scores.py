@@ -25,10 +25,9 @@ from gymnasium_agent import train
 
 from experiment_manager.experiment.sections import config_of
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
+from eye_plant import Inverse
 from eye_plant.config import MechanicsConfig
-from eye_plant.inverse.pair import Inverse
-from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
+from vergence_rl import Agent, VergenceRlConfig
 
 TRAINED = Path(__file__).parents[2] / "results" / "precise" / "profile_precise-seed_1"
 N_TRIALS, TESTED_EVERY = 1560, 10

@@ -22,7 +22,7 @@ from experiment_manager.experiment.sections import config_of
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
-from lockstep.state_file import read_state
+from lockstep import read_state
 from lockstep.wire.topics import TRAINING
 from sparse_coder.matching_pursuit import Selections, mean_squared_coefficients
 

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vergence_rl.agent import Agent
-from vergence_rl.learning_rule import Decision
+from vergence_rl import Agent, Decision
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from experiment_manager.measures.kept_trials import with_test, write_trials
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Results, write_document
 from experiment_manager.measures.trials import Trials
-from lockstep.command_space import COMMAND_SPACES
+from lockstep import COMMAND_SPACES
 
 N_ITERATIONS = 20
 _DISTANCES_M = (0.5, 3.0, 6.0)

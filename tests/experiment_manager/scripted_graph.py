@@ -8,8 +8,8 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image, JointState
 
-from eye_plant.episode import Episode
-from lockstep.errors import InputError
+from eye_plant import Episode
+from lockstep import InputError
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.requests import RequestServer
 from lockstep.wire.qos import LOCKSTEP_QOS

@@ -5,7 +5,7 @@ from typing import Any
 
 from sensor_msgs.msg import Image, JointState
 
-from eye_plant.episode import Episode
+from eye_plant import Episode
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.node.plant_node import EyePlantNode
 from lockstep.wire.stamps import period_ns

@@ -2,8 +2,8 @@ import dataclasses
 
 import pytest
 
-from eye_plant.episode import Episode
-from lockstep.errors import InputError
+from eye_plant import Episode
+from lockstep import InputError
 from tests.eye_plant.plant_bench import EPISODE as AN_EPISODE
 
 EPISODE = dataclasses.replace(AN_EPISODE, n_iterations=6)

@@ -3,8 +3,8 @@ import math
 import numpy as np
 import pytest
 
+from eye_plant import desired_vergence_deg
 from eye_plant.gaze_error import gaze_error, listing_torsion_deg, target_place_deg
-from eye_plant.vergence import desired_vergence_deg
 from tests.eye_plant.rotations import rotation, turned_inward
 
 BASELINE_M = 0.056

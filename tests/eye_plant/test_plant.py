@@ -5,14 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from eye_plant.config import EyePlantConfig, changed
-from eye_plant.episode import Episode
+from eye_plant import Episode, EyePlant, EyePlantConfig, StimulusSet
+from eye_plant.config import changed
 from eye_plant.mechanics.model import MechanicsConfig
-from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stereograms import random_dot_stereograms
-from eye_plant.stimuli.stimulus_set import StimulusSet
-from lockstep.command_space import ALL_MUSCLES, MUSCLE_NAMES
-from lockstep.errors import InputError
+from lockstep import ALL_MUSCLES, MUSCLE_NAMES, InputError
 from tests.pair import HORIZONTAL_RECTI, pair_activations
 
 ALTERED = {

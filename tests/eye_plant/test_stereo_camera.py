@@ -8,14 +8,13 @@ import cv2
 import numpy as np
 import pytest
 
+from eye_plant import StimulusSet, desired_vergence_deg
 from eye_plant.camera.blur import Blur
 from eye_plant.camera.config import CameraConfig
 from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stereograms import Stereogram
-from eye_plant.stimuli.stimulus_set import StimulusSet
-from eye_plant.vergence import desired_vergence_deg, disparity_px
-from lockstep.command_space import SIDES
-from lockstep.errors import InputError
+from eye_plant.vergence import disparity_px
+from lockstep import SIDES, InputError
 from tests.eye_plant.camera.pinhole import EYE_HEIGHT_M, POSITIONS_M, central
 from tests.eye_plant.rotations import rotation, turned_inward
 

@@ -4,15 +4,11 @@ import math
 
 import pytest
 
+from eye_plant import desired_vergence_deg, fixation_distance_m
 from eye_plant.gaze_error import GazeError
 from eye_plant.ground_truth import GroundTruth
-from eye_plant.vergence import (
-    degrees_per_px,
-    desired_vergence_deg,
-    disparity_px,
-    fixation_distance_m,
-)
-from lockstep.errors import InputError
+from eye_plant.vergence import degrees_per_px, disparity_px
+from lockstep import InputError
 
 BASELINE_M = 0.056
 FOCAL_LENGTH_PX = 257.34

@@ -1,5 +1,7 @@
 """Which packages and modules may import what (CONTRIBUTING.md, "Where things are")."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -32,6 +34,12 @@ def test_ros_is_imported_only_where_the_name_says_so() -> None:
     users = [module for module in modules() if uses_ros(module)]
     assert len(users) > len(SCIENCE)
     assert [str(module) for module in users if not may_use_ros(module)] == []
+
+
+def test_importing_a_package_imports_no_ros() -> None:
+    line = "import sys, eye_plant, lockstep, sparse_coder, vergence_rl; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", line], capture_output=True, text=True, check=True)
+    assert set(done.stdout.split()).isdisjoint(ROS)
 
 
 @pytest.mark.parametrize("package", SCIENCE)

@@ -9,6 +9,8 @@ from experiment_manager.bag.reader import Bag
 from tests.graph_harness import small_run
 from tests.supervised_run import SupervisedRun, is_intact
 
+pytestmark = pytest.mark.graph
+
 SETTINGS = (
     "experiment_manager.checkpoint_period_s=1e9",  # the first one alone, at the start
     "task.n_bases=32",

@@ -37,6 +37,7 @@ def start(graph: Graph) -> Iterator[Start]:
         yield start
 
 
+@pytest.mark.graph
 @pytest.mark.parametrize("example", OURS)
 def test_a_replacement_makes_a_run_with_our_other_nodes(
     start, start_node, tmp_path, example

@@ -3,9 +3,13 @@
 import signal
 from collections.abc import Callable
 
+import pytest
+
 from experiment_manager.supervision.processes import PACKAGES
 from tests.loop_contract import assert_as_the_loop, run_line
 from tests.supervised_run import SupervisedRun, is_alive
+
+pytestmark = pytest.mark.graph
 
 
 def _beyond(run: SupervisedRun, n_episodes: int) -> Callable[[], bool]:

@@ -22,7 +22,7 @@ from rosbags.highlevel import AnyReader
 from experiment_manager.bag.reader import Bag
 from experiment_manager.measures.kept_trials import read_trials
 from experiment_manager.measures.results import RESULTS_FILE, read_results
-from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI
+from lockstep import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI
 from lockstep.wire.topics import TEST, TOPIC_TYPES
 from tests.graph_harness import small_run
 from tests.loop_contract import (
@@ -34,6 +34,8 @@ from tests.loop_contract import (
 )
 from tests.supervised_run import SupervisedRun, are_gone
 from tests.supervisor import finished, start_supervisor
+
+pytestmark = pytest.mark.graph
 
 N_ANSWERED = N_TRAINING + 20 * N_TRIALS
 # Of each node's health, by the clock on the wall.

@@ -2,9 +2,13 @@
 
 from pathlib import Path
 
+import pytest
+
 from tests.graph_harness import small_run, write_configuration
 from tools.stress.fuzzer import Hostility
 from tools.stress.hostile_input import BOUND_MB, NODES, fuzzed
+
+pytestmark = pytest.mark.graph
 
 SMALL_LEARNERS = ("task.n_bases=32",)
 

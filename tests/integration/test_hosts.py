@@ -12,6 +12,8 @@ from tests.loop_contract import N_TRAINING, N_TRIALS, PICTURE_PX, assert_as_the_
 from tests.supervised_run import SupervisedRun, are_gone, is_alive
 from tests.two_hosts import NodeOnHost, TwoHosts
 
+pytestmark = pytest.mark.graph
+
 N_PICTURE_BYTES = (N_TRAINING + 20 * N_TRIALS) * 2 * PICTURE_PX**2
 
 _KILLED = "fault: vergence_rl was killed by SIGKILL"

@@ -1,7 +1,6 @@
 """The launch files: with stand-ins for `launch`, which has no wheels, or with it where it is."""
 
 import importlib.util
-import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -10,8 +9,8 @@ from typing import Any
 import pytest
 
 from experiment_manager.experiment.sections import CONFIG_CLASSES
-from lockstep.configuration import flatten
-from lockstep.machine.launch_environment import launch_environment
+from lockstep import flatten
+from lockstep.machine.environment import node_environment
 
 ROOT = Path(__file__).parents[2]
 PLANT = ROOT / "src/eye_plant/launch/eye_plant.launch.py"
@@ -90,7 +89,7 @@ def _check_node(node: Call, package: str) -> None:
 
 def _check_environment(entities: list[Any]) -> None:
     variables = dict(v.arguments for v in _of_kind(entities, "SetEnvironmentVariable"))
-    assert variables == launch_environment(ROOT / "src/lockstep")
+    assert variables == node_environment(ROOT / "src/lockstep/config")
     assert Path(variables["FASTRTPS_DEFAULT_PROFILES_FILE"]).is_file()
 
 
@@ -153,27 +152,3 @@ def test_arguments_that_are_not_given_leave_no_trace() -> None:
     nothing = {"namespace": "", "run_directory": "", "params_file": ""}
     for node in _of_kind(graph.options["function"](nothing), "Node"):
         assert node.options["parameters"] == []
-
-
-def test_launched_nodes_have_the_environment_of_the_scripts(monkeypatch) -> None:
-    for name in launch_environment(ROOT / "src/lockstep"):
-        monkeypatch.delenv(name, raising=False)
-    script = "source launch_scripts/environment.sh; env; echo; export_variables; env; true"
-    done = subprocess.run(
-        ["bash", "-c", script], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    before, after = (
-        dict(line.partition("=")[::2] for line in lines.splitlines())
-        for lines in done.stdout.split("\n\n")
-    )
-    exported = {name: value for name, value in after.items() if before.get(name) != value}
-    launched = launch_environment(ROOT / "src/lockstep")
-    # One is of the folder .venv, and one takes away what another ROS has set.
-    del exported["NUMBA_CACHE_DIR"]
-    exported.pop("LD_LIBRARY_PATH", None)
-    assert exported == launched
-
-
-def test_what_a_user_has_set_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("OMP_NUM_THREADS", "4")
-    assert launch_environment(ROOT)["OMP_NUM_THREADS"] == "4"

@@ -19,6 +19,8 @@ from tests.graph_harness import small_run
 from tests.loop_contract import assert_as_the_loop
 from tests.supervisor import finished, start_supervisor
 
+pytestmark = pytest.mark.graph
+
 ALL_TOPICS = tuple(f"/{topic}" for topic in (*SHOWN_TOPICS, ANAGLYPH, *RECONSTRUCTIONS, LEARNING))
 
 

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import Image, JointState
 
@@ -19,6 +20,8 @@ from tests.loop_contract import assert_as_the_loop
 from tests.node_harness import Graph
 from tests.pair import ACTOR_CRITIC_NAMES
 from tests.supervisor import finished, start_supervisor
+
+pytestmark = pytest.mark.graph
 
 # Of the fixture config_file.
 N_TRAINING = 20

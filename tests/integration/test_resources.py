@@ -3,23 +3,22 @@
 import contextlib
 import os
 import pty
-import signal
 import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
-import psutil
 import pytest
 
 from experiment_manager.bag.reader import Bag
-from experiment_manager.supervision.processes import PACKAGES
 from tests.graph_harness import write_configuration
 from tests.loop_contract import assert_as_the_loop, run_line
 from tests.patience import PATIENCE_S
-from tests.supervised_run import SupervisedRun, are_gone, is_intact, n_messages, stamp_faults
+from tests.supervised_run import SupervisedRun, is_intact, n_messages, stamp_faults
 from tests.supervisor import start_supervisor
+
+pytestmark = pytest.mark.graph
 
 
 @pytest.fixture(scope="module")
@@ -119,77 +118,6 @@ def test_a_node_without_memory(line: list[str], tmp_path: Path) -> None:
     assert "before the first checkpoint" in output
     assert "Unable to allocate" in output
     assert not (directory / "results.json").exists()
-
-
-def _with_port_of_the_dead(then: str) -> tuple[str, ...]:
-    """Return the prefix of a command whose own /dev/shm holds a port that nobody will finish."""
-    probe = subprocess.run(["unshare", "--mount", "true"], capture_output=True, check=False)
-    if probe.returncode:
-        pytest.skip("shared memory of one's own needs root")
-    mount = "mount -t tmpfs tmpfs /dev/shm && head -c 52400 /dev/zero >/dev/shm/fastrtps_port7000"
-    script = f'{mount} && {then} && exec "$0" "$@"'
-    return ("unshare", "--mount", "--propagation=private", "sh", "-c", script)
-
-
-def test_a_node_that_died_while_it_made_its_shared_memory(line: list[str], tmp_path: Path) -> None:
-    directory = tmp_path / "run"
-    with SupervisedRun(line, directory, prefix=_with_port_of_the_dead("true")) as run:
-        assert run.wait() == 0, run.output()
-        assert "fault: " not in run.output()
-    assert_as_the_loop(directory)
-
-
-def test_shared_memory_of_the_dead_that_cannot_be_removed(line: list[str], tmp_path: Path) -> None:
-    # A mount point, which not even root removes.
-    mount = "mount --bind /dev/shm/fastrtps_port7000 /dev/shm/fastrtps_port7000"
-    directory = tmp_path / "run"
-    with SupervisedRun(line, directory, prefix=_with_port_of_the_dead(mount)) as run:
-        assert run.wait() == 2, run.output()
-        output = run.output()
-    assert output.count("error: /dev/shm/fastrtps_port7000: expected ") == 1, output
-    assert "Traceback" not in output
-    assert not (directory / "logs").exists()
-
-
-def test_ctrl_c_while_all_that_make_a_node_hang(line: list[str], tmp_path: Path) -> None:
-    profiles = tmp_path / "profiles.xml"
-    os.mkfifo(profiles)  # Fast DDS waits for somebody to write, as it waits for shared memory
-    prefix = ("env", f"FASTRTPS_DEFAULT_PROFILES_FILE={profiles}")
-    with SupervisedRun(line, tmp_path / "run", prefix=prefix) as run:
-        assert run.wait_until(lambda: len(run.nodes()) == len(PACKAGES), "the nodes")
-        run.process.send_signal(signal.SIGINT)
-        assert run.wait() == 130, run.output()
-        assert "fault: " not in run.output()
-
-
-def _with_profiles_that_nobody_writes(profiles: Path) -> tuple[str, ...]:
-    """Return the prefix of a run that looks for other graphs first, and hangs in that."""
-    os.mkfifo(profiles)
-    variables = ("ROS_DOMAIN_ID=17", "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET")
-    # The tests themselves may run in the background of a shell, which has it ignored.
-    default = "--default-signal=INT"
-    return ("env", default, f"FASTRTPS_DEFAULT_PROFILES_FILE={profiles}", *variables)
-
-
-def test_ctrl_c_while_the_look_for_other_graphs_hangs(line: list[str], tmp_path: Path) -> None:
-    profiles = tmp_path / "profiles.xml"
-    prefix = _with_profiles_that_nobody_writes(profiles)
-    with SupervisedRun(line, tmp_path / "run", prefix=prefix) as run:
-        with profiles.open("w"):  # returns when somebody begins to read
-            run.process.send_signal(signal.SIGINT)
-            assert run.wait() == 130, run.output()
-        assert run.output() == "stopped before the run began\n"
-
-
-def test_a_hanging_look_for_other_graphs_dies_with_the_run(line: list[str], tmp_path: Path) -> None:
-    profiles = tmp_path / "profiles.xml"
-    prefix = _with_profiles_that_nobody_writes(profiles)
-    with SupervisedRun(line, tmp_path / "run", prefix=prefix) as run, profiles.open("w"):
-        children = psutil.Process(run.process.pid).children()
-        (look,) = (c.pid for c in children if any("node_topics" in w for w in c.cmdline()))
-        run.process.kill()
-        run.process.wait()
-        assert are_gone([look])
 
 
 # The clock of every Python of the run jumps by the seconds in a file, as soon as there are any.

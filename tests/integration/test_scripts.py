@@ -33,7 +33,10 @@ MODULES = {
 _PYTHON = """#!/bin/bash
 echo "python $1 $2 $3" | head -n 1 >>"$CALLS"
 case "$1 $2" in
-  "-I -S") echo "3.11.0 (stand-in)" ;;
+  "-I -S")
+    [[ $3 != *.py ]] || exec {python} "$@"
+    echo "3.11.0 (stand-in)"
+    ;;
   "-I -c") exit "${PYTHON_FITS:-0}" ;;
   "-I -m")
     mkdir -p "$5/bin" "$5/lib/python3.11/site-packages"
@@ -73,8 +76,15 @@ class Checkout:
         self._stand_ins = folder / "bin"
         shutil.copytree(ROOT / "launch_scripts", self.root / "launch_scripts")
         shutil.copy(ROOT / "requirements.lock", self.root)
+        variables = "src/lockstep/lockstep/machine/environment.py"
+        (self.root / variables).parent.mkdir(parents=True)
+        shutil.copy(ROOT / variables, self.root / variables)
         self._stand_ins.mkdir()
-        for name, text in (("python3", _PYTHON), ("apt-get", _APT_GET), ("id", _ID)):
+        for name, text in (
+            ("python3", _PYTHON.replace("{python}", sys.executable)),
+            ("apt-get", _APT_GET),
+            ("id", _ID),
+        ):
             (self._stand_ins / name).write_text(text)
             (self._stand_ins / name).chmod(0o755)
         self.environment = {
@@ -173,9 +183,8 @@ def test_another_ros_installation_stays_out(ready: Checkout) -> None:
 def test_defaults_of_the_environment_yield_to_the_user(ready: Checkout) -> None:
     variables = _variables(ready.start("eye_plant").stdout)
     assert variables["OPENBLAS_NUM_THREADS"] == "1"
-    assert variables["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
     assert variables["MUJOCO_GL"] == "disable"
-    profiles = Path("src/lockstep/config/fastdds.xml")
+    profiles = Path("src/lockstep/config/this_machine.xml")
     assert variables["FASTRTPS_DEFAULT_PROFILES_FILE"] == str(ready.root / profiles)
     assert (ROOT / profiles).is_file()
     theirs = {
@@ -228,7 +237,7 @@ def test_a_path_with_an_umlaut_in_the_locale_c(tmp_path: Path) -> None:
     checkout = Checkout(tmp_path / "Prüfstand")
     packages = [checkout.root / "src" / name for name in ("lockstep", *NODES)]
     for package in packages:
-        package.mkdir(parents=True)
+        package.mkdir(parents=True, exist_ok=True)
     assert checkout.start("setup", LC_ALL="C").returncode == 0
     (folder,) = checkout.root.glob(".venv/lib/python3*/site-packages")
     look = "import os, site, sys; site.addsitedir(sys.argv[1]); print(*map(os.fsencode, sys.path))"
@@ -295,7 +304,6 @@ def test_changed_sources_have_a_numba_cache_of_their_own(tmp_path: Path, folder:
     (tmp_path / folder).mkdir()
     checkout = Checkout(tmp_path / folder)
     source = checkout.root / "src" / "coder.py"
-    source.parent.mkdir()
     named = []
     for text in ("import numba", "import numba  # changed", "import numba"):
         source.write_text(text)

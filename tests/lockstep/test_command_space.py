@@ -3,15 +3,8 @@ import re
 import numpy as np
 import pytest
 
-from lockstep.command_space import (
-    ALL_MUSCLES,
-    COMMAND_SPACES,
-    HORIZONTAL_RECTI,
-    PAIR,
-    CommandSpace,
-    activation_limits,
-)
-from lockstep.errors import InputError
+from lockstep import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI, PAIR, CommandSpace, InputError
+from lockstep.command_space import activation_limits
 
 PAIR_OF_RECTI = COMMAND_SPACES[PAIR]
 

@@ -6,8 +6,7 @@ from typing import Any
 
 import pytest
 
-from lockstep.configuration import build, flatten
-from lockstep.errors import InputError
+from lockstep import InputError, build, flatten
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """InputError: a ValueError whose text stays readable."""
 
-from lockstep.errors import InputError
+from lockstep import InputError
 
 
 def test_long_texts_keep_their_ends() -> None:

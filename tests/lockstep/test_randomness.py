@@ -2,7 +2,7 @@
 
 import pytest
 
-from lockstep.randomness import generator
+from lockstep import generator
 
 
 def test_golden_values() -> None:

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from lockstep.errors import InputError
-from lockstep.settings import REQUIRED, Setting, check_settings, declarations, setting
+from lockstep import InputError, check_settings, setting
+from lockstep.settings import REQUIRED, Setting, declarations
 
 
 @dataclass(frozen=True)

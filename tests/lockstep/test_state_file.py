@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lockstep.errors import InputError
-from lockstep.state_file import read_state, write_state
+from lockstep import InputError, read_state, write_state
 
 STATE = {
     "weights": np.linspace(-1.0, 1.0, 600).reshape(20, 30),

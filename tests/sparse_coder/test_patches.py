@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lockstep.errors import InputError
+from lockstep import InputError
 from sparse_coder.patches import binocular_patches, check_images, coarse_window, fine_window
 from tests.sparse_coder.slow import slow_patches, slow_reduction
 

@@ -3,21 +3,37 @@ import math
 import numpy as np
 import pytest
 
-from lockstep.errors import InputError
-from sparse_coder.reward import reward
+from lockstep import InputError
+from sparse_coder.matching_pursuit import Selections
+from sparse_coder.reward import price_of_energy, reconstruction_error, reward
 
 ERRORS = np.array([0.1, 0.3])
 
 
-def test_without_a_price_the_reward_is_the_negative_error_of_both_scales() -> None:
-    assert reward(ERRORS, 1.4, 0.0) == pytest.approx(-0.4)
+def test_the_error_is_the_share_of_all_patches_energy_that_their_selections_leave() -> None:
+    patches = np.array([[3.0, 4.0], [0.0, 5.0]], np.float32)  # of energy 50
+    selections = Selections(np.array([[0], [1]], np.int32), np.array([[3.0], [4.0]], np.float32))
+    assert reconstruction_error(patches, selections) == pytest.approx(25.0 / 50.0)
 
 
-def test_energy_is_charged_by_its_weight() -> None:
-    assert reward(ERRORS, 1.4, 0.035) == pytest.approx(-0.4 - 0.049)
+def test_energy_is_charged_at_its_price() -> None:
+    got = reward(ERRORS, 1.4, 0.035)
+    assert got.value == pytest.approx(-0.4 - 0.049)
+    assert got.energy_penalty == pytest.approx(0.049)
+
+
+@pytest.mark.parametrize("rate_w", np.random.default_rng(0).uniform(0.1, 2.0, 20))
+def test_reward_and_penalty_make_the_error_to_the_last_bit(rate_w: float) -> None:
+    got = reward(ERRORS, rate_w, 0.065)
+    assert got.value + got.energy_penalty == -0.4
 
 
 @pytest.mark.parametrize("rate_w", [math.nan, math.inf, -0.1])
 def test_a_bad_metabolic_rate_is_refused(rate_w: float) -> None:
     with pytest.raises(InputError, match="metabolic rate: expected 0 W or more"):
         reward(ERRORS, rate_w, 0.0)
+
+
+def test_a_price_rises_from_0_or_is_constant() -> None:
+    assert [price_of_energy(0.5, n, 4.0) for n in range(6)] == [0.0, 0.125, 0.25, 0.375, 0.5, 0.5]
+    assert price_of_energy(0.5, 0, 0.0) == 0.5

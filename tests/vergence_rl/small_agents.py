@@ -1,4 +1,4 @@
-"""Small agents of both rules, and what they experience."""
+"""Small agents of all rules, and what they experience."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -7,12 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.configuration import build, flatten
-from vergence_rl.agent import Agent
+from lockstep import MUSCLE_NAMES, build, flatten
+from vergence_rl import Agent, Decision, VergenceRlConfig
 from vergence_rl.cacla.config import CaclaConfig
-from vergence_rl.config import VergenceRlConfig
 from vergence_rl.hindsight.config import HindsightConfig
-from vergence_rl.learning_rule import Decision
 
 Floats = NDArray[np.float64]
 MID, HIGHEST = np.array([0.1, 0.05]), np.array([0.2, 0.1])
@@ -45,6 +43,23 @@ MEAN = changed(
 )
 
 
+# Turns of the eyes in place of activations: two fixations of five iterations in each episode.
+GAZE = build(
+    VergenceRlConfig,
+    {
+        "n_bases": 3,
+        "n_training_iterations": 300,
+        "learning_rule": "hindsight",
+        "command_space": "all_muscles",
+        "lowest_activations": (0.0,),
+        "highest_activations": (0.2,),
+        "products_of_activations": True,
+        "fixation_iterations": 5,
+        "hindsight.regression_period": 10,
+    },
+)
+
+
 @cache
 def experience(now: int) -> tuple[NDArray[np.float32], Floats, float]:
     """Features, activations and reward of an observation; now and then a muscle is at a limit."""
@@ -54,13 +69,35 @@ def experience(now: int) -> tuple[NDArray[np.float32], Floats, float]:
     return features, activations, float(draw.standard_normal())
 
 
-def train(agent: Agent, first: int, n: int) -> list[Decision]:
+def observation(config: VergenceRlConfig, now: int, **changes: Any) -> dict[str, Any]:
+    """Return the arguments of Agent.observe for a training iteration.
+
+    Of an agent that makes saccades, the first one's movement is seen and a second one follows.
+    """
+    features, activations, reward = experience(now)
+    found: dict[str, Any] = {
+        "features": features,
+        "activations": activations,
+        "reward": reward,
+        "iteration": now % config.iterations_per_episode,
+        "training_iteration": now,
+        "learning": True,
+        "exploration": True,
+    }
+    if config.n_muscles == len(MUSCLE_NAMES):
+        draw, of_fixation = np.random.default_rng([29, now]), now % 5
+        found |= {
+            "activations": draw.uniform(0.05, 0.15, 12),
+            "target_deg": np.array([1.0, 2.0]) * (1.0 if of_fixation < 2 else np.nan),
+            "turns_deg": draw.normal(0, 1, (2, 3)) * (1.0 if of_fixation == 1 else np.nan),
+        }
+    return found | changes
+
+
+def train(agent: Agent, first: int, n: int, **changes: Any) -> list[Decision]:
     """Return the decisions of n training iterations."""
-    length = agent.config.iterations_per_episode
-    return [
-        agent.observe(*experience(t), t % length, t, learning=True, exploration=True)
-        for t in range(first, first + n)
-    ]
+    iterations = range(first, first + n)
+    return [agent.observe(**observation(agent.config, t, **changes)) for t in iterations]
 
 
 def trained(config: VergenceRlConfig, n: int) -> Agent:
@@ -68,6 +105,22 @@ def trained(config: VergenceRlConfig, n: int) -> Agent:
     agent = Agent(config)
     train(agent, 0, n)
     return agent
+
+
+@cache
+def _state_of(config: VergenceRlConfig, n: int) -> Mapping[str, Any]:
+    return trained(config, n).state()
+
+
+def knowing(config: VergenceRlConfig, **changes: Any) -> tuple[Agent, int]:
+    """Return an agent that has learned something, and its next training iteration.
+
+    One that turns its eyes has just seen enough movements to know how. changes: of its settings.
+    """
+    n = 1700 if config.n_muscles == len(MUSCLE_NAMES) else 130
+    agent, known = Agent(changed(config, changes)), _state_of(config, n)
+    agent.restore({name: known.get(name, value) for name, value in agent.state().items()})
+    return agent, n
 
 
 def assert_same_state(state: Mapping[str, Any], expected: Mapping[str, Any]) -> None:

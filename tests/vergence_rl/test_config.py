@@ -5,20 +5,17 @@ from typing import Any
 
 import pytest
 
-from lockstep.configuration import build
-from lockstep.errors import InputError
-from vergence_rl.config import VergenceRlConfig
+from lockstep import InputError, build
+from tests.vergence_rl.small_agents import GAZE, changed
+from vergence_rl import VergenceRlConfig
 
 
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
         ({"n_training_iterations": 0}, "n_training_iterations: expected 1 or more, got 0"),
-        ({"cacla.n_hidden": 0}, "cacla.n_hidden: expected 1 or more"),
         ({"cacla.discount": 1.0}, "cacla.discount: expected 0 or more, less than 1, got 1.0"),
-        ({"cacla.exploration_variance": -1.0}, "cacla.exploration_variance: expected 0 or more"),
         ({"cacla.actor_learning_rate": math.nan}, "rate: expected 0 or more, got nan"),
-        ({"state_standard_deviation": 0.0}, "state_standard_deviation: expected more than 0"),
         ({"lowest_activations": (0.3,)}, "expected 0.3 or more for medial_rectus, .*, got 0.2"),
         ({"highest_activations": (0.2, 1.1)}, "highest_activations: expected 0 to 1, got"),
         ({"highest_activations": (0.2,) * 3}, "expected 2 entries, of medial_rectus, lateral_"),
@@ -48,6 +45,25 @@ from vergence_rl.config import VergenceRlConfig
 def test_bad_settings_are_refused(settings: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         build(VergenceRlConfig, settings)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"fixation_iterations": 2}, "fixation_iterations: expected 0, or 4 or more, of "),
+        ({"iterations_per_episode": 12}, "iterations_per_episode: expected a multiple of 5"),
+        ({"learning_rule": "cacla"}, "learning_rule: expected another one than cacla with sacc"),
+        ({"measures_turns": True}, "measures_turns: expected false with saccades"),
+        ({"hindsight.n_best": 3}, "hindsight.n_best: expected less than 3"),
+        (
+            {"command_space": "pair", "products_of_activations": False},
+            "fixation_iterations: expected 0 with command_space pair",
+        ),
+    ],
+)
+def test_fixations_that_do_not_fit_are_refused(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=f"^{message}"):
+        changed(GAZE, changes)
 
 
 def test_settings_of_the_other_rule_do_not_matter() -> None:

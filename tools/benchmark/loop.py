@@ -11,7 +11,7 @@ import numpy as np
 from experiment_manager.experiment.protocol import protocol_of
 from experiment_manager.in_process.loop import Step, make_loop
 from experiment_manager.run.config_file import Configuration
-from eye_plant.observation import Observation
+from eye_plant import Observation
 
 STAGES = ("physics", "rendering", "encoding", "dictionary_step", "actor_critic", "episode_start")
 # The parts of physics: each call of an iteration.

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lockstep.errors import InputError
+from lockstep import InputError
 from tools.stress.hostile_input import fuzz
 from tools.stress.kills import kill
 

@@ -17,9 +17,8 @@ from experiment_manager.experiment.protocol import protocol_of
 from experiment_manager.in_process.loop import InProcessLoop, make_loop
 from experiment_manager.run.config_file import configuration_text, read_configuration
 from experiment_manager.supervision.processes import MANAGER, PACKAGES
-from eye_plant.episode import Episode
-from lockstep.errors import InputError
-from lockstep.state_file import read_state
+from eye_plant import Episode
+from lockstep import InputError, read_state
 from lockstep.wire.qos import QUEUE_DEPTH
 from lockstep.wire.stamps import period_ns
 from tests.command_lines import configured

@@ -13,8 +13,7 @@ import pytest
 
 from experiment_manager.supervision.processes import PACKAGES
 from eye_plant.commands import target_activations
-from lockstep.command_space import COMMAND_SPACES, MUSCLE_NAMES, PAIR
-from lockstep.errors import InputError
+from lockstep import COMMAND_SPACES, MUSCLE_NAMES, PAIR, InputError
 from lockstep.wire.stamps import checked_stamp
 from lockstep.wire.topics import EPISODE_NAMES, PICTURES
 from lockstep.wire.vectors import values_of, whole_values_of

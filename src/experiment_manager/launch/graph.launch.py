@@ -22,7 +22,7 @@ from launch.event_handlers import OnProcessExit
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from lockstep.machine.launch_environment import launch_environment
+from lockstep.machine.environment import node_environment
 
 MANAGER = "experiment_manager"
 PACKAGES = ("eye_plant", "sparse_coder", "vergence_rl", MANAGER)
@@ -30,7 +30,7 @@ PACKAGES = ("eye_plant", "sparse_coder", "vergence_rl", MANAGER)
 
 def generate_launch_description() -> LaunchDescription:
     """Return the four nodes, in one namespace."""
-    variables = launch_environment(Path(get_package_share_directory("lockstep")))
+    variables = node_environment(Path(get_package_share_directory("lockstep")) / "config")
     return LaunchDescription(
         [
             DeclareLaunchArgument("namespace", default_value="", description="of all nodes"),

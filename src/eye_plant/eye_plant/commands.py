@@ -5,8 +5,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from lockstep.command_space import MUSCLE_NAMES, muscles_of
-from lockstep.errors import InputError
+from lockstep import MUSCLE_NAMES, InputError
+from lockstep.command_space import muscles_of
 
 
 def target_activations(

@@ -9,9 +9,7 @@ from eye_plant.inverse.least_cost import CostOfVergence, cost_of_vergence
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig
 from eye_plant.turns import TurnsDeg
-from lockstep.configuration import build, flatten
-from lockstep.errors import InputError
-from lockstep.settings import check_settings, setting
+from lockstep import InputError, build, check_settings, flatten, setting
 from lockstep.task import TaskConfig
 
 # No machine draws more pictures in time.

@@ -6,10 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from lockstep.command_space import MUSCLE_NAMES
+from lockstep import MUSCLE_NAMES, InputError, check_settings, setting
 from lockstep.configuration import typed
-from lockstep.errors import InputError
-from lockstep.settings import REQUIRED, check_settings, setting
+from lockstep.settings import REQUIRED
 from lockstep.wire.topics import TEST, TRAINING
 
 

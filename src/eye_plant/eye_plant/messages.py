@@ -9,9 +9,9 @@ from sensor_msgs.msg import CameraInfo, Image
 from eye_plant.camera.config import CameraConfig
 from eye_plant.config import EyePlantConfig
 from eye_plant.observation import Observation
-from lockstep.command_space import MUSCLE_NAMES, SIDES
+from lockstep import MUSCLE_NAMES, SIDES
 from lockstep.wire.cdr import serialized
-from lockstep.wire.codec import writer_of
+from lockstep.wire.codec import Writer
 from lockstep.wire.images import ImageBytes
 from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import (
@@ -37,9 +37,7 @@ class ObservationMessages:
         self._truth = VectorBytes(GROUND_TRUTH_NAMES)
         self._pictures = [ImageBytes(picture_message(config.camera, i_eye)) for i_eye in range(2)]
         baseline_m = config.mechanics.baseline_m
-        self._infos = [
-            writer_of(camera_info(config.camera, i_eye, baseline_m)) for i_eye in range(2)
-        ]
+        self._infos = [Writer(camera_info(config.camera, i_eye, baseline_m)) for i_eye in range(2)]
 
     def vectors(self, stamp_ns: int, observation: Observation) -> Iterator[tuple[str, bytes]]:
         """Yield everything small.

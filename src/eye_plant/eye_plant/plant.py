@@ -17,8 +17,7 @@ from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli
 from eye_plant.turns import turned
 from eye_plant.vergence import desired_vergence_deg
-from lockstep.command_space import PAIR
-from lockstep.errors import InputError
+from lockstep import PAIR, InputError
 
 
 class EyePlant:
@@ -26,6 +25,23 @@ class EyePlant:
 
     An episode starts from nothing: `begin` settles the eyes at its first activations whatever came
     before, so the same episode and commands give the same observations.
+
+    Example:
+        >>> import numpy as np
+        >>> from eye_plant import Episode, EyePlant, EyePlantConfig, Inverse, StimulusSet
+        >>> noise = np.random.default_rng(0).integers(0, 256, (2, 64, 64), np.uint8)
+        >>> config = EyePlantConfig()
+        >>> plant = EyePlant(config, StimulusSet((noise[0],), (noise[1],)))
+        >>> limits = (0.0, 0.2), (0.0, 0.1)  # of medial and lateral rectus
+        >>> start = Inverse(config.mechanics).activations(3.0, 0.5, limits)
+        >>> seen = plant.begin(Episode.alone(0, 1.0, start, n_iterations=1))
+        >>> seen.pictures.shape, round(seen.truth.vergence_deg, 3)
+        ((2, 240, 320), 3.0)
+        >>> command = plant.targets(["medial_rectus", "lateral_rectus"], np.array([0.1, 0.0]))
+        >>> seen = plant.execute(command)
+        >>> seen.truth.vergence_deg > 3.0
+        True
+        >>> plant.close()
     """
 
     def __init__(self, config: EyePlantConfig, stimuli: StimulusSet | None = None) -> None:

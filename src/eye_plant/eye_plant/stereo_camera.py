@@ -9,7 +9,7 @@ from eye_plant.camera.ray_casting.plane_renderer import PlaneRenderer
 from eye_plant.camera.renderer import Renderer, View
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from eye_plant.turns import turned
-from lockstep.errors import InputError
+from lockstep import InputError
 
 _NEAREST_M = 0.1
 _GAP_TO_LANDSCAPE_M = 0.1

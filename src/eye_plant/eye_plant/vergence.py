@@ -6,7 +6,7 @@ both eyes' adduction. These are formulas: they take and return plain floats.
 
 import math
 
-from lockstep.errors import InputError
+from lockstep import InputError
 
 
 def desired_vergence_deg(distance_m: float, baseline_m: float, parallax_m: float = 0.0) -> float:

@@ -12,7 +12,7 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironment
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from lockstep.machine.launch_environment import launch_environment
+from lockstep.machine.environment import node_environment
 
 RATE_HZ = 100.0
 _ARGUMENTS = {
@@ -25,7 +25,7 @@ _ARGUMENTS = {
 
 def generate_launch_description() -> LaunchDescription:
     """Return the node: above its own parameter file the user's, above both the arguments."""
-    variables = launch_environment(Path(get_package_share_directory("lockstep")))
+    variables = node_environment(Path(get_package_share_directory("lockstep")) / "config")
     return LaunchDescription(
         [
             *(

@@ -1,4 +1,38 @@
-"""The protocol between the nodes, and nothing of the science.
+"""What all packages share: the protocol between the nodes, settings, muscle names, randomness.
 
 Importing this package imports no ROS; the modules that need rclpy import it themselves.
 """
+
+from lockstep.command_space import (
+    ALL_MUSCLES,
+    COMMAND_SPACES,
+    HORIZONTAL_RECTI,
+    MUSCLE_NAMES,
+    PAIR,
+    SIDES,
+    CommandSpace,
+)
+from lockstep.configuration import build, flatten
+from lockstep.errors import DivergenceError, InputError
+from lockstep.randomness import generator
+from lockstep.settings import check_settings, setting
+from lockstep.state_file import read_state, write_state
+
+__all__ = [
+    "ALL_MUSCLES",
+    "COMMAND_SPACES",
+    "HORIZONTAL_RECTI",
+    "MUSCLE_NAMES",
+    "PAIR",
+    "SIDES",
+    "CommandSpace",
+    "DivergenceError",
+    "InputError",
+    "build",
+    "check_settings",
+    "flatten",
+    "generator",
+    "read_state",
+    "setting",
+    "write_state",
+]

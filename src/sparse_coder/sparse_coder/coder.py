@@ -9,16 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.errors import InputError
-from lockstep.randomness import generator
+from lockstep import InputError, generator
 from sparse_coder.config import SparseCoderConfig
-from sparse_coder.dictionary import Dictionary, declining_rate, initial_atoms, learned_atoms
-from sparse_coder.encoding import Encoding
-from sparse_coder.matching_pursuit import (
-    matching_pursuit,
-    mean_squared_coefficients,
-    reconstruction_error,
-)
+from sparse_coder.dictionary import Dictionary, dictionary_rate, initial_atoms, learned_atoms
+from sparse_coder.gaze.fixations import gaze_watch
+from sparse_coder.matching_pursuit import matching_pursuit, mean_squared_coefficients
 from sparse_coder.patches import (
     N_PIXELS,
     Image,
@@ -27,6 +22,8 @@ from sparse_coder.patches import (
     coarse_window,
     fine_window,
 )
+from sparse_coder.percept import NOWHERE_DEG, Encoding, Percept
+from sparse_coder.reward import price_of_energy, reconstruction_error, reward
 
 SCALES = ("coarse", "fine")
 _LARGEST_NORM_ERROR = 1e-4
@@ -35,8 +32,18 @@ _LARGEST_NORM_ERROR = 1e-4
 class SparseCoder:
     """Owns one dictionary per scale.
 
-    encode and learn are separate, so that the features can be published before the dictionaries
-    move; whatever of the work needs the atoms alone is done in learn.
+    perceive and learn are separate, so that features and reward can be published before the
+    dictionaries move; whatever of the work needs the atoms alone is done in learn.
+
+    Example:
+        >>> import numpy as np
+        >>> from sparse_coder import SparseCoder, SparseCoderConfig
+        >>> left, right = np.random.default_rng(0).integers(0, 256, (2, 240, 320), np.uint8)
+        >>> coder = SparseCoder(SparseCoderConfig(n_bases=40))
+        >>> percept = coder.perceive(left, right, metabolic_rates_w=np.zeros(4))
+        >>> percept.encoding.features.shape
+        (2, 40)
+        >>> coder.learn(percept.encoding)
     """
 
     def __init__(self, config: SparseCoderConfig) -> None:
@@ -49,6 +56,34 @@ class SparseCoder:
             )
             for i, _ in enumerate(SCALES)
         ]
+        self._watch = gaze_watch(config)
+
+    def perceive(
+        self,
+        left: Image,
+        right: Image,
+        metabolic_rates_w: NDArray[np.float64],
+        *,
+        iteration: int = 0,
+        given_deg: NDArray[np.float64] = NOWHERE_DEG,
+    ) -> Percept:
+        """Return what an observation is worth, and what it says of gaze; the atoms stay.
+
+        left, right: grey uint8 pictures (height_px, width_px).
+        metabolic_rates_w: (n_muscles,) settled rates of the muscles that are charged.
+        iteration: within the episode; turns of the eyes are followed from 0 on.
+        given_deg: (2,) place to look at when a fixation begins, NaN where the eyes choose.
+
+        Raises InputError for pictures and rates that cannot be.
+        """
+        encoding = self.encode(left, right)
+        rate_w = float(metabolic_rates_w.sum())
+        earned = reward(encoding.reconstruction_error, rate_w, self.price_of_energy)
+        watch = self._watch
+        gaze = watch.step(iteration, (left, right), encoding, given_deg) if watch else None
+        return Percept(
+            encoding, rate_w, earned.energy_penalty, earned.value, self.learning_steps, gaze
+        )
 
     def encode(self, left: Image, right: Image) -> Encoding:
         """Return the code of two grey uint8 pictures (height, width); changes nothing.
@@ -86,20 +121,13 @@ class SparseCoder:
         config = self.config
         n_until_rest = config.resting_share * config.n_training_iterations
         done = min(1.0, self.learning_steps / n_until_rest)
-        return declining_rate(config.learning_rate, config.final_learning_rate_share, done)
+        return dictionary_rate(config.learning_rate, config.final_learning_rate_share, done)
 
     @property
-    def metabolic_cost_weight(self) -> float:
-        """Lambda by now, in 1/W (D21).
-
-        Eyes learn what to look at before saving is worth much.
-        """
-        config = self.config
-        price = config.metabolic_cost_weight
-        n_rising = config.price_rise_share * config.n_training_iterations
-        if self.learning_steps < n_rising:
-            price = price * self.learning_steps / n_rising
-        return price
+    def price_of_energy(self) -> float:
+        """Lambda by now, in 1/W (D21)."""
+        n_rising = self.config.price_rise_share * self.config.n_training_iterations
+        return price_of_energy(self.config.metabolic_cost_weight, self.learning_steps, n_rising)
 
     def atoms(self) -> NDArray[np.float32]:
         """Return a copy of the basis functions, (n_scales, n_bases, n_pixels)."""

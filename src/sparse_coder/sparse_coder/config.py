@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from lockstep import setting
 from lockstep.optics import OpticsConfig
-from lockstep.settings import setting
 from lockstep.task import TaskConfig
 
 # Lambda of M_C unless another is given, 1/W, by the eyes' parameter set: energy is 20 % of the
@@ -41,3 +41,8 @@ class SparseCoderConfig(TaskConfig):
         """Refuse values out of range, and a task without training."""
         super().__post_init__()
         self.check_trains()
+
+    @property
+    def watches_gaze(self) -> bool:
+        """Whether the topic gaze is asked for."""
+        return self.fixation_iterations > 0 or self.measures_turns

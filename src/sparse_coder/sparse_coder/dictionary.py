@@ -40,7 +40,7 @@ def initial_atoms(
     return (atoms / np.linalg.norm(atoms, axis=1, keepdims=True)).astype(np.float32)
 
 
-def declining_rate(initial_rate: float, final_share: float, fraction_done: float) -> float:
+def dictionary_rate(initial_rate: float, final_share: float, fraction_done: float) -> float:
     """Return the learning rate, linear from initial_rate to final_share of it (D17; K17: 1).
 
     ours: the actor's own rate falls to 0, so it cannot follow features that go on changing.
@@ -61,7 +61,10 @@ def learned_atoms(
     r_j = p_j - sum_k kappa_jk phi_k (Olshausen & Field 1996, as in K17). An atom that would vanish
     stays as it was; one that was not selected has no gradient and stays too.
 
-    atoms: (n_bases, n_pixels); patches: (n_patches, n_pixels).
+    atoms: (n_bases, n_pixels).
+    patches: (n_patches, n_pixels).
+    selections: of these patches, by these atoms.
+    learning_rate: eta.
     """
     steps = np.zeros_like(atoms)
     _add_gradient(atoms, patches, selections.atoms, selections.coefficients, steps)

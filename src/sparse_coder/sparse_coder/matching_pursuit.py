@@ -36,8 +36,10 @@ def matching_pursuit(
     The residual itself is never formed: its correlations follow from the Gram matrix,
     phi_i . r <- phi_i . r - kappa phi_i . phi_k.
 
-    patches: (n_patches, n_pixels); atoms: (n_bases, n_pixels), unit rows; gram: (n_bases, n_bases),
-    all products of two atoms.
+    patches: (n_patches, n_pixels).
+    atoms: (n_bases, n_pixels), unit rows.
+    gram: (n_bases, n_bases), all products of two atoms.
+    n_selections: of each patch.
     """
     correlations = np.matmul(patches, atoms.T)
     selected = np.empty((patches.shape[0], n_selections), np.int32)
@@ -56,21 +58,11 @@ def mean_squared_coefficients(selections: Selections, n_bases: int) -> NDArray[n
     return (features / selections.atoms.shape[0]).astype(np.float32)
 
 
-def reconstruction_error(patches: NDArray[np.float32], selections: Selections) -> float:
-    """Return the sum of squared residuals over the sum of squared patch entries, in [0, 1].
-
-    Each selection of a unit atom takes kappa^2 from the residual's energy (Mallat & Zhang 1993),
-    so the residuals need not be formed. Patches without any energy leave nothing to explain:
-    their error is 0. (K17 eq. 2, as a fraction (D3), since the paper's lambda needs it.)
-    """
-    energy = _energy(patches)
-    if energy == 0.0:
-        return 0.0
-    return max(0.0, 1.0 - _energy(selections.coefficients) / energy)
-
-
 def residual_energies(patches: NDArray[np.float32], selections: Selections) -> NDArray[np.float32]:
-    """Return the sum of squared residuals of each patch, (n_patches,); see reconstruction_error."""
+    """Return the sum of squared residuals of each patch, (n_patches,).
+
+    Each selection of a unit atom takes kappa^2 from it (Mallat & Zhang 1993).
+    """
     coded: NDArray[np.float32] = (selections.coefficients**2).sum(axis=1)
     return np.maximum((patches**2).sum(axis=1) - coded, np.float32(0.0))
 
@@ -131,9 +123,10 @@ def _add_squared_coefficients(
 # "reassoc" lets the sum use the vector unit; the order is fixed once compiled, so that the same
 # machine gives the same bits.
 @njit(float64(float32[:, ::1]), cache=True, nogil=True, fastmath={"reassoc"})
-def _energy(values: NDArray[np.float32]) -> float:
-    energy = 0.0
+def energy(values: NDArray[np.float32]) -> float:
+    """Return the sum of squares of a matrix."""
+    total = 0.0
     for i_row in range(values.shape[0]):
         for i in range(values.shape[1]):
-            energy += np.float64(values[i_row, i]) ** 2
-    return energy
+            total += np.float64(values[i_row, i]) ** 2
+    return total

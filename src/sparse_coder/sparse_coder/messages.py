@@ -3,7 +3,7 @@
 import numpy as np
 from sensor_msgs.msg import Image
 
-from lockstep.errors import InputError
+from lockstep import InputError
 from sparse_coder.patches import N_PIXELS
 
 

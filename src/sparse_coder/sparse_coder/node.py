@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import Image, JointState
 
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.node.learner_node import LearnerNode
 from lockstep.node.process import run_node
 from lockstep.wire.images import ImagePublisher
@@ -25,9 +25,8 @@ from lockstep.wire.topics import (
 from lockstep.wire.vectors import VectorPublisher, values_of, whole_values_of
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
-from sparse_coder.gaze.fixations import NOWHERE_DEG
 from sparse_coder.messages import basis_functions_message, features_message, picture_of
-from sparse_coder.perception import gaze_watch, perceive
+from sparse_coder.percept import NOWHERE_DEG
 
 # Half a megabyte each time, for people to look at.
 _BASIS_FUNCTIONS_PERIOD_S = 1.0
@@ -51,9 +50,8 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
             self, BASIS_FUNCTIONS, basis_functions_message(self.config.n_bases)
         )
         self._sent_basis_functions_s = 0.0
-        self._watch = gaze_watch(self.config)
         self._wanted_deg: np.ndarray | None = None
-        if self._watch:
+        if self.config.watches_gaze:
             self._gaze = VectorPublisher(self, GAZE, GAZE_NAMES)
         if self.config.fixation_iterations:
             self.create_subscription(JointState, GAZE_TARGET, self._take_target, _TARGET_DEPTH)
@@ -78,18 +76,12 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
             "effort",
         )
         iteration, given_deg = 0, NOWHERE_DEG
-        if self._watch:
+        if self.config.watches_gaze:
             (iteration,) = whole_values_of(episode, ("iteration",), "episode")
         if self.config.fixation_iterations:
             given_deg = self._given_deg(episode, phase, iteration)
-        percept = perceive(
-            self.learner,
-            left,
-            right,
-            rates_w,
-            watch=self._watch,
-            iteration=iteration,
-            given_deg=given_deg,
+        percept = self.learner.perceive(
+            left, right, rates_w, iteration=iteration, given_deg=given_deg
         )
         if given_deg is self._wanted_deg:
             self._wanted_deg = None  # once it is looked at, not when a picture is refused
@@ -131,7 +123,7 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
 
     def repeat(self) -> None:
         """Publish the last features and reward again, and what they say of gaze."""
-        if self._watch:
+        if self.config.watches_gaze:
             self._gaze.repeat()
         self._reward.repeat()
         self._features.repeat()

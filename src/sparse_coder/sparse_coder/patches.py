@@ -9,7 +9,7 @@ import numpy as np
 from numba import float32, njit, void
 from numpy.typing import NDArray
 
-from lockstep.errors import InputError
+from lockstep import InputError
 
 PATCH_SIZE_PX = 8
 STRIDE_PX = 4

@@ -1,22 +1,67 @@
-"""The reward that teaches the eyes."""
+"""What the eyes are rewarded for (K17 II): pictures that the code explains, for little energy.
+
+    E = sum over both scales of
+        (sum_j |p_j - sum_k kappa_jk phi_k|^2) / (sum_j |p_j|^2)        (eq. 2)
+    r = -E - lambda C                                                   (eq. 5)
+
+p_j: binocular patch j; phi_k: basis functions; kappa_jk: their coefficients; C: settled metabolic
+rate of the commanded muscles, W; lambda: price of energy, 1/W, 0 in model M.
+"""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.errors import InputError
+from lockstep import InputError
+from sparse_coder.matching_pursuit import Selections, energy
 
 
-def reward(
-    reconstruction_error: NDArray[np.float64], metabolic_rate_w: float, metabolic_cost_weight: float
-) -> float:
-    """Return r = -E - lambda C (K17 eq. 5), where E is the sum of both scales' errors.
+def reconstruction_error(patches: NDArray[np.float32], selections: Selections) -> float:
+    """Return the share of the patches' energy that the code of one scale leaves, in [0, 1].
 
-    reconstruction_error: (n_scales,); metabolic_rate_w: C, the settled rate of the
-    muscles that are charged, at the current activations; metabolic_cost_weight: lambda in 1/W.
-    Raises InputError for a rate that is not finite or is negative.
+    K17 eq. 2, as a fraction (D3), since the paper's lambda needs it. Each selection of a unit atom
+    takes kappa^2 from the residual's energy (Mallat & Zhang 1993), so the residuals need not be
+    formed. Patches without any energy leave nothing to explain: their error is 0.
+
+    patches: (n_patches, n_pixels); selections: of these patches.
     """
-    if not (math.isfinite(metabolic_rate_w) and metabolic_rate_w >= 0.0):
-        raise InputError(f"metabolic rate: expected 0 W or more, got {metabolic_rate_w}")
-    return float(-np.sum(reconstruction_error) - metabolic_cost_weight * metabolic_rate_w)
+    total = energy(patches)
+    if total == 0.0:
+        return 0.0
+    return max(0.0, 1.0 - energy(selections.coefficients) / total)
+
+
+def price_of_energy(highest: float, learning_steps: int, n_rising: float) -> float:
+    """Return lambda, in 1/W, by now: it rises linearly from 0 to its highest value (D21).
+
+    Eyes learn what to look at before saving is worth much. learning_steps: done so far; n_rising:
+    steps until the price has risen, 0 for a constant price (K17).
+    """
+    return highest * learning_steps / n_rising if learning_steps < n_rising else highest
+
+
+@dataclass(frozen=True)
+class Reward:
+    """r of an observation, and how much of it energy takes.
+
+    energy_penalty: lambda C, to the last bit as r contains it: r + energy_penalty is -E, unless
+    the penalty exceeds E.
+    """
+
+    value: float
+    energy_penalty: float
+
+
+def reward(reconstruction_errors: NDArray[np.float64], rate_w: float, price: float) -> Reward:
+    """Return r = -E - lambda C (K17 eq. 5), E being the sum of both scales' errors.
+
+    reconstruction_errors: (n_scales,); rate_w: C; price: lambda, 1/W. Raises InputError for a rate
+    that is not finite or is negative.
+    """
+    if not (math.isfinite(rate_w) and rate_w >= 0.0):
+        raise InputError(f"metabolic rate: expected 0 W or more, got {rate_w}")
+    error = float(np.sum(reconstruction_errors))
+    loss = error + price * rate_w
+    return Reward(-loss, loss - error)

@@ -1,6 +1,5 @@
 """The agent: features, activations and reward in, a muscle command out."""
 
-import dataclasses
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -8,35 +7,59 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.errors import DivergenceError, InputError
-from lockstep.randomness import generator
-from vergence_rl.cacla.rule import CaclaRule
+from lockstep import DivergenceError, InputError, generator
 from vergence_rl.config import VergenceRlConfig
 from vergence_rl.gaze.control import GazeControl, checked_gaze
-from vergence_rl.gaze.eye_turns import N_TURNS
-from vergence_rl.hindsight.rule import HindsightRule
-from vergence_rl.learning_rule import Decision, LearningRule, Observation
+from vergence_rl.gaze.turning import TurningRule
+from vergence_rl.learning_rule import (
+    NO_TARGET_DEG,
+    NO_TURNS_DEG,
+    Decision,
+    LearningRule,
+    TimeStep,
+)
 from vergence_rl.normalizer import (
     RunningStatistics,
     empty_statistics,
     normalized,
     updated_statistics,
 )
+from vergence_rl.rules import RULES
 
 # Rewards are about -0.2 and activations end at 1: a hundred times that means divergence.
 _SANE = {"value": 100.0, "td_error": 100.0, "action": 100.0}
-_RULES: dict[str, Any] = {"cacla": CaclaRule, "hindsight": HindsightRule}
-_NO_TARGET, _NO_TURNS = np.full(2, np.nan), np.full((2, 3), np.nan)
 
 
 class Agent:
-    """Owns the normaliser's statistics, a learning rule, and what turns of the eyes need."""
+    """Owns the normaliser's statistics and a learning rule.
+
+    learning_steps: training iterations so far that had a predecessor in their episode to learn
+    from.
+
+    Example:
+        >>> import numpy as np
+        >>> from vergence_rl import Agent, VergenceRlConfig
+        >>> agent, place = Agent(VergenceRlConfig(n_bases=3)), np.array([0.1, 0.05])
+        >>> for i in range(10):  # an episode
+        ...     decision = agent.observe(
+        ...         np.ones(6), place, -0.2, i, i, learning=True, exploration=True
+        ...     )
+        ...     place = decision.command
+        >>> agent.learning_steps
+        9
+    """
 
     def __init__(self, config: VergenceRlConfig) -> None:
         """Start with the weights of the seed."""
         self.config = config
-        rule = _RULES[config.learning_rule]
-        self._rule: LearningRule = rule(config.rule_config, config.task)
+        rule: LearningRule = RULES[config.learning_rule](config.rule_config, config.task)
+        if config.learns_turns:
+            holds_gaze = config.fixation_iterations > 0
+            control = GazeControl(*config.limit_arrays, config.gaze, holds_gaze=holds_gaze)
+            rule = TurningRule(rule, control, config.iterations_per_fixation, config.n_before)
+        self._rule = rule
+        self.learning_steps = 0
+        self._last: TimeStep | None = None
         self._hidden = {
             "all": slice(0),
             "features": slice(config.n_features, None),
@@ -45,21 +68,7 @@ class Agent:
         self._statistics = empty_statistics(
             config.n_features + config.n_felt, config.initial_squared_deviation
         )
-        self._gaze = (
-            GazeControl(
-                *config.limit_arrays, config.gaze, holds_gaze=config.fixation_iterations > 0
-            )
-            if config.learns_turns
-            else None
-        )
         self._pairs = np.triu_indices(config.n_muscles // config.space.n_eyes)
-        # The sum of what vergence has asked for in this fixation.
-        self._turned_deg = np.zeros(N_TURNS)
-
-    @property
-    def learning_steps(self) -> int:
-        """Training iterations so far that had a predecessor in their episode to learn from."""
-        return self._rule.learning_steps
 
     def observe(
         self,
@@ -71,109 +80,64 @@ class Agent:
         *,
         learning: bool,
         exploration: bool,
-        target_deg: NDArray[np.float64] = _NO_TARGET,
-        turns_deg: NDArray[np.float64] = _NO_TURNS,
-        price: float = 0.0,
+        target_deg: NDArray[np.float64] = NO_TARGET_DEG,
+        turns_deg: NDArray[np.float64] = NO_TURNS_DEG,
+        energy_penalty: float = 0.0,
     ) -> Decision:
         """Learn from what was done so far and answer with what to do next.
 
-        features: (2, n_features / 2) or any shape of that size; activations: (n_muscles,) of now;
-        reward: r_t, of now; iteration: within the episode, from 0; training_iteration: number of
-        training iterations before this one. There is nothing to learn at an episode's start or
-        after a gap, nor from an action that was taken without learning. target_deg: (2,) sideways
-        and up from the left line of sight, where there is a place to look at now; turns_deg: (2, 3)
-        how each eye was seen to turn since the observation before; NaN otherwise. price: what the
-        activations take from the reward, lambda C, where vergence is learned as turns.
+        features: (2, n_features / 2) or any shape of that size.
+        activations: (n_muscles,) of now, those that are commanded.
+        reward: r_t, of now.
+        iteration: within the episode, from 0.
+        training_iteration: number of training iterations before this one.
+        learning: whether to learn from the last action, and later from this one. There is nothing
+            to learn at an episode's start or after a gap.
+        exploration: whether to add noise to the action.
+        target_deg: (2,) place to look at now, sideways and up from the left line of sight; NaN
+            where there is none.
+        turns_deg: (2, 3) how each eye was seen to turn since the observation before; NaN where that
+            was not seen.
+        energy_penalty: lambda C, what the activations take from the reward.
+
         Raises InputError, and changes nothing, for a wrong size or a number that is not finite;
         DivergenceError when value, TD error or action leave every sane range.
         """
         entries = self._checked_entries(features, activations)
         _check_numbers(
-            {"reward": reward, "price": price},
+            {"reward": reward, "energy_penalty": energy_penalty},
             {"iteration": iteration, "training_iteration": training_iteration},
         )
         target_deg, turns_deg = checked_gaze(target_deg, turns_deg)
         if learning:
             self._statistics = updated_statistics(self._statistics, entries)
-        observation = Observation(
+        observation = TimeStep(
             iteration,
             training_iteration,
             self._state_vector(entries),
             entries[-self.config.n_muscles :],
             reward,
+            target_deg,
+            turns_deg,
+            energy_penalty,
         )
-        draw = (
-            generator(self.config.seed, "exploration", training_iteration) if exploration else None
-        )
-        if self._gaze is None:
-            decision = self._rule.step(observation, learning=learning, draw=draw)
-        else:
-            self._gaze.see(observation, turns_deg, price, learning=learning)
-            decision = self._turn(
-                self._gaze, observation, target_deg, price, learning=learning, draw=draw
-            )
+        seed = self.config.seed
+        draw = generator(seed, "exploration", training_iteration) if exploration else None
+        decision = self._rule.step(observation, learning=learning, draw=draw)
         _check_sanity(training_iteration, decision)
+        if learning and self._last is not None and observation.follows(self._last):
+            self.learning_steps += 1
+        self._last = observation if learning else None
         return decision
-
-    def _turn(
-        self,
-        control: GazeControl,
-        observation: Observation,
-        target_deg: NDArray[np.float64],
-        price: float,
-        *,
-        learning: bool,
-        draw: np.random.Generator | None,
-    ) -> Decision:
-        """Make a saccade where there is a target, otherwise verge where the eyes look (D22, D23).
-
-        The rule sees what follows the saccades, or the first command, as an episode of its own, in
-        which the place of the eyes is the sum of the turns that it has asked for. The price is not
-        among its rewards: the control lowers it, and leaves the vergence that the rule has chosen.
-        """
-        activations = observation.activations
-        is_saccade = bool(np.isfinite(target_deg).all())
-        # Before, the eyes could not see how the first command moved them: nobody's visit.
-        n_before = self.config.n_before
-        since = observation.iteration % self.config.iterations_per_fixation - n_before
-        if since <= 0:
-            self._turned_deg = np.zeros(N_TURNS)
-        seen = dataclasses.replace(
-            observation,
-            iteration=since,
-            activations=self._turned_deg,
-            reward=observation.reward + price,
-        )
-        n_learned = self._rule.learning_steps
-        learns = learning and not is_saccade and since >= 0 and control.is_known
-        decision = self._rule.step(seen, learning=learns, draw=None if is_saccade else draw)
-        if learning:
-            # As for all eyes, so that the recorder can check it: all iterations count.
-            self._rule.learning_steps = n_learned + (observation.iteration > 0)
-        if is_saccade:
-            # The second one corrects the first, without noise.
-            command = control.saccade(activations, target_deg, draw if since == -n_before else None)
-        else:
-            self._turned_deg = decision.command
-            command = control.verge(activations, decision.action)
-            # Turns are learned from commands with noise.
-            is_shaken = self.config.measures_turns and (since < 0 or not control.is_known)
-            if is_shaken and draw is not None:
-                command = control.shaken(command, draw)
-        return dataclasses.replace(decision, command=command, action=command - activations)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all that learning has changed, for restore at an episode's start, as copies."""
-        of_gaze = self._gaze.state() if self._gaze else {}
-        return (
-            self._rule.state()
-            | of_gaze
-            | {
-                "statistics_count": np.array(self._statistics.count),
-                "statistics_mean": self._statistics.mean.copy(),
-                "statistics_squared_deviation": self._statistics.squared_deviation.copy(),
-            }
-        )
+        return self._rule.state() | {
+            "learning_steps": np.array(self.learning_steps),
+            "statistics_count": np.array(self._statistics.count),
+            "statistics_mean": self._statistics.mean.copy(),
+            "statistics_squared_deviation": self._statistics.squared_deviation.copy(),
+        }
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from what state returned, bit for bit, with the next episode.
@@ -183,8 +147,7 @@ class Agent:
         """
         _check_state(state, self.state())
         self._rule.restore(state)
-        if self._gaze:
-            self._gaze.restore(state)
+        self.learning_steps, self._last = int(state["learning_steps"]), None
         self._statistics = RunningStatistics(
             int(state["statistics_count"]),
             state["statistics_mean"].copy(),

@@ -5,22 +5,20 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.errors import InputError
-from lockstep.settings import setting
+from lockstep import InputError, setting
 from lockstep.task import TaskConfig
 from lockstep.wire.topics import N_SACCADES
-from vergence_rl.cacla.config import CaclaConfig
 from vergence_rl.gaze.config import GazeConfig
 from vergence_rl.gaze.eye_turns import N_TURNS
-from vergence_rl.hindsight.config import HindsightConfig
-from vergence_rl.learning_rule import Task
+from vergence_rl.learning_rule import RuleConfig, Task
+from vergence_rl.rules import RULES, RuleSettings
 
 # Vergence learns from what follows the saccades.
 LEAST_FIXATION = N_SACCADES + 2
 
 
 @dataclass(frozen=True)
-class VergenceRlConfig(TaskConfig):
+class VergenceRlConfig(RuleSettings, TaskConfig):
     """Settings of the agent; the defaults are the published model's (K17 II).
 
     Raises InputError for a value out of range, and for an episode or limits that do not fit.
@@ -30,7 +28,7 @@ class VergenceRlConfig(TaskConfig):
         "cacla",
         "learning rule of the actor: cacla uses the TD error of a critic, as in K17; hindsight"
         " regresses on the best activations of each episode (D12)",
-        choices=("cacla", "hindsight"),
+        choices=tuple(RULES),
     )
     feature_exponent: float = setting(
         1.0, "exponent that is applied to the features before they are normalised (D15)", above=0
@@ -56,8 +54,6 @@ class VergenceRlConfig(TaskConfig):
     td_variance_rate: float = setting(
         0.001, "zeta of K17, rate of the running variance of the TD error", least=0, below=1
     )
-    cacla: CaclaConfig = field(default_factory=CaclaConfig)
-    hindsight: HindsightConfig = field(default_factory=HindsightConfig)
     gaze: GazeConfig = field(default_factory=GazeConfig)
 
     def __post_init__(self) -> None:
@@ -69,10 +65,10 @@ class VergenceRlConfig(TaskConfig):
                 f"fixation_iterations: expected 0, or {LEAST_FIXATION} or more, of which "
                 f"{N_SACCADES} are saccades, got {self.fixation_iterations}"
             )
-        if self.learns_turns and self.learning_rule == "cacla":
+        if self.learns_turns and not self.rule_config.turns_eyes:
             raise InputError(
-                "learning_rule: expected another one than cacla with saccades or measures_turns: "
-                "its actions are changes of activation and not turns of the eyes"
+                f"learning_rule: expected another one than {self.learning_rule} with saccades or "
+                "measures_turns: its actions are changes of activation and not turns of the eyes"
             )
         self.rule_config.check_fits(self.iterations_per_fixation, self.n_visits)
 
@@ -92,9 +88,9 @@ class VergenceRlConfig(TaskConfig):
         return N_SACCADES if self.fixation_iterations else int(self.measures_turns)
 
     @property
-    def rule_config(self) -> CaclaConfig | HindsightConfig:
+    def rule_config(self) -> RuleConfig:
         """The settings of the chosen rule."""
-        chosen: CaclaConfig | HindsightConfig = getattr(self, self.learning_rule)
+        chosen: RuleConfig = getattr(self, self.learning_rule)
         return chosen
 
     @property

@@ -1,17 +1,19 @@
 """What a learning rule is to the agent, whichever rule it is.
 
-A third rule is a configuration and a rule in a folder of their own. The rule goes into the table
-of `agent.py`, its configuration becomes a field of `VergenceRlConfig`, both under the rule's name.
+A third rule is two files, its settings (RuleConfig) and the rule (LearningRule), and one line in
+the table of `rules.py`, with its import, from which parameters, choices and checks follow.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Protocol
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+
+NO_TARGET_DEG, NO_TURNS_DEG = np.full(2, np.nan), np.full((2, 3), np.nan)
 
 
 @dataclass(frozen=True)
@@ -40,12 +42,13 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Observation:
+class TimeStep:
     """One observation as a rule sees it.
 
     iteration: within the episode, from 0; training_iteration: training iterations before this one;
     state: s, (n_state,); activations: x, (n_muscles,) those that are commanded; reward: r_t, of
-    now.
+    now. What turns of the eyes need: target_deg (2,) and turns_deg (2, 3), as Agent.observe takes
+    them; energy_penalty: lambda C.
     """
 
     iteration: int
@@ -53,8 +56,11 @@ class Observation:
     state: Floats
     activations: Floats
     reward: float
+    target_deg: Floats = field(default_factory=lambda: NO_TARGET_DEG)
+    turns_deg: Floats = field(default_factory=lambda: NO_TURNS_DEG)
+    energy_penalty: float = 0.0
 
-    def follows(self, other: "Observation") -> bool:
+    def follows(self, other: "TimeStep") -> bool:
         """Whether this is the next iteration of the same training episode."""
         steps = (
             self.iteration - other.iteration,
@@ -67,10 +73,10 @@ class Observation:
 class Decision:
     """The answer to one observation.
 
-    command: (n_muscles,) target activations within their limits; action: (n_muscles,) change of
-    activation, exploration included, before the limits. The other numbers are what the rule
-    reports of itself; each rule says what it means by them. td_error is NaN where there is nothing
-    to learn from.
+    command: (n_muscles,) target activations within their limits; action: (n_muscles,) chosen change
+    of activation, exploration included, before the limits; where the eyes are turned, the change
+    that is commanded. The other numbers are what the rule reports of itself; each rule says what it
+    means by them. td_error is NaN where there is nothing to learn from.
     """
 
     command: Floats
@@ -82,13 +88,30 @@ class Decision:
     critic_learning_rate: float
 
 
-class LearningRule(Protocol):
-    """Learns which changes of activation lead to reward."""
+class RuleConfig(Protocol):
+    """Settings of a rule: a frozen dataclass whose fields are made by lockstep.settings.setting.
 
-    learning_steps: int
+    turns_eyes: whether the rule's actions may be turns of the eyes in place of changes of
+    activation (D22, D23).
+    """
+
+    turns_eyes: ClassVar[bool]
+
+    def check_fits(self, iterations_per_episode: int, n_visits: int) -> None:
+        """Raise InputError for episodes from which the rule cannot learn.
+
+        iterations_per_episode: or of a fixation; n_visits: those of them that the rule sees.
+        """
+
+
+class LearningRule(Protocol):
+    """Learns which changes of activation, or turns of the eyes, lead to reward.
+
+    Made from its settings and a Task.
+    """
 
     def step(
-        self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
+        self, observation: TimeStep, *, learning: bool, draw: np.random.Generator | None
     ) -> Decision:
         """Answer an observation.
 

@@ -5,15 +5,12 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import Image, JointState
 
-from lockstep.command_space import SIDES, CommandSpace
-from lockstep.errors import InputError
+from lockstep import SIDES, CommandSpace, InputError
 from lockstep.wire.topics import GAZE, GAZE_NAMES
 from lockstep.wire.vectors import values_of
-from vergence_rl.gaze.effort import price_of
 from vergence_rl.learning_rule import Decision
 
 _SCALES = 2
-_REWARD = ("reconstruction_error_coarse", "reconstruction_error_fine", "reward")
 
 
 def features_of(message: Image) -> np.ndarray:
@@ -53,16 +50,16 @@ def activations_of(message: JointState, space: CommandSpace) -> np.ndarray:
 
 
 def gaze_of(message: JointState, reward: JointState) -> dict[str, Any]:
-    """Return target_deg (2,), turns_deg (2, 3) and price as Agent.observe takes them.
+    """Return target_deg (2,), turns_deg (2, 3) and energy_penalty as Agent.observe takes them.
 
     Raises InputError as `values_of`; NaN stands for what there is not.
     """
     values = values_of(message, GAZE_NAMES, GAZE, may_lack=True)
-    coarse, fine, reward_t = values_of(reward, _REWARD, "reward").tolist()
+    (energy_penalty,) = values_of(reward, ("energy_penalty",), "reward").tolist()
     return {
         "target_deg": values[:2],
         "turns_deg": values[2:].reshape(len(SIDES), -1),
-        "price": price_of((coarse, fine), reward_t),
+        "energy_penalty": energy_penalty,
     }
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from active_binocular_vision.commands.command_line import arguments, plant_settings, request_of
 from experiment_manager.preparation.request import RunRequest
-from lockstep.errors import InputError
+from lockstep import InputError
 
 
 def test_a_request_has_the_words_that_made_it(tmp_path, monkeypatch) -> None:

@@ -10,7 +10,7 @@ import pytest
 from active_binocular_vision.commands.evaluate import main
 from active_binocular_vision.runs.recorded_run import RecordedRun
 from experiment_manager.measures.results import write_document
-from lockstep.errors import InputError
+from lockstep import InputError
 
 
 @pytest.fixture

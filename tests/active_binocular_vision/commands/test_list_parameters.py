@@ -5,7 +5,7 @@ import yaml
 
 from active_binocular_vision.commands.list_parameters import main, parameter_file
 from experiment_manager.experiment.sections import CONFIG_CLASSES
-from lockstep.configuration import flatten
+from lockstep import flatten
 
 
 @pytest.mark.parametrize("node", CONFIG_CLASSES)

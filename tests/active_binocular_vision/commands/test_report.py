@@ -16,8 +16,7 @@ from experiment_manager.measures.results import write_document
 from experiment_manager.measures.tables import percent
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
-from lockstep.command_space import ALL_MUSCLES, PAIR
-from lockstep.state_file import write_state
+from lockstep import ALL_MUSCLES, PAIR, write_state
 from tests.active_binocular_vision.own_commands import write_run
 
 

@@ -22,14 +22,11 @@ from experiment_manager.experiment.sections import config_of
 from experiment_manager.in_process.loop import make_loop
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import Configuration
-from lockstep.errors import InputError
-from lockstep.state_file import write_state
+from lockstep import InputError, write_state
 from lockstep.wire.topics import GROUND_TRUTH_NAMES
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
+from sparse_coder import SparseCoder, SparseCoderConfig
 from sparse_coder.matching_pursuit import Selections, mean_squared_coefficients
-from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
+from vergence_rl import Agent, VergenceRlConfig
 
 EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "gymnasium_agent.py"
 IDS = ("ActiveVergence-v0", "ActiveVergenceFeatures-v0")

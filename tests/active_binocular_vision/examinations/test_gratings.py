@@ -14,8 +14,7 @@ from active_binocular_vision.examinations.gratings import (
     resolution,
 )
 from eye_plant.camera.config import CameraConfig
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
+from sparse_coder import SparseCoder, SparseCoderConfig
 
 _FEW = CYCLES_PER_PX[[4, 12]]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from active_binocular_vision.figures.dictionaries import dictionary_figure
-from lockstep.errors import InputError
+from lockstep import InputError
 from sparse_coder.patches import PX_PER_PIXEL
 from tests.active_binocular_vision.learners.gabor_patch import atom, gabor_patch, shifted_wave
 

@@ -10,7 +10,7 @@ from active_binocular_vision.figures.motor_space import (
 )
 from active_binocular_vision.runs.groups import groups_of
 from active_binocular_vision.runs.reported_run import ReportedRun
-from eye_plant.inverse.pair import Inverse
+from eye_plant import Inverse
 from eye_plant.mechanics.model import MechanicsConfig
 
 

@@ -16,7 +16,7 @@ from active_binocular_vision.learners.evaluation import FrozenResults, evaluated
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.measures.results import Summary, read_results
-from lockstep.errors import InputError
+from lockstep import InputError
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from active_binocular_vision.learners.gabor import fit_gabors
-from lockstep.errors import InputError
+from lockstep import InputError
 from tests.active_binocular_vision.learners.gabor_patch import gabor_patch
 
 

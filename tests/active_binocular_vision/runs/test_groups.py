@@ -10,7 +10,7 @@ from active_binocular_vision.runs.groups import groups_of, held_back
 from active_binocular_vision.runs.reported_run import ReportedRun
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import configuration_text
-from lockstep.errors import InputError
+from lockstep import InputError
 
 
 def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[ReportedRun]) -> None:

@@ -10,7 +10,7 @@ from mcap.records import ChunkIndex
 from experiment_manager.bag.mcap_file import McapFile
 from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.writer import BagWriter
-from lockstep.errors import InputError
+from lockstep import InputError
 
 VECTOR = "sensor_msgs/msg/JointState"
 IMAGE = "sensor_msgs/msg/Image"

@@ -12,7 +12,7 @@ from rosbags.interfaces import QosDurability, QosHistory, QosReliability
 
 from experiment_manager.bag.mcap_file import McapFile
 from experiment_manager.bag.writer import BagWriter
-from lockstep.errors import InputError
+from lockstep import InputError
 from tests.experiment_manager.bag.bag_harness import (
     METADATA,
     N_MESSAGES,

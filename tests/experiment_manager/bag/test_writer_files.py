@@ -13,7 +13,7 @@ from rosbags.highlevel import AnyReader
 
 from experiment_manager.bag.mcap_file import McapFile
 from experiment_manager.bag.writer import BagWriter
-from lockstep.errors import InputError
+from lockstep import InputError
 from tests.experiment_manager.bag.bag_harness import (
     METADATA,
     N_MESSAGES,

@@ -11,10 +11,9 @@ from experiment_manager.experiment.plant_changes import (
 )
 from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.experiment.starts import PairStarts
-from eye_plant.config import EyePlantConfig
+from eye_plant import EyePlantConfig
 from eye_plant.mechanics.model import N_MUSCLES
-from lockstep.configuration import build
-from lockstep.errors import InputError
+from lockstep import InputError, build
 from lockstep.wire.topics import TEST, TRAINING
 from tests.pair import pair_activations
 

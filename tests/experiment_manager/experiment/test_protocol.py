@@ -15,8 +15,8 @@ from experiment_manager.experiment.config import (
 from experiment_manager.experiment.plant_changes import Schedule
 from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.experiment.starts import PairStarts, conditions
-from eye_plant.episode import Episode
-from lockstep.errors import InputError
+from eye_plant import Episode
+from lockstep import InputError
 from lockstep.wire.topics import TEST, TRAINING
 from tests.pair import pair_activations
 

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from active_binocular_vision.commands.run_experiment import main as run_experiment
-from lockstep.command_space import MUSCLE_NAMES
-from lockstep.errors import InputError
+from lockstep import MUSCLE_NAMES, InputError
 from tests.command_lines import configured
 
 _PROTOCOL = "experiment_manager"

@@ -18,9 +18,7 @@ from experiment_manager.experiment.starts import (
 from eye_plant.camera.config import CameraConfig
 from eye_plant.inverse.gaze import GAZE_ANGLES
 from eye_plant.mechanics.model import MechanicsConfig
-from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI
-from lockstep.configuration import build, flatten
-from lockstep.errors import InputError
+from lockstep import ALL_MUSCLES, HORIZONTAL_RECTI, InputError, build, flatten
 from lockstep.wire.topics import TEST
 
 MECHANICS = MechanicsConfig(parameter_set="anatomical")

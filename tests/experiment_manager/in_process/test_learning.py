@@ -8,9 +8,9 @@ import pytest
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.protocol import Protocol, make_protocol
 from experiment_manager.in_process.loop import make_loop
+from eye_plant import StimulusSet
 from eye_plant.stimuli.noise import octaves_noise
-from eye_plant.stimuli.stimulus_set import StimulusSet
-from lockstep.randomness import generator
+from lockstep import generator
 
 N_ITERATIONS = 3000
 SEED = 1

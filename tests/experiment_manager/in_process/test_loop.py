@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from experiment_manager.in_process.loop import make_loop
-from eye_plant.episode import Episode
-from eye_plant.stimuli.stimulus_set import StimulusSet
+from eye_plant import Episode, StimulusSet
 from lockstep.wire.topics import TRAINING
 from tests.pair import pair_activations
 

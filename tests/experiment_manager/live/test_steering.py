@@ -15,7 +15,7 @@ from sensor_msgs.msg import Image, JointState
 from experiment_manager.live.node import LiveViewNode
 from experiment_manager.live.page import Page
 from experiment_manager.live.steering import Steering
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.wire.topics import GAZE_TARGET, PICTURES, TARGET_NAMES
 from tests.foxglove_client import FoxgloveClient
 from tests.node_harness import Graph

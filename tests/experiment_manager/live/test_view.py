@@ -25,8 +25,7 @@ from experiment_manager.live.view import (
     compared,
     open_server,
 )
-from lockstep.command_space import MUSCLE_NAMES
-from lockstep.errors import InputError
+from lockstep import MUSCLE_NAMES, InputError
 from lockstep.wire.topics import (
     BASIS_FUNCTIONS,
     EYE_STATE_NAMES,
@@ -36,9 +35,8 @@ from lockstep.wire.topics import (
     REWARD_NAMES,
     VECTOR,
 )
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
-from sparse_coder.reconstruction import reconstructed_windows, seen_windows
+from sparse_coder import SparseCoder, SparseCoderConfig
+from sparse_coder.picture_of_code import reconstructed_windows, seen_windows
 from tests.foxglove_client import FoxgloveClient
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
 
@@ -74,7 +72,7 @@ def test_what_is_watched_is_sent_as_it_is_and_made_into_pictures(server, vector_
     messages = {
         "left/image_raw": image_bytes(left, 7),
         "right/image_raw": image_bytes(right, 7),
-        "reward": vector_bytes(REWARD_NAMES, [0.1, 0.2, 1.0, -0.3, 5.0], 7),
+        "reward": vector_bytes(REWARD_NAMES, [0.1, 0.2, 1.0, 0.0, -0.3, 5.0], 7),
     }
     coder = SparseCoder(SparseCoderConfig(n_bases=16, seed=3))
     view.take_basis_functions(coder.atoms().reshape(32, 128))

@@ -7,7 +7,7 @@ import pytest
 
 from experiment_manager.measures.fixations import FixationMeasures, Spread, fixation_measures
 from experiment_manager.measures.trials import Trials
-from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES
+from lockstep import ALL_MUSCLES, COMMAND_SPACES
 
 SPACE = COMMAND_SPACES[ALL_MUSCLES]
 

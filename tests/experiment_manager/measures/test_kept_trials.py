@@ -19,7 +19,7 @@ from experiment_manager.measures.kept_trials import (
 )
 from experiment_manager.measures.results import Measures, Summary
 from experiment_manager.measures.trials import Trials
-from lockstep.errors import InputError
+from lockstep import InputError
 from tests.pair import COMMAND_NAMES, PAIR_SPACE
 
 N_TRIALS, N = 12, 20

@@ -12,7 +12,7 @@ from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import Trials, TrialTable, only_test, trial_names
 from experiment_manager.measures.yoked import shared_change, yoked_pairs
-from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES, PAIR
+from lockstep import ALL_MUSCLES, COMMAND_SPACES, PAIR
 from lockstep.wire.topics import TEST
 
 SPACE = COMMAND_SPACES[ALL_MUSCLES]

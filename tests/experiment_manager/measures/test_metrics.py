@@ -18,7 +18,7 @@ from experiment_manager.measures.trials import (
     split_tests,
     trial_names,
 )
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.wire.topics import TEST, TRAINING
 from tests.experiment_manager.summaries import NO_TRIALS
 from tests.pair import PAIR_SPACE

@@ -10,7 +10,7 @@ import pytest
 
 from experiment_manager.measures import tables
 from experiment_manager.measures.results import Measures, Results, read_results, write_document
-from lockstep.errors import InputError
+from lockstep import InputError
 from tests.experiment_manager.summaries import NO_TRIALS, summary
 
 RESULTS = Path(__file__).parents[3] / "results"

@@ -11,8 +11,8 @@ from experiment_manager.node.fault_detection import (
     of_silence,
 )
 from experiment_manager.run.episode_record import EpisodeRecord
-from eye_plant.episode import Episode
-from lockstep.errors import InputError
+from eye_plant import Episode
+from lockstep import InputError
 from lockstep.wire.topics import TEST, TRAINING
 from tests.pair import pair_activations
 

@@ -11,7 +11,7 @@ from active_binocular_vision.commands.run_experiment import main as run_experime
 from experiment_manager.experiment.plant_changes import read_schedule
 from experiment_manager.experiment.sections import CONFIG_CLASSES, DEFAULTS, config_of
 from experiment_manager.run.config_file import configuration_text, read_configuration
-from lockstep.errors import InputError
+from lockstep import InputError
 from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
 from tests.command_lines import configured
 

@@ -20,7 +20,7 @@ from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.continuation import check_settings
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import read_configuration
-from lockstep.errors import InputError
+from lockstep import InputError
 from tests.graph_harness import OracleRun, vectors
 from tests.supervisor import finished, start_supervisor
 

@@ -15,9 +15,9 @@ from experiment_manager.preparation.profiles import (
     profile_names,
     read_profile,
 )
-from eye_plant.config import EyePlantConfig
+from eye_plant import EyePlantConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.errors import InputError
+from lockstep import InputError
 from tests.command_lines import configured
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from experiment_manager.preparation.request import Given, RunRequest
-from lockstep.errors import InputError
+from lockstep import InputError
 
 FULL = RunRequest(
     profile="precise_m_c",

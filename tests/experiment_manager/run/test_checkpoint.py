@@ -8,7 +8,7 @@ import pytest
 
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
-from lockstep.errors import InputError
+from lockstep import InputError
 
 PARAMETERS = {"vergence_rl": {"cacla.discount": 0.1 + 0.2, "highest_activations": [0.2, 0.1]}}
 

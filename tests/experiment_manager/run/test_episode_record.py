@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from experiment_manager.run.episode_record import EpisodeRecord
-from eye_plant.episode import Episode
+from eye_plant import Episode
 from tests.pair import pair_activations
 
 PERIOD_NS = 100_000_000

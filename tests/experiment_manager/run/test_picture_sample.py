@@ -6,7 +6,7 @@ import pytest
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.run.picture_sample import takes_pictures
-from eye_plant.episode import Episode
+from eye_plant import Episode
 from lockstep.wire.topics import TEST, TRAINING
 from tests.pair import pair_activations
 

@@ -10,7 +10,7 @@ from experiment_manager.measures.kept_trials import arrays_of
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import TrialTable, trial_names
 from experiment_manager.run.progress import Progress
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, TEST, TRAINING
 from tests.pair import PAIR_SPACE
 

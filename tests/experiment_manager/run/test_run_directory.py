@@ -20,9 +20,7 @@ from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.sections import DEFAULTS, sections_of_nodes
 from experiment_manager.run.config_file import configuration_text
 from experiment_manager.run.run_directory import Run
-from lockstep.configuration import flatten
-from lockstep.errors import InputError
-from lockstep.state_file import write_state
+from lockstep import InputError, flatten, write_state
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TRAINING
 from tests.pair import HORIZONTAL_RECTI
 from tests.supervisor import finished, start_supervisor

@@ -5,7 +5,7 @@ import socket
 import pytest
 
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
-from lockstep.errors import InputError
+from lockstep import InputError
 
 
 def test_everybodys_domains_are_never_taken() -> None:

@@ -1,34 +1,29 @@
 """Nodes that began while the network was away."""
 
-from experiment_manager.supervision.network import Network
+import pytest
+
+from experiment_manager.supervision.network import Network, addresses
 
 LOOP, BOTH = frozenset({"127.0.0.1"}), frozenset({"127.0.0.1", "10.0.0.1"})
 
 
-def test_without_a_network_until_others_are_met() -> None:
-    network = Network(LOOP)
-    assert not network.is_back(LOOP, all_began=True, met=False)
-    assert network.is_back(BOTH, all_began=True, met=False)
+@pytest.mark.parametrize(
+    ("first", "looks", "is_back"),
+    [  # at each look: the addresses, whether all nodes began, whether those elsewhere were met
+        (LOOP, [(LOOP, True, False)], False),
+        (LOOP, [(BOTH, True, False)], True),  # without a network until others are met
+        (LOOP, [(BOTH, True, True)], False),  # a new address once all have met
+        (BOTH, [(BOTH, True, True), (LOOP, True, True), (BOTH, True, True)], False),  # waited out
+        (BOTH, [(LOOP, False, False), (LOOP, True, False)], False),
+        (BOTH, [(LOOP, False, False), (BOTH, True, False)], True),  # a cut while nodes began
+        (BOTH, [(LOOP, False, True), (BOTH, True, True)], True),  # though others had been met
+    ],
+)
+def test_the_network_is_back_for_nodes_that_began_without_it(first, looks, is_back) -> None:
+    network = Network(first)
+    found = [network.is_back(now, all_began=began, met=met) for now, began, met in looks]
+    assert found == [False] * (len(looks) - 1) + [is_back]
 
 
-def test_a_new_address_once_all_have_met() -> None:
-    assert not Network(LOOP).is_back(BOTH, all_began=True, met=True)
-
-
-def test_a_cut_after_all_began_is_waited_out() -> None:
-    network = Network(BOTH)
-    for now in (BOTH, LOOP, BOTH):
-        assert not network.is_back(now, all_began=True, met=True)
-
-
-def test_a_cut_while_nodes_began() -> None:
-    network = Network(BOTH)
-    assert not network.is_back(LOOP, all_began=False, met=False)
-    assert not network.is_back(LOOP, all_began=True, met=False)
-    assert network.is_back(BOTH, all_began=True, met=False)
-
-
-def test_a_cut_while_nodes_began_though_others_had_been_met() -> None:
-    network = Network(BOTH)
-    assert not network.is_back(LOOP, all_began=False, met=True)
-    assert network.is_back(BOTH, all_began=True, met=True)
+def test_this_machine_has_its_loopback() -> None:
+    assert "127.0.0.1" in addresses()

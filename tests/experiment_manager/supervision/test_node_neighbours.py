@@ -1,5 +1,7 @@
 """Other graphs in the domain that a run is to use."""
 
+from pathlib import Path
+
 import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
@@ -7,10 +9,11 @@ from sensor_msgs.msg import JointState
 from active_binocular_vision.commands.run_experiment import main
 from experiment_manager.supervision import node_neighbours
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
-from experiment_manager.supervision.node_neighbours import addresses, refuse_neighbours
+from experiment_manager.supervision.node_neighbours import refuse_neighbours
 from experiment_manager.supervision.supervisor import known_domain
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.wire.qos import LOCKSTEP_QOS
+from tests.node_harness import Graph
 
 
 def _publishes(topic: str) -> type[Node]:
@@ -48,14 +51,14 @@ def test_a_run_is_refused_before_anything_is_written(graph, monkeypatch, capsys,
 
 
 def test_only_a_domain_that_others_can_be_in_is_listened_to(monkeypatch) -> None:
-    monkeypatch.setattr("sys.executable", "/nowhere/python")  # which would listen
-    monkeypatch.delenv("ROS_STATIC_PEERS", raising=False)
+    looked: list[int] = []
+    monkeypatch.setattr(node_neighbours, "_publishers", lambda domain, _: looked.append(domain))
     with own_domain() as domain:
-        monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         refuse_neighbours(domain)
-        monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
-        with pytest.raises(FileNotFoundError, match="/nowhere/python"):
-            refuse_neighbours(domain)
+        assert looked == []
+        monkeypatch.setattr(node_neighbours, "reaches_other_machines", lambda _: True)
+        refuse_neighbours(domain)
+        assert looked == [domain]
 
 
 def test_the_domain_of_nodes_elsewhere_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -73,5 +76,8 @@ def test_what_is_no_domain_is_refused(monkeypatch: pytest.MonkeyPatch, text: str
         known_domain(())
 
 
-def test_this_machine_has_its_loopback() -> None:
-    assert "127.0.0.1" in addresses()
+def test_nodes_leave_nothing_in_shared_memory(graph: Graph) -> None:
+    graph.add(_publishes("reward"))
+    mapped = Path("/proc/self/maps").read_text()
+    assert "rmw_fastrtps" in mapped
+    assert "/dev/shm/fastrtps" not in mapped

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 from active_binocular_vision.commands import run_experiment
-from experiment_manager.supervision.fork_server import ForkServer
 from experiment_manager.supervision.supervisor import Supervisor
 from lockstep.exit_codes import EXIT_NETWORK, EXIT_UNWRITABLE
 
@@ -15,7 +14,7 @@ class Attempts(Supervisor):
     """A supervisor whose attempts end as they are told to."""
 
     def __init__(self, directory: Path, ends: list[tuple[int, str | None]], places: list[int]):
-        super().__init__(directory, ForkServer(()))
+        super().__init__(directory)
         self.ends, self.places = ends, places
         self.domains: list[int] = []
 
@@ -29,10 +28,6 @@ class Attempts(Supervisor):
 
     def _place(self) -> int:
         return self.places.pop(0)
-
-
-def _supervisor(directory: Path) -> Supervisor:
-    return Supervisor(directory, ForkServer(()))
 
 
 @pytest.fixture(autouse=True)
@@ -60,15 +55,6 @@ def test_the_same_fault_three_times_at_one_place(tmp_path, capsys) -> None:
     error = capsys.readouterr().err
     assert error.count("error: ") == 1
     assert "error: the same fault 3 times after episode 7: missing: 2 of reward; logs: " in error
-
-
-def test_nobody_to_start_the_nodes_any_more(tmp_path, capsys) -> None:
-    class Orphaned(Attempts):
-        def _attempt(self, domain: int) -> tuple[int, str | None]:
-            raise ConnectionError("the process that starts the nodes has ended")
-
-    assert Orphaned(tmp_path, [], [7, 7, 7]).run() == 3
-    assert "3 times after episode 7: the process that starts" in capsys.readouterr().err
 
 
 def test_many_different_faults_at_one_place(tmp_path, capsys) -> None:
@@ -116,11 +102,11 @@ def test_a_disk_that_refuses_is_said_once_and_not_tried_again(tmp_path, capsys) 
     (tmp_path / "logs").mkdir()
     log = tmp_path / "logs" / "experiment_manager.log"
     log.write_text("[ERROR] [1.5] [n]: the run cannot continue: no space\n")
-    ended = _supervisor(tmp_path)._ended("experiment_manager", EXIT_UNWRITABLE)
+    ended = Supervisor(tmp_path)._ended("experiment_manager", EXIT_UNWRITABLE)
     assert ended == (3, None)
     # The log may lie on the same disk.
     log.write_text("[INFO] [1.5] [n]: all is well\n")
-    _supervisor(tmp_path)._ended("experiment_manager", EXIT_UNWRITABLE)
+    Supervisor(tmp_path)._ended("experiment_manager", EXIT_UNWRITABLE)
     first, second = filter(None, capsys.readouterr().err.splitlines())
     assert first == "error: no space; what was saved before is intact"
     assert second == f"error: {tmp_path} cannot be written; what was saved before is intact"
@@ -141,7 +127,7 @@ def test_bad_input_is_not_tried_again(tmp_path: Path) -> None:
 def test_the_reason_is_the_last_line_of_the_log(tmp_path: Path, log: str, expected: str) -> None:
     (tmp_path / "logs").mkdir()
     (tmp_path / "logs" / "coder.log").write_text(log)
-    assert _supervisor(tmp_path)._ended("coder", 1) == (3, expected)
+    assert Supervisor(tmp_path)._ended("coder", 1) == (3, expected)
 
 
 def test_ctrl_c_before_the_run_begins(tmp_path, monkeypatch, capsys) -> None:

@@ -9,7 +9,7 @@ from active_binocular_vision.commands.command_line import parser
 from experiment_manager.preparation.request import OPTIONS, RunRequest
 from experiment_manager.run.config_file import Configuration
 from experiment_manager.sweep.sweep_file import Sweep, read_sweep
-from lockstep.errors import InputError
+from lockstep import InputError
 from tests.command_lines import configured
 from tests.sweep_harness import command_line, write_sweep
 
@@ -113,9 +113,9 @@ def test_every_option_is_one_of_run_experiment(tmp_path: Path) -> None:
     [
         (
             "axes: {sead: [1]}",
-            "axes: expected NODE.PARAMETER or one of .*'sead'; did you mean seed",
+            "axes: expected SECTION.NAME or one of .*'sead'; did you mean seed",
         ),
-        ("options: {out: x}\naxes: {seed: [1]}", "options: expected NODE.PARAMETER .*'out'"),
+        ("options: {out: x}\naxes: {seed: [1]}", "options: expected SECTION.NAME .*'out'"),
         ("axes: {seed: []}", r"axes: seed: expected a list of values, got \[\]"),
         ("axes: {seed: 3}", "axes: seed: expected a list of values, got 3"),
         ("options: {seed: 1}", "axes: expected one at least"),
@@ -145,7 +145,7 @@ def test_every_option_is_one_of_run_experiment(tmp_path: Path) -> None:
         ),
         (
             "axes: {seed: [{seed: 1, modle: M}]}",
-            "axes: seed: expected NODE.PARAMETER or one of .*'modle'; did you mean model",
+            "axes: seed: expected SECTION.NAME or one of .*'modle'; did you mean model",
         ),
         ("axis: {seed: [1]}", "expected description, options, axes, got 'axis'"),
         ("axes: [seed]", "axes: expected names and values"),

@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from eye_plant import StimulusSet
 from eye_plant.camera.config import MUJOCO, PLANE, RENDERERS, CameraConfig
 from eye_plant.camera.mujoco_renderer import MujocoRenderer
 from eye_plant.camera.ray_casting.plane_renderer import PlaneRenderer
@@ -19,8 +20,7 @@ from eye_plant.camera.renderer import View
 from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.noise import octaves_noise
 from eye_plant.stimuli.stereograms import Stereogram
-from eye_plant.stimuli.stimulus_set import StimulusSet
-from lockstep.errors import InputError
+from lockstep import InputError
 from tests.eye_plant.camera.pinhole import (
     EYE_HEIGHT_M,
     POSITIONS_M,

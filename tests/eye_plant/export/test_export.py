@@ -12,8 +12,8 @@ import pytest
 from eye_plant.export.__main__ import export, main
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.command_space import MUSCLE_NAMES, MUSCLES
-from lockstep.errors import InputError
+from lockstep import MUSCLE_NAMES, InputError
+from lockstep.command_space import MUSCLES
 
 SETS = ("k17", "anatomical")
 

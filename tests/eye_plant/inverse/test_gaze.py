@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from eye_plant import GazeInverse
 from eye_plant.gaze_error import gaze_error
-from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, GazeInverse
+from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES
 from eye_plant.inverse.least_cost import cost_of_vergence
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI, PAIR
-from lockstep.errors import InputError
+from lockstep import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI, PAIR, InputError
 
 ANATOMICAL = MechanicsConfig(parameter_set="anatomical")
 FUSED = dict.fromkeys(ERRORS, 0.0)

@@ -1,10 +1,9 @@
 import numpy as np
 import pytest
 
-from eye_plant.inverse.pair import Inverse
+from eye_plant import Inverse
 from eye_plant.mechanics.oculomotor import MechanicsConfig, Oculomotor
-from lockstep.command_space import MUSCLE_NAMES
-from lockstep.errors import InputError
+from lockstep import MUSCLE_NAMES, InputError
 
 LIMITS = ((0.0, 0.2), (0.0, 0.1))
 BASELINE_M = 0.056

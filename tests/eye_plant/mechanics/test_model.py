@@ -4,7 +4,7 @@ import pytest
 
 from eye_plant.mechanics.anatomical import ANATOMICAL
 from eye_plant.mechanics.model import AXES, MechanicsConfig, build_spec, receded_insertion_m
-from lockstep.command_space import MUSCLE_NAMES
+from lockstep import MUSCLE_NAMES
 
 SETS = ("k17", "anatomical")
 

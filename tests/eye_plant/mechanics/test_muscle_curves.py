@@ -4,7 +4,7 @@ import pytest
 
 from eye_plant.mechanics.model import MechanicsConfig, build_spec
 from eye_plant.mechanics.muscle_curves import force_length, passive_force_length
-from lockstep.command_space import MUSCLE_NAMES
+from lockstep import MUSCLE_NAMES
 
 SHORTEST, LONGEST, STIFFNESS = 0.4, 1.7, 0.6
 UNIT = np.array([0.0, 1.0])

@@ -6,7 +6,7 @@ import pytest
 
 from eye_plant.mechanics.model import build_spec
 from eye_plant.mechanics.oculomotor import MechanicsConfig, Oculomotor, OculomotorState
-from lockstep.command_space import MUSCLE_NAMES
+from lockstep import MUSCLE_NAMES
 
 SETS = ("k17", "anatomical")
 LEFT, RIGHT = 0, 1

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from eye_plant.config import FreeRunningConfig
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.wire.topics import EYE_STATE_NAMES
 from lockstep.wire.vectors import vector_message
 from tests.eye_plant.plant_bench import begin, plant_bench

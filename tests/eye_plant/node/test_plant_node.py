@@ -7,12 +7,10 @@ import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, JointState
 
-from eye_plant.config import EyePlantConfig
+from eye_plant import EyePlant, EyePlantConfig
 from eye_plant.node.plant_node import EyePlantNode
-from eye_plant.plant import EyePlant
 from eye_plant.stimuli.stimulus_set import StimuliConfig
-from lockstep.command_space import MUSCLE_NAMES
-from lockstep.errors import InputError
+from lockstep import MUSCLE_NAMES, InputError
 from lockstep.wire.topics import (
     EPISODE_NAMES,
     EYE_STATE_NAMES,

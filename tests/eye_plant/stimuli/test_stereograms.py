@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from eye_plant.stimuli.stereograms import random_dot_stereograms, read_stereograms
-from lockstep.errors import InputError
+from lockstep import InputError
 
 
 def test_both_eyes_have_the_same_dots_shifted_by_the_parallax():

@@ -13,16 +13,11 @@ import cv2
 import numpy as np
 import pytest
 
+from eye_plant import StimulusSet, load_stimuli
 from eye_plant.stimuli import generator as stimulus_generator
 from eye_plant.stimuli.generator import generate_stimulus
-from eye_plant.stimuli.stimulus_set import (
-    StimuliConfig,
-    StimulusSet,
-    count_stimuli,
-    load_stimuli,
-    load_unseen_stimuli,
-)
-from lockstep.errors import InputError
+from eye_plant.stimuli.stimulus_set import StimuliConfig, count_stimuli, load_unseen_stimuli
+from lockstep import InputError
 
 SIZE_PX = 96
 

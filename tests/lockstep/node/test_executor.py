@@ -7,18 +7,13 @@ from typing import Any
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterValue
 from rcl_interfaces.srv import SetParameters
-from rclpy.client import Client
 from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.subscription import Subscription
-from rclpy.task import Future
 from sensor_msgs.msg import JointState
 
-from lockstep.node import executor as executor_module
-from lockstep.node.executor import make_executor
-from lockstep.node.fast_executor import LockstepExecutor
-from lockstep.plain import VARIABLE
+from lockstep.node.executor import LockstepExecutor
 from lockstep.wire.qos import LOCKSTEP_QOS
 from tests.node_harness import Graph
 
@@ -105,40 +100,3 @@ def test_messages_not_waited_for_are_taken_with_those_that_are(graph: Graph) -> 
     worker.join()
     listener.destroy_node()
     assert sorted(listener.heard) == ["a", "b", "c"]
-
-
-def test_this_rclpy_has_what_the_executor_needs(graph: Graph) -> None:
-    executor = make_executor(graph.context)
-    assert type(executor) is LockstepExecutor
-    executor.shutdown()
-
-
-def test_the_environment_asks_for_rclpys_own(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(VARIABLE, "1")
-    executor = make_executor(graph.context)
-    assert type(executor) is SingleThreadedExecutor
-    executor.shutdown()
-
-
-@pytest.mark.parametrize(
-    ("owner", "name"),
-    [(Client, "get_pending_request"), (Future, "_set_executor"), (Node, "guards")],
-)
-def test_another_rclpy_is_met_with_its_own_executor_and_a_warning(
-    graph, monkeypatch, capfd, owner, name
-) -> None:
-    names = executor_module._PRIVATE_NAMES | {owner: (f"{name}_of_another_version",)}
-    monkeypatch.setattr(executor_module, "_PRIVATE_NAMES", names)
-    executor = make_executor(graph.context)
-    warning = f"expected rclpy to have {owner.__name__}.{name}_of_another_version"
-    assert warning in capfd.readouterr().err
-    node = Node("listener", context=graph.context)
-    heard: list[bytes] = []
-    node.create_subscription(JointState, "vector", heard.append, LOCKSTEP_QOS, raw=True)
-    executor.add_node(node)
-    publisher = node.create_publisher(JointState, "vector", LOCKSTEP_QOS)
-    while not heard:
-        publisher.publish(JointState())
-        executor.spin_once(timeout_sec=0.1)
-    executor.shutdown()
-    node.destroy_node()

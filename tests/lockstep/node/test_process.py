@@ -1,10 +1,6 @@
 """How a process ends whose node cannot be made: by the phase in which it fails, not by the text."""
 
-import json
-import os
 import re
-import subprocess
-import sys
 from collections.abc import Callable
 
 import pytest
@@ -12,7 +8,7 @@ import rclpy
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
 from lockstep.node.process import run_node
 
@@ -88,20 +84,3 @@ def test_what_fails_in_rclpy_init_is_a_fault(monkeypatch: pytest.MonkeyPatch) ->
     with pytest.raises(rclpy_implementation.RCLError, match="initialize logging"):
         run_node(pytest.fail, [])
     assert not rclpy.ok()
-
-
-def test_no_shortage_of_memory_is_bad_input() -> None:
-    # Without shared memory: what a node leaves there that dies early is not for others to find.
-    variables = os.environ | {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
-    variables.pop("FASTRTPS_DEFAULT_PROFILES_FILE", None)
-    done = subprocess.run(
-        [sys.executable, "-m", "tests.lockstep.node.starts_with_little_memory"],
-        env=variables,
-        stdout=subprocess.PIPE,
-        text=True,
-        check=True,
-    )
-    ends = json.loads(done.stdout)
-    assert EXIT_BAD_INPUT not in [code for code, _ in ends], ends
-    # The scan has met what it is for: errors of ROS.
-    assert any("RCLError: " in last for _, last in ends), ends

@@ -8,7 +8,7 @@ from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.node import Node
 
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.requests import END_RUN, START_RUN, RequestClient, RequestServer, service_name
 from tests.node_harness import Bench, Graph

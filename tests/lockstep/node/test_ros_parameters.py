@@ -11,13 +11,12 @@ from rcl_interfaces.srv import DescribeParameters
 from rclpy.node import Node
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
-from eye_plant.config import EyePlantConfig
-from lockstep.configuration import flatten
+from eye_plant import EyePlantConfig
+from lockstep import check_settings, flatten, setting
 from lockstep.node.ros_parameters import declare_config
-from lockstep.settings import check_settings, setting
-from sparse_coder.config import SparseCoderConfig
+from sparse_coder import SparseCoderConfig
 from tests.node_harness import Graph
-from vergence_rl.config import VergenceRlConfig
+from vergence_rl import VergenceRlConfig
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.messages import camera_info
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.wire.cdr import VectorLayout, deserialized, serialized, stamp_ns_of, stamp_of
 from lockstep.wire.stamps import to_time
 from lockstep.wire.vectors import vector_message

@@ -3,7 +3,7 @@
 import pytest
 from builtin_interfaces.msg import Time
 
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.wire.stamps import MAX_STAMP_NS, checked_stamp, period_ns, to_time
 
 

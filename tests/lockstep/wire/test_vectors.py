@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
 
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.wire.vectors import values_of, vector_message, whole_values_of
 
 

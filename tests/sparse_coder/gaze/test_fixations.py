@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from sparse_coder.encoding import Encoding
+from sparse_coder import Encoding
 from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations, Turns
 from sparse_coder.matching_pursuit import Selections
 

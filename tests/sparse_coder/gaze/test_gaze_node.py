@@ -7,6 +7,7 @@ import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
+from lockstep import MUSCLE_NAMES
 from lockstep.wire.topics import GAZE, GAZE_NAMES, GAZE_TARGET, TARGET_NAMES, TEST, TRAINING
 from lockstep.wire.vectors import vector_message
 from sparse_coder.node import INPUTS, SparseCoderNode
@@ -14,6 +15,13 @@ from tests.learner_contract import LearnerBench
 from tests.node_harness import Graph
 from tests.sparse_coder.test_node import _observation
 
+SACCADES = {
+    "n_bases": 16,
+    "fixation_iterations": 5,
+    "command_space": "all_muscles",
+    "highest_activations": (0.2,),
+    "lowest_activations": (0.0,),
+}
 WANTED_DEG, GIVEN_DEG = (4.0, -3.0), (1.5, 2.5)
 
 
@@ -24,20 +32,15 @@ def _fixation(number: int, phase: int = TRAINING, given_deg: Any = GIVEN_DEG) ->
     values = dict(zip(episode.name, episode.position, strict=True)) | {"iteration": 5.0 * number}
     values |= dict(zip(TARGET_NAMES, given_deg, strict=True))
     stamp_ns = number * 10**9
+    twelve = (0.1,) * len(MUSCLE_NAMES)
+    messages["muscle_activations"] = vector_message(stamp_ns, MUSCLE_NAMES, twelve, effort=twelve)
     messages["episode"] = vector_message(stamp_ns, tuple(values), tuple(values.values()))
     return messages
 
 
 @pytest.fixture
 def bench(graph: Graph) -> LearnerBench:
-    node = graph.add(
-        SparseCoderNode,
-        n_bases=16,
-        command_space="all_muscles",
-        lowest_activations=[0.0],
-        highest_activations=[0.2],
-        fixation_iterations=5,
-    )
+    node = graph.add(SparseCoderNode, **SACCADES)
     return LearnerBench(graph, node, INPUTS, {GAZE: JointState}, _fixation)
 
 

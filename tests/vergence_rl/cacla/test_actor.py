@@ -2,14 +2,13 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from vergence_rl.cacla.actor import (
     ActorOutput,
     ActorWeights,
     actor,
+    actor_rate,
     actor_step,
-    declining_rate,
     n_updates,
 )
 
@@ -26,7 +25,7 @@ def test_actor_is_hand_computed() -> None:
 
 @pytest.mark.parametrize(("now", "rate"), [(0, 0.5), (250, 0.375), (1000, 0.0), (1001, 0.0)])
 def test_rate_declines_linearly_to_0(now: int, rate: float) -> None:
-    assert declining_rate(0.5, now, 1000) == pytest.approx(rate)
+    assert actor_rate(0.5, now, 1000) == pytest.approx(rate)
 
 
 @pytest.mark.parametrize(
@@ -47,38 +46,3 @@ def test_step_is_hand_computed() -> None:
     # Surplus (0.1, -0.2); hidden: (3 * 0.1 + 0.2) (1 - 0.25) = 0.375, times 2 * (10, 0).
     np.testing.assert_allclose(got.hidden, [[0.99 + 7.5, 1.98]])
     np.testing.assert_allclose(got.output, [[3.1], [-1.2]])
-
-
-def test_step_is_down_the_gradient_of_the_squared_distance() -> None:
-    draw = np.random.default_rng(2)
-    weights = ActorWeights(draw.standard_normal((3, 4)), draw.standard_normal((2, 3)))
-    state, executed = draw.standard_normal(4), draw.standard_normal(2)
-
-    def loss(hidden: NDArray[np.float64], output: NDArray[np.float64]) -> float:
-        return 0.5 * float(
-            np.sum((executed - actor(ActorWeights(hidden, output), state).action) ** 2)
-        )
-
-    def slopes(of_hidden: bool) -> NDArray[np.float64]:
-        shape = (weights.hidden if of_hidden else weights.output).shape
-        result = np.zeros(shape)
-        for index in np.ndindex(*shape):
-            losses = []
-            for step in (1e-6, -1e-6):
-                hidden, output = weights.hidden.copy(), weights.output.copy()
-                (hidden if of_hidden else output)[index] += step
-                losses.append(loss(hidden, output))
-            result[index] = (losses[0] - losses[1]) / 2e-6
-        return result
-
-    got = actor_step(weights, state, actor(weights, state), executed, rate=0.1, shrinkage=0.0)
-    np.testing.assert_allclose(got.hidden, weights.hidden - 0.1 * slopes(True), atol=1e-9)
-    np.testing.assert_allclose(got.output, weights.output - 0.1 * slopes(False), atol=1e-9)
-
-
-def test_weights_are_not_changed_in_place() -> None:
-    weights = ActorWeights(np.ones((2, 3)), np.ones((2, 2)))
-    state = np.ones(3)
-    actor_step(weights, state, actor(weights, state), np.zeros(2), rate=1.0, shrinkage=0.1)
-    np.testing.assert_array_equal(weights.hidden, 1.0)
-    np.testing.assert_array_equal(weights.output, 1.0)

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
+from vergence_rl import TimeStep
 from vergence_rl.gaze.config import GazeConfig
 from vergence_rl.gaze.control import GazeControl
-from vergence_rl.learning_rule import Observation
 
 LOWEST, HIGHEST = np.zeros(12), np.full(12, 0.2)
 MID = np.full(12, 0.1)
@@ -31,8 +31,8 @@ def turned_deg(change: np.ndarray) -> np.ndarray:
 def see(
     control: GazeControl, activations: np.ndarray, turns_deg: np.ndarray, *, iteration: int = 1
 ) -> None:
-    observation = Observation(iteration, iteration, np.zeros(0), activations, 0.0)
-    control.see(observation, turns_deg, 0.0, learning=True)
+    observation = TimeStep(iteration, iteration, np.zeros(0), activations, 0.0, turns_deg=turns_deg)
+    control.see(observation, learning=True)
 
 
 def learned(
@@ -48,8 +48,12 @@ def learned(
         before = draw.uniform(0.08, 0.12, 12)
         after = control.saccade(before, np.zeros(2), draw)
         turns_deg = turned_deg(after - before) if seen else np.full((2, 3), np.nan)
-        observation = Observation(1, 1, np.zeros(0), after, 0.0)
-        control.see(observation, turns_deg, price * float(after.sum()), learning=True)
+        observation = TimeStep(
+            *(1, 1, np.zeros(0), after, 0.0),
+            turns_deg=turns_deg,
+            energy_penalty=price * float(after.sum()),
+        )
+        control.see(observation, learning=True)
     return control
 
 
@@ -139,14 +143,3 @@ def test_commands_stay_within_their_limits() -> None:
     assert (command >= LOWEST).all()
     assert (command <= HIGHEST).all()
     assert (learned().verge(MID, 40.0 * TURN) <= HIGHEST).all()
-
-
-def test_goes_on_from_its_state_bit_for_bit() -> None:
-    whole, part = learned(2500, price=1.0), new()
-    part.restore(whole.state())
-    target_deg = np.array([4.0, 2.0])
-    for one, other in (
-        (whole.saccade(MID, target_deg, None), part.saccade(MID, target_deg, None)),
-        (whole.verge(MID, TURN), part.verge(MID, TURN)),
-    ):
-        assert one.tobytes() == other.tobytes()

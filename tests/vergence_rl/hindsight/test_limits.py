@@ -11,17 +11,6 @@ TOGETHER = np.array([[1.01, 0.99], [0.99, 1.01]])
 APART = np.diag([1.0, 4.0])
 
 
-@pytest.mark.parametrize("covariance", [TOGETHER, APART])
-def test_what_is_allowed_stays_as_it_is(covariance: NDArray[np.float64]) -> None:
-    wanted = np.array([0.2, 0.03])
-    np.testing.assert_array_equal(within_limits(wanted, covariance, LOWEST, HIGHEST), wanted)
-
-
-def test_without_covariance_each_muscle_is_cut_off_by_itself() -> None:
-    cut = within_limits(np.array([-0.1, 0.3]), APART, LOWEST, HIGHEST)
-    np.testing.assert_allclose(cut, [0.0, 0.1])
-
-
 def test_where_one_muscle_ends_the_other_makes_up_for_it() -> None:
     # The lateral rectus cannot relax by 0.02 more: the medial one contracts by 0.99 / 1.01 of it.
     got = within_limits(np.array([0.05, -0.02]), TOGETHER, LOWEST, HIGHEST)
@@ -54,12 +43,6 @@ def test_who_wants_to_go_beyond_a_limit_of_the_best_place_may_stay_there() -> No
     # A command of such a target is the best place itself.
     for target in targets:
         np.testing.assert_allclose(within_limits(target, TOGETHER, LOWEST, HIGHEST), best)
-
-
-def test_beyond_both_limits_of_the_best_place_nothing_is_to_be_learned() -> None:
-    wanted = np.array([[-0.01, -0.02]])
-    targets = freed_targets(LOWEST, wanted, TOGETHER, LOWEST, HIGHEST)
-    np.testing.assert_array_equal(targets, wanted)
 
 
 def scattered(draw: np.random.Generator) -> NDArray[np.float64]:

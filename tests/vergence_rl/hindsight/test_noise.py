@@ -29,18 +29,6 @@ def test_noise_takes_the_shape_of_first_places() -> None:
         assert np.linalg.norm(np.sqrt(value) * axis @ noise.metric) == pytest.approx(0.02)
 
 
-def test_noise_goes_on_where_it_stopped() -> None:
-    draw = np.random.default_rng(2)
-    whole, first, second = (FirstNoise(2, 1e-4, 0.3) for _ in range(3))
-    for i, place in enumerate(draw.random((20, 2))):
-        whole.add(place)
-        if i == 10:
-            second.restore(first.state())
-        (first if i < 10 else second).add(place)
-    assert second.covariance.tolist() == whole.covariance.tolist()
-    assert second.metric.tolist() == whole.metric.tolist()
-
-
 def test_places_that_are_alike_in_a_direction_leave_a_little_noise_there() -> None:
     draw = np.random.default_rng(3)
     noise = FirstNoise(2, 1e-4, 0.3)
@@ -69,3 +57,15 @@ def test_a_covariance_is_widened_where_it_has_less() -> None:
 
 def test_rounding_below_zero_has_no_root() -> None:
     np.testing.assert_array_equal(root_of(np.diag([1.0, -1e-20])), np.diag([1.0, 0.0]))
+
+
+def test_noise_goes_on_where_it_stopped() -> None:
+    draw = np.random.default_rng(2)
+    whole, first, second = (FirstNoise(2, 1e-4, 0.3) for _ in range(3))
+    for i, place in enumerate(draw.random((20, 2))):
+        whole.add(place)
+        if i == 10:
+            second.restore(first.state())
+        (first if i < 10 else second).add(place)
+    assert second.covariance.tolist() == whole.covariance.tolist()
+    assert second.metric.tolist() == whole.metric.tolist()

@@ -38,20 +38,6 @@ def stored(n: int, kept: float) -> tuple[NDArray[np.float64], ...]:
     return tuple(np.concatenate(column) for column in zip(*parts, strict=True))
 
 
-def test_a_regression_by_hand() -> None:
-    sums = first_sums(1, 0.25 * np.eye(1), weight=2.0)
-    # Two visits with state 2, targets 3 and 1, weights 1 and 0.5; half of the first sums is left.
-    states, targets = np.array([[2.0], [2.0]]), np.array([[3.0], [1.0]])
-    sums.add(states, targets, np.array([1.0, 0.5]), kept=0.5)
-    assert sums.weight == pytest.approx(2.5)
-    assert sums.squares.item() == pytest.approx(6.0)  # 1 * 4 + 0.5 * 4
-    assert sums.products.item() == pytest.approx(7.0)  # 1 * 2 * 3 + 0.5 * 2 * 1
-    assert sums.targets.item() == pytest.approx(9.75)  # 0.5 * 0.5 + 9 + 0.5
-    actor = regressed_actor(sums, np.array([0.5]))
-    assert actor.item() == pytest.approx(7.0 / 9.0)  # the ridge is half of 6
-    assert residual_covariance(sums, np.array([[1.0]])).item() == pytest.approx(1.75 / 2.5)
-
-
 def test_visits_are_added_in_place_with_the_bits_of_a_plain_sum() -> None:
     draw, n_state = np.random.default_rng(5), 803
     sums = first_sums(n_state, 0.0 * np.eye(N_MUSCLES), 0.0)

@@ -3,13 +3,12 @@ import math
 import numpy as np
 import pytest
 
-from lockstep.errors import DivergenceError
-from lockstep.randomness import generator
+from lockstep import DivergenceError, generator
+from tests.vergence_rl.probe import gaze_errors, trained_on_gazes
 from tests.vergence_rl.small_agents import (
     HIGHEST,
     HINDSIGHT,
     MEAN,
-    MID,
     Floats,
     changed,
     experience,
@@ -17,8 +16,7 @@ from tests.vergence_rl.small_agents import (
     train,
     trained,
 )
-from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
+from vergence_rl import Agent, VergenceRlConfig
 from vergence_rl.hindsight.noise import root_of
 
 # The same as MEAN with distances in the shape of the noise.
@@ -178,37 +176,14 @@ def test_agrees_with_a_slow_rule_that_keeps_all_visits(config: VergenceRlConfig)
     np.testing.assert_allclose(agent.state()["covariance"], slow.covariance, rtol=1e-6)
 
 
-def trained_on_gazes(price: float) -> Agent:
-    """The gaze is medial - lateral; a cue says which is best, and activation has its price."""
-    config = VergenceRlConfig(learning_rule="hindsight", n_bases=1)
-    agent, draw = Agent(config), np.random.default_rng(1)
-    for episode in range(600):
-        gaze, place = draw.uniform(-0.05, 0.1), draw.uniform(0.0, HIGHEST)
-        cue = np.array([gaze, 1.0])
-        for i in range(10):
-            reward = -abs(place[0] - place[1] - gaze) - price * float(place.sum())
-            place = agent.observe(
-                cue, place, reward, i, 10 * episode + i, learning=True, exploration=True
-            ).command
-    return agent
-
-
-def end_of_test(agent: Agent, gaze: float) -> Floats:
-    place = MID
-    for i in range(20):
-        cue = np.array([gaze, 1.0])
-        place = agent.observe(cue, place, 0.0, i, 0, learning=False, exploration=False).command
-    return place
-
-
 def test_two_muscles_learn_a_gaze_and_to_relax_if_that_pays() -> None:
     idle = {}
     for price in (0.0, 0.3):
-        agent = trained_on_gazes(price)
-        ends = {gaze: end_of_test(agent, gaze) for gaze in (-0.04, 0.0, 0.04, 0.08)}
-        for gaze, (medial, lateral) in ends.items():
-            assert medial - lateral == pytest.approx(gaze, abs=0.003)
-        idle[price] = np.mean([end.min() for end in ends.values()])
+        agent = Agent(VergenceRlConfig(learning_rule="hindsight", n_bases=1))
+        trained_on_gazes(agent, 600, price)
+        errors, places = gaze_errors(agent)
+        assert errors.max() < 0.003
+        idle[price] = places.min(axis=1).mean()
     assert idle[0.3] < 0.6 * idle[0.0]
 
 

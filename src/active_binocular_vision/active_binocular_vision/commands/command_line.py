@@ -13,8 +13,8 @@ from experiment_manager.preparation.written_values import (
     whole_number,
     whole_numbers,
 )
+from lockstep import InputError
 from lockstep.command_line import CommandLine
-from lockstep.errors import InputError
 from lockstep.yaml_text import load_yaml
 from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
 

@@ -22,8 +22,8 @@ from active_binocular_vision.runs.recorded_run import RecordedRun
 from experiment_manager.measures.results import RESULTS_FILE, Results, read_results, write_document
 from experiment_manager.measures.tables import number, summaries_table
 from experiment_manager.terminal.lasting_output import ignore_broken_pipes
+from lockstep import InputError
 from lockstep.command_line import CommandLine
-from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIFFERENT
 
 # Sums may be taken in another order; everything else is the same arithmetic on the same doubles.

@@ -28,9 +28,9 @@ from active_binocular_vision.runs.examined_run import AGES
 from active_binocular_vision.runs.groups import Group, groups_of, held_back
 from active_binocular_vision.runs.reported_run import FIGURES, ReportedRun, runs_below
 from experiment_manager.terminal.lasting_output import ignore_broken_pipes
+from lockstep import InputError
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
 from lockstep.figures import STYLE, save
 

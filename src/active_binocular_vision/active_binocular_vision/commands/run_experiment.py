@@ -33,18 +33,15 @@ from experiment_manager.run.config_file import (
     configuration_text,
     read_configuration,
 )
-from experiment_manager.supervision.fork_server import ForkServer
-from experiment_manager.supervision.heartbeats import LISTENER
-from experiment_manager.supervision.live_view import PACKAGE as LIVE_VIEW
 from experiment_manager.supervision.node_neighbours import refuse_neighbours
-from experiment_manager.supervision.processes import PACKAGES
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from experiment_manager.terminal.lasting_output import ignore_broken_pipes
-from eye_plant.config import EyePlantConfig
-from eye_plant.stimuli.stimulus_set import count_missing, load_stimuli
+from eye_plant import EyePlantConfig, load_stimuli
+from eye_plant.stimuli.stimulus_set import count_missing
+from lockstep import InputError
 from lockstep.durable_files import is_free, replace_file, why_unwritable
-from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
+from lockstep.machine.environment import reaches_other_machines
 
 
 def source_commit() -> str:
@@ -69,7 +66,7 @@ def _prepare_stimuli(configuration: Configuration) -> None:
 
 def _say_how_to_start(nodes: Collection[str], domain: int | None, config: Path) -> None:
     """Tell a person what to do on another machine."""
-    reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+    reach = "SUBNET" if reaches_other_machines(os.environ) else "LOCALHOST"
     for node in nodes:
         print(
             f"{node} is awaited; on its machine, with a copy of {config}:\n"
@@ -201,19 +198,12 @@ def _run(options: argparse.Namespace) -> tuple[Path, int]:
     _check_in_process(options)
     if options.in_process:
         return in_one_process(prepare(options))
-    packages = [LISTENER, *(package for package in PACKAGES if package not in options.elsewhere)]
-    if options.live is not None:
-        packages.append(LIVE_VIEW)
-    # Before anything that begins threads, as DDS does.
-    with ForkServer(packages) as fork_server:
-        domain = known_domain(options.elsewhere)
-        if domain is not None:
-            refuse_neighbours(domain, options.elsewhere)
-        directory = _announced(prepare(options))
-        _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
-        return directory, Supervisor(
-            directory, fork_server, options.elsewhere, _live(options)
-        ).run()
+    domain = known_domain(options.elsewhere)
+    if domain is not None:
+        refuse_neighbours(domain, options.elsewhere)
+    directory = _announced(prepare(options))
+    _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
+    return directory, Supervisor(directory, options.elsewhere, _live(options)).run()
 
 
 def in_one_process(directory: Path) -> tuple[Path, int]:

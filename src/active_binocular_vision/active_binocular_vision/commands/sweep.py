@@ -19,11 +19,10 @@ from experiment_manager.sweep.slurm import Resources
 from experiment_manager.sweep.status import status_of, table
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, Sweep, read_sweep
 from experiment_manager.terminal.lasting_output import ignore_broken_pipes
-from eye_plant.config import EyePlantConfig
-from eye_plant.stimuli.stimulus_set import load_stimuli
+from eye_plant import EyePlantConfig, load_stimuli
+from lockstep import InputError
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import is_free, replace_file
-from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
 
 

@@ -15,14 +15,11 @@ from gymnasium.spaces import Box, Dict, Space
 
 from active_binocular_vision.environments.experiment import Experiment
 from experiment_manager.anaglyph import anaglyph
-from experiment_manager.in_process.loop import perceived
 from experiment_manager.preparation.request import RunRequest
-from eye_plant.episode import Episode
-from eye_plant.observation import Observation
-from lockstep.errors import InputError
+from eye_plant import Episode, Observation
+from lockstep import InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, TRAINING
-from sparse_coder.coder import SparseCoder
-from sparse_coder.perception import Percept
+from sparse_coder import Percept, SparseCoder
 
 Pictures = np.ndarray
 _RESET_OPTIONS = ("episode", "trial")
@@ -176,7 +173,9 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         assert self._coder is not None
         assert observation.pictures is not None
         in_training = observation.episode.phase == TRAINING
-        percept = perceived(self._coder, observation)
+        rates_w = observation.state.metabolic_rate_w[self._space.indices]
+        left, right = observation.pictures
+        percept = self._coder.perceive(left, right, rates_w)
         if self._coder_learns and in_training and not self._is_last(observation):
             self._coder.learn(percept.encoding)
         self._pictures = observation.pictures.copy()

@@ -13,14 +13,10 @@ from experiment_manager.experiment.protocol import make_protocol
 from experiment_manager.experiment.sections import config_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.request import RunRequest
-from eye_plant.config import EyePlantConfig
-from eye_plant.episode import Episode
-from eye_plant.plant import EyePlant
-from lockstep.errors import InputError
-from lockstep.state_file import read_state
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
-from vergence_rl.config import VergenceRlConfig
+from eye_plant import Episode, EyePlant, EyePlantConfig
+from lockstep import InputError, read_state
+from sparse_coder import SparseCoder, SparseCoderConfig
+from vergence_rl import VergenceRlConfig
 
 
 class Experiment:

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from eye_plant.camera.blur import Blur
 from eye_plant.camera.config import CameraConfig
 from eye_plant.vergence import degrees_per_px
-from sparse_coder.coder import SparseCoder
+from sparse_coder import SparseCoder
 from sparse_coder.patches import binocular_patches, fine_window
-from sparse_coder.reconstruction import coded_patches
+from sparse_coder.picture_of_code import coded_patches
 
 Array = NDArray[np.float64]
 Pictures = tuple[NDArray[np.uint8], NDArray[np.uint8]]

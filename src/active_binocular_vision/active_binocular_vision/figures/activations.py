@@ -11,7 +11,7 @@ from matplotlib.ticker import FormatStrFormatter
 from active_binocular_vision.figures.quartiles import draw_bars
 from active_binocular_vision.runs.groups import Group
 from experiment_manager.measures.metrics import QUARTILES, antagonist_names
-from lockstep.command_space import SIDES
+from lockstep import SIDES
 from lockstep.figures import BLUE, VERMILION, WIDTH_IN, legend_below, new_figure, title_panels
 
 # Of the first and the second of two antagonists: hue, and where from a distance's place.

@@ -16,7 +16,7 @@ from active_binocular_vision.examinations.prisms import DIRECTIONS, Array, Prism
 from active_binocular_vision.examinations.stereo import StereoCurve
 from active_binocular_vision.figures.quartiles import draw_band
 from experiment_manager.measures.metrics import QUARTILES
-from lockstep.command_space import SIDES
+from lockstep import SIDES
 from lockstep.figures import (
     BLUE,
     GREY,

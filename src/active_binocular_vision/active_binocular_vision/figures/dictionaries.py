@@ -10,7 +10,7 @@ from active_binocular_vision.learners.basis_functions import (
     dominance,
     preferred_disparity_px,
 )
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.figures import GREY, WIDTH_IN, new_figure, title_panels
 from sparse_coder.patches import N_PIXELS, PATCH_SIZE_PX, PX_PER_PIXEL
 

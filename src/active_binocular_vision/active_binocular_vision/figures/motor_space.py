@@ -13,9 +13,9 @@ from matplotlib.lines import Line2D
 from active_binocular_vision.runs.groups import Group
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.trials import Trials
+from eye_plant import desired_vergence_deg
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import HIGHEST_ACTIVATIONS
 from lockstep.figures import GREEN, SMALLEST_PT, WIDTH_IN, legend_below, new_figure, title_panels
 

@@ -10,7 +10,7 @@ from PIL import Image
 from active_binocular_vision.film.frames import Frame, frames
 from active_binocular_vision.film.scenes import scenes
 from experiment_manager.bag.reader import Bag
-from lockstep.errors import InputError
+from lockstep import InputError
 
 _ITERATIONS_PER_S = 5
 _NS_PER_S = 1e9

@@ -15,7 +15,8 @@ from matplotlib.ticker import MaxNLocator
 
 from active_binocular_vision.film.scenes import ERRORS, Scene
 from experiment_manager.anaglyph import anaglyph
-from lockstep.command_space import MUSCLES, SIDES
+from lockstep import SIDES
+from lockstep.command_space import MUSCLES
 from lockstep.figures import BLUE, GREEN, GREY, LIGHT_GREY, STYLE, VERMILION
 
 _DPI = 100

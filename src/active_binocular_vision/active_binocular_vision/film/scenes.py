@@ -12,7 +12,7 @@ from active_binocular_vision.runs.recorded_run import (
     pictured_episodes,
 )
 from experiment_manager.bag.reader import Bag, VectorTable
-from lockstep.command_space import PAIR
+from lockstep import PAIR
 from lockstep.wire.topics import PICTURES, TARGET_NAMES, TEST
 
 SCENES_PER_STAGE = 3

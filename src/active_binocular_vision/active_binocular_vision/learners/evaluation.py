@@ -17,9 +17,8 @@ from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import TrialTable, only_test
 from experiment_manager.terminal.progress_lines import progress
-from eye_plant.episode import Episode
-from lockstep.command_space import PAIR
-from lockstep.errors import InputError
+from eye_plant import Episode
+from lockstep import PAIR, InputError
 
 # How many random-dot stereograms a test shows by default.
 _N_STEREOGRAMS = 10

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.errors import InputError
+from lockstep import InputError
 from sparse_coder.patches import PATCH_SIZE_PX
 
 Array = NDArray[np.float64]

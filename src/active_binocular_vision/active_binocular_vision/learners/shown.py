@@ -4,15 +4,10 @@ import dataclasses
 from dataclasses import dataclass
 from pathlib import Path
 
+from eye_plant import StimulusSet, load_stimuli
 from eye_plant.stimuli.stereograms import random_dot_stereograms, read_stereograms
-from eye_plant.stimuli.stimulus_set import (
-    SMALLEST_PX,
-    StimuliConfig,
-    StimulusSet,
-    load_stimuli,
-    load_unseen_stimuli,
-)
-from lockstep.errors import InputError
+from eye_plant.stimuli.stimulus_set import SMALLEST_PX, StimuliConfig, load_unseen_stimuli
+from lockstep import InputError
 
 
 @dataclass(frozen=True)

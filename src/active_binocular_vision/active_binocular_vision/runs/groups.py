@@ -22,7 +22,7 @@ from experiment_manager.run.config_file import (
 )
 from experiment_manager.run.described_run import DescribedRun
 from eye_plant.mechanics.model import MechanicsConfig
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.figures import BLUE, VERMILION
 
 # Further groups of a model differ in lightness.

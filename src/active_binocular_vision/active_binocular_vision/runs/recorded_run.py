@@ -14,8 +14,7 @@ from experiment_manager.measures.results import Results, Summary
 from experiment_manager.measures.trials import Trials, TrialTable, split_tests
 from experiment_manager.run.config_file import parameters_in
 from experiment_manager.run.described_run import DescribedRun
-from lockstep.command_space import CommandSpace
-from lockstep.errors import InputError
+from lockstep import CommandSpace, InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TRAINING
 
 # The error of a single episode says how hard it was; a median over some says what was learned.

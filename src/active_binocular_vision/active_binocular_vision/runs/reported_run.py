@@ -10,8 +10,7 @@ from experiment_manager.measures.trials import Trials
 from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.run.described_run import DescribedRun
 from experiment_manager.sweep.sweep_file import SWEEP_FILE
-from lockstep.command_space import PAIR
-from lockstep.errors import InputError
+from lockstep import PAIR, InputError
 
 # The folder of a run or a report for pictures.
 FIGURES = "figures"

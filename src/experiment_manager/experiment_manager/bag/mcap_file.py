@@ -31,7 +31,7 @@ from mcap.summary import Summary
 from mcap.writer import MCAP0_MAGIC, Writer
 
 from experiment_manager.bag.metadata import FileSummary
-from lockstep.errors import InputError
+from lockstep import InputError
 
 # What a message record begins with, its data follow; the length counts from behind itself.
 HEAD = np.dtype(

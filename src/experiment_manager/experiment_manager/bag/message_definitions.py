@@ -6,7 +6,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from lockstep.errors import InputError
+from lockstep import InputError
 
 _SEPARATOR = "=" * 80
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from experiment_manager.bag.mcap_file import HEAD, HEAD_BYTES_IN_LENGTH, McapFile, rows_at
 from experiment_manager.bag.metadata import METADATA_FILE, read_information
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.wire.cdr import VectorLayout, image_array
 
 _FIELDS = ("position", "velocity", "effort")

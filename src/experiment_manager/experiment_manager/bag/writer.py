@@ -21,9 +21,9 @@ from experiment_manager.bag.metadata import (
     bag_information,
     write_metadata,
 )
-from experiment_manager.bag.stamp_buffer import Held, StampBuffer
+from experiment_manager.bag.reordering import Held, StampBuffer
+from lockstep import InputError
 from lockstep.durable_files import is_free, sync_directory
-from lockstep.errors import InputError
 
 # Kept whatever their stamps.
 _EXEMPT = frozenset(("/clock", "/diagnostics"))

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 from experiment_manager.experiment.plant_changes import check_places, read_schedule
-from eye_plant.config import EyePlantConfig, EyesConfig
+from eye_plant import EyePlantConfig
+from eye_plant.config import EyesConfig
 from eye_plant.inverse.pair import Limits as PairLimits
 from eye_plant.inverse.pair import pair_limits
-from lockstep.errors import InputError
-from lockstep.settings import setting
+from lockstep import InputError, setting
 from lockstep.task import TaskConfig
 
 MODELS = ("M", "M_C")

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from eye_plant.config import EyePlantConfig, changeable_parameters, changed
-from lockstep.configuration import build, flatten
-from lockstep.errors import InputError
+from eye_plant import EyePlantConfig
+from eye_plant.config import changeable_parameters, changed
+from lockstep import InputError, build, flatten
 from lockstep.nearest import did_you_mean
 from lockstep.wire.topics import TRAINING
 from lockstep.yaml_text import load_yaml

@@ -14,9 +14,8 @@ from experiment_manager.experiment.config import ExperimentManagerConfig, Protoc
 from experiment_manager.experiment.plant_changes import Change, Schedule, read_schedule
 from experiment_manager.experiment.sections import config_of
 from experiment_manager.experiment.starts import Starts, conditions, starts
-from eye_plant.episode import Episode
-from lockstep.errors import InputError
-from lockstep.randomness import generator
+from eye_plant import Episode
+from lockstep import InputError, generator
 from lockstep.wire.topics import TEST, TRAINING
 
 

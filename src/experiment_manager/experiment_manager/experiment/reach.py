@@ -17,14 +17,12 @@ from experiment_manager.experiment.starts import (
     gaze_inverse,
     largest_angles_deg,
 )
-from eye_plant.config import EyePlantConfig
+from eye_plant import EyePlantConfig, Inverse, desired_vergence_deg
 from eye_plant.inverse.least_cost import check_tabled
-from eye_plant.inverse.pair import Inverse, Limits
+from eye_plant.inverse.pair import Limits
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.turns import TurnsDeg
-from eye_plant.vergence import desired_vergence_deg
-from lockstep.command_space import PAIR
-from lockstep.errors import InputError
+from lockstep import PAIR, InputError
 
 # What is asked for may lie on the limit itself, and is solved for to a millionth of this.
 _TOLERANCE_DEG = 0.01

@@ -8,12 +8,12 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
-from eye_plant.config import EyePlantConfig, EyesConfig
-from lockstep.configuration import build, flatten
-from lockstep.errors import InputError
+from eye_plant import EyePlantConfig
+from eye_plant.config import EyesConfig
+from lockstep import InputError, build, flatten
 from lockstep.task import TaskConfig
-from sparse_coder.config import SparseCoderConfig
-from vergence_rl.config import VergenceRlConfig
+from sparse_coder import SparseCoderConfig
+from vergence_rl import VergenceRlConfig
 
 Config = TypeVar("Config")
 Configuration = dict[str, dict[str, Any]]

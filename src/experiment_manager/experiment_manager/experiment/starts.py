@@ -12,14 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiment_manager.experiment.config import ProtocolConfig
-from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, GazeInverse
-from eye_plant.inverse.pair import Inverse
+from eye_plant import GazeInverse, Inverse, desired_vergence_deg
+from eye_plant import fixation_distance_m as distance_of_vergence_m
+from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.turns import NO_TURNS_DEG, TurnsDeg
-from eye_plant.vergence import desired_vergence_deg
-from eye_plant.vergence import fixation_distance_m as distance_of_vergence_m
-from lockstep.command_space import PAIR
-from lockstep.randomness import generator
+from lockstep import PAIR, generator
 
 Activations = tuple[float, ...]
 ActivationsOfVergence = Callable[[float, float], Activations]

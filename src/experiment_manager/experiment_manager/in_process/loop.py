@@ -8,22 +8,12 @@ from typing import Any
 import numpy as np
 
 from experiment_manager.experiment.sections import config_of
-from eye_plant.config import EyePlantConfig
-from eye_plant.episode import Episode
-from eye_plant.observation import Observation
-from eye_plant.plant import EyePlant
-from eye_plant.stimuli.stimulus_set import StimulusSet
-from lockstep.errors import InputError
-from lockstep.state_file import read_state, write_state
+from eye_plant import Episode, EyePlant, EyePlantConfig, Observation, StimulusSet
+from lockstep import InputError, read_state, write_state
 from lockstep.wire.topics import TRAINING
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
-from sparse_coder.gaze.fixations import Fixations, Turns
-from sparse_coder.perception import Percept, gaze_watch, perceive
-from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
-from vergence_rl.gaze.effort import price_of
-from vergence_rl.learning_rule import Decision
+from sparse_coder import Percept, SparseCoder, SparseCoderConfig
+from sparse_coder.percept import NO_GAZE
+from vergence_rl import Agent, Decision, VergenceRlConfig
 
 
 @dataclass(frozen=True)
@@ -46,30 +36,21 @@ class Step:
     answer: Answer | None
 
 
-def perceived(
-    coder: SparseCoder, observation: Observation, watch: Fixations | Turns | None = None
-) -> Percept:
-    """Return what the coder makes of an observation with pictures.
-
-    watch: of the gaze, where somebody asks.
-    """
-    assert observation.pictures is not None
-    charged_w = observation.state.metabolic_rate_w[coder.config.space.indices]
-    left, right = observation.pictures
-    given_deg = np.array(observation.given_target_deg)
-    return perceive(
-        coder,
-        left,
-        right,
-        charged_w,
-        watch=watch,
-        iteration=observation.iteration,
-        given_deg=given_deg,
-    )
-
-
 class InProcessLoop:
-    """Plant, coder and agent, called in the order in which the graph's messages call them."""
+    """Plant, coder and agent, called in the order in which the graph's messages call them.
+
+    Example:
+        >>> import numpy as np
+        >>> from experiment_manager.in_process.loop import make_loop
+        >>> from eye_plant import Episode, StimulusSet
+        >>> noise = np.random.default_rng(0).integers(0, 256, (2, 64, 64), np.uint8)
+        >>> loop = make_loop({}, StimulusSet((noise[0],), (noise[1],)))
+        >>> episode = Episode.alone(0, 1.0, [0.05] * 12, n_iterations=2)
+        >>> steps = list(loop.run_episode(episode))
+        >>> [step.answer is not None for step in steps]
+        [True, True, False]
+        >>> loop.plant.close()
+    """
 
     def __init__(self, plant: EyePlant, coder: SparseCoder, agent: Agent) -> None:
         """All three must have the same command space."""
@@ -77,7 +58,6 @@ class InProcessLoop:
         self.coder = coder
         self.agent = agent
         self._space = agent.config.space
-        self._watch = gaze_watch(coder.config)
 
     @property
     def learners(self) -> dict[str, SparseCoder | Agent]:
@@ -102,34 +82,45 @@ class InProcessLoop:
 
     def run_episode(self, episode: Episode, *, learning: bool = True) -> Iterator[Step]:
         """Yield the steps of an episode; learners learn in training episodes only."""
-        in_training = episode.phase == TRAINING
-        observation = self.plant.begin(episode)
-        while observation.pictures is not None:
-            answer = self._answer(observation, learning and in_training, in_training)
-            yield Step(observation, answer)
-            observation = self.plant.execute(
-                self.plant.targets(self._space.names, answer.decision.command)
-            )
-        yield Step(observation, None)
+        explores = episode.phase == TRAINING
+        learns = learning and explores
+        seen = self.plant.begin(episode)
+        while seen.pictures is not None:
+            percept = self._perceive(seen)
+            decision = self._decide(seen, percept, learning=learns, exploration=explores)
+            if learns:
+                self.coder.learn(percept.encoding)
+            yield Step(seen, Answer(percept, decision, self.agent.learning_steps))
+            seen = self.plant.execute(self.plant.targets(self._space.names, decision.command))
+        yield Step(seen, None)
 
-    def _answer(self, observation: Observation, learning: bool, exploration: bool) -> Answer:
-        percept = perceived(self.coder, observation, self._watch)
-        if learning:
-            self.coder.learn(percept.encoding)
-        gaze = percept.gaze
-        coarse, fine = percept.encoding.reconstruction_error.tolist()
-        decision = self.agent.observe(
+    def _perceive(self, seen: Observation) -> Percept:
+        """Return features and reward of an observation with pictures."""
+        assert seen.pictures is not None
+        left, right = seen.pictures
+        rates_w = seen.state.metabolic_rate_w[self._space.indices]
+        given_deg = np.array(seen.given_target_deg)
+        return self.coder.perceive(
+            left, right, rates_w, iteration=seen.iteration, given_deg=given_deg
+        )
+
+    def _decide(
+        self, seen: Observation, percept: Percept, *, learning: bool, exploration: bool
+    ) -> Decision:
+        """Return the command that follows from it, having learned from the last one."""
+        gaze = percept.gaze or NO_GAZE
+        return self.agent.observe(
             percept.encoding.features,
-            self._space.from_all(observation.state.activations),
+            self._space.from_all(seen.state.activations),
             percept.reward,
-            observation.iteration,
-            observation.training_iteration,
+            seen.iteration,
+            seen.training_iteration,
             learning=learning,
             exploration=exploration,
-            price=price_of((coarse, fine), percept.reward),
-            **({"target_deg": gaze.target_deg, "turns_deg": gaze.turns_deg} if gaze else {}),
+            target_deg=gaze.target_deg,
+            turns_deg=gaze.turns_deg,
+            energy_penalty=percept.energy_penalty,
         )
-        return Answer(percept, decision, self.agent.learning_steps)
 
 
 def make_loop(

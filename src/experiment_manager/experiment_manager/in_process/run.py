@@ -16,9 +16,8 @@ from experiment_manager.run.attempt import goes_on
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.picture_sample import takes_pictures
 from experiment_manager.run.run_directory import Run
-from eye_plant.config import EyePlantConfig
-from eye_plant.episode import Episode
-from lockstep.errors import DivergenceError, InputError
+from eye_plant import Episode, EyePlantConfig
+from lockstep import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
 from lockstep.machine.interrupts import Interrupts
 from lockstep.wire.stamps import period_ns, stamp_of

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from experiment_manager.in_process.loop import Step
-from eye_plant.config import EyePlantConfig
+from eye_plant import EyePlantConfig
 from eye_plant.messages import ObservationMessages
 from lockstep.wire.images import ImageBytes
 from lockstep.wire.topics import GAZE, GAZE_NAMES, REWARD_NAMES, actor_critic_names

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from lockstep import setting
 from lockstep.optics import OpticsConfig
-from lockstep.settings import setting
 from lockstep.task import TaskConfig
 
 LOCAL_HOST = "127.0.0.1"

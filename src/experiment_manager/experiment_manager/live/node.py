@@ -20,7 +20,7 @@ from experiment_manager.live.page import Page
 from experiment_manager.live.steering import Steering
 from experiment_manager.live.view import View, open_server
 from experiment_manager.run.recorded_topics import SMALL_TOPICS
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.node.process import run_node
 from lockstep.node.ros_parameters import declare_config
 from lockstep.wire.cdr import image_array, stamp_ns_of

@@ -7,7 +7,7 @@ from pathlib import Path
 from urllib.parse import parse_qs, urlencode, urlsplit
 
 from experiment_manager.live.steering import Steering
-from lockstep.errors import InputError
+from lockstep import InputError
 
 LAYOUT = Path(__file__).with_name("layout.json")
 _PAGE = """<!DOCTYPE html>

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from experiment_manager.bag.message_definitions import message_definition
-from lockstep.errors import InputError
+from lockstep import InputError
 
 _NAME = "active binocular vision"
 _LOCK_FILE = "requirements-live.lock"

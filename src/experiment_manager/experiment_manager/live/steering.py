@@ -8,7 +8,7 @@ from collections import deque
 import cv2
 import numpy as np
 
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.wire.topics import GAZE_TARGET, TARGET_NAMES
 from lockstep.wire.vectors import values_of, vector_message
 from sparse_coder.gaze.movement import swing_deg

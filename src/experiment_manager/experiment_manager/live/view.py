@@ -9,14 +9,13 @@ from numpy.typing import NDArray
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.live.server import ViewServer
 from experiment_manager.run.recorded_topics import SMALL_TOPICS
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.wire.cdr import image_array
 from lockstep.wire.topics import BASIS_FUNCTIONS, GAZE_TARGET, IMAGE, PICTURES, TRAINING, VECTOR
 from lockstep.wire.vectors import read_vector, values_of
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
+from sparse_coder import SparseCoder, SparseCoderConfig
 from sparse_coder.patches import N_PIXELS
-from sparse_coder.reconstruction import reconstructed_windows, seen_windows
+from sparse_coder.picture_of_code import reconstructed_windows, seen_windows
 
 # As they are. All of an observation; the first ones are small, one each.
 SHOWN_TOPICS = dict.fromkeys(SMALL_TOPICS, VECTOR) | dict.fromkeys((*PICTURES, "features"), IMAGE)

@@ -9,11 +9,11 @@ from typing import Any
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import Schedule, read_schedule
 from experiment_manager.experiment.sections import config_of
-from eye_plant.config import EyePlantConfig, changed
-from eye_plant.inverse.pair import Inverse
+from eye_plant import EyePlantConfig, Inverse, fixation_distance_m
+from eye_plant.config import changed
 from eye_plant.mechanics.metabolics import silent_activation
 from eye_plant.mechanics.model import MechanicsConfig
-from eye_plant.vergence import degrees_per_px, fixation_distance_m
+from eye_plant.vergence import degrees_per_px
 from lockstep.wire.topics import TEST
 
 # Relaxed eyes see an object right whose vergence differs by less than this from theirs.

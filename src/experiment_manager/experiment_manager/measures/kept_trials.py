@@ -11,8 +11,7 @@ import numpy as np
 
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS
 from experiment_manager.measures.trials import ERROR_NAMES, Trials, space_of
-from lockstep.errors import InputError
-from lockstep.state_file import read_state, write_state
+from lockstep import InputError, read_state, write_state
 
 KEPT_FILE = "trials.npz"
 _KIND = "trials_of_run"

@@ -11,7 +11,8 @@ from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.fixations import fixation_measures
 from experiment_manager.measures.results import AntagonistPair, Measures, SetSummary, Summary
 from experiment_manager.measures.trials import ERROR_NAMES, Trials
-from lockstep.command_space import MUSCLES, SIDES, CommandSpace
+from lockstep import SIDES, CommandSpace
+from lockstep.command_space import MUSCLES
 
 # K17 Fig. 3 shows these; the last one is what all tables report.
 REPORTED_ITERATIONS = (1, 2, 3, 20)

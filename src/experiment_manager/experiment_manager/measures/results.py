@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, Self
 
 from experiment_manager.measures.fixations import FixationMeasures
+from lockstep import InputError
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
 
 RESULTS_FILE = "results.json"
 _AFTER = "after_"

@@ -6,8 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from lockstep.command_space import COMMAND_SPACES, PAIR, CommandSpace
-from lockstep.errors import InputError
+from lockstep import COMMAND_SPACES, PAIR, CommandSpace, InputError
 from lockstep.wire.topics import EPISODE_NAMES, GROUND_TRUTH_NAMES, TEST
 
 # Of errors about the axes that commands may turn the eyes about; the pair's turn them about one.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiment_manager.measures.trials import Trials
-from lockstep.command_space import SIDES, CommandSpace
+from lockstep import SIDES, CommandSpace
 
 # Of one eye's muscle and the other eye's that turns it to the same side (Leigh & Zee 2015).
 _YOKES = {

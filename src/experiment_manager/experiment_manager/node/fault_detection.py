@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from experiment_manager.run.episode_record import EpisodeRecord, learning_steps
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_UNWRITABLE
 
 # Whose answer each topic carries.

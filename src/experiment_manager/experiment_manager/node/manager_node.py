@@ -18,7 +18,7 @@ from experiment_manager.node.recorder import Recorder
 from experiment_manager.node.requests import LEARNERS, PLANT, Requests
 from experiment_manager.run.recorded_topics import small_topics
 from experiment_manager.run.run_directory import Run
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, FAULT_TEXT
 from lockstep.machine.own_process import give_back_blocks_of
 from lockstep.node.diagnostics import Diagnostics

@@ -16,9 +16,9 @@ from experiment_manager.run.episode_record import EpisodeRecord
 from experiment_manager.run.picture_sample import takes_pictures
 from experiment_manager.run.recorded_topics import FREE_TOPICS, SAMPLED_TOPICS, small_topics
 from experiment_manager.run.run_directory import Run
-from eye_plant.episode import Episode
+from eye_plant import Episode
 from lockstep.wire.cdr import stamp_of
-from lockstep.wire.codec import reader_of
+from lockstep.wire.codec import Reader
 from lockstep.wire.qos import LOCKSTEP_QOS, QUEUE_DEPTH
 from lockstep.wire.stamps import NS_PER_S, period_ns
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TOPIC_TYPES
@@ -55,7 +55,7 @@ class Recorder:
         self._hear()
         self._others_are_late = False
         measured = ("ground_truth", "muscle_activations", *LEARNER_OF)
-        self._readers = {name: reader_of(JointState, name) for name in measured}
+        self._readers = {name: Reader(JointState, name) for name in measured}
         self._subscriptions_of_pictures: list[Subscription] = []
         self._small_topics = small_topics(config)
         recorded = (*self._small_topics, *FREE_TOPICS)

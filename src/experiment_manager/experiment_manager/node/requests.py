@@ -7,7 +7,7 @@ from functools import partial
 from rclpy.node import Node
 
 from experiment_manager.node.fault_detection import LEARNER_OF, Fault, of_refusal
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.node.requests import Arguments, RequestClient, service_name
 
 PLANT = "eye_plant"

@@ -24,9 +24,9 @@ from experiment_manager.preparation.request import (
     Given,
     RunRequest,
 )
-from eye_plant.config import EyePlantConfig
+from eye_plant import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import count_stimuli
-from lockstep.errors import InputError
+from lockstep import InputError
 from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
 
 

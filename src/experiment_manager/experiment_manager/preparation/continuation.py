@@ -28,11 +28,10 @@ from experiment_manager.run.config_file import (
 )
 from experiment_manager.run.progress import Progress
 from experiment_manager.run.run_directory import TRIALS_FILE, TRIALS_KIND
+from lockstep import InputError, read_state, write_state
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
-from lockstep.state_file import read_state, write_state
-from sparse_coder.coder import SparseCoder
-from vergence_rl.agent import Agent
+from sparse_coder import SparseCoder
+from vergence_rl import Agent
 
 # What a run decides for itself, whoever it begins from.
 _OF_ONE_RUN = tuple(

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from experiment_manager.experiment.plant_changes import Schedule, parse_schedule
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.nearest import did_you_mean
 from lockstep.yaml_text import load_yaml
 

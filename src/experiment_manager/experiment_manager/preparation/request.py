@@ -8,7 +8,7 @@ from typing import Any
 
 from experiment_manager.experiment.config import MODELS
 from experiment_manager.experiment.sections import DEFAULTS, SECTIONS
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.nearest import did_you_mean
 
 # Keys, SECTION.NAME, of what has a name of its own in a request.

@@ -1,12 +1,13 @@
 """Numbers as people write them on a command line or in a sweep's file: 1e5, 1_000, 0,500."""
 
-from lockstep.errors import InputError
+from lockstep import InputError
 
 
 def whole_number(text: str) -> int:
     """Return the whole number that a text is; raises InputError for another text."""
     try:
-        return _exact(float(text.replace("_", ""))) if "e" in text.lower() else int(text)
+        is_whole = not {"e", "."} & set(text.lower())
+        return int(text) if is_whole else _exact(float(text.replace("_", "")))
     except (ValueError, OverflowError) as error:
         raise InputError(f"expected a whole number, got {text!r}") from error
 

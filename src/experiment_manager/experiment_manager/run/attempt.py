@@ -5,7 +5,7 @@ from pathlib import Path
 
 from experiment_manager.bag.reader import Bag
 from experiment_manager.run import checkpoint
-from lockstep.errors import InputError
+from lockstep import InputError
 
 # A bag's file before its first message: schemas, and the configuration.
 _HEADER_BYTES = 1 << 16

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from lockstep import InputError
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
 
 _VERSION = 2
 _MANIFEST = "manifest.json"

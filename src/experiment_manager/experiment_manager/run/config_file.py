@@ -15,7 +15,7 @@ from experiment_manager.experiment.sections import (
     completed,
 )
 from experiment_manager.run.checkpoint import Manifest
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.yaml_text import load_yaml
 
 CONFIG_FILE = "config.yaml"

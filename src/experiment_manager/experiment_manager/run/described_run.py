@@ -9,7 +9,7 @@ import yaml
 
 from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.run.config_file import parameters_in
-from lockstep.errors import InputError
+from lockstep import InputError
 
 
 class DescribedRun:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from experiment_manager.run.recorded_topics import SMALL_TOPICS
-from eye_plant.episode import Episode
+from eye_plant import Episode
 from lockstep.wire.topics import (
     PLANT_VECTORS,
     TRAINING,

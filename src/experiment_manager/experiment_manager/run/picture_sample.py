@@ -1,7 +1,7 @@
 """Which episodes' pictures and features are recorded. No ROS."""
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
-from eye_plant.episode import Episode
+from eye_plant import Episode
 from lockstep.wire.topics import TRAINING
 
 

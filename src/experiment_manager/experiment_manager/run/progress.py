@@ -10,8 +10,7 @@ from experiment_manager.measures.kept_trials import KeptTrials, with_test
 from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, summary_of
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import TrialTable, only_test
-from lockstep.command_space import CommandSpace
-from lockstep.errors import InputError
+from lockstep import CommandSpace, InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
 
 _N_RUNNING = 200

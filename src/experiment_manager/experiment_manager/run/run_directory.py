@@ -35,12 +35,10 @@ from experiment_manager.run.config_file import (
 from experiment_manager.run.picture_sample import is_sampled
 from experiment_manager.run.progress import Progress
 from experiment_manager.terminal.progress_bar import ProgressBar
+from eye_plant import Episode
 from eye_plant.config import EyesConfig
-from eye_plant.episode import Episode
-from lockstep.configuration import flatten
+from lockstep import InputError, flatten, read_state, write_state
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
-from lockstep.state_file import read_state, write_state
 from lockstep.wire.stamps import period_ns
 from lockstep.wire.topics import PARAMETER_CHANGES, TOPIC_TYPES
 from lockstep.wire.vectors import VectorBytes

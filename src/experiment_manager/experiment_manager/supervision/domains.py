@@ -7,15 +7,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from lockstep.errors import InputError
-from lockstep.machine.domain import first_port
+from lockstep import InputError
 from lockstep.machine.locks import takes_lock
 
 # Domains 0 to 101 stay below Linux' ephemeral ports; 0 and the documented one of nodes that are
 # started one by one are everybody's.
 NODE_SCRIPTS_DOMAIN = 42
 _CANDIDATES = tuple(d for d in range(1, 102) if d != NODE_SCRIPTS_DOMAIN)
-# RTPS 2.2, 9.6.1.1: the first participant of a domain receives on these unicast ports.
+# RTPS 2.2, 9.6.1.1: the ports of a domain, and those on which its first participant receives.
+_FIRST_PORT, _PORTS_PER_DOMAIN = 7400, 250
 _UNICAST_OFFSETS = 10, 11
 
 
@@ -46,7 +46,7 @@ def is_silent(domain: int) -> bool:
     for offset in _UNICAST_OFFSETS:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:
-                probe.bind(("", first_port(domain) + offset))
+                probe.bind(("", _FIRST_PORT + _PORTS_PER_DOMAIN * domain + offset))
             except OSError:
                 return False
     return True

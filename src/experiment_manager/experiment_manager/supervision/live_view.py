@@ -6,8 +6,13 @@ from pathlib import Path
 
 from experiment_manager.live.address import Address
 from experiment_manager.run.config_file import CONFIG_FILE
-from experiment_manager.supervision.fork_server import ForkServer, NodeProcess, stop
-from experiment_manager.supervision.processes import last_words, parameter_arguments
+from experiment_manager.supervision.processes import (
+    Process,
+    last_words,
+    parameter_arguments,
+    start_node,
+    stop,
+)
 
 PACKAGE = "experiment_manager.live"
 
@@ -15,23 +20,20 @@ PACKAGE = "experiment_manager.live"
 class LiveView(AbstractContextManager["LiveView"]):
     """The node live_view in a domain; stopped when the block is left, and never waited for."""
 
-    def __init__(
-        self, fork_server: ForkServer, address: Address | None, domain: int, directory: Path
-    ) -> None:
-        """fork_server: starts it; address: None for none; directory: of the run."""
+    def __init__(self, address: Address | None, domain: int, directory: Path) -> None:
+        """address: None for none; directory: of the run."""
         self._log = directory / "logs" / "live_view.log"
-        self._process: NodeProcess | None = None
+        self._process: Process | None = None
         if address is None:
             return
         given = {"host": address.host, "port": address.port, "page_port": address.port + 1}
         config = str(directory / CONFIG_FILE)
         arguments = ["--ros-args", "--params-file", config, *parameter_arguments(given)]
-        with self._log.open("ab") as log:
-            self._process = fork_server.start(PACKAGE, arguments, domain, log)
+        self._process = start_node(PACKAGE, arguments, domain, self._log)
 
     def look(self) -> None:
         """Say so, once, when the process has ended by itself."""
-        if self._process is None or self._process.exit_code() is None:
+        if self._process is None or self._process.poll() is None:
             return
         self._process = None
         print(

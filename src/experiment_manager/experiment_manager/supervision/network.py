@@ -1,5 +1,23 @@
 """Whether nodes began without a network that is there now: others know no way to such nodes."""
 
+import socket
+
+import psutil
+
+
+def addresses() -> frozenset[str]:
+    """Return the IPv4 addresses of this machine's interfaces that work now, loopback too.
+
+    Fast DDS tells others the addresses that it finds when a node starts.
+    """
+    works = {name for name, state in psutil.net_if_stats().items() if state.isup}
+    return frozenset(
+        address.address
+        for name, of_interface in psutil.net_if_addrs().items()
+        for address in of_interface
+        if name in works and address.family == socket.AF_INET
+    )
+
 
 class Network:
     """The addresses of this machine since the nodes of an attempt were started."""

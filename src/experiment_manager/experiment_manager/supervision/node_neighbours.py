@@ -1,18 +1,17 @@
-"""What lies beyond this process' own nodes: others' graphs in a ROS domain, and the network."""
+"""The supervisor's own node in a ROS domain, and others' graphs that it finds there."""
 
-import json
 import os
-import socket
-import subprocess
-import sys
+import time
 from collections.abc import Collection, Sequence
 
-import psutil
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
 
+from experiment_manager.node.presence import UNKNOWN_NODE
 from experiment_manager.supervision.domains import is_silent
-from experiment_manager.supervision.heartbeats import START_LIMIT_S, unfinished_text
-from lockstep.errors import InputError
-from lockstep.machine.unfinished_ports import remove_unfinished_ports
+from lockstep import InputError
+from lockstep.machine.environment import reaches_other_machines
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 
 PUBLISHES = {
@@ -22,20 +21,27 @@ PUBLISHES = {
 }
 # Longer than Fast DDS' period of announcements, 3 s.
 _LISTEN_S = 5.0
+_LOOK_PERIOD_S = 0.1
 
 
-def addresses() -> frozenset[str]:
-    """Return the IPv4 addresses of this machine's interfaces that work now, loopback too.
+class Observer:
+    """A node in a domain that answers nobody; it stays until it is closed."""
 
-    Fast DDS tells others the addresses that it finds when a node starts.
-    """
-    works = {name for name, state in psutil.net_if_stats().items() if state.isup}
-    return frozenset(
-        address.address
-        for name, of_interface in psutil.net_if_addrs().items()
-        for address in of_interface
-        if name in works and address.family == socket.AF_INET
-    )
+    def __init__(self, domain: int) -> None:
+        """Enter the domain."""
+        self._context = Context()
+        self._context.init(args=[], domain_id=domain)
+        self.node = Node(
+            "supervisor", context=self._context, enable_rosout=False, start_parameter_services=False
+        )
+        self.executor = SingleThreadedExecutor(context=self._context)
+        self.executor.add_node(self.node)
+
+    def close(self) -> None:
+        """Leave the domain."""
+        self.executor.shutdown()
+        self.node.destroy_node()
+        self._context.try_shutdown()
 
 
 def refuse_neighbours(domain: int, expected: Collection[str] = ()) -> None:
@@ -44,7 +50,7 @@ def refuse_neighbours(domain: int, expected: Collection[str] = ()) -> None:
     expected: nodes that may be there already. Pure listeners are allowed. Takes a few
     seconds, unless nobody else can be in the domain.
     """
-    if is_silent(domain) and not _reaches_other_machines():
+    if is_silent(domain) and not reaches_other_machines(os.environ):
         return
     publishers = _publishers(
         domain, [t for node, topics in PUBLISHES.items() if node not in expected for t in topics]
@@ -58,34 +64,21 @@ def refuse_neighbours(domain: int, expected: Collection[str] = ()) -> None:
 
 
 def _publishers(domain: int, topics: Sequence[str]) -> dict[str, list[str]]:
-    """Return the names of the nodes that publish each topic, by topic, as soon as there are any.
-
-    A process looks that a limit of time, Ctrl-C and our own end can end: to make a node may hang
-    for ever.
-    """
-    remove_unfinished_ports()
-    module = "experiment_manager.supervision.listener.node_topics"
+    """Return the names of the nodes that publish each topic, as soon as all that are found are."""
+    observer = Observer(domain)
+    end_s = time.monotonic() + _LISTEN_S
+    found: dict[str, list[str]] = {}
     try:
-        done = subprocess.run(
-            [sys.executable, "-m", module, str(os.getpid()), str(_LISTEN_S), *topics],
-            env=os.environ | {"ROS_DOMAIN_ID": str(domain)},
-            capture_output=True,
-            text=True,
-            timeout=START_LIMIT_S,
-            check=False,
-        )
-    except subprocess.TimeoutExpired as error:
-        raise InputError(
-            f"ROS domain {domain}: expected a node to start within {START_LIMIT_S:g} s, it hangs"
-            f"{unfinished_text()}"
-        ) from error
-    *_, last = ["", *(done.stderr if done.returncode else done.stdout).splitlines()]
-    if done.returncode:
-        raise InputError(f"ROS domain {domain}: expected a node to start in it, got {last}")
-    publishers: dict[str, list[str]] = json.loads(last)
-    return publishers
-
-
-def _reaches_other_machines() -> bool:
-    peers = os.environ.get("ROS_STATIC_PEERS", "")
-    return bool(peers) or os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") != "LOCALHOST"
+        while (not found or any(UNKNOWN_NODE in names for names in found.values())) and (
+            time.monotonic() < end_s
+        ):
+            time.sleep(_LOOK_PERIOD_S)
+            infos = {topic: observer.node.get_publishers_info_by_topic(topic) for topic in topics}
+            found = {
+                topic: [publisher.node_name for publisher in publishers]
+                for topic, publishers in infos.items()
+                if publishers
+            }
+    finally:
+        observer.close()
+    return found

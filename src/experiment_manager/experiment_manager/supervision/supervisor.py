@@ -12,11 +12,9 @@ from experiment_manager.live.address import Address
 from experiment_manager.run.attempt import goes_on, place_of
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
-from experiment_manager.supervision.fork_server import ForkServer
-from experiment_manager.supervision.heartbeats import Heartbeats
 from experiment_manager.supervision.live_view import LiveView
-from experiment_manager.supervision.network import Network
-from experiment_manager.supervision.node_neighbours import addresses
+from experiment_manager.supervision.network import Network, addresses
+from experiment_manager.supervision.node_heartbeats import Heartbeats
 from experiment_manager.supervision.processes import (
     MANAGER,
     PACKAGES,
@@ -24,7 +22,6 @@ from experiment_manager.supervision.processes import (
     last_words,
     parameter_arguments,
 )
-from experiment_manager.supervision.shared_memory import remove_ports, remove_stale_segments
 from lockstep.durable_files import why_unwritable
 from lockstep.exit_codes import (
     EXIT_BAD_INPUT,
@@ -37,7 +34,6 @@ from lockstep.exit_codes import (
 )
 from lockstep.machine.domain import given_domain
 from lockstep.machine.interrupts import Interrupts
-from lockstep.machine.unfinished_ports import remove_unfinished_ports
 
 # For nodes elsewhere, in s: a cut shorter than this looks like a hang. Longer than Fast DDS
 # goes on to count somebody whom it does not hear, 20 s.
@@ -57,18 +53,15 @@ class Supervisor:
     def __init__(
         self,
         directory: Path,
-        fork_server: ForkServer,
         elsewhere: Collection[str] = (),
         live: Address | None = None,
     ) -> None:
         """directory: holds config.yaml, and whatever the run has done so far.
 
-        fork_server: starts the nodes; entered meanwhile. elsewhere: nodes that somebody else
-        starts, in the domain of `known_domain`; what they lack of signs of life the manager
-        notices. live: where a live view listens, None for none.
+        elsewhere: nodes that somebody else starts, in the domain of `known_domain`; what they lack
+        of signs of life the manager notices. live: where a live view listens, None for none.
         """
         self._directory = directory
-        self._fork_server = fork_server
         self._elsewhere = frozenset(elsewhere)
         self._live = live
         self._packages = [package for package in PACKAGES if package not in elsewhere]
@@ -87,13 +80,7 @@ class Supervisor:
             with own_domain(frozenset(used)) if known is None else nullcontext(known) as domain:
                 used.append(domain)
                 print(f"to listen from another terminal: export ROS_DOMAIN_ID={domain}")
-                try:
-                    code, fault = self._attempt(domain)
-                except ConnectionError as gone:
-                    code, fault = EXIT_FAULT, str(gone)
-                remove_stale_segments()
-                if known is None:
-                    remove_ports(domain)
+                code, fault = self._attempt(domain)
             if code == EXIT_NETWORK:
                 print("the network is back: starting the nodes again", file=sys.stderr)
                 continue
@@ -126,7 +113,6 @@ class Supervisor:
         """Run the nodes until they are done or fail; return (exit code, fault or None)."""
         if self._interrupts.count:
             return EXIT_INTERRUPTED, None
-        remove_unfinished_ports()
         given: dict[str, object] = {
             "run_directory": self._directory,
             "resume": str(goes_on(self._directory)).lower(),
@@ -138,9 +124,9 @@ class Supervisor:
         more = {MANAGER: parameter_arguments(given)}
         directory, packages, network = self._directory, self._packages, Network(addresses())
         with (
-            NodeProcesses(self._fork_server, directory, domain, more, packages) as processes,
-            Heartbeats(self._fork_server, domain, packages) as heartbeats,
-            LiveView(self._fork_server, self._live, domain, directory) as live_view,
+            NodeProcesses(directory, domain, more, packages) as processes,
+            LiveView(self._live, domain, directory) as live_view,
+            Heartbeats(domain, packages) as heartbeats,
         ):
             self._processes = processes
             while not (codes := processes.exit_codes()):

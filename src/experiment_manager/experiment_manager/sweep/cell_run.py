@@ -15,7 +15,7 @@ from experiment_manager.measures.results import read_results
 from experiment_manager.run.described_run import DescribedRun
 from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
 from experiment_manager.sweep.sweep_file import Cell
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_FAULT, EXIT_INTERRUPTED
 from lockstep.machine.locks import takes_lock
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from experiment_manager.sweep.cell_run import CellRun
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.exit_codes import EXIT_INTERRUPTED
 from lockstep.machine.interrupts import Interrupts
 

@@ -14,7 +14,7 @@ from experiment_manager.measures.tables import text_table
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
 from experiment_manager.sweep.cell_run import CellRun
-from lockstep.errors import InputError
+from lockstep import InputError
 
 _COLUMNS = ("run", "state", "iterations", "it/s", "time left", "last test")
 _MINUTE_S, _HOUR_S = 60, 3600

@@ -13,7 +13,7 @@ from experiment_manager.experiment.sections import SECTIONS, Configuration
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.request import OPTIONS, RunRequest
 from experiment_manager.preparation.written_values import number, whole_number, whole_numbers
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.nearest import did_you_mean
 from lockstep.yaml_text import load_yaml
 

@@ -7,9 +7,8 @@ from typing import Any
 
 from eye_plant.camera.blur import blur_radius_px
 from eye_plant.turns import TurnsDeg
-from lockstep.errors import InputError
+from lockstep import InputError, check_settings, setting
 from lockstep.optics import OpticsConfig
-from lockstep.settings import check_settings, setting
 
 MUJOCO = "mujoco"
 PLANE = "plane"

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from eye_plant.stimuli.noise import octaves_noise
-from lockstep.randomness import generator
+from lockstep import generator
 
 # 15 mm per pixel on a wall of 39 m x 12 m: less than half a camera pixel from 9.1 m away.
 WIDTH_PX = 2600

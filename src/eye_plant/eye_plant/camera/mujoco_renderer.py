@@ -8,8 +8,7 @@ import numpy as np
 from eye_plant.camera.config import CameraConfig
 from eye_plant.camera.landscape import landscape_picture
 from eye_plant.camera.renderer import FAR_M, N_EYES, NEAR_M, View
-from lockstep.command_space import SIDES
-from lockstep.errors import InputError
+from lockstep import SIDES, InputError
 
 # Both surfaces face the eyes: their own x, a texture's right, is -y, their own y is up.
 _FACING_EYES_QUAT = (0.5, 0.5, -0.5, -0.5)

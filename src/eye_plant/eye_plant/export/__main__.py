@@ -7,9 +7,9 @@ from pathlib import Path
 
 from eye_plant.export.mjcf import mjcf
 from eye_plant.mechanics.model import PARAMETER_SETS
+from lockstep import InputError
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import is_free
-from lockstep.errors import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
 
 

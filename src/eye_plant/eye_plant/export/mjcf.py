@@ -6,7 +6,7 @@ import numpy as np
 from eye_plant.camera.config import CameraConfig
 from eye_plant.mechanics.model import MechanicsConfig, build_spec
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.command_space import SIDES
+from lockstep import SIDES
 
 KEYFRAME = "tonic"
 _WHITE, _PUPIL, _MUSCLE = (0.95, 0.95, 0.92, 1.0), (0.1, 0.15, 0.3, 1.0), (0.8, 0.25, 0.2, 1.0)

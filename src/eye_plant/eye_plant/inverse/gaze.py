@@ -17,8 +17,7 @@ from eye_plant.gaze_error import gaze_error
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.turns import NO_TURNS_DEG, TurnsDeg, turned
-from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI, CommandSpace
-from lockstep.errors import InputError
+from lockstep import ALL_MUSCLES, HORIZONTAL_RECTI, CommandSpace, InputError
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,7 @@ from eye_plant.inverse.pair import Inverse, Limits, pair_limits
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.turns import NO_TURNS_DEG, TurnsDeg
 from eye_plant.vergence import fixation_distance_m
-from lockstep.command_space import COMMAND_SPACES, PAIR
-from lockstep.errors import InputError
+from lockstep import COMMAND_SPACES, PAIR, InputError
 
 # Vergences from 10 m to 0.3 m with the eyes of K17; in between the rate is nearly straight.
 _VERGENCES_DEG = np.linspace(0.32, 10.72, 27)

@@ -13,7 +13,7 @@ import numpy as np
 
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.errors import InputError
+from lockstep import InputError
 
 Limits = tuple[tuple[float, float], tuple[float, float]]
 Pair = tuple[float, float]

@@ -16,8 +16,8 @@ import numpy as np
 from eye_plant.mechanics.anatomical import ANATOMICAL
 from eye_plant.mechanics.k17 import K17
 from eye_plant.mechanics.parameters import MuscleParameters, OrbitParameters, ParameterSet, Point
-from lockstep.command_space import MUSCLE_NAMES, MUSCLES, SIDES
-from lockstep.settings import check_settings, setting
+from lockstep import MUSCLE_NAMES, SIDES, check_settings, setting
+from lockstep.command_space import MUSCLES
 
 AXES = ("adduction", "elevation", "intorsion")
 N_MUSCLES = len(MUSCLE_NAMES)

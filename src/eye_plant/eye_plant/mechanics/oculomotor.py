@@ -12,8 +12,7 @@ from eye_plant.mechanics.compiled import addresses_of, creep_to_rest, step_and_t
 from eye_plant.mechanics.metabolics import MetabolicTerms
 from eye_plant.mechanics.model import AXES, N_MUSCLES, MechanicsConfig, build_spec
 from eye_plant.mechanics.musculature import Musculature
-from lockstep.command_space import SIDES
-from lockstep.errors import InputError
+from lockstep import SIDES, InputError
 
 Array = NDArray[np.float64]
 

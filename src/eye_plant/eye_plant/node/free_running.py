@@ -10,7 +10,7 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.node.publisher import ObservationPublisher
 from eye_plant.plant import EyePlant
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer
 from lockstep.wire.qos import LOCKSTEP_QOS

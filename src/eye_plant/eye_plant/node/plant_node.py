@@ -13,13 +13,13 @@ from eye_plant.node.free_running import FreeRunning
 from eye_plant.node.publisher import ObservationPublisher
 from eye_plant.observation import Observation
 from eye_plant.plant import EyePlant
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.process import run_node
 from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, Arguments, RequestServer
 from lockstep.node.ros_parameters import declare_config
 from lockstep.wire.cdr import stamp_ns_of
-from lockstep.wire.codec import reader_of
+from lockstep.wire.codec import Reader
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import period_ns, stamp_of
 from lockstep.wire.vectors import values_of
@@ -58,7 +58,7 @@ class EyePlantNode(Node):
             self._wait_for_episodes()
 
     def _wait_for_episodes(self) -> None:
-        self._read = reader_of(JointState, "muscle_command")
+        self._read = Reader(JointState, "muscle_command")
         self.create_subscription(
             JointState, "muscle_command", self._command, LOCKSTEP_QOS, raw=True
         )

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from eye_plant.stimuli import generator as stimulus_generator
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.machine.threads import map_in_threads
 
 # Of the generated pictures. Another one when the generator, or a library that it uses, gives other

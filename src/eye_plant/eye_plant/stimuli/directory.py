@@ -5,8 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from lockstep.errors import InputError
-from lockstep.randomness import generator
+from lockstep import InputError, generator
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 _NOTES = (".md", ".txt")  # may stand beside the pictures

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from eye_plant.stimuli.noise import octaves_noise
-from lockstep.randomness import generator
+from lockstep import generator
 
 # Lengths are for pictures of this size and scale with it.
 _REFERENCE_PX = 1920

@@ -6,9 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from eye_plant.stimuli.directory import choose_test_files, read_picture, size_of_picture
-from lockstep.command_space import SIDES
-from lockstep.errors import InputError
-from lockstep.randomness import generator
+from lockstep import SIDES, InputError, generator
 
 # ours: at 6 m, where the plane of 3 m is 128 camera pixels wide, a dot is still 1.6 px.
 _DOT_SHARE = 1.0 / 80.0

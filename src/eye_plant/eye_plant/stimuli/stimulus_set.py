@@ -12,7 +12,7 @@ import numpy as np
 from eye_plant.stimuli.cache import load_generated, n_missing
 from eye_plant.stimuli.directory import choose_files, choose_test_files, read_picture
 from eye_plant.stimuli.stereograms import Stereogram
-from lockstep.settings import check_settings, setting
+from lockstep import check_settings, setting
 
 SMALLEST_PX = 64
 

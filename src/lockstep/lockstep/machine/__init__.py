@@ -1,1 +1,1 @@
-"""What a process asks of its machine and settles with it: domain, signals, cores, shared memory."""
+"""What a process asks of its machine and settles with it: domain, signals, cores."""

@@ -1,18 +1,11 @@
-"""The ROS domain that the environment names, and the ports of a domain."""
+"""The ROS domain that the environment names."""
 
 import os
 
 from lockstep.errors import InputError
 
-# RTPS 2.2, 9.6.1.1: how many ports a domain has, from which on, and the last one whose ports exist.
-N_PORTS = 250
-_FIRST_PORT = 7400
+# RTPS 2.2, 9.6.1.1: the last one whose ports exist.
 LAST_DOMAIN = 232
-
-
-def first_port(domain: int) -> int:
-    """Return the first of the N_PORTS ports that belong to a domain."""
-    return _FIRST_PORT + N_PORTS * domain
 
 
 def given_domain() -> int | None:

@@ -17,7 +17,7 @@ from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer
 from lockstep.node.ros_parameters import declare_config
 from lockstep.state_file import read_state, write_state
 from lockstep.wire.cdr import stamp_ns_of
-from lockstep.wire.codec import Reader, reader_of
+from lockstep.wire.codec import Reader
 from lockstep.wire.qos import LOCKSTEP_QOS
 
 
@@ -58,7 +58,7 @@ class LearnerNode(Node, Generic[L]):
             self.create_subscription(
                 kind,
                 topic,
-                partial(self._receive, topic, reader_of(kind, topic)),
+                partial(self._receive, topic, Reader(kind, topic)),
                 LOCKSTEP_QOS,
                 raw=True,
             )

@@ -17,8 +17,7 @@ from lockstep.errors import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, FAULT_TEXT
 from lockstep.machine.cores import share_two_cores
 from lockstep.machine.domain import given_domain
-from lockstep.machine.unfinished_ports import remove_unfinished_ports
-from lockstep.node.executor import make_executor
+from lockstep.node.executor import LockstepExecutor
 
 # Bad input, by phase: what reading the arguments raises, and names and parameters of the node.
 _OF_ARGUMENTS = (InputError, _rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError)
@@ -38,7 +37,6 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
     """
     try:
         _read_arguments(arguments)
-        remove_unfinished_ports()
     except _OF_ARGUMENTS as error:
         return _refused(error)
     try:
@@ -69,7 +67,7 @@ def _listen_to_signals(node: Node) -> None:
 
 def _spin(node: Node) -> int:
     """Serve the node until it ends, and destroy it; return its exit code."""
-    executor = make_executor()
+    executor = LockstepExecutor()
     executor.add_node(node)
     try:
         executor.spin()

@@ -4,7 +4,7 @@ import numpy as np
 from rclpy.node import Node
 from sensor_msgs.msg import Image
 
-from lockstep.wire.codec import writer_of
+from lockstep.wire.codec import Writer
 from lockstep.wire.publisher import RepeatingPublisher
 
 
@@ -14,7 +14,7 @@ class ImageBytes:
     def __init__(self, message: Image) -> None:
         """message: all but stamp and data, taken over."""
         message.data = bytes(message.height * message.step)
-        self._write = writer_of(message)
+        self._write = Writer(message)
 
     def of(self, stamp_ns: int, picture: np.ndarray) -> bytes:
         """Return the message of a contiguous picture of height x step bytes."""

@@ -45,6 +45,7 @@ REWARD_NAMES = (
     "reconstruction_error_coarse",
     "reconstruction_error_fine",
     "metabolic_rate_w",
+    "energy_penalty",
     "reward",
     "learning_steps",
 )

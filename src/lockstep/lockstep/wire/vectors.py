@@ -13,7 +13,7 @@ from sensor_msgs.msg import JointState
 
 from lockstep.errors import InputError
 from lockstep.wire.cdr import deserialized
-from lockstep.wire.codec import Writer, writer_of
+from lockstep.wire.codec import Writer
 from lockstep.wire.publisher import RepeatingPublisher
 from lockstep.wire.stamps import to_time
 
@@ -66,7 +66,7 @@ class VectorBytes:
         has = len(velocity) > 0, len(effort) > 0
         fields = [position, *([velocity] if has[0] else []), *([effort] if has[1] else [])]
         if has not in self._writers:
-            self._writers[has] = writer_of(
+            self._writers[has] = Writer(
                 vector_message(stamp_ns, self._names, position, velocity, effort)
             )
         return self._writers[has](stamp_ns, *fields)

@@ -8,21 +8,20 @@ is no target, and two turns of an episode are measured (D23).
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lockstep.wire.topics import N_SACCADES
-from sparse_coder.encoding import Encoding
+from sparse_coder.config import SparseCoderConfig
 from sparse_coder.gaze.movement import movement, rotation, swing_deg
 from sparse_coder.matching_pursuit import residual_energies
 from sparse_coder.patches import PX_PER_PIXEL, STRIDE_PX
+from sparse_coder.percept import NOWHERE_DEG, UNSEEN_DEG, Encoding, Gaze
 
 Floats = NDArray[np.float64]
 Pictures = tuple[NDArray[np.uint8], NDArray[np.uint8]]
 
-NOWHERE_DEG, UNSEEN_DEG = np.full(2, np.nan), np.full((2, 3), np.nan)
 _AHEAD = np.array([0.0, 0.0, 1.0])
 # Of vergence's commands the first turns the eyes most; the later ones lower the price of energy
 # (D23) at activations that no first command reaches.
@@ -33,23 +32,6 @@ _MEASURED = (1, 6)
 # The scale at which the next place is chosen, and how far looking at a place inhibits return to it.
 _COARSE = 0
 _INHIBITION_DEG = 3.0
-
-
-@dataclass(frozen=True)
-class Gaze:
-    """What saccades need of an observation.
-
-    target_deg: (2,) sideways and up from the left line of sight, NaN when there is no saccade to
-    make; turns_deg: (2, 3) how each eye turned since the observation before, to the right, up and
-    clockwise, NaN where that was not measured or is not clear.
-    """
-
-    target_deg: Floats
-    turns_deg: Floats
-
-    def values(self) -> tuple[float, ...]:
-        """Return the values of lockstep.wire.topics.GAZE_NAMES."""
-        return (*self.target_deg.tolist(), *self.turns_deg.ravel().tolist())
 
 
 class Turns:
@@ -142,6 +124,14 @@ class Fixations(Turns):
             away_deg = np.degrees(np.arccos(np.clip(places @ visited, -1.0, 1.0)))
             left *= 1.0 - np.exp(-0.5 * (away_deg / _INHIBITION_DEG) ** 2)
         return swing_deg(places[int(left.argmax())])
+
+
+def gaze_watch(config: SparseCoderConfig) -> Fixations | Turns | None:
+    """Return what follows the gaze through episodes, None where nobody asks."""
+    focal_length_px = config.camera.focal_length_px
+    if config.fixation_iterations:
+        return Fixations(config.fixation_iterations, focal_length_px)
+    return Turns(focal_length_px) if config.measures_turns else None
 
 
 def _kept(pictures: Pictures) -> Pictures:

@@ -34,7 +34,7 @@ def actor(weights: ActorWeights, state: NDArray[np.float64]) -> ActorOutput:
     return ActorOutput(activity, weights.output @ activity)
 
 
-def declining_rate(initial_rate: float, training_iteration: int, n_iterations: int) -> float:
+def actor_rate(initial_rate: float, training_iteration: int, n_iterations: int) -> float:
     """Return the rate that falls linearly from initial_rate to 0 at n_iterations (K17 II)."""
     return initial_rate * max(0.0, 1.0 - training_iteration / n_iterations)
 
@@ -60,8 +60,13 @@ def actor_step(
     W2 <- W2 + rate (a - A) h^T
     W1 <- (1 - shrinkage) W1 + rate (W2^T (a - A) * (1 - h^2)) s^T, with W2 from before the step
 
-    (K17 eq. 4.) state_tm1: s, (n_state,); output_tm1: h and A, of these weights in that state;
-    executed_tm1: a, (n_muscles,); rate: learning rate times number of updates.
+    (K17 eq. 4.)
+
+    state_tm1: s, (n_state,).
+    output_tm1: h and A, of these weights in that state.
+    executed_tm1: a, (n_muscles,).
+    rate: learning rate times number of updates.
+    shrinkage: of the hidden weights.
     """
     surplus = executed_tm1 - output_tm1.action
     slope = (weights.output.T @ surplus) * (1.0 - output_tm1.activity**2)

@@ -1,13 +1,16 @@
 """Settings of CACLA+VAR; the defaults are the published model's (K17 II)."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
-from lockstep.settings import check_settings, setting
+from lockstep import check_settings, setting
 
 
 @dataclass(frozen=True)
 class CaclaConfig:
     """Settings of critic, actor and exploration. Raises InputError for a value out of range."""
+
+    turns_eyes: ClassVar[bool] = False
 
     discount: float = setting(0.3, "gamma, discount of the value one step ahead", least=0, below=1)
     critic_learning_rate: float = setting(0.75, "alpha, learning rate of the critic", least=0)

@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.randomness import generator
+from lockstep import generator
 from vergence_rl.cacla.actor import (
     ActorOutput,
     ActorWeights,
     actor,
+    actor_rate,
     actor_step,
-    declining_rate,
     n_updates,
 )
 from vergence_rl.cacla.config import CaclaConfig
-from vergence_rl.learning_rule import Decision, Floats, Observation, Task
+from vergence_rl.learning_rule import Decision, Floats, Task, TimeStep
 from vergence_rl.td import bounded_rate, critic_step, td_error, td_variance, value
 
 
@@ -29,7 +29,7 @@ class _Experience:
     copied: (n_muscles,) action that the actor is to copy, should it have done well.
     """
 
-    observation: Observation
+    observation: TimeStep
     output: ActorOutput
     copied: Floats
 
@@ -44,7 +44,6 @@ class CaclaRule:
     def __init__(self, config: CaclaConfig, task: Task) -> None:
         """Start with random weights, a function of the seed."""
         self._config, self._task = config, task
-        self.learning_steps = 0
         n_state, n_hidden = task.n_state, config.n_hidden
         of_critic = config.critic_initial_width or 1.0 / n_state
         of_hidden = config.hidden_initial_width or 1.0 / (n_state * n_hidden)
@@ -59,7 +58,7 @@ class CaclaRule:
         self._last: _Experience | None = None
 
     def step(
-        self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
+        self, observation: TimeStep, *, learning: bool, draw: np.random.Generator | None
     ) -> Decision:
         """Learn from the last action of the episode, if there is one, then act."""
         value_t, delta = value(self._critic, observation.state), math.nan
@@ -91,7 +90,6 @@ class CaclaRule:
             "actor_hidden": self._actor.hidden.copy(),
             "actor_output": self._actor.output.copy(),
             "critic": self._critic.copy(),
-            "learning_steps": np.array(self.learning_steps),
             "td_variance": np.array(self._td_variance),
         }
 
@@ -99,11 +97,10 @@ class CaclaRule:
         """Continue from what state returned, with the next episode."""
         self._actor = ActorWeights(state["actor_hidden"].copy(), state["actor_output"].copy())
         self._critic = state["critic"].copy()
-        self.learning_steps = int(state["learning_steps"])
         self._td_variance = float(state["td_variance"])
         self._last = None
 
-    def _learn(self, last: _Experience, observation: Observation, value_t: float) -> float:
+    def _learn(self, last: _Experience, observation: TimeStep, value_t: float) -> float:
         """Update critic and actor for the last state and action; return the TD error."""
         config, state_tm1 = self._config, last.observation.state
         value_tm1 = value(self._critic, state_tm1)
@@ -122,11 +119,10 @@ class CaclaRule:
                 rate=rate * n,
                 shrinkage=rate * config.weight_shrinkage,
             )
-        self.learning_steps += 1
         return delta
 
-    def _rate(self, observation: Observation) -> float:
-        return declining_rate(
+    def _rate(self, observation: TimeStep) -> float:
+        return actor_rate(
             self._config.actor_learning_rate,
             observation.training_iteration,
             self._task.n_training_iterations,

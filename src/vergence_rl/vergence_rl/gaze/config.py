@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from lockstep.settings import check_settings, setting
+from lockstep import check_settings, setting
 
 
 @dataclass(frozen=True)

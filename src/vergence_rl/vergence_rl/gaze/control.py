@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep.command_space import SIDES
-from lockstep.errors import InputError
+from lockstep import SIDES, InputError
 from vergence_rl.gaze.config import GazeConfig
 from vergence_rl.gaze.descent import lowered
 from vergence_rl.gaze.effort import Effort
 from vergence_rl.gaze.eye_turns import N_TURNS, EyeTurns
-from vergence_rl.learning_rule import Observation
+from vergence_rl.learning_rule import TimeStep
 
 Floats = NDArray[np.float64]
 
@@ -27,7 +26,8 @@ _LARGEST_SAVING = 0.02
 class GazeControl:
     """Owns what is known of both eyes' turns, and of what activations cost.
 
-    Activations are those of twelve muscles, the left eye's six first.
+    Activations are those of twelve muscles, the left eye's six first. holds_gaze: whether vergence
+    leaves the left line of sight where saccades have turned it.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class GazeControl:
         """lowest, highest: (12,) limits of the commands; holds_gaze: whether saccades turn it."""
         # Vergence leaves the left line of sight where it is, to which saccades have turned it;
         # without saccades both eyes verge, and version is free.
-        self._holds_gaze = holds_gaze
+        self.holds_gaze = holds_gaze
         self._noise, self._limits = config.saccade_noise, (lowest, highest)
         self._eyes = [
             EyeTurns(low, high, config.memory_share)
@@ -52,24 +52,20 @@ class GazeControl:
         """Whether enough movements of both eyes are known to make turns of them."""
         return all(eye.is_known for eye in self._eyes)
 
-    def see(
-        self, observation: Observation, turns_deg: Floats, price: float, *, learning: bool
-    ) -> None:
+    def see(self, observation: TimeStep, *, learning: bool) -> None:
         """Learn from the last command, which led to this observation, and what its place costs.
 
-        turns_deg: (2, n_turns) of each eye, NaN where it was not seen clearly; price: what the
-        activations take from the reward, 0 where energy is free. Nothing is learned of a movement
-        from the first observation of an episode.
+        Nothing is learned of a movement from the first observation of an episode.
         """
         before, self._before = self._before, None
         if not learning:
             return
-        if price:
-            self._effort.learn(observation.activations, price)
+        if observation.energy_penalty:
+            self._effort.learn(observation.activations, observation.energy_penalty)
         if before is None or observation.iteration == 0:
             return
         places = _of_eyes(before), _of_eyes(observation.activations)
-        for eye, a, b, turned_deg in zip(self._eyes, *places, turns_deg, strict=True):
+        for eye, a, b, turned_deg in zip(self._eyes, *places, observation.turns_deg, strict=True):
             if np.isfinite(turned_deg).all():
                 eye.learn(a, b - a, turned_deg)
 
@@ -103,7 +99,7 @@ class GazeControl:
         if not self.is_known:
             return activations
         turned = np.array([-0.5 * turn_deg, 0.5 * turn_deg])
-        if self._holds_gaze:
+        if self.holds_gaze:
             turned[:, :-1] = np.array([np.zeros_like(turn_deg), turn_deg])[:, :-1]
         command = activations + self._change(activations, turned)
         slopes = self._effort.slopes(command)
@@ -112,21 +108,21 @@ class GazeControl:
         return np.clip(command, *self._limits)
 
     def _saving(self, command: Floats, slopes: Floats) -> Floats:
-        """Return the change (12,) of a command that lowers its price and leaves the vergence.
+        """Return the change (12,) of a command that lowers its penalty and leaves the vergence.
 
-        slopes: (12,) of the price. What may change is what turns both eyes alike: the rotation
+        slopes: (12,) of the penalty. What may change is what turns both eyes alike: the rotation
         about their lines of sight and, unless gaze is held, all turns.
         """
         left, right = (
             eye.slopes_deg(a) for eye, a in zip(self._eyes, _of_eyes(command), strict=True)
         )
         angles = np.hstack([left, -right])
-        if self._holds_gaze:
+        if self.holds_gaze:
             angles = np.vstack([angles, np.hstack([left, np.zeros_like(right)])[:-1]])
         change = lowered(command, slopes, angles, self._limits, _LARGEST_SAVING)
         of_left = _of_eyes(change)[0]
         alike = self._eyes[0].turns_deg(_of_eyes(command)[0], of_left)
-        if self._holds_gaze:
+        if self.holds_gaze:
             alike[:-1] = 0.0
         # Exactly so: slopes are those of small changes.
         return self._change(command, np.array([alike, alike]), change)

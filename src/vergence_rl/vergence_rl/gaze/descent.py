@@ -17,8 +17,8 @@ HALF = 0.5 * CHANGE / ACTIVATION
 _N_STEPS, _CLOSE_DEG = 8, 1e-4
 # Of the mean square of the slopes: below it, the free muscles cannot turn the eye that way.
 _RIDGE_SHARE = 1e-10
-# Of an angle's slopes, below which it depends on the others; and of the price's slopes, below which
-# there is no way down.
+# Of an angle's slopes, below which it depends on the others; and of the penalty's slopes, below
+# which there is no way down.
 _LEAST_SLOPE, _LEVEL = 1e-6, 1e-9
 _ROUNDING = 1e-12
 
@@ -103,9 +103,13 @@ def change_for(
 ) -> Floats:
     """Return the change (n,) that turns the eye as wanted, (n_turns,), from d and nearest to it.
 
-    weights: (n_turns, n, n_places) of the slopes; a: (n,) place; limits: (n,) least and most of the
-    change, both in the units above. Newton's method, each step the least one of the muscles that
-    are not at a limit.
+    weights: (n_turns, n, n_places) of the slopes.
+    a: (n,) place.
+    d: (n,) change to begin with.
+    wanted_deg: (n_turns,).
+    limits: (n,) least and most of the change; all in the units above.
+
+    Newton's method, each step the least one of the muscles that are not at a limit.
     """
     for _ in range(_N_STEPS):
         slopes = slopes_half_way(weights, a, HALF * d)
@@ -157,10 +161,13 @@ def lowered(
 ) -> Floats:
     """Return the change (n,) of activations (n,) that descends a slope while angles are held.
 
-    slopes: (n,) of the price; held: (n_angles, n) slopes of the angles; limits: lowest and highest
-    activations (n,); largest: change of any activation. Straight down as far as the angles let it,
-    until a muscle comes to a limit; then the others go on (gradient projection: Rosen 1960), until
-    one has changed by the largest.
+    slopes: (n,) of the penalty.
+    held: (n_angles, n) slopes of the angles.
+    limits: lowest and highest activations (n,).
+    largest: change of any activation.
+
+    Straight down as far as the angles let it, until a muscle comes to a limit; then the others go
+    on (gradient projection: Rosen 1960), until one has changed by the largest.
     """
     lowest, highest = limits
     n = len(activations)

@@ -1,14 +1,12 @@
-"""What activations cost (D23).
+"""What activations cost: the energy penalty that they will have (D23).
 
 Muscles that pull against each other hold the eyes where they are and cost energy. A regression
-learns how the price depends on each activation. `descent.lowered` lowers it.
+learns how the penalty depends on each activation. `descent.lowered` lowers it.
 
 A muscle's rate grows the more slowly the more it is driven already, so each activation has a term
-in proportion and one with its square root. With such a price few muscles are cheaper than many, and
-descent ends where most are silent.
+in proportion and one with its square root. With such a penalty few muscles are cheaper than many,
+and descent ends where most are silent.
 """
-
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,27 +18,24 @@ Floats = NDArray[np.float64]
 # Activations are of this order. The root is bent where its slope would be infinite.
 _ACTIVATION, _BEND = 0.1, 0.05
 _RIDGE_SHARE = 1e-6
-# The price of an activation may change in the course of training.
+# The penalty of an activation may change in the course of training.
 _LEAST_MEMORY, _MEMORY_SHARE = 2000.0, 0.2
 
 
-def price_of(reconstruction_error: Sequence[float], reward: float) -> float:
-    """Return lambda C of a reward r = -E - lambda C (K17 eq. 5), E the sum of both errors."""
-    return -reward - sum(reconstruction_error)
-
-
 class Effort(FadingRegression):
-    """Owns the regression of the price on the activations (n_muscles,)."""
+    """Owns the regression of the energy penalty on the activations (n_muscles,)."""
 
     def __init__(self, n_muscles: int) -> None:
         """Know nothing: no activation costs anything."""
         super().__init__(1 + 2 * n_muscles, (), ridge_share=_RIDGE_SHARE, counted="n_learned")
 
-    def learn(self, activations: Floats, price: float) -> None:
+    def learn(self, activations: Floats, energy_penalty: float) -> None:
         """Learn what activations (n_muscles,) cost."""
         a = activations / _ACTIVATION
         x = np.concatenate([[1.0], a, np.sqrt(a + _BEND)])
-        self.add(x, price, kept=1.0 - 1.0 / max(_LEAST_MEMORY, _MEMORY_SHARE * self.n_learned))
+        self.add(
+            x, energy_penalty, kept=1.0 - 1.0 / max(_LEAST_MEMORY, _MEMORY_SHARE * self.n_learned)
+        )
 
     def slopes(self, activations: Floats) -> Floats:
         """Return what more of each activation costs at activations, (n_muscles,); 0 at first."""

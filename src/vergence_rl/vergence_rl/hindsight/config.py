@@ -1,14 +1,16 @@
 """Settings of hindsight regression (D12, D16)."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
-from lockstep.errors import InputError
-from lockstep.settings import check_settings, setting
+from lockstep import InputError, check_settings, setting
 
 
 @dataclass(frozen=True)
 class HindsightConfig:
     """Settings of regression and exploration. Raises InputError for a value out of range."""
+
+    turns_eyes: ClassVar[bool] = True
 
     exploration_variance: float = setting(
         2.5e-4,

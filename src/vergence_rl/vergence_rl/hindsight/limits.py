@@ -16,7 +16,11 @@ Held = NDArray[np.bool_]
 def within_limits(wanted: Floats, covariance: Floats, lowest: Floats, highest: Floats) -> Floats:
     """Return the allowed activations c of least (c - a)^T covariance^-1 (c - a), a those wanted.
 
-    All (n,), the covariance (n, n). Found by an active set: muscles beyond a limit are held there,
+    wanted: (n,) activations a.
+    covariance: (n, n).
+    lowest, highest: (n,).
+
+    Found by an active set: muscles beyond a limit are held there,
     the others make up for it; more are held until none is beyond, and let go which would turn back
     (Nocedal & Wright 2006, ch. 16).
     """
@@ -41,7 +45,12 @@ def freed_targets(
 ) -> Floats:
     """Return where each visit should have wanted to go, (n_visits, n), the best place being known.
 
-    best: (n,); wanted: (n_visits, n) where the actor wanted to go. A best place at a limit, with
+    best: (n,) place.
+    wanted: (n_visits, n) where the actor wanted to go.
+    covariance: (n, n).
+    lowest, highest: (n,).
+
+    A best place at a limit, with
     the actor beyond that limit, says no more than that: the actor may stay there, and only its
     other muscles move, as `within_limits` would have it (censored regression: Tobin 1958).
     """
@@ -56,6 +65,11 @@ def made_up(free: Floats, at: Floats, covariance: Floats, held: Held) -> Floats:
     """Return activations (n,) whose held ones are those of `at`, the others following from `free`.
 
     The change of the others is what the covariance lets one expect of it.
+
+    free: (n,) activations from which the others follow.
+    at: (n,) activations of those that are held.
+    covariance: (n, n).
+    held: (n,) which ones are.
     """
     held_ones = np.flatnonzero(held)
     change = at[held_ones] - free[held_ones]

@@ -19,7 +19,7 @@ from vergence_rl.hindsight.regression import (
     residual_covariance,
     weights_of_ranks,
 )
-from vergence_rl.learning_rule import Decision, Floats, Observation, Task
+from vergence_rl.learning_rule import Decision, Floats, Task, TimeStep
 from vergence_rl.td import td_variance
 
 
@@ -31,7 +31,7 @@ class _Visit:
     own. noise: (n_muscles,) their exploration.
     """
 
-    seen: Observation
+    seen: TimeStep
     asked: Floats
     noise: Floats
 
@@ -53,7 +53,6 @@ class HindsightRule:
         self._ridge_shares = np.ones(task.n_state)
         self._ridge_shares[-task.n_felt - 1 :] = config.felt_ridge_share
         self._first = FirstNoise(task.n_muscles, config.exploration_variance, config.starts_share)
-        self.learning_steps = 0
         self._weights = np.zeros((task.n_muscles, task.n_state))
         self._begin()
         self._td_variance = task.initial_td_variance
@@ -68,7 +67,7 @@ class HindsightRule:
         self._selected = self._covariance.copy()
 
     def step(
-        self, observation: Observation, *, learning: bool, draw: np.random.Generator | None
+        self, observation: TimeStep, *, learning: bool, draw: np.random.Generator | None
     ) -> Decision:
         """Collect the observation, learn from the episode if it is its last one, then act."""
         value, delta = observation.reward, math.nan
@@ -92,12 +91,10 @@ class HindsightRule:
             0.0,
         )
 
-    def _collect(self, observation: Observation) -> tuple[float, float]:
+    def _collect(self, observation: TimeStep) -> tuple[float, float]:
         """Return the largest reward of the episode, and by how much the last exceeds the others."""
         visits = self._visits
-        if visits and observation.follows(visits[-1].seen):
-            self.learning_steps += 1
-        else:
+        if not (visits and observation.follows(visits[-1].seen)):
             visits.clear()
             self._asked = observation.activations
         delta = math.nan
@@ -115,7 +112,6 @@ class HindsightRule:
         return {
             "actor": self._weights.copy(),
             "covariance": self._covariance.copy(),
-            "learning_steps": np.array(self.learning_steps),
             "sum_products": self._sums.products.copy(),
             "sum_squares": self._sums.squares[np.triu_indices(self._task.n_state)],
             "sum_targets": self._sums.targets.copy(),
@@ -142,7 +138,6 @@ class HindsightRule:
         self._covariance = state["covariance"].copy()
         if self._config.n_best > 1:
             self._selected = state["selected_noise"].copy()
-        self.learning_steps = int(state["learning_steps"])
         self._td_variance = float(state["td_variance"])
         self._visits.clear()
 

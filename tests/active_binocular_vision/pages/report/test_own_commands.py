@@ -16,7 +16,7 @@ from active_binocular_vision.pages.report.tables import antagonists_table, compa
 from active_binocular_vision.runs.groups import Group, groups_of
 from active_binocular_vision.runs.reported_run import ReportedRun
 from experiment_manager.measures.trials import ERROR_NAMES
-from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI, PAIR
+from lockstep import ALL_MUSCLES, HORIZONTAL_RECTI, PAIR
 from tests.active_binocular_vision.own_commands import N_ITERATIONS, write_run
 from tests.readable import assert_readable
 

@@ -21,7 +21,7 @@ from active_binocular_vision.runs.groups import Group
 from active_binocular_vision.runs.reported_run import ReportedRun
 from experiment_manager.run import checkpoint
 from eye_plant.mechanics.model import MechanicsConfig
-from lockstep.state_file import read_state
+from lockstep import read_state
 
 # More than these cannot be told apart in one plane of activations; they are chosen evenly.
 _MOST_GROUPS = 4

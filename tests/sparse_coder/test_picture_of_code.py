@@ -1,10 +1,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from sparse_coder.encoding import Encoding
+from sparse_coder import Encoding
 from sparse_coder.matching_pursuit import Selections
 from sparse_coder.patches import binocular_patches
-from sparse_coder.reconstruction import coded_patches, reconstructed_windows, seen_windows
+from sparse_coder.picture_of_code import coded_patches, reconstructed_windows, seen_windows
 
 
 def perfect(left: NDArray[np.uint8], right: NDArray[np.uint8]) -> tuple[Encoding, np.ndarray]:

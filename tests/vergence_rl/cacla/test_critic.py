@@ -1,15 +1,12 @@
-"""Problems of growing difficulty whose right answer is known, before any picture."""
+"""Problems whose values are known, for the critic; the actor's is in test_rules.py."""
 
-import math
 from typing import Any
 
 import numpy as np
 import pytest
 
-from lockstep.configuration import build
-from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
-from vergence_rl.learning_rule import Decision
+from lockstep import build
+from vergence_rl import Agent, Decision, VergenceRlConfig
 
 MID = np.array([0.1, 0.05])
 
@@ -71,28 +68,3 @@ def test_a_delayed_reward_is_passed_back_by_the_discount() -> None:
     middle = valued(agent, cues[1])
     assert middle == pytest.approx(1.0 + 0.5 * last, abs=0.05)
     assert valued(agent, cues[0]) == pytest.approx(0.5 * middle, abs=0.05)
-
-
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_the_actor_finds_the_action_that_is_rewarded(seed: int) -> None:
-    target = np.array([0.02, -0.01])
-    agent = Agent(config(seed=seed, discount=0.0, exploration_variance=1e-5))
-    features = [0.0, 0.0]
-    for episode in range(3000):
-        action = observe(agent, features, 0.0, 0, 2 * episode).action
-        observe(agent, features, -1e4 * float(np.sum((action - target) ** 2)), 1, 2 * episode + 1)
-    got = agent.observe(np.array(features), MID, 0.0, 0, 0, learning=False, exploration=False)
-    assert math.dist(got.action, target) < 0.003
-
-
-def test_the_actor_finds_a_different_action_for_each_state() -> None:
-    agent = Agent(config(seed=1, discount=0.0, exploration_variance=1e-5))
-    draw = np.random.default_rng(0)
-    for episode in range(3000):
-        cue = float(draw.choice([-1.0, 1.0]))
-        action = observe(agent, [cue, 0.0], 0.0, 0, 2 * episode).action
-        miss = action - cue * np.array([0.02, -0.01])
-        observe(agent, [cue, 0.0], -1e4 * float(np.sum(miss**2)), 1, 2 * episode + 1)
-    for cue in (-1.0, 1.0):
-        got = agent.observe(np.array([cue, 0.0]), MID, 0.0, 0, 0, learning=False, exploration=False)
-        assert math.dist(got.action, cue * np.array([0.02, -0.01])) < 0.004

@@ -1,4 +1,4 @@
-"""What the sparse code says the eyes see: the windows, put together again from their code.
+"""The picture that a sparse code holds: the windows, put together again from their patches' codes.
 
 Dimensions: n_eyes is 2, left before right; n_patches, n_pixels, n_bases.
 """
@@ -6,9 +6,9 @@ Dimensions: n_eyes is 2, left before right; n_patches, n_pixels, n_bases.
 import numpy as np
 from numpy.typing import NDArray
 
-from sparse_coder.encoding import Encoding
 from sparse_coder.matching_pursuit import Selections
 from sparse_coder.patches import PATCH_SIZE_PX, STRIDE_PX, Image, coarse_window, fine_window
+from sparse_coder.percept import Encoding
 
 _WINDOWS = (coarse_window, fine_window)
 

@@ -1,1 +1,0 @@
-"""The supervisor's own node, in a process that may hang or die without it."""

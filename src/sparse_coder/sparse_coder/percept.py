@@ -1,0 +1,74 @@
+"""What the sparse coder makes of an observation: code, reward, and where to look.
+
+Dimensions: n_scales is 2, coarse before fine; n_patches, n_pixels, n_bases.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sparse_coder.matching_pursuit import Selections
+
+
+@dataclass(frozen=True)
+class Encoding:
+    """The sparse code of one pair of pictures.
+
+    features: (n_scales, n_bases) mean squared coefficient of each atom;
+    reconstruction_error: (n_scales,) unexplained share of the patches' energy, in [0, 1];
+    patches: per scale (n_patches, n_pixels); selections: per scale.
+    """
+
+    features: NDArray[np.float32]
+    reconstruction_error: NDArray[np.float64]
+    patches: tuple[NDArray[np.float32], ...]
+    selections: tuple[Selections, ...]
+
+
+@dataclass(frozen=True)
+class Gaze:
+    """What turns of the eyes need of an observation (D22, D23).
+
+    target_deg: (2,) sideways and up from the left line of sight, NaN when there is no saccade to
+    make; turns_deg: (2, 3) how each eye turned since the observation before, to the right, up and
+    clockwise, NaN where that was not measured or is not clear.
+    """
+
+    target_deg: NDArray[np.float64]
+    turns_deg: NDArray[np.float64]
+
+    def values(self) -> tuple[float, ...]:
+        """Return the values of lockstep.wire.topics.GAZE_NAMES."""
+        return (*self.target_deg.tolist(), *self.turns_deg.ravel().tolist())
+
+
+NOWHERE_DEG, UNSEEN_DEG = np.full(2, np.nan), np.full((2, 3), np.nan)
+NO_GAZE = Gaze(NOWHERE_DEG, UNSEEN_DEG)
+
+
+@dataclass(frozen=True)
+class Percept:
+    """What the coder makes of an observation.
+
+    metabolic_rate_w: C, of the muscles that are charged; energy_penalty: lambda C; reward: -E -
+    lambda C (K17 eq. 5); learning_steps: of the coder, before it learns from this; gaze: None where
+    nobody asks.
+    """
+
+    encoding: Encoding
+    metabolic_rate_w: float
+    energy_penalty: float
+    reward: float
+    learning_steps: int
+    gaze: Gaze | None = None
+
+    def reward_values(self) -> tuple[float, ...]:
+        """Return the values of lockstep.wire.topics.REWARD_NAMES."""
+        return (
+            *self.encoding.reconstruction_error.tolist(),
+            self.metabolic_rate_w,
+            self.energy_penalty,
+            self.reward,
+            self.learning_steps,
+        )

@@ -1,0 +1,1 @@
+"""A third learning rule, as somebody would add it: settings and rule."""
