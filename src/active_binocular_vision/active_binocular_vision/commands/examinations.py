@@ -12,8 +12,7 @@ from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.figures.examinations import FIGURES
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
-from lockstep.configuration import build
-from lockstep.errors import InputError
+from lockstep import InputError, build
 from lockstep.figures import STYLE, save
 from lockstep.settings import declarations
 from lockstep.yaml_text import load_yaml

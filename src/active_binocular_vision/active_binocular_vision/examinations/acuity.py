@@ -13,7 +13,7 @@ from active_binocular_vision.learners.basis_functions import left_share
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import session_of
 from active_binocular_vision.learners.shown import Shown
-from lockstep.command_space import SIDES
+from lockstep import SIDES
 
 _N_PICTURES = 10
 

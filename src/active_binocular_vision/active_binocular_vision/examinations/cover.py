@@ -24,8 +24,7 @@ from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import Course, Session, is_fused, session_of
 from active_binocular_vision.learners.shown import Shown
 from experiment_manager.terminal.progress_lines import progress
-from lockstep.command_space import SIDES
-from lockstep.settings import setting
+from lockstep import SIDES, setting
 
 Array = NDArray[np.float64]
 

@@ -21,8 +21,7 @@ from typing import Any
 from active_binocular_vision.examinations.measure import record, text_of
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
-from lockstep.configuration import flatten
-from lockstep.settings import check_settings, setting
+from lockstep import check_settings, flatten, setting
 
 
 @dataclass(frozen=True)

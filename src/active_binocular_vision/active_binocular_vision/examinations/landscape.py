@@ -18,8 +18,7 @@ from active_binocular_vision.learners.session import (
 )
 from active_binocular_vision.learners.shown import Shown
 from experiment_manager.terminal.progress_lines import progress
-from lockstep.errors import InputError
-from lockstep.settings import setting
+from lockstep import InputError, setting
 
 Array = NDArray[np.float64]
 

@@ -18,8 +18,7 @@ from experiment_manager.measures.tables import number
 from experiment_manager.terminal.progress_lines import progress
 from eye_plant.mechanics.movement import Movement, angles_deg, movements
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.errors import InputError
-from lockstep.settings import setting
+from lockstep import InputError, setting
 
 Array = NDArray[np.float64]
 

@@ -24,12 +24,17 @@ from experiment_manager.measures.criteria import criteria_of
 from experiment_manager.measures.metrics import antagonist_names, silent_below
 from experiment_manager.measures.yoked import SharedChange, shared_change, yoked_names
 from experiment_manager.terminal.progress_lines import progress
-from eye_plant.config import EyePlantConfig
+from eye_plant import EyePlantConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep.command_space import ALL_MUSCLES, COMMAND_SPACES, MUSCLE_NAMES, SIDES
-from lockstep.errors import InputError
-from lockstep.randomness import generator
-from lockstep.settings import setting
+from lockstep import (
+    ALL_MUSCLES,
+    COMMAND_SPACES,
+    MUSCLE_NAMES,
+    SIDES,
+    InputError,
+    generator,
+    setting,
+)
 
 Array = NDArray[np.float64]
 

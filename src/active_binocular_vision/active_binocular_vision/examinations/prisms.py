@@ -18,7 +18,7 @@ from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import Prism, Session, is_fused, session_of
 from active_binocular_vision.learners.shown import Shown
 from experiment_manager.terminal.progress_lines import progress
-from lockstep.settings import setting
+from lockstep import setting
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import Session, session_of
 from active_binocular_vision.learners.shown import Shown
 from experiment_manager.terminal.progress_lines import progress
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.wire.topics import N_SACCADES
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from active_binocular_vision.learners.basis_functions import SCALES, Tuning
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from eye_plant.vergence import degrees_per_px
-from lockstep.errors import InputError
+from lockstep import InputError
 
 _N_SAMPLES = 12
 _SAMPLE_DECIMALS = 3

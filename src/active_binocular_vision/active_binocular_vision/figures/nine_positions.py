@@ -17,7 +17,8 @@ from active_binocular_vision.examinations.nine_positions import (
     is_silent,
     planes_of_eyes,
 )
-from lockstep.command_space import MUSCLES, SIDES
+from lockstep import SIDES
+from lockstep.command_space import MUSCLES
 from lockstep.figures import (
     BLUE,
     GREEN,

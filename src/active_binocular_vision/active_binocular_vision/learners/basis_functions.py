@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_binocular_vision.learners.gabor import GOOD_RESIDUAL, Gabors, fit_gabors
-from lockstep.errors import InputError
+from lockstep import InputError
 from sparse_coder.patches import N_PIXELS, PX_PER_PIXEL
 
 Array = NDArray[np.float64]

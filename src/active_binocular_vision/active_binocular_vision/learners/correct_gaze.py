@@ -8,14 +8,13 @@ from numpy.typing import NDArray
 
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.starts import Activations, gaze_inverse
+from eye_plant import Inverse, desired_vergence_deg
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, LeastCost
-from eye_plant.inverse.pair import FULL_RANGE, Inverse
+from eye_plant.inverse.pair import FULL_RANGE
 from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.turns import NO_TURNS_DEG, TurnsDeg, turned
-from eye_plant.vergence import desired_vergence_deg
-from lockstep.command_space import PAIR
-from lockstep.errors import InputError
+from lockstep import PAIR, InputError
 
 Array = NDArray[np.float64]
 

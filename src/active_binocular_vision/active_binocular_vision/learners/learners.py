@@ -19,14 +19,11 @@ from experiment_manager.experiment.sections import Configuration, config_of
 from experiment_manager.in_process.loop import InProcessLoop, make_loop
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
-from eye_plant.config import EyePlantConfig, changed
-from eye_plant.stimuli.stimulus_set import StimulusSet
-from lockstep.configuration import flatten
-from lockstep.errors import InputError
-from lockstep.state_file import read_state
+from eye_plant import EyePlantConfig, StimulusSet
+from eye_plant.config import changed
+from lockstep import InputError, flatten, read_state
 from lockstep.wire.topics import TEST
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
+from sparse_coder import SparseCoder, SparseCoderConfig
 
 _LEARNERS = ("sparse_coder", "vergence_rl")
 

@@ -14,14 +14,12 @@ from active_binocular_vision.learners.correct_gaze import AHEAD_DEG, CheapestPai
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from experiment_manager.in_process.loop import InProcessLoop
-from eye_plant.episode import Episode
+from eye_plant import Episode, Observation, StimulusSet
 from eye_plant.gaze_error import gaze_error
-from eye_plant.observation import Observation
-from eye_plant.stimuli.stimulus_set import StimulusSet
 from eye_plant.turns import eye_rotations, turned
 from eye_plant.vergence import degrees_per_px
-from lockstep.errors import InputError
-from sparse_coder.encoding import Encoding
+from lockstep import InputError
+from sparse_coder import Encoding
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.runs.examined_run import END, TEST, ExaminedRun, OwnTest
 from active_binocular_vision.runs.groups import Common, own_settings
 from experiment_manager.measures.tables import number
-from lockstep.errors import InputError
+from lockstep import InputError
 from lockstep.nearest import did_you_mean
 
 # By the name of the profile that has the condition.

@@ -26,10 +26,9 @@ from experiment_manager.experiment.plant_changes import read_schedule
 from experiment_manager.experiment.sections import config_of
 from experiment_manager.measures.results import Summary
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
-from lockstep.configuration import build, flatten
+from lockstep import InputError, build, flatten
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
-from sparse_coder.config import SparseCoderConfig
+from sparse_coder import SparseCoderConfig
 
 EXAMINED_FILE = "examinations.json"
 BIRTH, BEFORE, END = "birth", "before", "end"

@@ -22,7 +22,7 @@ from active_binocular_vision.pages.conditions.page import (
 from active_binocular_vision.runs.conditions import conditions_of
 from active_binocular_vision.runs.examined_run import BIRTH, END, EXAMINED_FILE
 from experiment_manager.measures.kept_trials import read_trials
-from lockstep.errors import InputError
+from lockstep import InputError
 from tests.active_binocular_vision.made_examined import column, examined, reared, summaries
 from tests.command_lines import set_words
 from tests.made_once import made_once

@@ -29,8 +29,8 @@ from active_binocular_vision.runs.one_a_core import of_each_run
 from active_binocular_vision.runs.reported_run import FIGURES, ReportedRun
 from experiment_manager.measures.results import RESULTS_FILE
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
+from lockstep import InputError
 from lockstep.durable_files import replace_file
-from lockstep.errors import InputError
 from lockstep.figures import STYLE, save
 
 CONDITIONS_FILE = "conditions.html"
