@@ -309,6 +309,7 @@ def run_of(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Callable
         settings = {
             "eye_plant.stimuli.size_px": STIMULUS_PX,
             "experiment_manager.test_distances_m": "[2.0]",
+            "task.n_bases": 32,
         }
         if kind != "pair":
             settings["experiment_manager.n_starts_per_distance"] = 1

@@ -22,7 +22,7 @@ def moved_eyes(
         agent: Agent, features: Any, activations: Any, *others: Any, **named: Any
     ) -> Decision:
         decision = observe(agent, features, activations, *others, **named)
-        command = activations + change(features, named["target_deg"])
+        command = activations + change(features, named.get("target_deg", np.full(2, np.nan)))
         return replace(decision, command=np.clip(command, 0.0, 0.2))
 
     with pytest.MonkeyPatch.context() as patch:

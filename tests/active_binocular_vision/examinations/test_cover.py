@@ -12,7 +12,7 @@ from active_binocular_vision.examinations.cover import (
     first_lasting,
     turned_deg,
 )
-from active_binocular_vision.examinations.room import Course
+from active_binocular_vision.learners.session import Course
 
 
 @pytest.mark.parametrize(
@@ -29,7 +29,7 @@ def _course(seen_deg: list[tuple[float, float, float]], sights: list[float]) -> 
     angles = np.radians(sights)
     left = np.stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))], axis=1)
     right = np.broadcast_to((1.0, 0.0, 0.0), left.shape)
-    return Course(seen, seen, np.stack([left, right], axis=1))
+    return Course(seen, seen, np.stack([left, right], axis=1), np.zeros(12))
 
 
 def test_deviations_have_the_signs_of_the_clinic() -> None:
@@ -57,8 +57,8 @@ def test_measures_of_a_trial() -> None:
 
 
 @pytest.mark.parametrize("kind", ["pair", "gaze"])
-def test_a_trial_has_three_parts_of_twenty_iterations(room_of, kind) -> None:
-    trial = cover_trial(room_of(kind), 0, 2.0, "left")
+def test_a_trial_has_three_parts_of_twenty_iterations(session_with, kind) -> None:
+    trial = cover_trial(session_with(kind), 0, 2.0, "left")
     assert (trial.begin, trial.end, len(trial.deviation_deg)) == (20, 40, 61)
     np.testing.assert_allclose(trial.deviation_deg[0], np.zeros(3), atol=2e-3)
     # The pair's eyes move alike.
@@ -66,8 +66,8 @@ def test_a_trial_has_three_parts_of_twenty_iterations(room_of, kind) -> None:
         assert trial.moved_deg[0] == pytest.approx(trial.moved_deg[1], abs=1e-6)
 
 
-def test_eyes_at_rest_that_have_not_learned_keep_their_deviation(room_of) -> None:
-    trial = cover_trial(room_of("gaze"), 0, 2.0, "right", at_rest=True)
+def test_eyes_at_rest_that_have_not_learned_keep_their_deviation(session_with) -> None:
+    trial = cover_trial(session_with("gaze"), 0, 2.0, "right", at_rest=True)
     # Both look straight ahead, 56 mm apart: exo by what the object at 2 m needs.
     lines = np.degrees(2.0 * math.atan(0.056 / 2.0 / 2.0))
     np.testing.assert_allclose(trial.deviation_deg[:, 0], -lines, atol=0.01)

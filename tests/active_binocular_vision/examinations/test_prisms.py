@@ -13,7 +13,7 @@ from active_binocular_vision.examinations.prisms import (
     PrismTrial,
     prism_trial,
 )
-from active_binocular_vision.examinations.room import NO_PRISM, Course, Prism
+from active_binocular_vision.learners.session import NO_PRISM, Course, Prism
 
 BASE_OUT, BASE_UP, INCYCLO = DIRECTIONS[0], DIRECTIONS[2], DIRECTIONS[4]
 
@@ -36,12 +36,12 @@ class _Follower:
         lag_deg = demand_deg - response_deg
         # A torsional disparity is none sideways or up.
         seen_deg[:, self._direction.i_error] = -self._direction.error_sign * lag_deg
-        return Course(eyes_deg, seen_deg, np.zeros((n_iterations + 1, 2, 3)))
+        return Course(eyes_deg, seen_deg, np.zeros((n_iterations + 1, 2, 3)), np.zeros(12))
 
 
 def _trial(direction: Direction, *eyes: float) -> PrismTrial:
-    room: Any = SimpleNamespace(px_deg=0.22, seat=lambda *_: _Follower(direction, *eyes))
-    return prism_trial(room, 0, 1.0, direction)
+    session: Any = SimpleNamespace(px_deg=0.22, eyes=lambda *_: _Follower(direction, *eyes))
+    return prism_trial(session, 0, 1.0, direction)
 
 
 def _measures(trial: PrismTrial) -> tuple[float, float]:
@@ -93,7 +93,16 @@ def test_gain_is_that_of_the_rising_steps() -> None:
     assert trial.i_break == 0
 
 
-def test_the_pair_cannot_follow_a_vertical_prism(room_of) -> None:
-    trial = prism_trial(room_of("pair"), 0, 2.0, BASE_UP)
+def test_a_shorter_ladder_has_fewer_prisms() -> None:
+    session: Any = SimpleNamespace(
+        px_deg=0.22, eyes=lambda *_: _Follower(BASE_OUT, 1.0, 99.0, 99.0)
+    )
+    trial = prism_trial(session, 0, 1.0, BASE_OUT, 0.1)
+    assert trial.demand_deg.tolist() == [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]
+    assert _measures(trial) == (math.inf, math.inf)
+
+
+def test_the_pair_cannot_follow_a_vertical_prism(session_with) -> None:
+    trial = prism_trial(session_with("pair"), 0, 2.0, BASE_UP)
     assert trial.demand_deg[trial.i_turn] > 0.0
     np.testing.assert_allclose(trial.response_deg, 0.0, atol=1e-2)

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from active_binocular_vision.examinations.room import Course
 from active_binocular_vision.examinations.stereo import (
     DISPARITIES_DEG,
     StereoCurve,
     stereo_curve,
     turns_right,
 )
+from active_binocular_vision.learners.session import Course
 
 
 def _curve(*right: float) -> StereoCurve:
@@ -36,21 +36,21 @@ def test_commands_that_converge_over_the_signed_disparity() -> None:
     np.testing.assert_allclose(curve.right, (0.7, 0.95))
 
 
-def _room(fixation_iterations: int, *horizontal_deg: float) -> Any:
-    """Return a room in which all eyes take this course."""
+def _session(fixation_iterations: int, *horizontal_deg: float) -> Any:
+    """Return a session in which all eyes take this course."""
     seen_deg = np.zeros((len(horizontal_deg), 3))
     seen_deg[:, 0] = horizontal_deg
-    course = Course(seen_deg, seen_deg, np.zeros((len(seen_deg), 2, 3)))
-    protocol = SimpleNamespace(fixation_iterations=fixation_iterations)
-    learners = SimpleNamespace(manager=SimpleNamespace(protocol=protocol))
+    course = Course(seen_deg, seen_deg, np.zeros((len(seen_deg), 2, 3)), np.zeros(12))
+    manager = SimpleNamespace(fixation_iterations=fixation_iterations)
+    learners = SimpleNamespace(manager=manager)
     looked: list[int] = []
 
     def look(n_iterations: int) -> Course:
         looked.append(n_iterations)
         return course
 
-    sitting = SimpleNamespace(look=look)
-    return SimpleNamespace(learners=learners, n_pictures=2, seat=lambda *_: sitting, looked=looked)
+    eyes = SimpleNamespace(look=look)
+    return SimpleNamespace(learners=learners, n_pictures=2, eyes=lambda *_: eyes, looked=looked)
 
 
 @pytest.mark.parametrize(
@@ -58,19 +58,19 @@ def _room(fixation_iterations: int, *horizontal_deg: float) -> Any:
     [((0.5, 0.1), True), ((0.5, -0.7), True), ((0.5, 0.6), False), ((-0.5, -0.6), False)],
 )
 def test_a_right_command_turns_against_the_error(horizontal_deg, is_right) -> None:
-    room = _room(0, *horizontal_deg)
-    assert turns_right(room, 0, 1.0, 0.5) is is_right
-    assert room.looked == [1]
+    session = _session(0, *horizontal_deg)
+    assert turns_right(session, 0, 1.0, 0.5) is is_right
+    assert session.looked == [1]
 
 
 def test_of_eyes_that_make_saccades_the_command_after_these_counts() -> None:
-    room = _room(10, 0.5, 0.4, 0.3, 0.4)
-    assert not turns_right(room, 0, 1.0, 0.5)
-    assert room.looked == [3]
+    session = _session(10, 0.5, 0.4, 0.3, 0.4)
+    assert not turns_right(session, 0, 1.0, 0.5)
+    assert session.looked == [3]
 
 
 def test_every_stereogram_distance_and_sign_counts() -> None:
     # These eyes always converge: right if they converged too little.
-    curve = stereo_curve(_room(0, 0.5, 0.1), (0.5, 2.0, 6.0))
+    curve = stereo_curve(_session(0, 0.5, 0.1), (0.5, 2.0, 6.0))
     assert curve.n_trials == 6
     assert curve.right.tolist() == [1.0] * len(DISPARITIES_DEG)

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from active_binocular_vision.examinations.tuning import scale_row
 from active_binocular_vision.learners.basis_functions import left_share, tuning
-from active_binocular_vision.pages.rearing.measuring import scale_tuning
 from tests.active_binocular_vision.learners.gabor_patch import atom, gabor_patch, shifted_wave
 
 
@@ -14,9 +14,8 @@ def test_the_preferred_disparity_is_the_shift_of_the_left_pattern(shift_px, wave
 
 
 def test_disparities_are_told_as_angles():
-    found = tuning(shifted_wave(1.0, 0.0)[None], px_per_pixel=1.0)
-    # One pixel at F = 257.34 px is 0.2226 deg (K17).
-    kept = scale_tuning(found, np.ones(1), 257.34)
+    atoms = shifted_wave(1.0, 0.0)[None]
+    kept = scale_row("fine", tuning(atoms, px_per_pixel=1.0), atoms, 0.2226)
     assert kept.preferred_disparities_deg[0] == pytest.approx(0.2226, abs=0.003)
 
 
@@ -66,7 +65,7 @@ def test_an_atom_is_as_gabor_as_the_half_of_its_dominant_eye():
     found = tuning(atoms, 1.0)
     assert found.is_gabor.tolist() == [True, True, False]
     assert found.is_common_gabor.tolist() == [False, False, False]
-    kept = scale_tuning(found, np.full(3, 1 / 3), 257.34)
+    kept = scale_row("fine", found, atoms, 0.2226)
     assert kept.gabor_share == pytest.approx(2 / 3)
     assert kept.common_gabor_share == 0.0
     # What is no Gabor function is in no histogram.

@@ -11,11 +11,10 @@ from typing import Any
 
 from active_binocular_vision.commands.command_line import plant_settings
 from active_binocular_vision.commands.examinations import (
-    EXAMINATIONS,
-    NINE_POSITIONS,
     add_examinations,
     examined,
 )
+from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.learners.evaluation import evaluated
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
@@ -56,10 +55,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options.stimuli_per_test is not None or options.out is not None or options.json
     ):
         line.error(f"--stimuli-per-test, --out and --json: expected with one of {_FROZEN_OPTIONS}")
-    if options.figure is not None and options.examination is None:
-        line.error(f"--figure: expected with one of {', '.join(map('--{}'.format, EXAMINATIONS))}")
-    if options.cover_eye is not None and options.examination != NINE_POSITIONS:
-        line.error(f"--cover-eye: expected with --{NINE_POSITIONS}")
+    for name in ("figure", "option"):
+        if getattr(options, name) and options.examination is None:
+            line.error(
+                f"--{name}: expected with one of {', '.join(f'--{n}' for n in EXAMINATIONS)}"
+            )
     if options.examination is not None and options.start_scale is not None:
         line.error("--start-scale: expected without an examination, which has starts of its own")
     try:
@@ -172,9 +172,9 @@ def _test_frozen(options: argparse.Namespace) -> int:
         options.stimuli_per_test,
     )
     if options.examination is not None:
-        covered = {"covered": options.cover_eye} if options.cover_eye else {}
-        name, figure = options.examination, options.figure
-        document, table = examined(name, learners, shown, figure, **covered)
+        document, table = examined(
+            options.examination, learners, shown, options.figure, options.option
+        )
     else:
         start_scale = 1.0 if options.start_scale is None else options.start_scale
         results = evaluated(learners, shown, start_scale)

@@ -1,82 +1,25 @@
-"""The clinic's part of evaluate.sh's command line: which examination, and its figure."""
+"""The examinations' part of evaluate.sh's command line, from their registry."""
 
 import argparse
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-from matplotlib.figure import Figure
 
-from active_binocular_vision.examinations import acuity, cover, prisms
-from active_binocular_vision.examinations.positions.document import examine_positions
-from active_binocular_vision.examinations.saccades.examination import examine_saccades
-from active_binocular_vision.figures import clinic as figures
-from active_binocular_vision.figures.main_sequence import main_sequence_figure
-from active_binocular_vision.figures.nine_positions import (
-    activations_figure,
-    hess_chart,
-    listing_figure,
-)
+from active_binocular_vision.examinations.examination import Examination
+from active_binocular_vision.examinations.registry import EXAMINATIONS
+from active_binocular_vision.figures.examinations import FIGURES
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
-from lockstep import SIDES, InputError
+from lockstep import InputError, build
 from lockstep.figures import STYLE, save
-
-
-@dataclass(frozen=True)
-class Examination:
-    """An examination: how it is made, what --help says of it, and how its figures are drawn.
-
-    examine: what it returns has `to_json` and `table`; figures: by what is added to the name of the
-    file.
-    """
-
-    examine: Callable[..., Any]
-    text: str
-    figures: Mapping[str, Callable[[Any], Figure]]
-
-
-NINE_POSITIONS = "nine-positions"
-
-
-EXAMINATIONS = {
-    "cover": Examination(
-        cover.examine,
-        "cover one eye, then the other: phoria, and how the eyes fuse again",
-        {"": figures.cover_figure},
-    ),
-    "prisms": Examination(
-        prisms.examine,
-        "turn the right eye's picture as prisms do, until the eyes no longer fuse",
-        {"": figures.prisms_figure},
-    ),
-    "acuity": Examination(
-        acuity.examine,
-        "measure the acuity of each eye, the stereo threshold, and each eye's share in the code",
-        {"": figures.acuity_figure},
-    ),
-    NINE_POSITIONS: Examination(
-        examine_positions,
-        "show nine gaze targets at three distances to eyes that make saccades: Hess chart, energy"
-        " beside the least, and the laws of Sherrington, Listing and Hering",
-        {
-            "": lambda results: hess_chart(results.examined),
-            "_activations": lambda results: activations_figure(results.examined),
-            "_listing": lambda results: listing_figure(results.examined),
-        },
-    ),
-    "main-sequence": Examination(
-        examine_saccades,
-        "simulate first saccades of 1 to 20 deg over time: amplitude, peak velocity, duration",
-        {"": main_sequence_figure},
-    ),
-}
+from lockstep.settings import declarations
+from lockstep.yaml_text import load_yaml
 
 
 def add_examinations(parser: argparse.ArgumentParser) -> None:
-    """Add the options; they leave `examination`, None or a name, and `figure`."""
+    """Add the options; they leave `examination`, None or a name, `option` and `figure`."""
     group = parser.add_argument_group("examinations of the learners, as in an eye clinic")
     choice = group.add_mutually_exclusive_group()
     for name, examination in EXAMINATIONS.items():
@@ -85,32 +28,61 @@ def add_examinations(parser: argparse.ArgumentParser) -> None:
             action="store_const",
             const=name,
             dest="examination",
-            help=examination.text,
+            help=_help_of(examination),
         )
+    group.add_argument(
+        "--option",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="change an option of the examination; may be repeated",
+    )
     group.add_argument(
         "--figure", type=Path, metavar="FILE.png", help="also draw what the examination found"
     )
-    group.add_argument(
-        "--cover-eye",
-        choices=SIDES,
-        help=f"cover an eye in --{NINE_POSITIONS}; only the right one, since the left picture has"
-        " the target",
+
+
+def _help_of(examination: Examination) -> str:
+    options = "; ".join(
+        f"{declared.name}: {declared.setting.description}"
+        for declared in declarations(examination.options)
     )
+    return f"{examination.text} (options: {options})" if options else examination.text
+
+
+def options_of(examination: Examination, texts: Sequence[str]) -> Any:
+    """Return the options of an examination that NAME=VALUE texts change.
+
+    Raises InputError for one that it does not have or take.
+    """
+    pairs = [text.partition("=") for text in texts]
+    try:
+        values = {name: load_yaml(value) for name, _, value in pairs}
+        return build(examination.options, values)
+    except InputError as error:
+        raise InputError(f"--option: {error}") from error
 
 
 def examined(
-    name: str, learners: FrozenLearners, shown: Shown, figure: Path | None, **how: Any
+    name: str, learners: FrozenLearners, shown: Shown, figure: Path | None, texts: Sequence[str]
 ) -> tuple[dict[str, Any], str]:
     """Make an examination and draw its figures; return the measures as a document and as text.
 
-    how: what this examination takes besides. Raises InputError for what cannot be examined.
+    texts: of options, NAME=VALUE. Raises InputError for what cannot be examined or drawn.
     """
+    examination = EXAMINATIONS[name]
+    options = options_of(examination, texts)
     if figure is not None and figure.suffix.lower() != ".png":
         raise InputError(f"--figure: expected a name that ends in .png, got {figure}")
-    examination = EXAMINATIONS[name]
-    results = examination.examine(learners, shown, **how)
+    if figure is not None and name not in FIGURES:
+        raise InputError(f"--figure: expected one of {_options(FIGURES)}, got --{name}")
+    found = examination.examine(learners, shown, options)
     if figure is not None:
         with mpl.rc_context(STYLE):
-            for addition, draw in examination.figures.items():
-                save(draw(results), figure.with_stem(f"{figure.stem}{addition}"))
-    return results.to_json(), results.table()
+            for addition, draw in FIGURES[name].items():
+                save(draw(found.traces), figure.with_stem(f"{figure.stem}{addition}"))
+    return examination.document(learners, shown, options, found), found.text()
+
+
+def _options(names: Any) -> str:
+    return ", ".join(f"--{name}" for name in names)

@@ -8,8 +8,7 @@ from pathlib import Path
 import matplotlib as mpl
 import yaml
 
-from active_binocular_vision.pages.clinic.page import write_clinic_page
-from active_binocular_vision.pages.rearing.page import write_rearing_page
+from active_binocular_vision.pages.conditions.page import write_conditions_page
 from active_binocular_vision.pages.report import page as report_page
 from active_binocular_vision.pages.report.drawings import drawings
 from active_binocular_vision.pages.report.tables import (
@@ -24,6 +23,8 @@ from active_binocular_vision.pages.report.tables import (
     seeds_table,
     yoked_table,
 )
+from active_binocular_vision.runs.conditions import chosen_columns
+from active_binocular_vision.runs.examined_run import AGES
 from active_binocular_vision.runs.groups import Group, groups_of, held_back
 from active_binocular_vision.runs.reported_run import FIGURES, ReportedRun, runs_below
 from experiment_manager.terminal.lasting_output import ignore_broken_pipes
@@ -34,6 +35,10 @@ from lockstep.exit_codes import EXIT_BAD_INPUT
 from lockstep.figures import STYLE, save
 
 REPORT_FILE = "report.html"
+_COLUMNS = (
+    "test.share_within_1_px,test.metabolic_rate_w,cover,acuity,stereo.threshold_arcsec,"
+    "tuning.binocular_share_coarse,tuning.binocular_share_fine"
+)
 _ABOUT_PAIR = (
     "Our test set has the start errors from -3 deg to the largest whole degree that leaves "
     "a vergence of 0 or more; the authors' code stops at +2 deg and leaves out the trials "
@@ -56,10 +61,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     directory = options.out or (options.runs[0] if len(options.runs) == 1 else Path("report"))
     try:
-        if options.rearing:
-            path = write_rearing_page(options.runs, directory)
-        elif options.clinic:
-            path = write_clinic_page(options.runs, directory)
+        if options.conditions:
+            columns = chosen_columns(options.columns)
+            path = write_conditions_page(options.runs, directory, columns, options.ages)
         else:
             path = write_report(_runs(options.runs), directory)
     except (InputError, OSError) as error:
@@ -80,19 +84,26 @@ def parser() -> argparse.ArgumentParser:
     line.add_argument(
         "runs", type=Path, nargs="+", metavar="RUN", help="directory of a run or of a sweep"
     )
-    pages = line.add_mutually_exclusive_group()
-    pages.add_argument(
-        "--clinic",
+    line.add_argument(
+        "--conditions",
         action="store_true",
-        help="write clinic.html instead: conditions of the clinic at birth, before a change and at"
-        " the end, from the checkpoints before the tests (about 15 s per age, one run per core), or"
-        " from each run's clinic.json, which is written then",
+        help="write conditions.html instead: measures of tests and examinations of each condition,"
+        " from each run's examinations.json, or from its checkpoints (about 15 s per age with the"
+        " default columns, one run per core)",
     )
-    pages.add_argument(
-        "--rearing",
-        action="store_true",
-        help="write rearing.html instead: a comparison of rearing conditions, from results.json and"
-        " the newest checkpoint of each run (30 to 40 s per run, one run per core)",
+    line.add_argument(
+        "--columns",
+        default=_COLUMNS,
+        metavar="NAME,...",
+        help="of that page: EXAMINATION for all of its measures, or EXAMINATION.MEASURE; test is"
+        f" the run's own test (default: {_COLUMNS})",
+    )
+    line.add_argument(
+        "--ages",
+        nargs="+",
+        choices=AGES,
+        default=AGES,
+        help="of that page: birth, before the first change, end (default: all)",
     )
     line.add_argument(
         "--out",

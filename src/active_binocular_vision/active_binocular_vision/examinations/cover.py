@@ -8,30 +8,68 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.quartiles import (
-    censored_quartiles_of,
-    in_prism_dioptres,
-    quartiles_of,
+from active_binocular_vision.examinations.examination import Distances, Examination, Findings
+from active_binocular_vision.examinations.measure import (
+    SHARE,
+    Quartiles,
+    key,
+    measure,
+    prism_dioptres,
 )
-from active_binocular_vision.examinations.room import Course, Room, examination_room, is_fused
 from active_binocular_vision.learners.learners import FrozenLearners
-from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
-from experiment_manager.measures.tables import number, percent, text_table
+from active_binocular_vision.learners.session import Course, Session, is_fused, session_of
+from active_binocular_vision.learners.shown import Shown
 from experiment_manager.terminal.progress_lines import progress
-from lockstep import SIDES
+from lockstep import SIDES, setting
 
 Array = NDArray[np.float64]
 
-DISTANCES_M = (0.5, 2.0, 6.0)
 AXES = ("horizontal", "vertical", "cyclo")
 _N_PICTURES = 5
 # Of each of the three parts: both eyes open, one covered, both open again.
 _N_ITERATIONS = 20
+
+
+@dataclass(frozen=True)
+class CoverOptions(Distances):
+    """Where the eyes look and begin."""
+
+    at_rest: bool = setting(
+        False, "whether the eyes begin with all muscles at their tonic level, not without errors"
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoverRow:
+    """One covered eye at one distance, over pictures."""
+
+    covered: str = key("covered")
+    object_distance_m: float = key("distance", "m")
+    tropia_horizontal_deg: Quartiles = measure("deg", "tropia")
+    tropia_vertical_deg: Quartiles = measure("deg", "tropia vertical", is_shown=False)
+    tropia_cyclo_deg: Quartiles = measure("deg", "tropia cyclo", is_shown=False)
+    phoria_horizontal_deg: Quartiles = measure("deg", "phoria", 2, spread=True)
+    phoria_horizontal_pd: Quartiles = measure("PD", "phoria", 1)
+    phoria_vertical_deg: Quartiles = measure("deg", "vertical", 2)
+    phoria_vertical_pd: Quartiles = measure("PD", "vertical", 1, is_shown=False)
+    phoria_cyclo_deg: Quartiles = measure("deg", "cyclo", 2)
+    iterations_until_fused: Quartiles = measure("", "fused after", 0)
+    share_fused: float = measure(SHARE, "fused")
+    left_moves_deg: Quartiles = measure("deg", "left moves", 2)
+    right_moves_deg: Quartiles = measure("deg", "right moves", 2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoverSummary:
+    """Over pictures and distances: deviation of the covered right eye, and covers of both eyes."""
+
+    horizontal_deviation_pd: float | None = measure("PD", "horizontal deviation", 1)
+    vertical_deviation_pd: float | None = measure("PD", "vertical deviation", 1)
+    share_fused: float = measure(SHARE, "fused")
 
 
 @dataclass(frozen=True)
@@ -66,6 +104,15 @@ class CoverTrial:
         return first_lasting(is_fused(self.deviation_deg[self.end :], px_deg))
 
 
+@dataclass(frozen=True)
+class CoverTraces:
+    """Trials by covered eye and distance, one for each picture; px_deg: visual angle of a pixel."""
+
+    px_deg: float
+    distances_m: tuple[float, ...]
+    trials: dict[tuple[str, float], list[CoverTrial]]
+
+
 def first_lasting(holds: NDArray[np.bool_]) -> float:
     """Return the first index from which on a condition (n,) always holds, infinite for none."""
     broken = np.flatnonzero(~holds)
@@ -74,18 +121,20 @@ def first_lasting(holds: NDArray[np.bool_]) -> float:
 
 
 def cover_trial(
-    room: Room, i_picture: int, distance_m: float, covered: str, *, at_rest: bool = False
+    session: Session, i_picture: int, distance_m: float, covered: str, *, at_rest: bool = False
 ) -> CoverTrial:
     """Make the test before one picture; covered: the side of the eye.
 
     The eyes begin without errors, or at rest.
     """
-    seat = room.seat_at_rest if at_rest else room.seat
-    sitting = seat(i_picture, distance_m)
-    parts = [sitting.look(_N_ITERATIONS, covered=side) for side in ("", covered, "")]
+    begin_with = session.eyes_at_rest if at_rest else session.eyes
+    eyes = begin_with(i_picture, distance_m)
+    parts = [eyes.look(_N_ITERATIONS, covered=side) for side in ("", covered, "")]
     begin, end = np.cumsum([part.n_iterations for part in parts[:2]]).tolist()
-    course = parts[0].then(*parts[1:])
-    return CoverTrial(deviation_of(course, covered), begin, end, turned_deg(parts[2]))
+    # Each part begins where the one before ends.
+    deviations = [deviation_of(part, covered) for part in parts]
+    deviation_deg = np.concatenate([*(d[:-1] for d in deviations), deviations[-1][-1:]])
+    return CoverTrial(deviation_deg, begin, end, turned_deg(parts[2]))
 
 
 def deviation_of(course: Course, side: str) -> Array:
@@ -103,100 +152,67 @@ def turned_deg(course: Course) -> Array:
     return np.degrees(np.arctan2(across, (first * last).sum(axis=-1)))
 
 
-@dataclass(frozen=True)
-class CoverResults:
-    """What frozen learners did in the cover test.
-
-    stimuli: what was shown, in words, "" for the run's own; trials: by covered eye and distance,
-    one for each picture.
-    """
-
-    learners: FrozenLearners
-    stimuli: str
-    px_deg: float
-    trials: dict[tuple[str, float], list[CoverTrial]]
-
-    def to_json(self) -> dict[str, Any]:
-        """Return what evaluate.sh writes."""
-        return self.learners.said() | {
-            "examination": "cover",
-            "stimuli": self.stimuli,
-            "n_stimuli": len(next(iter(self.trials.values()))),
-            "pixel_deg": self.px_deg,
-            "conditions": [
-                {"covered": side, "object_distance_m": distance_m} | _condition(trials, self.px_deg)
-                for (side, distance_m), trials in self.trials.items()
-            ],
-        }
-
-    def table(self) -> str:
-        """Return the medians as text."""
-        header = ["covered", "distance/m", "tropia/deg", "phoria/deg", "quartiles", "PD"]
-        header += ["vertical/deg", "cyclo/deg", "fused after", "fused", "left moves", "right moves"]
-        rows = [_row(condition) for condition in self.to_json()["conditions"]]
-        return text_table(header, rows)
-
-
-def examine(
-    learners: FrozenLearners,
-    shown: Shown = OWN_TEST_STIMULI,
-    distances_m: Sequence[float] = DISTANCES_M,
-    *,
-    at_rest: bool = False,
-) -> CoverResults:
-    """Make the cover test of each eye at each distance before each picture.
-
-    at_rest: whether the eyes begin at rest, so that those that do not move show the deviation that
-    they have anyway; otherwise they begin without errors. Raises InputError for learners or
-    pictures that cannot be used, and eyes that cannot look at a plane correctly.
-    """
+def _examine(learners: FrozenLearners, shown: Shown, options: CoverOptions) -> Findings:
+    """Make the cover test of each eye at each distance before each picture."""
     trials: dict[tuple[str, float], list[CoverTrial]] = {}
-    with examination_room(learners, shown, _N_PICTURES) as room:
-        conditions = [(side, distance_m) for side in SIDES for distance_m in distances_m]
+    with session_of(learners, shown, _N_PICTURES) as session:
+        conditions = [(side, m) for side in SIDES for m in options.distances_m]
         for side, distance_m in progress(conditions, file=sys.stderr, desc="cover", unit="part"):
             trials[side, distance_m] = [
-                cover_trial(room, i, distance_m, side, at_rest=at_rest)
-                for i in range(room.n_pictures)
+                cover_trial(session, i, distance_m, side, at_rest=options.at_rest)
+                for i in range(session.n_pictures)
             ]
-        return CoverResults(learners, shown.text, room.px_deg, trials)
-
-
-def _condition(trials: Sequence[CoverTrial], px_deg: float) -> dict[str, Any]:
-    """Return the measures of one eye at one distance."""
-    fused_after = [trial.fused_after(px_deg) for trial in trials]
-    moved_deg = np.array([trial.moved_deg for trial in trials])
-    return {
-        "tropia_deg": _by_axis([trial.tropia_deg for trial in trials]),
-        "phoria_deg": (phoria_deg := _by_axis([trial.phoria_deg for trial in trials])),
-        "phoria_prism_dioptres": {axis: in_prism_dioptres(phoria_deg[axis]) for axis in AXES[:2]},
-        "iterations_until_fused": censored_quartiles_of(fused_after),
-        "share_fused": float(np.isfinite(fused_after).mean()),
-        "moves_when_uncovered_deg": {
-            side: quartiles_of(of_eye) for side, of_eye in zip(SIDES, moved_deg.T, strict=True)
-        },
-    }
-
-
-def _by_axis(deviations_deg: Sequence[Array]) -> dict[str, dict[str, float | None]]:
-    of_axes = np.array(deviations_deg).T
-    return {axis: quartiles_of(values) for axis, values in zip(AXES, of_axes, strict=True)}
-
-
-def _row(condition: dict[str, Any]) -> tuple[str, ...]:
-    phoria_deg = condition["phoria_deg"]
-    horizontal_deg = phoria_deg["horizontal"]
-    low, high = (number(horizontal_deg[f"{name}_quartile"], 2) for name in ("lower", "upper"))
-    moves = condition["moves_when_uncovered_deg"]
-    return (
-        condition["covered"],
-        f"{condition['object_distance_m']:g}",
-        number(condition["tropia_deg"]["horizontal"]["median"]),
-        number(horizontal_deg["median"], 2),
-        f"{low} to {high}",
-        number(condition["phoria_prism_dioptres"]["horizontal"]["median"], 1),
-        number(phoria_deg["vertical"]["median"], 2),
-        number(phoria_deg["cyclo"]["median"], 2),
-        number(condition["iterations_until_fused"]["median"], 0),
-        percent(condition["share_fused"]),
-        *(number(moves[side]["median"], 2) for side in SIDES),
+    px_deg = session.px_deg
+    return Findings(
+        n_stimuli=session.n_pictures,
+        summary=_summary(trials, px_deg),
+        tables={"conditions": [_row(*of, px_deg) for of in trials.items()]},
+        titles={"conditions": ""},
+        traces=CoverTraces(px_deg, options.distances_m, trials),
     )
+
+
+def _row(condition: tuple[str, float], trials: Sequence[CoverTrial], px_deg: float) -> CoverRow:
+    """Return the measures of one eye at one distance."""
+    side, distance_m = condition
+    fused_after = [trial.fused_after(px_deg) for trial in trials]
+    tropia, phoria, moved = (
+        [Quartiles.of(values) for values in np.array(of_trials).T]
+        for of_trials in zip(
+            *((t.tropia_deg, t.phoria_deg, t.moved_deg) for t in trials), strict=True
+        )
+    )
+    return CoverRow(
+        covered=side,
+        object_distance_m=distance_m,
+        **{f"tropia_{axis}_deg": of for axis, of in zip(AXES, tropia, strict=True)},
+        **{f"phoria_{axis}_deg": of for axis, of in zip(AXES, phoria, strict=True)},
+        phoria_horizontal_pd=phoria[0].prism_dioptres,
+        phoria_vertical_pd=phoria[1].prism_dioptres,
+        iterations_until_fused=Quartiles.of_censored(fused_after),
+        share_fused=float(np.isfinite(fused_after).mean()),
+        left_moves_deg=moved[0],
+        right_moves_deg=moved[1],
+    )
+
+
+def _summary(trials: dict[tuple[str, float], list[CoverTrial]], px_deg: float) -> CoverSummary:
+    phoria_deg = [
+        trial.phoria_deg for (side, _), of in trials.items() if side == SIDES[1] for trial in of
+    ]
+    horizontal_deg, vertical_deg, _ = np.median(phoria_deg, axis=0).tolist()
+    fused_after = [trial.fused_after(px_deg) for of in trials.values() for trial in of]
+    return CoverSummary(
+        horizontal_deviation_pd=prism_dioptres(horizontal_deg),
+        vertical_deviation_pd=prism_dioptres(vertical_deg),
+        share_fused=float(np.isfinite(fused_after).mean()),
+    )
+
+
+COVER = Examination(
+    name="cover",
+    text="cover one eye, then the other: phoria, and how the eyes fuse again",
+    examine=_examine,
+    summary=CoverSummary,
+    options=CoverOptions,
+)

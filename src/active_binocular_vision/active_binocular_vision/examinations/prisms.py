@@ -8,21 +8,17 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.quartiles import (
-    censored_quartiles_of,
-    in_prism_dioptres,
-    quartiles_of,
-)
-from active_binocular_vision.examinations.room import Prism, Room, examination_room, is_fused
+from active_binocular_vision.examinations.examination import Examination, Findings, Options
+from active_binocular_vision.examinations.measure import Quartiles, key, measure
 from active_binocular_vision.learners.learners import FrozenLearners
-from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
-from experiment_manager.measures.tables import number, text_table
+from active_binocular_vision.learners.session import Prism, Session, is_fused, session_of
+from active_binocular_vision.learners.shown import Shown
 from experiment_manager.terminal.progress_lines import progress
+from lockstep import setting
 
 Array = NDArray[np.float64]
 
@@ -53,6 +49,10 @@ class Direction:
     error_sign: float
     step_deg: float
     most_deg: float
+
+    def n_steps(self, ladder_share: float = 1.0) -> int:
+        """Return how many prisms there are, each stronger than the one before by a step."""
+        return max(1, round(ladder_share * self.most_deg / self.step_deg))
 
     def prism(self, demand_deg: float) -> Prism:
         """Return the prism that asks for so much."""
@@ -147,24 +147,33 @@ class PrismTrial:
         return float((demand_deg * response_deg).sum() / (demand_deg**2).sum())
 
 
-def prism_trial(room: Room, i_picture: int, distance_m: float, direction: Direction) -> PrismTrial:
-    """Raise the prism until fusion is lost for good, then lower it until it is regained."""
-    sitting = room.seat(i_picture, distance_m)
-    without_deg = sitting.look(_SETTLING_ITERATIONS).eyes_deg[-1]
+def prism_trial(
+    session: Session,
+    i_picture: int,
+    distance_m: float,
+    direction: Direction,
+    ladder_share: float = 1.0,
+) -> PrismTrial:
+    """Raise the prism until fusion is lost for good, then lower it until it is regained.
+
+    ladder_share: how much of the steps up to the strongest prism of the direction there is.
+    """
+    eyes = session.eyes(i_picture, distance_m)
+    without_deg = eyes.look(_SETTLING_ITERATIONS).eyes_deg[-1]
     steps: list[tuple[float, float, float, bool]] = []
 
     def try_step(i_step: int) -> bool:
         demand_deg = i_step * direction.step_deg
-        course = sitting.look(_ITERATIONS_PER_STEP, prism=direction.prism(demand_deg))
+        course = eyes.look(_ITERATIONS_PER_STEP, prism=direction.prism(demand_deg))
         response_deg = direction.response_deg(course.eyes_deg[-1], without_deg)
-        fused = bool(is_fused(course.seen_deg[-1], room.px_deg))
+        fused = bool(is_fused(course.seen_deg[-1], session.px_deg))
         if direction.i_error == _TORSIONAL:
             fused &= response_deg >= _LEAST_FOLLOWED * demand_deg or demand_deg == 0.0
         steps.append((demand_deg, response_deg, direction.lag_deg(course.seen_deg[-1]), fused))
         return fused
 
     n_lost = 0
-    for i_step in range(round(direction.most_deg / direction.step_deg) + 1):
+    for i_step in range(direction.n_steps(ladder_share) + 1):
         n_lost = 0 if try_step(i_step) else n_lost + 1
         if n_lost == _N_LOST:
             break
@@ -176,92 +185,124 @@ def prism_trial(room: Room, i_picture: int, distance_m: float, direction: Direct
 
 
 @dataclass(frozen=True)
-class PrismResults:
-    """What frozen learners did with prisms.
+class PrismOptions(Options):
+    """Where the eyes look, and how far the prisms go."""
 
-    stimuli: what was shown, in words, "" for the run's own; trials: by name of the direction and
-    distance, one for each picture.
+    distances_m: tuple[float, ...] = setting(DISTANCES_M, "distances of the plane", "m")
+    ladder_share: float = setting(
+        1.0, "share of the steps up to the strongest prism of each direction", above=0.0, most=1.0
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrismRow:
+    """Prisms of one direction at one distance, over pictures.
+
+    Break and recovery are null beyond the strongest prism, most_deg. n_broken, n_recovered: how
+    many pictures fusion was lost and regained with.
     """
 
-    learners: FrozenLearners
-    stimuli: str
+    direction: str = key("direction")
+    object_distance_m: float = key("distance", "m")
+    gain: Quartiles = measure("", "gain", 2)
+    most_deg: float = measure("deg", "strongest", 1)
+    break_deg: Quartiles = measure("deg", "break", 2)
+    recovery_deg: Quartiles = measure("deg", "recovery", 2)
+    break_pd: Quartiles = measure("PD", "break", 1)
+    recovery_pd: Quartiles = measure("PD", "recovery", 1)
+    n_broken: int = measure("", "broken", 0, is_shown=False)
+    n_recovered: int = measure("", "recovered", 0, is_shown=False)
+    human_pd: str = measure("PD", "human break / recovery")
+
+
+_NAMES = tuple(direction.name for direction in DIRECTIONS)
+_COLUMNS = tuple(name.replace(" ", "_") for name in _NAMES)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrismSummary:
+    """Medians over pictures and distances by direction."""
+
+    gain: Sequence[float | None] = measure(
+        "", "gain", 2, columns=tuple(f"gain_{c}" for c in _COLUMNS), labels=_NAMES
+    )
+    break_deg: Sequence[float | None] = measure(
+        "deg", "break", 2, columns=tuple(f"break_{c}_deg" for c in _COLUMNS), labels=_NAMES
+    )
+
+
+@dataclass(frozen=True)
+class PrismTraces:
+    """Trials by name of the direction and distance, one for each picture."""
+
     px_deg: float
+    distances_m: tuple[float, ...]
     trials: dict[tuple[str, float], list[PrismTrial]]
 
-    def to_json(self) -> dict[str, Any]:
-        """Return what evaluate.sh writes."""
-        most_deg = {direction.name: direction.most_deg for direction in DIRECTIONS}
-        return self.learners.said() | {
-            "examination": "prisms",
-            "stimuli": self.stimuli,
-            "n_stimuli": len(next(iter(self.trials.values()))),
-            "pixel_deg": self.px_deg,
-            "conditions": [
-                {"direction": name, "object_distance_m": distance_m, "most_deg": most_deg[name]}
-                | _condition(trials)
-                | {"human_prism_dioptres": HUMAN_PRISM_DIOPTRES.get((name, distance_m))}
-                for (name, distance_m), trials in self.trials.items()
-            ],
-        }
 
-    def table(self) -> str:
-        """Return the medians as text."""
-        header = (
-            "direction",
-            "distance/m",
-            "gain",
-            "break/deg",
-            "recovery/deg",
-            "break/recovery PD",
-        )
-        rows = [_row(condition) for condition in self.to_json()["conditions"]]
-        return text_table((*header, "human PD"), rows)
-
-
-def examine(learners: FrozenLearners, shown: Shown = OWN_TEST_STIMULI) -> PrismResults:
-    """Try prisms in each direction at each distance before each picture.
-
-    Raises InputError as the cover test does.
-    """
+def _examine(learners: FrozenLearners, shown: Shown, options: PrismOptions) -> Findings:
+    """Try prisms in each direction at each distance before each picture."""
     trials: dict[tuple[str, float], list[PrismTrial]] = {}
-    with examination_room(learners, shown, _N_PICTURES) as room:
-        conditions = [(d, distance_m) for d in DIRECTIONS for distance_m in DISTANCES_M]
+    with session_of(learners, shown, _N_PICTURES) as session:
+        conditions = [(d, distance_m) for d in DIRECTIONS for distance_m in options.distances_m]
         for direction, distance_m in progress(
             conditions, file=sys.stderr, desc="prisms", unit="part"
         ):
             trials[direction.name, distance_m] = [
-                prism_trial(room, i, distance_m, direction) for i in range(room.n_pictures)
+                prism_trial(session, i, distance_m, direction, options.ladder_share)
+                for i in range(session.n_pictures)
             ]
-        return PrismResults(learners, shown.text, room.px_deg, trials)
+    return Findings(
+        n_stimuli=session.n_pictures,
+        summary=_summary(trials),
+        tables={
+            "conditions": [
+                _row(d, m, trials[d.name, m], options.ladder_share) for d, m in conditions
+            ]
+        },
+        titles={"conditions": ""},
+        traces=PrismTraces(session.px_deg, options.distances_m, trials),
+    )
 
 
-def _condition(trials: Sequence[PrismTrial]) -> dict[str, Any]:
+def _row(
+    direction: Direction, distance_m: float, trials: Sequence[PrismTrial], ladder_share: float
+) -> PrismRow:
     breaks_deg = [trial.break_deg for trial in trials]
     recoveries_deg = [trial.recovery_deg for trial in trials]
-    break_deg, recovery_deg = map(censored_quartiles_of, (breaks_deg, recoveries_deg))
-    return {
-        "break_deg": break_deg,
-        "recovery_deg": recovery_deg,
-        "break_prism_dioptres": in_prism_dioptres(break_deg),
-        "recovery_prism_dioptres": in_prism_dioptres(recovery_deg),
-        "gain": quartiles_of([trial.gain for trial in trials]),
-        "n_broken": int(np.isfinite(breaks_deg).sum()),
-        "n_recovered": int(np.isfinite(recoveries_deg).sum()),
+    break_deg, recovery_deg = map(Quartiles.of_censored, (breaks_deg, recoveries_deg))
+    return PrismRow(
+        direction=direction.name,
+        object_distance_m=distance_m,
+        gain=Quartiles.of([trial.gain for trial in trials]),
+        most_deg=direction.n_steps(ladder_share) * direction.step_deg,
+        break_deg=break_deg,
+        recovery_deg=recovery_deg,
+        break_pd=break_deg.prism_dioptres,
+        recovery_pd=recovery_deg.prism_dioptres,
+        n_broken=int(np.isfinite(breaks_deg).sum()),
+        n_recovered=int(np.isfinite(recoveries_deg).sum()),
+        human_pd=HUMAN_PRISM_DIOPTRES.get((direction.name, distance_m), ""),
+    )
+
+
+def _summary(trials: dict[tuple[str, float], list[PrismTrial]]) -> PrismSummary:
+    by_name = {
+        name: [trial for (of, _), some in trials.items() if of == name for trial in some]
+        for name in _NAMES
     }
+    return PrismSummary(
+        gain=[Quartiles.of([t.gain for t in of]).median for of in by_name.values()],
+        break_deg=[
+            Quartiles.of_censored([t.break_deg for t in of]).median for of in by_name.values()
+        ],
+    )
 
 
-def _row(condition: dict[str, Any]) -> tuple[str, ...]:
-    break_deg = condition["break_deg"]["median"]
-    lost_at = f"> {condition['most_deg']:g}" if break_deg is None else number(break_deg, 2)
-    break_pd, recovery_pd = (
-        number(condition[f"{name}_prism_dioptres"]["median"], 1) for name in ("break", "recovery")
-    )
-    return (
-        condition["direction"],
-        f"{condition['object_distance_m']:g}",
-        number(condition["gain"]["median"], 2),
-        lost_at,
-        number(condition["recovery_deg"]["median"], 2),
-        f"{break_pd} / {recovery_pd}" if condition["direction"].startswith("base") else "",
-        condition["human_prism_dioptres"] or "",
-    )
+PRISMS = Examination(
+    name="prisms",
+    text="turn the right eye's picture as prisms do, until the eyes no longer fuse",
+    examine=_examine,
+    summary=PrismSummary,
+    options=PrismOptions,
+)

@@ -6,6 +6,7 @@ from matplotlib.ticker import FormatStrFormatter
 
 from active_binocular_vision.learners.basis_functions import (
     LARGEST_SHIFT_PX,
+    SCALES,
     dominance,
     preferred_disparity_px,
 )
@@ -13,7 +14,6 @@ from lockstep import InputError
 from lockstep.figures import GREY, WIDTH_IN, new_figure, title_panels
 from sparse_coder.patches import N_PIXELS, PATCH_SIZE_PX, PX_PER_PIXEL
 
-SCALES = ("coarse", "fine")
 _N_COLUMNS = 16
 _N_BINS = 37  # odd: one is centred on 0
 

@@ -4,11 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from active_binocular_vision.examinations.saccades.examination import (
-    AMPLITUDES_DEG,
-    DIRECTIONS_DEG,
-    Saccades,
-)
+from active_binocular_vision.examinations.main_sequence import MainSequenceTraces
 from eye_plant.mechanics.movement import angles_deg
 from lockstep.figures import (
     BLUE,
@@ -31,7 +27,7 @@ HUMAN_VERTICAL = np.array([(5.0, 208.0, 36.0), (10.0, 303.0, 50.0), (20.0, 391.0
 _SHOWN_S = 1.0
 
 
-def main_sequence_figure(found: Saccades) -> Figure:
+def main_sequence_figure(found: MainSequenceTraces) -> Figure:
     """Return saccades to the right over time, and peak velocity over amplitude of all."""
     figure = new_figure(WIDTH_IN, 3.8)
     panels = figure.subplots(1, 2)
@@ -42,11 +38,10 @@ def main_sequence_figure(found: Saccades) -> Figure:
     return figure
 
 
-def _draw_course(axes: Axes, found: Saccades) -> None:
-    for saccade in found.saccades:
-        if saccade.direction_deg:
-            continue
-        time_s, sight = saccade.movement.time_s, saccade.movement.sight
+def _draw_course(axes: Axes, found: MainSequenceTraces) -> None:
+    sideways = [(row, movement) for row, movement in found.saccades if not row.direction_deg]
+    for _, movement in sideways:
+        time_s, sight = movement.time_s, movement.sight
         shown = time_s <= _SHOWN_S
         axes.plot(1e3 * time_s[shown], angles_deg(sight[0], sight[shown]), color=BLUE)
     end_ms = 1e3 * found.period_s
@@ -55,25 +50,26 @@ def _draw_course(axes: Axes, found: Saccades) -> None:
         "control period ends", (end_ms, 1.0), (3, -9), ("data", "axes fraction"), "offset points"
     )
     axes.set(xlabel="time after the command / ms", ylabel="turn of the left line of sight / deg")
-    axes.set_yticks(AMPLITUDES_DEG)
-    axes.set_ylim(0.0, 1.15 * AMPLITUDES_DEG[-1])
+    targets_deg = [row.target_deg for row, _ in sideways]
+    axes.set_yticks(targets_deg)
+    axes.set_ylim(0.0, 1.15 * max(targets_deg))
 
 
-def _draw_main_sequence(axes: Axes, found: Saccades) -> None:
-    measures = found.measures
-    for name, colour, marker, directions in (
-        ("horizontal", BLUE, "o", DIRECTIONS_DEG[::4]),
-        ("vertical", VERMILION, "s", DIRECTIONS_DEG[2::4]),
-        ("oblique", GREEN, "x", DIRECTIONS_DEG[1::2]),
+def _draw_main_sequence(axes: Axes, found: MainSequenceTraces) -> None:
+    rows = [row for row, _ in found.saccades]
+    for name, colour, marker, quarter_deg in (
+        ("horizontal", BLUE, "o", 0.0),
+        ("vertical", VERMILION, "s", 90.0),
+        ("oblique", GREEN, "x", 45.0),
     ):
-        of = [m for m in measures if m["direction_deg"] in directions]
-        amplitudes_deg, velocities_deg_s = (
-            [m[key] for m in of] for key in ("amplitude_deg", "peak_velocity_deg_s")
-        )
+        period_deg = 90.0 if name == "oblique" else 180.0
+        of = [row for row in rows if (row.direction_deg or 0.0) % period_deg == quarter_deg]
+        velocities_deg_s = [row.peak_velocity_deg_s for row in of]
+        amplitudes_deg = [row.amplitude_deg for row in of]
         axes.plot(amplitudes_deg, velocities_deg_s, marker, color=colour, ms=4, label=name)
-    all_deg = [m["amplitude_deg"] for m in measures]
+    all_deg = [row.amplitude_deg for row in rows]
     amplitude_deg = np.geomspace(min(all_deg), max(all_deg))
-    velocity_deg_s = found.main_sequence.peak_velocity_deg_s(amplitude_deg)
+    velocity_deg_s = found.fit.peak_velocity_deg_s(amplitude_deg)
     axes.plot(amplitude_deg, velocity_deg_s, color=GREY, label="fit to all")
     for name, marker, human in (
         ("humans, horizontal, mean and SD", "D", HUMAN_HORIZONTAL),
@@ -83,6 +79,6 @@ def _draw_main_sequence(axes: Axes, found: Saccades) -> None:
         axes.errorbar(at_deg, mean, sd, fmt=marker, color=PURPLE, ms=4, lw=1.0, label=name)
     axes.set_xscale("log")
     label_decades(axes)
-    axes.set_xticks((*AMPLITUDES_DEG[:4], 20.0, 30.0), labels=["1", "2", "5", "10", "20", "30"])
+    axes.set_xticks((1, 2, 5, 10, 20, 30), labels=["1", "2", "5", "10", "20", "30"])
     axes.set_xticks([], minor=True)
     axes.set(xlabel="amplitude / deg", ylabel="peak velocity / (deg/s)")

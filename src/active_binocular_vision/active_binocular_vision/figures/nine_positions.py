@@ -11,9 +11,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.positions.examination import Examined
-from active_binocular_vision.examinations.positions.listing import DisplacementPlane
-from active_binocular_vision.examinations.positions.measures import is_silent, planes_of_eyes
+from active_binocular_vision.examinations.listing import DisplacementPlane
+from active_binocular_vision.examinations.nine_positions import (
+    NinePositionsTraces,
+    is_silent,
+    planes_of_eyes,
+)
 from lockstep import SIDES
 from lockstep.command_space import MUSCLES
 from lockstep.figures import (
@@ -44,7 +47,7 @@ _LISTING_GROUPS |= {"toward the temple": (8.0, BLUE)}
 _LISTING_LIMITS_DEG = (-4.0, 4.0)
 
 
-def hess_chart(examined: Examined) -> Figure:
+def hess_chart(examined: NinePositionsTraces) -> Figure:
     """Return the Hess chart: a row for each distance, a panel for each eye.
 
     Grey: where the eye should look. Blue: where it looks, medians over pictures.
@@ -110,7 +113,7 @@ def _panels(n_distances: int, height_in: float, x_label: str, y_label: str) -> t
     return figure, panels
 
 
-def activations_figure(examined: Examined) -> Figure:
+def activations_figure(examined: NinePositionsTraces) -> Figure:
     """Return activations of all muscles: learned beside least energy, nearest above farthest.
 
     Medians over pictures; a column for each position, silent muscles white.
@@ -123,7 +126,7 @@ def activations_figure(examined: Examined) -> Figure:
     scale = mpl.colors.Normalize(0.0, float(np.nanmax(shown)))
     colours = mpl.colormaps["viridis_r"].with_extremes(bad="white")
     for axes, activations in zip(panels.ravel(), shown, strict=True):
-        silent = is_silent(activations, examined.learners.plant)
+        silent = is_silent(activations, examined.plant)
         image = _draw_activations(axes, activations, silent, colours, scale)
     distances_m = nine.distances_m[0], nine.distances_m[-1]
     names = "learned", "least energy"
@@ -170,7 +173,7 @@ def _label(axes: Axes) -> None:
         spine.set_visible(True)
 
 
-def listing_figure(examined: Examined) -> Figure:
+def listing_figure(examined: NinePositionsTraces) -> Figure:
     """Return torsion over elevation in Listing's coordinates, a panel for each distance and eye.
 
     Dots: the nine positions and the random places, medians over pictures. Lines: the displacement

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from active_binocular_vision.learners.gabor import GOOD_RESIDUAL, Gabors, fit_gabors
 from lockstep import InputError
-from sparse_coder.patches import N_PIXELS
+from sparse_coder.patches import N_PIXELS, PX_PER_PIXEL
 
 Array = NDArray[np.float64]
 
+SCALES = ("coarse", "fine")
 # Edges of the seven bins of ocular dominance, from the left eye alone to the right eye alone
 # (Klimmasch et al. 2021, after Hubel & Wiesel 1962).
 BINOCULARITY_EDGES = np.array([-1.0, -0.85, -0.5, -0.15, 0.15, 0.5, 0.85, 1.0])
@@ -65,6 +66,15 @@ class Tuning:
     def binocularity_counts(self) -> NDArray[np.int64]:
         """Return the Gabor atoms in the seven bins between BINOCULARITY_EDGES, left to right."""
         return np.histogram(self.binocularity[self.is_gabor], BINOCULARITY_EDGES)[0]
+
+
+def tunings(atoms: NDArray[Any]) -> tuple[Tuning, Tuning]:
+    """Return what the atoms (2, n_bases, 128) of both scales are tuned to."""
+    coarse, fine = (
+        tuning(of_scale.astype(np.float64), px)
+        for of_scale, px in zip(atoms, PX_PER_PIXEL, strict=True)
+    )
+    return coarse, fine
 
 
 def tuning(atoms: Array, px_per_pixel: float) -> Tuning:

@@ -1,12 +1,17 @@
 """The learners of a checkpoint, with the eyes they had then or with others."""
 
+import hashlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
+import numpy as np
+from numpy.typing import NDArray
+
+from active_binocular_vision.learners.basis_functions import Tuning, tunings
 from experiment_manager.experiment.config import ExperimentManagerConfig
 from experiment_manager.experiment.plant_changes import read_schedule
 from experiment_manager.experiment.protocol import protocol_of
@@ -16,8 +21,11 @@ from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from eye_plant import EyePlantConfig, StimulusSet
 from eye_plant.config import changed
-from lockstep import InputError, flatten
+from lockstep import InputError, flatten, read_state
 from lockstep.wire.topics import TEST
+from sparse_coder import SparseCoder, SparseCoderConfig
+
+_LEARNERS = ("sparse_coder", "vergence_rl")
 
 
 @dataclass(frozen=True)
@@ -35,6 +43,22 @@ class FrozenLearners:
     dictionary: Path | None = None
     actor: Path | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def after(cls, run: Path, iteration: int) -> Self:
+        """Return the learners of the checkpoint after so many training iterations of a run.
+
+        Raises InputError, naming those that there are, without one.
+        """
+        protocol = protocol_of(read_configuration(run / CONFIG_FILE))
+        places = checkpoint.places(run / "checkpoints")
+        trained = {protocol.training_iterations_before(place): place for place in places}
+        if iteration not in trained:
+            raise InputError(
+                f"{run / 'checkpoints'}: expected a checkpoint after {iteration:,} training "
+                f"iterations, there is one after {', '.join(map(str, trained)) or 'none'}"
+            )
+        return cls(run, trained[iteration])
 
     @cached_property
     def _checkpoint(self) -> tuple[int, Path]:
@@ -86,33 +110,56 @@ class FrozenLearners:
         """The eyes of that age, except the settings."""
         return config_of(EyePlantConfig, self.configuration)
 
+    @cached_property
+    def atoms(self) -> NDArray[np.float32]:
+        """The basis functions of both scales (2, n_bases, 128)."""
+        coder = SparseCoder(config_of(SparseCoderConfig, self.configuration))
+        coder.restore(read_state(self._state("sparse_coder"), "sparse_coder"))
+        return coder.atoms()
+
+    @cached_property
+    def tunings(self) -> tuple[Tuning, Tuning]:
+        """What the basis functions of both scales are tuned to; their fits take 10 s."""
+        return tunings(self.atoms)
+
+    @property
+    def state_hash(self) -> str:
+        """SHA-256 of both learners' states, in hexadecimal."""
+        hashes = "".join(checkpoint.hash_of(self._state(name)) for name in _LEARNERS)
+        return hashlib.sha256(hashes.encode()).hexdigest()
+
+    def _state(self, name: str) -> Path:
+        _, states = self._checkpoint
+        other = self.dictionary if name == "sparse_coder" else self.actor
+        return (other or states) / f"{name}.npz"
+
     @contextmanager
     def loop(self, shown: StimulusSet) -> Iterator[InProcessLoop]:
         """Yield plant and learners before stimuli, for episodes with learning=False.
 
         Raises InputError for a state that is damaged or does not fit.
         """
-        _, states = self._checkpoint
         loop = make_loop(self.configuration, shown)
         try:
-            loop.restore(
-                {
-                    "sparse_coder": (self.dictionary or states) / "sparse_coder.npz",
-                    "vergence_rl": (self.actor or states) / "vergence_rl.npz",
-                }
-            )
+            loop.restore({name: self._state(name) for name in _LEARNERS})
             yield loop
         finally:
             loop.plant.close()
 
     def said(self) -> dict[str, Any]:
-        """Return what a document of measures says of them: model, seed, commit and so on."""
+        """Return what a document of measures says of them: model, seed, commit and so on.
+
+        checkpoint: episodes before it; iteration: training iterations before it; states: their
+        hash.
+        """
         return {
             "model": self.manager.model,
             "seed": self.manager.seed,
             "commit": self.manager.commit,
             "lambda": self.manager.metabolic_cost_weight,
             "checkpoint": self.place,
+            "iteration": self.trained,
+            "states": self.state_hash,
             "dictionary": str(self.dictionary.resolve()) if self.dictionary else "",
             "actor": str(self.actor.resolve()) if self.actor else "",
             "settings": dict(self.settings),

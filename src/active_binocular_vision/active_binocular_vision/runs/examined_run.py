@@ -1,45 +1,57 @@
-"""A run whose learners were examined at birth, before its first change and at the end: clinic.json.
+"""A run whose learners were examined at birth, before its first change and at the end.
 
-The file lies in the run's directory, so that a page can be drawn again without checkpoints.
+examinations.json in the run's directory keeps the documents of the examinations
+(`examinations.examination` says what they are), so that a page can be drawn again without
+checkpoints. A document is used again for the same training iterations, examination, version and
+options, and for the same states of the learners where their checkpoint is there.
 """
 
-import dataclasses
 import json
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
-from lockstep import InputError
+import numpy as np
+
+from active_binocular_vision.examinations.examination import Examination
+from active_binocular_vision.examinations.measure import SHARE, measure, record
+from active_binocular_vision.examinations.registry import EXAMINATIONS
+from active_binocular_vision.learners.learners import FrozenLearners
+from active_binocular_vision.learners.shown import OWN_TEST_STIMULI
+from active_binocular_vision.runs.groups import Common
+from active_binocular_vision.runs.reported_run import ReportedRun
+from experiment_manager.experiment.plant_changes import read_schedule
+from experiment_manager.experiment.sections import config_of
+from experiment_manager.measures.results import Summary
+from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
+from lockstep import InputError, build, flatten
 from lockstep.durable_files import replace_file
+from sparse_coder import SparseCoderConfig
 
-EXAMINED_FILE = "clinic.json"
+EXAMINED_FILE = "examinations.json"
 BIRTH, BEFORE, END = "birth", "before", "end"
 AGES = (BIRTH, BEFORE, END)
+# The run's own test, a column of pages beside the examinations.
+TEST = "test"
+# The options of examinations on a page, other than their defaults: eyes that begin at rest show the
+# deviation that they are born with.
+OPTIONS: Mapping[str, Mapping[str, Any]] = {"cover": {"distances_m": (2.0,), "at_rest": True}}
+
+Document = Mapping[str, Any]
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExaminedAge:
-    """Measures of the learners of one age, as in docs/clinic.md; None where there is none.
+class OwnTest:
+    """Of the trials of the run's own test, after the last iteration; null where not known."""
 
-    when: one of AGES; iteration: of training. Deviations are those of the covered right eye, in
-    prism dioptres, above 0 where it is turned in, or higher. Binocular shares are those of the
-    Gabor functions. The last two are of the run's own test at that age.
-    """
-
-    when: str
-    iteration: int
-    horizontal_deviation_pd: float | None
-    vertical_deviation_pd: float | None
-    share_fused: float
-    left_acuity_cycles_per_deg: float | None
-    right_acuity_cycles_per_deg: float | None
-    stereo_threshold_arcsec: float | None
-    left_share_in_code: float | None
-    binocular_share_coarse: float | None
-    binocular_share_fine: float | None
-    metabolic_rate_w: float | None
-    share_within_1_px: float | None
+    error_deg: float | None = measure("deg", "|vergence error|")
+    iqr_deg: float | None = measure("deg", "IQR")
+    share_within_1_px: float | None = measure(SHARE, "within 1 px")
+    cost_reduction: float | None = measure("", "c", 2)
+    delta_cost_w: float | None = measure("W", "delta C")
+    metabolic_rate_w: float | None = measure("W", "C")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,39 +59,162 @@ class ExaminedRun:
     """One run of a condition.
 
     condition: its profile without the folder; iterations: of training; changed_at: training
-    iterations before the schedule's first change, None without one; final_learning_rate: of the
-    dictionaries, 0 where they come to rest; ages: in the order of AGES, those that were tested.
+    iterations before each of its changes; final_learning_rate: of the dictionaries, 0 where they
+    come to rest; px_deg: visual angle of a pixel; curve: training iterations before each test, and
+    the median |vergence error| in it; found: by age and examination, TEST included, its document;
+    common: what it has in common with other seeds.
     """
 
     condition: str
     model: str
     seed: int
     iterations: int
-    changed_at: int | None
+    changed_at: tuple[int, ...]
     final_learning_rate: float
-    ages: tuple[ExaminedAge, ...]
+    px_deg: float
+    curve: tuple[tuple[int, float | None], ...]
+    found: Mapping[str, Mapping[str, Document]]
+    common: Common
 
-    def at(self, when: str) -> ExaminedAge | None:
-        """Return the measures of an age, None where there was no test."""
-        return next((age for age in self.ages if age.when == when), None)
+    def value(self, age: str, examination: str, name: str) -> float | None:
+        """Return a measure of an examination's summary at an age, None where there is none."""
+        document = self.found.get(age, {}).get(examination, {})
+        value: float | None = document.get("summary", {}).get(name)
+        return value
 
-    def write(self, directory: Path) -> None:
-        """Write the file into a run's directory; raises OSError when the disk refuses."""
-        text = json.dumps(dataclasses.asdict(self), indent=1, allow_nan=False)
-        replace_file(directory / EXAMINED_FILE, f"{text}\n".encode())
+    def table(self, age: str, examination: str, name: str) -> Sequence[Mapping[str, Any]]:
+        """Return the rows of a table of an examination at an age, () where there are none."""
+        rows: Sequence[Mapping[str, Any]] = (
+            self.found.get(age, {}).get(examination, {}).get(name, ())
+        )
+        return rows
 
-    @classmethod
-    def read(cls, directory: Path) -> Self | None:
-        """Return what `write` wrote, None without the file; InputError for another content."""
-        path = directory / EXAMINED_FILE
-        if not path.is_file():
-            return None
+
+def examined_run(
+    run: ReportedRun, common: Common, names: Collection[str], ages: Collection[str] = AGES
+) -> ExaminedRun:
+    """Examine the learners of a finished run at ages, or read what was found before.
+
+    names: of examinations. An age without a checkpoint and without documents has its test alone.
+    Raises InputError for a run that is not finished, has none of the documents and no checkpoint,
+    or cannot be examined; OSError when the disk refuses.
+    """
+    tests = {test.iteration: test for test in run.summaries}
+    if not run.is_finished:
+        raise InputError(
+            f"{run.directory}: expected a run with a test at its end, {run.n_iterations:,}"
+        )
+    configuration = read_configuration(run.directory / CONFIG_FILE)
+    schedule = read_schedule(configuration["task"]["schedule"])
+    changed_at = tuple(change.at for change in schedule.changes)
+    coder = config_of(SparseCoderConfig, configuration)
+    kept = _Documents(run.directory)
+    found: dict[str, dict[str, Document]] = {}
+    reasons: list[str] = []
+    for age, iteration in ages_of([*tests], changed_at[0] if changed_at else None).items():
+        if age in ages:
+            found[age] = {TEST: {"summary": record(_of_test(run, tests[iteration]))}}
+            try:
+                found[age] |= kept.at(iteration, names)
+            except InputError as error:
+                reasons.append(str(error))
+    kept.write()
+    if reasons and not any(len(of_age) > 1 for of_age in found.values()):
+        raise InputError(reasons[-1])
+    return ExaminedRun(
+        condition=run.profile.rpartition("/")[2] or run.name,
+        model=run.model,
+        seed=run.seed,
+        iterations=run.n_iterations,
+        changed_at=changed_at,
+        final_learning_rate=coder.learning_rate * coder.final_learning_rate_share,
+        px_deg=run.evaluation_settings.criteria(run.n_iterations).px_deg,
+        curve=tuple((n, test.median_abs_vergence_error_deg) for n, test in tests.items()),
+        found=found,
+        common=common,
+    )
+
+
+class _Documents:
+    """The documents of a run's examinations, those of its file and new ones."""
+
+    def __init__(self, run: Path) -> None:
+        """Read the file of a run's directory, if there is one; InputError for another content."""
+        self._run, self._path, self._has_new = run, run / EXAMINED_FILE, False
+        self._documents: list[dict[str, Any]] = []
+        if not self._path.is_file():
+            return
         try:
-            document: dict[str, Any] = json.loads(path.read_bytes())
-            ages = tuple(ExaminedAge(**age) for age in document.pop("ages"))
-            return cls(**document, ages=ages)
-        except (ValueError, KeyError, TypeError, AttributeError) as error:
-            raise InputError(f"{path}: expected the examinations of a run: {error!r}") from error
+            self._documents = [dict(of) for of in json.loads(self._path.read_bytes())["examined"]]
+        except (ValueError, KeyError, TypeError) as error:
+            raise InputError(
+                f"{self._path}: expected the examinations of a run: {error!r}"
+            ) from error
+
+    def at(self, iteration: int, names: Collection[str]) -> dict[str, Document]:
+        """Return the documents of examinations after training iterations, made where missing.
+
+        Raises InputError where one is missing and there is no checkpoint.
+        """
+        try:
+            learners = FrozenLearners.after(self._run, iteration)
+        except InputError:
+            return {name: self._kept(iteration, EXAMINATIONS[name]) for name in names}
+        return {name: self._made(learners, EXAMINATIONS[name]) for name in names}
+
+    def _kept(self, iteration: int, examination: Examination, states: str = "") -> dict[str, Any]:
+        key = {
+            "iteration": iteration,
+            "examination": examination.name,
+            "version": examination.version,
+            "options": _options(examination),
+        } | ({"states": states} if states else {})
+        for document in self._documents:
+            if all(document.get(name) == value for name, value in key.items()):
+                return document
+        raise InputError(
+            f"{self._run}: expected a checkpoint after {iteration:,} training iterations, or "
+            f"{examination.name} of version {examination.version} in {EXAMINED_FILE}; found neither"
+        )
+
+    def _made(self, learners: FrozenLearners, examination: Examination) -> dict[str, Any]:
+        try:
+            return self._kept(learners.trained, examination, learners.state_hash)
+        except InputError:
+            options = build(examination.options, _options(examination))
+            found = examination.examine(learners, OWN_TEST_STIMULI, options)
+        document = examination.document(learners, OWN_TEST_STIMULI, options, found)
+        others = [of for of in self._documents if not _replaces(document, of)]
+        self._documents, self._has_new = [*others, document], True
+        return document
+
+    def write(self) -> None:
+        """Write the file where there is something new, a line for each document."""
+        if self._has_new:
+            lines = ",\n".join(json.dumps(of, allow_nan=False) for of in self._documents)
+            replace_file(self._path, f'{{"examined": [\n{lines}\n]}}\n'.encode())
+
+
+def _replaces(new: Document, old: Document) -> bool:
+    names = "iteration", "examination", "options"
+    return all(new[name] == old.get(name) for name in names)
+
+
+def _options(examination: Examination) -> dict[str, Any]:
+    return flatten(examination.options(**OPTIONS.get(examination.name, {})))
+
+
+def _of_test(run: ReportedRun, test: Summary) -> OwnTest:
+    trials = run.trials.get(test.iteration)
+    rate_w = None if trials is None else float(np.median(trials.metabolic_rate_w[:, -1]))
+    return OwnTest(
+        error_deg=test.median_abs_vergence_error_deg,
+        iqr_deg=test.iqr_abs_vergence_error_deg,
+        share_within_1_px=test.share_within_1_px,
+        cost_reduction=test.median_cost_reduction,
+        delta_cost_w=test.median_delta_cost_w,
+        metabolic_rate_w=rate_w if rate_w is not None and math.isfinite(rate_w) else None,
+    )
 
 
 def ages_of(tested: Sequence[int], changed_at: int | None) -> Mapping[str, int]:

@@ -73,6 +73,11 @@ def write(checkpoints: Path, manifest: Manifest) -> None:
     replace_file(path, json.dumps(document, indent=1).encode())
 
 
+def places(checkpoints: Path) -> list[int]:
+    """Return the episodes before each checkpoint that there is, rising."""
+    return sorted(int(path.parent.name) for path in checkpoints.glob(f"*/{_MANIFEST}"))
+
+
 def everyone(checkpoints: Path) -> list[tuple[Manifest, Path]]:
     """Return all checkpoints with their directories, the oldest first; errors as for newest."""
     return [_checked(path) for path in sorted(checkpoints.glob(f"*/{_MANIFEST}"))]
@@ -95,10 +100,10 @@ def at(checkpoints: Path, place: int) -> tuple[Manifest, Path]:
     """
     path = place_directory(checkpoints, place) / _MANIFEST
     if not path.is_file():
-        there = sorted(int(p.parent.name) for p in checkpoints.glob(f"*/{_MANIFEST}"))
+        there = ", ".join(map(str, places(checkpoints))) or "none"
         raise InputError(
             f"{checkpoints}: expected a checkpoint after {place} episodes, there is one after "
-            f"{', '.join(map(str, there)) or 'none'}"
+            f"{there}"
         )
     return _checked(path)
 

@@ -1,1 +1,0 @@
-"""Learned saccades simulated over time: amplitude, peak velocity, duration."""

@@ -1,0 +1,188 @@
+"""Activations with which eyes look correctly at a plane, for all kinds of eyes."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.experiment.starts import Activations, gaze_inverse
+from eye_plant import Inverse, desired_vergence_deg
+from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, LeastCost
+from eye_plant.inverse.pair import FULL_RANGE
+from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.oculomotor import Oculomotor
+from eye_plant.turns import NO_TURNS_DEG, TurnsDeg, turned
+from lockstep import PAIR, InputError
+
+Array = NDArray[np.float64]
+
+AHEAD_DEG = (0.0, 0.0)
+# Where on the line of pairs of equal vergence the pair begins: half-way.
+_FRACTION = 0.5
+# Of the left line of sight, and how often it is aimed again.
+_AIMED_DEG = 1e-3
+_MOST_AIMS = 20
+
+
+class CorrectGaze:
+    """Activations for the eyes of a run.
+
+    A stereogram with parallax p on the plane is to eyes b apart what a plane is to eyes b + p
+    apart, so one rule serves both. Each muscle that has a command of its own is as near to the
+    tonic level as the gaze allows. Eyes that make saccades look with the left eye at a target,
+    straight ahead unless another is given; others look straight ahead together. Of eyes whose
+    cameras are turned, what the cameras see is correct; the pair's cameras do not count.
+    """
+
+    def __init__(
+        self,
+        protocol: ExperimentManagerConfig,
+        mechanics: MechanicsConfig,
+        turns_deg: TurnsDeg = NO_TURNS_DEG,
+        parallax_m: float = 0.0,
+    ) -> None:
+        """turns_deg: of the cameras; parallax_m: of a stereogram, as in desired_vergence_deg."""
+        self._protocol = protocol
+        self._turns_deg = turns_deg
+        eyes = replace(mechanics, baseline_m=mechanics.baseline_m + parallax_m)
+        self._baseline_m = eyes.baseline_m
+        self._eyes = Oculomotor(eyes)
+        is_pair = protocol.command_space == PAIR
+        self._pair = Inverse(eyes) if is_pair else None
+        self._gaze = None if is_pair else gaze_inverse(protocol, eyes, turns_deg)
+
+    def activations(
+        self,
+        distance_m: float,
+        error_deg: float = 0.0,
+        target_deg: Sequence[float] = AHEAD_DEG,
+    ) -> Activations:
+        """Return activations (12,) with a horizontal error before a plane, other errors 0.
+
+        error_deg: above 0 where the eyes converge too little; target_deg: (2,) azimuth (right) and
+        elevation from the left eye, of eyes that make saccades. Raises InputError for a gaze that
+        the muscles do not reach.
+        """
+        if self._pair is not None:
+            vergence_deg = desired_vergence_deg(distance_m, self._baseline_m) - error_deg
+            return self._pair.activations(vergence_deg, _FRACTION, self._protocol.pair_limits)
+        assert self._gaze is not None
+        inverse, nowhere_aside = self._gaze, np.zeros(len(self._protocol.space.names))
+        wanted_deg = dict.fromkeys(TURNED_ANGLES[self._protocol.command_space], 0.0)
+        wanted_deg["horizontal"] = error_deg
+        if not self._protocol.fixation_iterations:
+            return tuple(inverse.activations(wanted_deg, distance_m, nowhere_aside).tolist())
+        found = self._aimed(
+            lambda wanted: inverse.activations(wanted, distance_m, nowhere_aside),
+            wanted_deg,
+            distance_m,
+            target_deg,
+        )
+        return tuple(found.tolist())
+
+    def least(self, distance_m: float, target_deg: Sequence[float]) -> LeastCost:
+        """Return the cheapest activations without errors, cycloversion being free.
+
+        Of eyes with a command for each muscle. Raises InputError for a gaze that the muscles do
+        not reach.
+        """
+        assert self._gaze is not None
+        inverse = self._gaze
+        found: list[LeastCost] = []
+
+        def least(wanted_deg: dict[str, float]) -> Array:
+            near = found[-1] if found else None
+            found.append(inverse.least(wanted_deg, distance_m, near))
+            return found[-1].activations
+
+        self._aimed(least, dict.fromkeys(ERRORS, 0.0), distance_m, target_deg)
+        return found[-1]
+
+    def wanted_gaze_deg(self, distance_m: float, target_deg: Sequence[float]) -> Array:
+        """Return azimuth (right) and elevation (2, 2) of what left and right eye look at.
+
+        target_deg: as in `activations`, of a point on the plane.
+        """
+        return wanted_gaze_deg(self._eyes.eye_positions_m(), target_deg, distance_m)
+
+    def _aimed(
+        self,
+        solve: Callable[[dict[str, float]], Array],
+        wanted_deg: dict[str, float],
+        distance_m: float,
+        target_deg: Sequence[float],
+    ) -> Array:
+        """Return the activations with which the left camera looks at the target.
+
+        The inverse takes version and elevation of the eyes, which differ from those of turned
+        cameras: they are mended until the left camera looks where it should.
+        """
+        left_deg, right_deg = self.wanted_gaze_deg(distance_m, target_deg)
+        # A turn toward the nose is one to the right in the left eye, to the left in the right eye.
+        (left_inward_deg, left_up_deg, _), (right_inward_deg, right_up_deg, _) = self._turns_deg
+        left_eye_deg = left_deg - (left_inward_deg, left_up_deg)
+        right_eye_deg = right_deg + np.array([right_inward_deg, -right_up_deg])
+        right_eye_deg[0] += wanted_deg["horizontal"]
+        version_deg, elevation_deg = ((left_eye_deg + right_eye_deg) / 2.0).tolist()
+        has_elevation = "elevation" in TURNED_ANGLES[self._protocol.command_space]
+        for _ in range(_MOST_AIMS):
+            gaze_deg = {"version": version_deg}
+            gaze_deg |= {"elevation": elevation_deg} if has_elevation else {}
+            activations = solve(wanted_deg | gaze_deg)
+            if not any(map(any, self._turns_deg)):
+                return activations
+            self._eyes.rest(activations)
+            sight = turned(self._eyes.eye_rotations(), self._turns_deg)[0, :, 0]
+            missed_deg = left_deg - direction_deg(sight)
+            if not has_elevation:
+                missed_deg[1] = 0.0
+            if np.abs(missed_deg).max() < _AIMED_DEG:
+                return activations
+            version_deg += missed_deg[0]
+            elevation_deg += missed_deg[1]
+        raise InputError(
+            f"expected eyes whose left camera can look at {left_deg.tolist()} deg at "
+            f"{distance_m:g} m; these cannot"
+        )
+
+
+class CheapestPair:
+    """The cheapest pair of activations of the horizontal recti for a vergence, of any eyes."""
+
+    def __init__(self, mechanics: MechanicsConfig) -> None:
+        """mechanics: of the eyes; whatever unequal muscles let them do counts."""
+        self._inverse, self._eyes = Inverse(mechanics), Oculomotor(mechanics)
+        self._baseline_m = mechanics.baseline_m
+
+    def activations(self, distance_m: float, error_deg: float) -> Activations:
+        """Return activations (12,) with a vergence error before a plane.
+
+        Raises InputError where no pair gives the vergence, or the eyes may rest elsewhere with it,
+        or no pair gives the one that is correct, without which the plant shows nothing.
+        """
+        desired_deg = desired_vergence_deg(distance_m, self._baseline_m)
+        self._inverse.check(desired_deg)
+        pair = self._inverse.activation_pair(desired_deg - error_deg, 0.0, FULL_RANGE)
+        return tuple(self._eyes.activations_from(*pair).tolist())
+
+
+def wanted_gaze_deg(positions_m: Array, target_deg: Sequence[float], distance_m: float) -> Array:
+    """Return azimuth (right) and elevation (2, 2) of left and right eye that look at a target.
+
+    positions_m: (2, 3) of the eyes, x forward, y left, z up; target_deg: (2,) azimuth and elevation
+    from the left eye of a point on the plane at x = distance_m.
+    """
+    azimuth, elevation = np.radians(target_deg)
+    forward = np.array([1.0, -np.tan(azimuth), np.tan(elevation) / np.cos(azimuth)])
+    left_m, right_m = positions_m
+    point_m = left_m + (distance_m - left_m[0]) * forward
+    return np.stack([direction_deg(point_m - left_m), direction_deg(point_m - right_m)])
+
+
+def direction_deg(vectors: Array) -> Array:
+    """Return azimuth (right) and elevation (..., 2) of vectors (..., 3), forward, left, up."""
+    forward, left, up = np.moveaxis(vectors, -1, 0)
+    angles = np.arctan2(-left, forward), np.arctan2(up, np.hypot(forward, left))
+    return np.degrees(np.stack(angles, axis=-1))

@@ -1,0 +1,1 @@
+"""What becomes of eyes that differ from healthy ones: one page of conditions."""

@@ -1,0 +1,239 @@
+"""The page of conditions: measures of tests and examinations, seeds pooled."""
+
+import io
+import sys
+from collections.abc import Callable, Collection, Sequence
+from contextlib import redirect_stderr
+from functools import partial
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from active_binocular_vision.figures.condition_sheet import MOST_COLUMNS, sheet_figure
+from active_binocular_vision.figures.rearing import (
+    curves_figure,
+    histograms_figure,
+    landscapes,
+    landscapes_figure,
+    samples_figure,
+)
+from active_binocular_vision.figures.treatments import courses_of, treatments_figure
+from active_binocular_vision.pages.conditions.published import PUBLISHED
+from active_binocular_vision.pages.report import page as report_page
+from active_binocular_vision.runs.conditions import Column, Condition, conditions_of
+from active_binocular_vision.runs.examined_run import AGES, TEST, ExaminedRun, examined_run
+from active_binocular_vision.runs.groups import Common, common_of
+from active_binocular_vision.runs.one_a_core import of_each_run
+from active_binocular_vision.runs.reported_run import FIGURES, ReportedRun
+from experiment_manager.measures.results import RESULTS_FILE
+from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
+from lockstep import InputError
+from lockstep.durable_files import replace_file
+from lockstep.figures import STYLE, save
+
+CONDITIONS_FILE = "conditions.html"
+
+_ABOUT = (
+    "Medians over seeds; in brackets the least and the greatest seed, and how many have a value if "
+    "not all. Before: before the first change of the schedule. Test: the run's own, after the last "
+    "iteration of a trial. In the cover test the eyes begin at rest and look at 2 m; deviations "
+    "are those of the covered right eye, above 0 where it is turned in, or higher. docs/clinic.md "
+    "and docs/rearing.md define all columns. Published: Klimmasch et al. (2021), after 500,000 "
+    "iterations, mean and standard deviation."
+)
+_SHEET_CAPTION = (
+    "A row for each condition. Marks: medians over seeds at birth, before the first change of the "
+    "schedule, and at the end; lines: from the least to the greatest seed. No mark: no such test, "
+    "or no value."
+)
+_TREATMENTS_CAPTION = (
+    "A row for each treatment that began at several ages. Diamonds: medians over seeds at the end; "
+    "lines: from the least to the greatest seed. Circles: right before the treatment. Dotted: at "
+    "the end, without a treatment, where such runs are among those of the page."
+)
+_Draw = Callable[[Sequence[Condition]], Figure | None]
+# Of an examination: name, title, caption.
+_FIGURES: tuple[tuple[str, str, str, str, _Draw], ...] = (
+    (
+        TEST,
+        "curves",
+        "Learning",
+        "Median absolute vergence error after 20 iterations of test trials, over training, with the"
+        " condition's own eyes and input; a line for each seed, grey for normal eyes. Dotted: 1 px."
+        " Dashed: the schedule changes eyes or input.",
+        curves_figure,
+    ),
+    (
+        "landscape",
+        "landscapes",
+        "Landscape of the reward",
+        "Reconstruction error E of both scales over the vergence error, divided by its mean, at the"
+        " end of the run: ten test pictures at 0.5, 2 and 6 m, mean over seeds. Grey: normal eyes."
+        " The number is the depth, the share of the mean error that the best vergence saves.",
+        landscapes_figure,
+    ),
+    (
+        "tuning",
+        "samples",
+        "Basis functions",
+        "Twelve of each scale's dictionary, from the best to the worst fit of a Gabor function to"
+        " the dominant half: left eye's half (L) above the right eye's (R).",
+        samples_figure,
+    ),
+    (
+        "tuning",
+        "histograms",
+        "Tuning of the basis functions",
+        "Shares of the n basis functions of the coarse and the fine scale that count, seeds pooled."
+        " Orientation and binocularity: of those whose dominant half is a Gabor function."
+        " Disparity: of those with one Gabor function common to both eyes that respond to both and"
+        " are not near horizontal.",
+        histograms_figure,
+    ),
+)
+
+
+def write_conditions_page(
+    directories: Sequence[Path],
+    out: Path,
+    columns: Sequence[Column],
+    ages: Collection[str] = AGES,
+) -> Path:
+    """Write conditions.html and its figures into out; return the page's path.
+
+    directories: of runs, and of sweeps, which stand for their finished runs. Each run gets its
+    examinations.json. What cannot be examined is left out, with a line on standard error. Raises
+    InputError, with the first reason, when nothing is left.
+    """
+    runs, reasons = _examined(directories, {column.examination for column in columns}, ages)
+    if not runs:
+        raise InputError(reasons[0])
+    for reason in reasons:
+        print(f"left out: {reason}", file=sys.stderr)
+    conditions = conditions_of(runs)
+    with mpl.rc_context(STYLE):
+        parts = [
+            report_page.heading("Conditions"),
+            conditions_table(conditions, columns),
+            report_page.paragraph(_ABOUT),
+            *_sheets(conditions, columns, out),
+            *_figures(conditions, columns, out),
+        ]
+    replace_file(out / CONDITIONS_FILE, report_page.page("Conditions", parts).encode())
+    return out / CONDITIONS_FILE
+
+
+def conditions_table(conditions: Sequence[Condition], columns: Sequence[Column]) -> str:
+    """Return the table: a line for each condition and age."""
+    published = [PUBLISHED.get(condition.runs[0].condition, "") for condition in conditions]
+    header = ["condition", "seeds", "age", *(column.heading for column in columns)]
+    lines = []
+    for condition, of_others in zip(conditions, published, strict=True):
+        for age in AGES:
+            n_seeds = sum(age in run.found for run in condition.runs)
+            if n_seeds:
+                cells = [
+                    column.cell(condition.over_seeds(age, column), n_seeds) for column in columns
+                ]
+                line = [condition.name, str(n_seeds), age, *cells]
+                lines.append(line + [of_others] * any(published))
+    return report_page.table(header + ["published"] * any(published), lines)
+
+
+def _sheets(conditions: Sequence[Condition], columns: Sequence[Column], out: Path) -> list[str]:
+    """Draw all columns, as many at once as fit beside one another."""
+    parts = []
+    courses = courses_of(conditions)
+    for i in range(0, len(columns), MOST_COLUMNS):
+        some = columns[i : i + MOST_COLUMNS]
+        number = f"_{1 + i // MOST_COLUMNS}" if i else ""
+        figure = sheet_figure(conditions, some)
+        save(figure, out / FIGURES / f"conditions{number}.png")
+        parts.append(report_page.picture(figure, _SHEET_CAPTION))
+        if courses:
+            figure = treatments_figure(courses, some)
+            save(figure, out / FIGURES / f"treatments{number}.png")
+            parts.append(report_page.picture(figure, _TREATMENTS_CAPTION))
+    return parts
+
+
+def _figures(conditions: Sequence[Condition], columns: Sequence[Column], out: Path) -> list[str]:
+    parts = []
+    names = {column.examination for column in columns}
+    for examination, name, title, caption, draw in _FIGURES:
+        figure = draw(conditions) if examination in names else None
+        if figure is None:
+            continue
+        save(figure, out / FIGURES / f"{name}.png")
+        parts += [report_page.heading(title), report_page.picture(figure, caption)]
+        if name == "landscapes" and (missing := left_out(conditions)):
+            parts.append(report_page.paragraph(missing))
+    return parts
+
+
+def left_out(conditions: Sequence[Condition]) -> str:
+    """Say which vergence errors a landscape does not have for want of a pair, "" for none."""
+    missing = []
+    for condition in conditions:
+        of_seeds = landscapes(condition.runs)
+        is_missing = np.isnan([total for _, total in of_seeds]).any(axis=0)
+        if is_missing.any():
+            errors_deg = ", ".join(f"{error_deg:g}" for error_deg in of_seeds[0][0][is_missing])
+            missing.append(f"{condition.name} at {errors_deg} deg")
+    if not missing:
+        return ""
+    return (
+        "Left out, since no activations of the muscles give the vergence, or the eyes may rest "
+        f"elsewhere with them: {'; '.join(missing)}."
+    )
+
+
+def finished_runs(directory: Path) -> list[Path]:
+    """Return the directory of a run, or those of a sweep's finished runs in the sweep's order.
+
+    Raises InputError for a sweep without any.
+    """
+    if not (directory / SWEEP_FILE).is_file():
+        return [directory]
+    cells = read_sweep(directory / SWEEP_FILE).cells()
+    runs = [directory / cell.name for cell in cells]
+    finished = [run for run in runs if (run / RESULTS_FILE).is_file()]
+    if not finished:
+        raise InputError(f"{directory}: expected a sweep with a finished run, found none")
+    return finished
+
+
+def _examined(
+    directories: Sequence[Path], names: Collection[str], ages: Collection[str]
+) -> tuple[list[ExaminedRun], list[str]]:
+    """Return the examined runs, and why others are left out."""
+    found: list[ReportedRun] = []
+    reasons: list[str] = []
+    for directory in directories:
+        try:
+            found += map(ReportedRun, finished_runs(directory))
+        except InputError as error:
+            reasons.append(str(error))
+    if not found:
+        return [], reasons
+    common = {str(run.directory): key for run, key in zip(found, common_of(found), strict=True)}
+    work = partial(_examined_or_why, common, sorted({*names} - {TEST}), tuple(ages))
+    results = of_each_run(work, [run.directory for run in found], "examining")
+    return (
+        [result for result in results if isinstance(result, ExaminedRun)],
+        reasons + [result for result in results if isinstance(result, str)],
+    )
+
+
+def _examined_or_why(
+    common: dict[str, Common], names: Sequence[str], ages: Sequence[str], directory: Path
+) -> ExaminedRun | str:
+    try:
+        # Each examination has a progress bar of its own.
+        with redirect_stderr(io.StringIO()):
+            return examined_run(ReportedRun(directory), common[str(directory)], names, ages)
+    except (InputError, OSError) as error:
+        text = str(error)
+        return text if str(directory) in text else f"{directory}: {text}"

@@ -1,1 +1,0 @@
-"""Altered rearing: its conditions, and what becomes of dictionary and reward in them."""

@@ -1,0 +1,179 @@
+"""report.sh --conditions on a small run whose eyes are corrected half-way."""
+
+import json
+import math
+import re
+import shutil
+import sys
+from contextlib import redirect_stdout
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from active_binocular_vision.commands.report import main
+from active_binocular_vision.commands.run_experiment import main as run_experiment
+from active_binocular_vision.pages.conditions.page import (
+    conditions_table,
+    finished_runs,
+    left_out,
+)
+from active_binocular_vision.runs.conditions import conditions_of
+from active_binocular_vision.runs.examined_run import BIRTH, END, EXAMINED_FILE
+from experiment_manager.measures.kept_trials import read_trials
+from lockstep import InputError
+from tests.active_binocular_vision.made_examined import column, examined, reared, summaries
+from tests.command_lines import set_words
+from tests.made_once import made_once
+
+_HEALTHY = f"{{eyes.mechanics.recession_mm: {[0.0] * 12}}}"
+_SETTINGS = {
+    "task.schedule": f"[{{at: 40, set: {_HEALTHY}}}]",
+    "experiment_manager.test_distances_m": "[2.0]",
+    "experiment_manager.n_starts_per_distance": 1,
+    "eye_plant.stimuli.size_px": 64,
+    "task.n_bases": 20,
+}
+# What a tuning would fit takes long.
+LINE = ["--conditions", "--columns", "test,cover"]
+
+
+@pytest.fixture
+def run(tmp_path_factory: pytest.TempPathFactory, pictures: Path, tmp_path: Path) -> Path:
+    """Return the directory of a run of 80 iterations, one's own to change."""
+
+    def make(directory: Path) -> None:
+        line = ["--in-process", "--profile", "clinic/esotropia_10", "--iterations", "80"]
+        line += ["--tests", "0,40", "--test-stimuli", "1", "--stimuli", str(pictures)]
+        line += set_words(_SETTINGS)
+        with redirect_stdout(sys.stderr):
+            assert run_experiment([*line, "--out", str(directory / "run")]) == 0
+
+    made = made_once(tmp_path_factory, "corrected_eyes", make) / "run"
+    return Path(shutil.copytree(made, tmp_path / "run"))
+
+
+def documents(run: Path) -> list[dict]:
+    return json.loads((run / EXAMINED_FILE).read_text())["examined"]
+
+
+def test_a_run_is_examined_once_at_three_ages(run, tmp_path, capsys, monkeypatch) -> None:
+    out = tmp_path / "out"
+    assert main([str(run), str(tmp_path / "none"), *LINE, "--out", str(out)]) == 0
+    printed = capsys.readouterr()
+    assert printed.out == f"{out / 'conditions.html'}\n"
+    assert f"left out: {tmp_path / 'none'}: expected a run" in printed.err
+    assert {path.stem for path in (out / "figures").iterdir()} == {
+        "conditions",
+        "conditions_2",
+        "curves",
+    }
+    page = (out / "conditions.html").read_text()
+    assert page.count("<td>esotropia 10°</td>") == 3
+    found = documents(run)
+    assert [(of["iteration"], of["examination"]) for of in found] == [
+        (iteration, "cover") for iteration in (0, 40, 80)
+    ]
+    # Eyes that have not learned to move stay at rest: 10 deg inward, then straight ahead, while the
+    # object needs atan(0.056 / 2) of convergence.
+    needed_deg = math.degrees(math.atan(0.056 / 2.0))
+    for document, turned_deg in zip(found, (10.0, 10.0, 0.0), strict=True):
+        expected_pd = 100.0 * math.tan(math.radians(turned_deg - needed_deg))
+        summary = document["summary"]
+        assert summary["horizontal_deviation_pd"] == pytest.approx(expected_pd, abs=0.1)
+        assert summary["share_fused"] == 0.0
+    rate_w = np.median(read_trials(run)[-1].metabolic_rate_w[:, -1])
+    assert f"<td>{rate_w:.3f}</td>" in page
+
+    # Again, from the file alone; documents of another version or other learners are made again.
+    file = run / EXAMINED_FILE
+    changed = [of | {"states": "other"} if of["iteration"] == 40 else of for of in found]
+    file.write_text(json.dumps({"examined": changed}))
+    assert main([str(run), *LINE, "--out", str(out)]) == 0
+    assert sorted(documents(run), key=lambda of: of["iteration"]) == found
+    shutil.rmtree(run / "checkpoints")
+    assert main([str(run), *LINE, "--out", str(out)]) == 0
+    assert (out / "conditions.html").read_text() == page
+    file.write_text(json.dumps({"examined": [of | {"version": 0} for of in found]}))
+    capsys.readouterr()
+    assert main([str(run), *LINE, "--out", str(out)]) == 2
+    assert "expected a checkpoint after 80 training iterations, or cover" in capsys.readouterr().err
+
+
+def test_what_cannot_be_examined_is_one_line(run: Path, tmp_path: Path, capsys) -> None:
+    line = [str(run), *LINE, "--out", str(tmp_path / "out")]
+    (run / EXAMINED_FILE).write_text('{"examined": 1}')
+    assert main(line) == 2
+    assert "expected the examinations of a run" in capsys.readouterr().err
+    (run / EXAMINED_FILE).unlink()
+    results = json.loads((run / "results.json").read_text())
+    results["tests"].pop()
+    (run / "results.json").write_text(json.dumps(results))
+    assert main(line) == 2
+    assert capsys.readouterr().err.endswith("expected a run with a test at its end, 80\n")
+    assert not (tmp_path / "out").exists()
+    assert not (run / EXAMINED_FILE).exists()
+
+
+def test_an_age_without_a_checkpoint_has_its_test_alone(run: Path, tmp_path: Path) -> None:
+    shutil.rmtree(run / "checkpoints" / f"{0:09d}")
+    assert main([str(run), *LINE, "--out", str(tmp_path)]) == 0
+    assert [of["iteration"] for of in documents(run)] == [40, 80]
+    assert (tmp_path / "conditions.html").read_text().count("<td>birth</td>") == 1
+
+
+def test_the_table_has_a_line_for_each_age() -> None:
+    runs = [
+        examined(
+            seed=seed,
+            found={
+                BIRTH: summaries(acuity__left_acuity_cycles_per_deg=None),
+                END: summaries(cover__horizontal_deviation_pd=deviation, stereo__threshold_deg=deg),
+            },
+        )
+        for seed, deviation, deg in ((1, -1.0, 0.5), (2, 3.0, None))
+    ]
+    names = "cover.horizontal_deviation_pd", "cover.share_fused", "stereo.threshold_deg"
+    columns = [*map(column, names), column("acuity.left_acuity_cycles_per_deg")]
+    text = conditions_table(conditions_of(runs), columns)
+    assert re.findall(r"<th>(.*?)</th>", text)[3:5] == ["horizontal deviation/PD", "fused / %"]
+    cells = re.findall(r"<td>(.*?)</td>", text)
+    assert cells[:4] == ["healthy", "2", "birth", "0.5 (0.5 to 0.5)"]
+    assert cells[6] == "-"
+    assert cells[7:13] == [
+        "healthy",
+        "2",
+        "end",
+        "1.0 (-1.0 to 3.0)",
+        "50 (50 to 50)",
+        "0.500 (1 of 2)",
+    ]
+
+
+def test_what_is_published_stands_beside_a_condition() -> None:
+    conditions = conditions_of([reared("normal"), reared("other")])
+    cells = re.findall(r"<td>(.*?)</td>", conditions_table(conditions, [column("test.error_deg")]))
+    assert cells[3:5] == ["0.100", cells[4]]
+    assert "0.12 +- 0.17 deg" in cells[4]
+    assert cells[-1] == ""
+
+
+def test_vergence_errors_without_a_place_in_the_landscape_are_named() -> None:
+    whole, broken = reared("normal"), reared("weak", valley=(np.nan, 0.1, np.nan))
+    assert left_out(conditions_of([whole])) == ""
+    text = left_out(conditions_of([whole, replace(broken, seed=2)]))
+    assert text.endswith("elsewhere with them: weak at -1, 1 deg.")
+
+
+def test_a_sweep_stands_for_its_finished_runs_in_its_order(tmp_path) -> None:
+    (tmp_path / "sweep.yaml").write_text("axes: {seed: [2, 3, 1], profile: [paper]}")
+    with pytest.raises(InputError, match="expected a sweep with a finished run"):
+        finished_runs(tmp_path)
+    first, unfinished, last = (tmp_path / f"seed_{i}-profile_paper" for i in (2, 3, 1))
+    for run in (first, unfinished, last, tmp_path / "logs"):
+        run.mkdir()
+    for run in (first, last):
+        (run / "results.json").touch()
+    assert finished_runs(tmp_path) == [first, last]
+    assert finished_runs(last) == [last]
