@@ -10,8 +10,7 @@ import pytest
 
 from active_binocular_vision.learners.correct_gaze import AHEAD_DEG, CorrectGaze
 from active_binocular_vision.learners.session import NO_PRISM, Course, Eyes
-from vergence_rl.agent import Agent
-from vergence_rl.learning_rule import Decision
+from vergence_rl import Agent, Decision
 
 
 @contextmanager

@@ -5,7 +5,7 @@ import pytest
 from active_binocular_vision.examinations.acuity import ACUITY
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
-from lockstep.command_space import SIDES
+from lockstep import SIDES
 
 
 def _measures(run, **settings):

@@ -14,7 +14,7 @@ from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.figures.examinations import FIGURES
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
-from lockstep.configuration import flatten
+from lockstep import flatten
 from lockstep.settings import declarations
 from tests.active_binocular_vision.moved_eyes import moved_eyes
 from tests.active_binocular_vision.perfect_eyes import perfect_eyes

@@ -10,18 +10,14 @@ from active_binocular_vision.examinations.landscape import depth_of, reward_land
 from active_binocular_vision.learners.basis_functions import left_share
 from active_binocular_vision.learners.session import Session
 from experiment_manager.in_process.loop import InProcessLoop
-from eye_plant.config import EyePlantConfig
+from eye_plant import EyePlant, EyePlantConfig, StimulusSet
 from eye_plant.mechanics.model import MechanicsConfig
-from eye_plant.plant import EyePlant
-from eye_plant.stimuli.stimulus_set import StimulusSet
-from lockstep.state_file import read_state
-from sparse_coder.coder import SparseCoder
-from sparse_coder.config import SparseCoderConfig
-from vergence_rl.agent import Agent
-from vergence_rl.config import VergenceRlConfig
+from lockstep import read_state
+from sparse_coder import SparseCoder, SparseCoderConfig
+from vergence_rl import Agent, VergenceRlConfig
 
 RESULTS = Path(__file__).parents[3] / "results"
-LEARNED = RESULTS / "paper_short/seed_1-model_M/checkpoints/000023120/sparse_coder.npz"
+LEARNED = RESULTS / "precise/sparse_coder_seed_1.npz"
 ERRORS_DEG = (-1.0, -0.5, 0.0, 0.5, 1.0)
 
 

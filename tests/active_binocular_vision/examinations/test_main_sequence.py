@@ -10,7 +10,7 @@ from active_binocular_vision.examinations import main_sequence
 from active_binocular_vision.examinations.main_sequence import MAIN_SEQUENCE, place_deg
 from active_binocular_vision.learners.learners import FrozenLearners
 from eye_plant.gaze_error import target_place_deg
-from lockstep.errors import InputError
+from lockstep import InputError
 from tests.active_binocular_vision.moved_eyes import moved_eyes
 
 FEW: dict[str, Any] = {"amplitudes_deg": (2.0, 10.0), "directions_deg": (0.0, 90.0)}

@@ -19,7 +19,7 @@ from active_binocular_vision.figures.nine_positions import listing_figure
 from active_binocular_vision.learners.correct_gaze import wanted_gaze_deg
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
-from lockstep.command_space import MUSCLE_NAMES, SIDES
+from lockstep import MUSCLE_NAMES, SIDES
 from tests.active_binocular_vision.moved_eyes import moved_eyes
 
 POSITIONS_M = np.array([[0.0, 0.03, 1.7], [0.0, -0.03, 1.7]])

@@ -147,7 +147,7 @@ def test_dictionary_and_actor_of_another_age(small_run: Path, run: Path) -> None
 
 def test_a_setting_that_is_not_the_plants_is_refused(run, capsys) -> None:
     assert main([str(run), "--set", "vergence_rl.cacla.discount=0.1"]) == 2
-    assert "expected each eye_plant.PARAMETER=VALUE" in capsys.readouterr().err
+    assert "expected each eyes.NAME=VALUE" in capsys.readouterr().err
     assert main([str(run), "--set", "eyes.camera.width_px=64"]) == 2
     assert "camera.width_px: expected the same for a whole run" in capsys.readouterr().err
 

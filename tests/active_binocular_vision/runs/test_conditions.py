@@ -5,7 +5,7 @@ import pytest
 from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.runs.conditions import Range, chosen_columns, conditions_of
 from active_binocular_vision.runs.examined_run import BEFORE, BIRTH, END, ages_of
-from lockstep.errors import InputError
+from lockstep import InputError
 from tests.active_binocular_vision.made_examined import column, examined, summaries
 
 

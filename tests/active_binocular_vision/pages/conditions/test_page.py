@@ -23,7 +23,7 @@ from active_binocular_vision.runs.examined_run import BIRTH, END
 from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE
 from active_binocular_vision.runs.results_folder import finished_runs
 from experiment_manager.measures.kept_trials import read_trials
-from lockstep.errors import InputError
+from lockstep import InputError
 from tests.active_binocular_vision.made_examined import column, examined, reared, summaries
 from tests.command_lines import set_words
 from tests.made_once import made_once
