@@ -1,6 +1,5 @@
 """evaluate.sh with a checkpoint: what frozen learners do with their own and with other pictures."""
 
-import dataclasses
 import json
 import shutil
 from collections.abc import Callable
@@ -8,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import cv2
+import msgspec
 import numpy as np
 import pytest
 from msgspec import to_builtins
@@ -139,7 +139,7 @@ def test_dictionary_and_actor_of_another_age(small_run: Path, run: Path) -> None
     both = _evaluated(run, dictionary=first, actor=first)
     assert both.to_json()["dictionary"] == both.to_json()["actor"] == str(first)
     # All but its age is that of the first test.
-    assert both.test == dataclasses.replace(oldest, iteration=60)
+    assert both.test == msgspec.structs.replace(oldest, iteration=60)
     mixed = _evaluated(run, dictionary=first).test
     assert mixed != _tests(small_run)[-1]
     assert mixed != both.test
