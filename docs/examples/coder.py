@@ -51,6 +51,7 @@ class Coder(Node):
             "reconstruction_error_coarse": errors[0],
             "reconstruction_error_fine": errors[1],
             "metabolic_rate_w": sum(rates[name] for name in recti),
+            "energy_penalty": 0.0,
             "reward": -errors.sum(),
             "learning_steps": 0.0,
         }

@@ -256,7 +256,7 @@ def test_a_schedule_is_recorded(run: Path) -> None:
             "eyes.mechanics.rest_adduction_deg[0]": 0.0,
             "eyes.mechanics.rest_adduction_deg[1]": 1.5,
             "eyes.camera.left_blur_px": 2.5,
-            "eyes.camera.focal_length_px": 250.0,
+            "eyes.camera.left_magnification": 1.1,
         },
         {"eyes.camera.left_blur_px": 0.0, "eyes.camera.left_occluded": 1.0},
     ]
