@@ -68,7 +68,7 @@ def process_of(run: Path) -> psutil.Process:
     """Return the process that makes a run of a sweep, on this machine."""
     for process in psutil.process_iter(["cmdline"]):
         words = process.info["cmdline"] or []
-        if "active_binocular_vision.commands.sweep_cell" in words and str(run) in words:
+        if "active_binocular_vision.commands.sweep_run" in words and str(run) in words:
             return process
     raise AssertionError(f"expected a process that makes {run}, found none")
 

@@ -1,5 +1,6 @@
 """A sweep as a job array of a real Slurm: its results are those of the local pool."""
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -35,15 +36,14 @@ def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, sweep_f
     directory = tmp_path / "array"
     words = ["--slurm", "--partition", PARTITION, "--time", "60", "--tasks", "2"]
     output = finished(start_sweep(sweep_file, "--out", directory, *words, **slurm.variables))
-    job = (directory / "slurm_job").read_text().strip()
-    assert f"job {job}: 3 tasks; " in output
-    killed, warned, _ = [directory / cell.name for cell in read_sweep(sweep_file).cells()]
+    found = re.search(r"^job (\d+): 3 tasks; ", output, re.MULTILINE)
+    assert found, output
+    job = found[1]
+    killed, warned, _ = runs = [directory / name for name in read_sweep(sweep_file).runs()]
     slurm.wait_until(
         lambda: are_held_at_first_checkpoint([killed, warned]),
         "the checkpoints of the first two tasks",
     )
-    again = finished(start_sweep(directory, "--slurm", **slurm.variables), code=2)
-    assert f"{job} is; scancel {job} removes it" in again
     # Kills the process, then puts the task back into the queue, as for a node that is needed.
     slurm.call("scontrol", "requeue", f"{job}_0")
     # As Slurm does two minutes before the end of a task's time.
@@ -56,8 +56,8 @@ def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, sweep_f
     assert "stopping after this episode, with a checkpoint" in log
     pool = tmp_path / "pool"
     finished(start_sweep(sweep_file, "--out", pool, "--jobs", 2))
-    for cell in read_sweep(sweep_file).cells():
-        assert differences(directory / cell.name, pool / cell.name) == []
+    for run in runs:
+        assert differences(run, pool / run.name) == []
     assert "3 done" in finished(start_sweep(directory, "--slurm", **slurm.variables))
 
 

@@ -1,1 +1,1 @@
-"""Many runs in one command: what they differ in, where each stands, who makes them."""
+"""Many runs in one command: what they differ in, who makes them, where each stands."""
