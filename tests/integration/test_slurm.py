@@ -49,9 +49,9 @@ def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, sweep_f
     # As Slurm does two minutes before the end of a task's time.
     slurm.call("scancel", "--batch", "--signal=USR1", f"{job}_1")
     slurm.wait_until(lambda: goes_on_interrupted(warned), "the interrupt of the second task")
-    slurm.wait_until(lambda: not slurm.queue(), "the end of the job")
+    slurm.wait_until(slurm.is_idle, "the end of the job")
     status = finished(start_sweep(directory, "--status"))
-    assert "3 done" in status, f"{status}\n{slurm.logs()}"
+    assert "3 done" in status, slurm.logs()
     log = (directory / "logs" / f"{warned.name}.log").read_text()
     assert "stopping after this episode, with a checkpoint" in log
     pool = tmp_path / "pool"
@@ -60,12 +60,10 @@ def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, sweep_f
         assert differences(run, pool / run.name) == []
     assert "3 done" in finished(start_sweep(directory, "--slurm", **slurm.variables))
 
-
-def test_a_partition_that_is_not_there_is_one_error(slurm, sweep_file, tmp_path) -> None:
+    # What Slurm refuses is one line, before anything is written.
     words = ["--slurm", "--partition", "nowhere"]
-    output = finished(
-        start_sweep(sweep_file, "--out", tmp_path / "s", *words, **slurm.variables), code=2
-    )
+    sweep = start_sweep(sweep_file, "--out", tmp_path / "no", *words, **slurm.variables)
+    output = finished(sweep, code=2)
     assert output.count("error: ") == 1
     assert "error: --slurm: invalid partition specified: nowhere" in output
-    assert not (tmp_path / "s").exists()
+    assert not (tmp_path / "no").exists()
