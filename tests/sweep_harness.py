@@ -10,7 +10,6 @@ import yaml
 
 from tests.command_lines import set_words
 from tests.graph_harness import SCRIPTS
-from tests.supervised_run import SupervisedRun
 from tests.supervisor import started
 
 OPTIONS = {
@@ -55,13 +54,6 @@ def start_sweep(*line: object, **variables: str) -> "subprocess.Popen[str]":
         variables,
         start_new_session=True,  # its group can be sent what Ctrl-C in a terminal sends
     )
-
-
-def single_run(directory: Path, line: Sequence[str]) -> Path:
-    """Make a run by itself in one process; return its directory."""
-    with SupervisedRun(line, directory, in_process=True) as run:
-        assert run.wait() == 0, run.output()
-    return directory
 
 
 def process_of(run: Path) -> psutil.Process:

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
@@ -18,7 +17,7 @@ from tests.sweep_harness import (
 )
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def slurm() -> Iterator[Cluster]:
     if reason := why_not():
         pytest.skip(reason)
@@ -26,13 +25,9 @@ def slurm() -> Iterator[Cluster]:
         yield started
 
 
-@pytest.fixture(scope="module")
-def sweep_file(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
-    path = tmp_path_factory.mktemp("sweep") / "small.yaml"
-    return write_sweep(path, pictures, {"seed": [1, 2, 3]}, iterations=400)
-
-
-def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, sweep_file, tmp_path):
+def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, pictures, tmp_path):
+    axes = {"seed": [1, 2, 3]}
+    sweep_file = write_sweep(tmp_path / "small.yaml", pictures, axes, iterations=400)
     directory = tmp_path / "array"
     words = ["--slurm", "--partition", PARTITION, "--time", "60", "--tasks", "2"]
     output = finished(start_sweep(sweep_file, "--out", directory, *words, **slurm.variables))

@@ -4,8 +4,7 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -14,13 +13,12 @@ import yaml
 
 from experiment_manager.sweep.sweep_file import read_sweep
 from tests.patience import PATIENCE_S
-from tests.supervised_run import differences, stamp_faults
+from tests.supervised_run import SupervisedRun, differences, stamp_faults
 from tests.supervisor import finished
 from tests.sweep_harness import (
     are_held_at_first_checkpoint,
     command_line,
     goes_on_interrupted,
-    single_run,
     start_sweep,
     write_sweep,
 )
@@ -57,7 +55,10 @@ def test_each_run_is_the_run_of_its_command_line(whole, sweep_file, pictures, tm
     assert {path.name for path in whole.iterdir()} == {"sweep.yaml", "logs", *names}
     for name in names:
         assert stamp_faults(whole / name) == []
-    second = single_run(tmp_path / "run", command_line(pictures, model="M_C", seed=2))
+    second = tmp_path / "run"
+    line = command_line(pictures, model="M_C", seed=2)
+    with SupervisedRun(line, second, in_process=True) as run:
+        assert run.wait() == 0, run.output()
     assert differences(whole / names[1], second) == []
     assert differences(whole / names[0], second) != []
 
@@ -114,31 +115,20 @@ def test_ctrl_c_while_stimuli_are_made_is_one_line(tmp_path: Path) -> None:
     assert not (tmp_path / "sweep").exists()
 
 
-@contextmanager
-def _small_disk(directory: Path, n_bytes: int) -> Iterator[None]:
-    directory.mkdir(parents=True)
-    subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", f"size={n_bytes}", "tmpfs", directory], check=True
-    )
-    try:
-        yield
-    finally:
-        subprocess.run(["umount", "--lazy", directory], check=True)
-
-
-@pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount a small disk")
-def test_a_full_disk_in_one_run_leaves_the_others_alone(whole, sweep_file, tmp_path) -> None:
+def test_a_run_that_fails_leaves_the_others_alone(whole, sweep_file, tmp_path) -> None:
     directory = tmp_path / "sweep"
-    full, *others = read_sweep(sweep_file).runs()
-    directory.mkdir()
+    bad, *others = read_sweep(sweep_file).runs()
+    notes = directory / bad / "notes.txt"
+    notes.parent.mkdir(parents=True)
+    notes.write_text("mine")
     (directory / "sweep.yaml").write_bytes((whole / "sweep.yaml").read_bytes())
-    with _small_disk(directory / full, 600_000):
-        output = finished(start_sweep(sweep_file, "--out", directory), code=3)
-        failed = [line for line in output.splitlines() if line.startswith("failed: ")]
-        assert len(failed) == 1
-        assert f"failed: {full}: {directory / full} cannot be written: " in failed[0]
-        assert f"log: {directory / 'logs' / full}.log" in failed[0]
-        assert "1 failed, 2 done" in output
+    output = finished(start_sweep(sweep_file, "--out", directory), code=3)
+    failed = [line for line in output.splitlines() if line.startswith("failed: ")]
+    assert len(failed) == 1
+    assert f"failed: {bad}: {directory / bad}: expected a new or empty directory" in failed[0]
+    assert f"log: {directory / 'logs' / bad}.log" in failed[0]
+    assert "1 failed, 2 done" in output
+    notes.unlink()
     finished(start_sweep(directory))
-    for name in (full, *others):
+    for name in (bad, *others):
         assert differences(directory / name, whole / name) == []

@@ -85,12 +85,11 @@ def test_names_are_directories_of_their_own(tmp_path: Path, axes: str, name: str
 @pytest.mark.parametrize("name", ["stimuli", "eye_plant.stimuli.directory"])
 def test_directories_of_images_are_kept_absolute(tmp_path, monkeypatch, name) -> None:
     monkeypatch.chdir(tmp_path)
-    on_axis = read(tmp_path, f"axes: {{{name}: [photos, '']}}")
-    assert on_axis.axes[name] == [str(tmp_path / "photos"), ""]
-    together = read(tmp_path, f"axes: {{seed: [{{seed: 1, {name}: photos}}]}}")
-    assert together.axes["seed"] == [{"seed": 1, name: str(tmp_path / "photos")}]
+    photos = str(tmp_path / "photos")
+    axes = read(tmp_path, f"axes: {{{name}: [photos, '', {{{name}: more, seed: 1}}]}}").axes
+    assert axes[name] == [photos, "", {name: str(tmp_path / "more"), "seed": 1}]
     option = read(tmp_path, f"options: {{{name}: photos}}\naxes: {{seed: [1]}}")
-    assert option.options[name] == str(tmp_path / "photos")
+    assert option.options[name] == photos
 
 
 def test_every_option_is_one_of_run_experiment(tmp_path: Path) -> None:
@@ -147,16 +146,6 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
         read_sweep(tmp_path / "nowhere.yaml")
 
 
-# A life in the clinic, and a comparison of how soon vergence comes.
-SHORT = ("clinic", "clinic_memory", "clinic_treatment", "clinic_untreated", "gaze_saliency")
-
-
 @pytest.mark.parametrize("path", sorted(SWEEPS.rglob("*.yaml")), ids=lambda path: path.stem)
 def test_the_sweeps_behind_the_results_can_be_read(path: Path) -> None:
-    sweep = read_sweep(path)
-    assert sweep.description
-    least = 50_000 if path.stem in SHORT else 100_000
-    for request in sweep.runs().values():
-        if request.profile != "demonstration":  # which has its own length
-            assert request.iterations is not None
-            assert request.iterations >= least
+    assert read_sweep(path).description

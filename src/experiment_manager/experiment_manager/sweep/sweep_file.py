@@ -151,19 +151,21 @@ def _settings(axis: str, entry: Any) -> dict[str, Any]:
     return entry if isinstance(entry, dict) else {axis: entry}
 
 
-def _names(axis: str, entries: Any) -> list[str]:
+def _names(axis: str, entries: Any) -> dict[str, Any]:
     """Return all names that an axis sets; raises InputError when it cannot be one."""
     _check_name("axes", axis)
     if not isinstance(entries, list) or not entries:
         raise InputError(f"axes: {axis}: expected a list of values, got {entries!r}")
+    names: dict[str, Any] = {}
     for settings in (_settings(axis, entry) for entry in entries):
+        names |= settings
         for name in settings:
             _check_name(f"axes: {axis}", name)
         if axis not in settings:
             raise InputError(
                 f"axes: {axis}: expected {axis} among what each entry sets, got {settings}"
             )
-    return list(dict.fromkeys(name for entry in entries for name in _settings(axis, entry)))
+    return names
 
 
 def _check_name(part: str, name: Any) -> None:
