@@ -26,8 +26,8 @@ def slurm() -> Iterator[Cluster]:
 
 
 def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, pictures, tmp_path):
-    axes = {"seed": [1, 2, 3]}
-    sweep_file = write_sweep(tmp_path / "small.yaml", pictures, axes, iterations=400)
+    sweep_file = tmp_path / "small.yaml"
+    write_sweep(sweep_file, pictures, {"seed": [1, 2, 3]}, iterations=400)
     directory = tmp_path / "array"
     words = ["--slurm", "--partition", PARTITION, "--time", "60", "--tasks", "2"]
     output = finished(start_sweep(sweep_file, "--out", directory, *words, **slurm.variables))

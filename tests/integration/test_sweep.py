@@ -67,6 +67,8 @@ def test_a_finished_sweep_is_left_alone(whole: Path, sweep_file: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in whole.rglob("*.mcap")}
     for line in ((sweep_file, "--out", whole), (whole,)):
         assert "3 done" in finished(start_sweep(*line))
+    # A task of Slurm that is queued again, or submitted twice.
+    assert "1/1 model_M_C-seed_1: done" in finished(start_sweep(whole, "--task", 0))
     assert {path: path.stat().st_mtime_ns for path in whole.rglob("*.mcap")} == before
     first = finished(start_sweep(whole, "--status")).splitlines()[1]
     assert first.split()[:5] == ["model_M_C-seed_1", "done", "360", "of", "360"]
