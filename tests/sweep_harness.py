@@ -10,7 +10,6 @@ import yaml
 
 from tests.command_lines import set_words
 from tests.graph_harness import SCRIPTS
-from tests.supervised_run import SupervisedRun
 from tests.supervisor import started
 
 OPTIONS = {
@@ -57,18 +56,11 @@ def start_sweep(*line: object, **variables: str) -> "subprocess.Popen[str]":
     )
 
 
-def single_run(directory: Path, line: Sequence[str]) -> Path:
-    """Make a run by itself in one process; return its directory."""
-    with SupervisedRun(line, directory, in_process=True) as run:
-        assert run.wait() == 0, run.output()
-    return directory
-
-
 def process_of(run: Path) -> psutil.Process:
     """Return the process that makes a run of a sweep, on this machine."""
     for process in psutil.process_iter(["cmdline"]):
         words = process.info["cmdline"] or []
-        if "active_binocular_vision.commands.sweep_cell" in words and str(run) in words:
+        if "active_binocular_vision.commands.sweep_run" in words and str(run) in words:
             return process
     raise AssertionError(f"expected a process that makes {run}, found none")
 

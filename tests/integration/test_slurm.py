@@ -1,7 +1,7 @@
 """A sweep as a job array of a real Slurm: its results are those of the local pool."""
 
+import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
@@ -17,7 +17,7 @@ from tests.sweep_harness import (
 )
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def slurm() -> Iterator[Cluster]:
     if reason := why_not():
         pytest.skip(reason)
@@ -25,47 +25,40 @@ def slurm() -> Iterator[Cluster]:
         yield started
 
 
-@pytest.fixture(scope="module")
-def sweep_file(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
-    path = tmp_path_factory.mktemp("sweep") / "small.yaml"
-    return write_sweep(path, pictures, {"seed": [1, 2, 3]}, iterations=400)
-
-
-def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, sweep_file, tmp_path):
+def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, pictures, tmp_path):
+    sweep_file = tmp_path / "small.yaml"
+    write_sweep(sweep_file, pictures, {"seed": [1, 2, 3]}, iterations=400)
     directory = tmp_path / "array"
     words = ["--slurm", "--partition", PARTITION, "--time", "60", "--tasks", "2"]
     output = finished(start_sweep(sweep_file, "--out", directory, *words, **slurm.variables))
-    job = (directory / "slurm_job").read_text().strip()
-    assert f"job {job}: 3 tasks; " in output
-    killed, warned, _ = [directory / cell.name for cell in read_sweep(sweep_file).cells()]
+    found = re.search(r"^job (\d+): 3 tasks; ", output, re.MULTILINE)
+    assert found, output
+    job = found[1]
+    killed, warned, _ = runs = [directory / name for name in read_sweep(sweep_file).runs()]
     slurm.wait_until(
         lambda: are_held_at_first_checkpoint([killed, warned]),
         "the checkpoints of the first two tasks",
     )
-    again = finished(start_sweep(directory, "--slurm", **slurm.variables), code=2)
-    assert f"{job} is; scancel {job} removes it" in again
     # Kills the process, then puts the task back into the queue, as for a node that is needed.
     slurm.call("scontrol", "requeue", f"{job}_0")
     # As Slurm does two minutes before the end of a task's time.
     slurm.call("scancel", "--batch", "--signal=USR1", f"{job}_1")
     slurm.wait_until(lambda: goes_on_interrupted(warned), "the interrupt of the second task")
-    slurm.wait_until(lambda: not slurm.queue(), "the end of the job")
+    slurm.wait_until(slurm.is_idle, "the end of the job")
     status = finished(start_sweep(directory, "--status"))
-    assert "3 done" in status, f"{status}\n{slurm.logs()}"
+    assert "3 done" in status, slurm.logs()
     log = (directory / "logs" / f"{warned.name}.log").read_text()
     assert "stopping after this episode, with a checkpoint" in log
     pool = tmp_path / "pool"
     finished(start_sweep(sweep_file, "--out", pool, "--jobs", 2))
-    for cell in read_sweep(sweep_file).cells():
-        assert differences(directory / cell.name, pool / cell.name) == []
+    for run in runs:
+        assert differences(run, pool / run.name) == []
     assert "3 done" in finished(start_sweep(directory, "--slurm", **slurm.variables))
 
-
-def test_a_partition_that_is_not_there_is_one_error(slurm, sweep_file, tmp_path) -> None:
+    # What Slurm refuses is one line, before anything is written.
     words = ["--slurm", "--partition", "nowhere"]
-    output = finished(
-        start_sweep(sweep_file, "--out", tmp_path / "s", *words, **slurm.variables), code=2
-    )
+    sweep = start_sweep(sweep_file, "--out", tmp_path / "no", *words, **slurm.variables)
+    output = finished(sweep, code=2)
     assert output.count("error: ") == 1
     assert "error: --slurm: invalid partition specified: nowhere" in output
-    assert not (tmp_path / "s").exists()
+    assert not (tmp_path / "no").exists()

@@ -4,8 +4,7 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -14,13 +13,12 @@ import yaml
 
 from experiment_manager.sweep.sweep_file import read_sweep
 from tests.patience import PATIENCE_S
-from tests.supervised_run import differences, stamp_faults
+from tests.supervised_run import SupervisedRun, differences, stamp_faults
 from tests.supervisor import finished
 from tests.sweep_harness import (
     are_held_at_first_checkpoint,
     command_line,
     goes_on_interrupted,
-    single_run,
     start_sweep,
     write_sweep,
 )
@@ -53,37 +51,34 @@ def _wait_for(process: "subprocess.Popen[str]", condition: Callable[[], bool]) -
 
 
 def test_each_run_is_the_run_of_its_command_line(whole, sweep_file, pictures, tmp_path) -> None:
-    cells = read_sweep(sweep_file).cells()
-    assert {path.name for path in whole.iterdir()} == {
-        "sweep.yaml",
-        "logs",
-        *(cell.name for cell in cells),
-    }
-    for cell in cells:
-        assert stamp_faults(whole / cell.name) == []
-    second = single_run(tmp_path / "run", command_line(pictures, model="M_C", seed=2))
-    assert differences(whole / cells[1].name, second) == []
-    assert differences(whole / cells[0].name, second) != []
+    names = [*read_sweep(sweep_file).runs()]
+    assert {path.name for path in whole.iterdir()} == {"sweep.yaml", "logs", *names}
+    for name in names:
+        assert stamp_faults(whole / name) == []
+    second = tmp_path / "run"
+    line = command_line(pictures, model="M_C", seed=2)
+    with SupervisedRun(line, second, in_process=True) as run:
+        assert run.wait() == 0, run.output()
+    assert differences(whole / names[1], second) == []
+    assert differences(whole / names[0], second) != []
 
 
 def test_a_finished_sweep_is_left_alone(whole: Path, sweep_file: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in whole.rglob("*.mcap")}
     for line in ((sweep_file, "--out", whole), (whole,)):
         assert "3 done" in finished(start_sweep(*line))
+    # A task of Slurm that is queued again, or submitted twice.
+    assert "1/1 model_M_C-seed_1: done" in finished(start_sweep(whole, "--task", 0))
     assert {path: path.stat().st_mtime_ns for path in whole.rglob("*.mcap")} == before
-
-
-def test_the_status_is_a_table(whole: Path) -> None:
-    lines = finished(start_sweep(whole, "--status")).splitlines()
-    assert lines[1].split()[:5] == ["model_M_C-seed_1", "done", "360", "of", "360"]
-    assert lines[1].endswith(" deg at 200")
-    assert lines[-1] == "3 done"
+    first = finished(start_sweep(whole, "--status")).splitlines()[1]
+    assert first.split()[:5] == ["model_M_C-seed_1", "done", "360", "of", "360"]
+    assert first.endswith(" deg at 200")
 
 
 def test_a_sweep_that_is_stopped_and_then_killed_goes_on(whole, sweep_file, tmp_path) -> None:
     directory = tmp_path / "sweep"
     sweep = start_sweep(sweep_file, "--out", directory, "--jobs", 2)
-    *runs, third = [directory / cell.name for cell in read_sweep(sweep_file).cells()]
+    *runs, third = [directory / name for name in read_sweep(sweep_file).runs()]
     _wait_for(sweep, lambda: are_held_at_first_checkpoint(runs))
     sweep.send_signal(signal.SIGINT)
     for run in runs:
@@ -100,8 +95,8 @@ def test_a_sweep_that_is_stopped_and_then_killed_goes_on(whole, sweep_file, tmp_
     sweep.kill()
     sweep.communicate()
     assert "3 done" in finished(start_sweep(directory, "--jobs", 3))
-    for cell in read_sweep(sweep_file).cells():
-        assert differences(directory / cell.name, whole / cell.name) == []
+    for run in (*runs, third):
+        assert differences(run, whole / run.name) == []
 
 
 def test_ctrl_c_while_stimuli_are_made_is_one_line(tmp_path: Path) -> None:
@@ -122,31 +117,20 @@ def test_ctrl_c_while_stimuli_are_made_is_one_line(tmp_path: Path) -> None:
     assert not (tmp_path / "sweep").exists()
 
 
-@contextmanager
-def _small_disk(directory: Path, n_bytes: int) -> Iterator[None]:
-    directory.mkdir(parents=True)
-    subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", f"size={n_bytes}", "tmpfs", directory], check=True
-    )
-    try:
-        yield
-    finally:
-        subprocess.run(["umount", "--lazy", directory], check=True)
-
-
-@pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount a small disk")
-def test_a_full_disk_in_one_run_leaves_the_others_alone(whole, sweep_file, tmp_path) -> None:
+def test_a_run_that_fails_leaves_the_others_alone(whole, sweep_file, tmp_path) -> None:
     directory = tmp_path / "sweep"
-    full, *others = [cell.name for cell in read_sweep(sweep_file).cells()]
-    directory.mkdir()
+    bad, *others = read_sweep(sweep_file).runs()
+    notes = directory / bad / "notes.txt"
+    notes.parent.mkdir(parents=True)
+    notes.write_text("mine")
     (directory / "sweep.yaml").write_bytes((whole / "sweep.yaml").read_bytes())
-    with _small_disk(directory / full, 600_000):
-        output = finished(start_sweep(sweep_file, "--out", directory), code=3)
-        failed = [line for line in output.splitlines() if line.startswith("failed: ")]
-        assert len(failed) == 1
-        assert f"failed: {full}: {directory / full} cannot be written: " in failed[0]
-        assert f"log: {directory / 'logs' / full}.log" in failed[0]
-        assert "1 failed, 2 done" in output
+    output = finished(start_sweep(sweep_file, "--out", directory), code=3)
+    failed = [line for line in output.splitlines() if line.startswith("failed: ")]
+    assert len(failed) == 1
+    assert f"failed: {bad}: {directory / bad}: expected a new or empty directory" in failed[0]
+    assert f"log: {directory / 'logs' / bad}.log" in failed[0]
+    assert "1 failed, 2 done" in output
+    notes.unlink()
     finished(start_sweep(directory))
-    for name in (full, *others):
+    for name in (bad, *others):
         assert differences(directory / name, whole / name) == []

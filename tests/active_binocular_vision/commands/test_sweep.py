@@ -3,6 +3,7 @@
 import pytest
 
 from active_binocular_vision.commands.sweep import main
+from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.run.config_file import configuration_text
 from experiment_manager.sweep.sweep_file import read_sweep
 from tests.sweep_harness import write_sweep
@@ -55,7 +56,7 @@ def test_a_directory_that_holds_something_else_is_refused(tmp_path, pictures, ca
     assert {path: path.read_bytes() for path in out.iterdir()} == before
 
 
-def test_a_cell_that_cannot_be_keeps_all_from_starting(tmp_path, pictures, capsys) -> None:
+def test_a_run_that_cannot_be_keeps_all_from_starting(tmp_path, pictures, capsys) -> None:
     path = write_sweep(tmp_path / "bad.yaml", pictures, {"vergence_rl.cacla.discount": [0.3, 2.0]})
     assert main([str(path), "--out", str(tmp_path / "sweep")]) == 2
     assert capsys.readouterr().err.startswith("error: discount_2.0: ")
@@ -71,10 +72,10 @@ def test_a_cell_that_cannot_be_keeps_all_from_starting(tmp_path, pictures, capsy
 )
 def test_what_a_run_has_begun_with_cannot_be_edited(tmp_path, pictures, capsys, edit, error):
     sweep = write_sweep(tmp_path / "sweep.yaml", pictures, {"seed": [1, 2]})
-    first, _ = read_sweep(sweep).cells()
-    begun = tmp_path / first.name
+    (name, request), _ = read_sweep(sweep).runs().items()
+    begun = tmp_path / name
     begun.mkdir()
-    (begun / "config.yaml").write_text(configuration_text(first.configuration("")))
+    (begun / "config.yaml").write_text(configuration_text(configuration_of(request, "")))
     write_sweep(sweep, pictures, {"seed": [1, 2]}, **edit)
     assert main([str(tmp_path)]) == 2
     assert error.replace("DIR", str(begun)) in capsys.readouterr().err

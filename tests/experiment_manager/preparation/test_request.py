@@ -26,11 +26,6 @@ FULL = RunRequest(
 )
 
 
-def test_a_document_is_the_same_request() -> None:
-    assert RunRequest.from_json(FULL.to_json()) == FULL
-    assert RunRequest.from_json(RunRequest().to_json()) == RunRequest()
-
-
 def test_what_is_asked_is_settings_of_parameters() -> None:
     settings = FULL.settings()
     assert {key: given.value for key, given in settings.items()} == {

@@ -9,20 +9,32 @@ from pathlib import Path
 
 from active_binocular_vision.commands.run_experiment import source_commit
 from experiment_manager.experiment.sections import config_of
+from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.continuation import check_settings
-from experiment_manager.run.config_file import CONFIG_FILE, about_in, read_configuration
+from experiment_manager.preparation.request import RunRequest
+from experiment_manager.run.config_file import (
+    CONFIG_FILE,
+    Configuration,
+    about_in,
+    read_configuration,
+)
 from experiment_manager.sweep import slurm
-from experiment_manager.sweep.cell_run import CellRun
 from experiment_manager.sweep.pool import Pool
-from experiment_manager.sweep.slurm import Resources
-from experiment_manager.sweep.status import status_of, table
+from experiment_manager.sweep.status import table
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, Sweep, read_sweep
+from experiment_manager.sweep.sweep_run import SweepRun
 from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from eye_plant import EyePlantConfig, load_stimuli
 from lockstep import InputError
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import is_free, replace_file
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
+
+# Command lines, but for their last words: of a run as a process, and of a task of Slurm.
+_START_RUN = (sys.executable, "-m", f"{__package__}.sweep_run")
+_START_SWEEP = (sys.executable, "-m", f"{__package__}.sweep")
+# Options that are sbatch's, by the name they have here.
+_OF_SBATCH = {"partition": "partition", "time": "time", "memory": "mem"}
 
 
 def parser() -> argparse.ArgumentParser:
@@ -48,14 +60,13 @@ def parser() -> argparse.ArgumentParser:
     )
     line.add_argument("--status", action="store_true", help="print the progress of each run")
     line.add_argument("--slurm", action="store_true", help="submit a job array to Slurm")
-    line.add_argument("--partition", default="", metavar="P", help="partition of the job array")
+    line.add_argument("--partition", metavar="P", help="partition of the job array")
     line.add_argument(
         "--time",
-        default="",
         metavar="T",
         help="time limit of a task; a task that reaches it is requeued and continues",
     )
-    line.add_argument("--memory", default="", metavar="M", help="memory of a task, for example 2G")
+    line.add_argument("--memory", metavar="M", help="memory of a task, for example 2G")
     line.add_argument("--tasks", type=int, metavar="N", help="largest number of tasks at a time")
     line.add_argument("--task", type=int, help=argparse.SUPPRESS)
     return line
@@ -88,33 +99,40 @@ def _check(options: argparse.Namespace) -> None:
         number = getattr(options, name)
         if number is not None and number < 1:
             raise InputError(f"--{name}: expected 1 or more, got {number}")
-    of_slurm = ("partition", "time", "memory", "tasks")
-    if not options.slurm and (given := [name for name in of_slurm if getattr(options, name)]):
+    given = [name for name in (*_OF_SBATCH, "tasks") if getattr(options, name)]
+    if given and not options.slurm:
         raise InputError(f"--{given[0]}: expected it with --slurm only")
     if options.slurm and options.jobs is not None:
         raise InputError("--jobs: expected it without --slurm, which has --tasks")
 
 
-def _check_begun(run: CellRun) -> None:
+def _check_begun(directory: Path, request: RunRequest) -> None:
     """Raise InputError where the sweep says something else than a run was begun with."""
-    path = run.directory / CONFIG_FILE
+    path = directory / CONFIG_FILE
     try:
         configuration = read_configuration(path)
         was_extended = "extended_from" in about_in(path.read_text())
     except (InputError, OSError):
         return  # it has not begun, or will say itself what is wrong
-    request = run.cell.request
     if was_extended:
         request = replace(request, iterations=None, tests=None)
-    check_settings(request, run.directory, configuration)
+    check_settings(request, directory, configuration)
+
+
+def _configuration(name: str, request: RunRequest, commit: str) -> Configuration:
+    """Return the parameters of a run; raises InputError, naming it."""
+    try:
+        return configuration_of(request, commit)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from error
 
 
 def _begin(directory: Path, sweep: Sweep) -> None:
-    """Check all cells, and keep the sweep in its directory."""
-    for cell in sweep.cells():
-        _check_begun(CellRun(directory, cell))
+    """Check all runs, and keep the sweep in its directory."""
+    for name, request in sweep.runs().items():
+        _check_begun(directory / name, request)
     commit = source_commit()
-    configurations = [cell.configuration(commit) for cell in sweep.cells()]
+    configurations = [_configuration(*run, commit) for run in sweep.runs().items()]
     print(f"{len(configurations)} runs in {directory}; preparing their stimuli")
     # Generated ones are made once, before the runs; pictures are seen to be readable.
     plants = [config_of(EyePlantConfig, configuration) for configuration in configurations]
@@ -130,23 +148,27 @@ def _begin(directory: Path, sweep: Sweep) -> None:
 def _run(options: argparse.Namespace) -> int:
     _check(options)
     directory, sweep = _opened(options)
-    runs = [CellRun(directory, cell) for cell in sweep.cells()]
+    runs = [SweepRun(directory, name) for name in sweep.runs()]
     if options.task is not None:
-        return slurm.run_task(runs[options.task])
+        return slurm.run_task(runs[options.task], _START_RUN)
     if options.status:
-        print(table([status_of(run) for run in runs]))
+        print(table(runs))
         return 0
-    resources = Resources(options.partition, options.time, options.memory, options.tasks)
+    asked = {sbatch: getattr(options, name) for name, sbatch in _OF_SBATCH.items()}
+    resources = [f"--{name}={value}" for name, value in asked.items() if value]
     if options.slurm:
         slurm.check(resources)
     _begin(directory, sweep)
     undone = [i for i, run in enumerate(runs) if not run.is_done]
     if options.slurm and undone:
-        job = slurm.submit(directory, runs, undone, resources)
+        array = ",".join(map(str, undone)) + (f"%{options.tasks}" if options.tasks else "")
+        task = (*_START_SWEEP, str(directory), "--task")
+        job = slurm.submit(directory, array, task, resources)
         print(f"job {job}: {len(undone)} tasks; launch_scripts/sweep.sh {directory} --status")
         return 0
-    code = Pool(options.jobs or len(os.sched_getaffinity(0))).run([runs[i] for i in undone])
-    print(table([status_of(run) for run in runs]))
+    jobs = options.jobs or len(os.sched_getaffinity(0))
+    code = Pool(jobs, _START_RUN).run([runs[i] for i in undone])
+    print(table(runs))
     if code:
         print(f"to continue: launch_scripts/sweep.sh {directory}", file=sys.stderr)
     return code

@@ -178,8 +178,8 @@ def finished_runs(path: Path) -> list[FinishedRun]:
     """
     if not (path / SWEEP_FILE).is_file() or ResultsFolder.at(path) is not None:
         return runs_at(path)
-    cells = [path / cell.name for cell in read_sweep(path / SWEEP_FILE).cells()]
-    runs = [FinishedRun(cell) for cell in cells if (cell / RESULTS_FILE).is_file()]
+    directories = [path / name for name in read_sweep(path / SWEEP_FILE).runs()]
+    runs = [FinishedRun(run) for run in directories if (run / RESULTS_FILE).is_file()]
     if not runs:
         raise InputError(f"{path}: expected a sweep with a finished run, found none")
     return runs

@@ -1,6 +1,5 @@
 """What a new run is asked to be, whether on a command line, in a sweep's file or by Gymnasium."""
 
-import dataclasses
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -101,18 +100,6 @@ class RunRequest:
             check_key(key, self.by(key))
         plain = {key: self._plain(key, value) for key, value in self.overrides.items()}
         object.__setattr__(self, "overrides", plain)
-
-    @classmethod
-    def from_json(cls, text: str) -> "RunRequest":
-        """Return the request that `to_json` gave the text of."""
-        values = json.loads(text)
-        if values["tests"] is not None:
-            values["tests"] = tuple(values["tests"])
-        return cls(**values)
-
-    def to_json(self) -> str:
-        """Return the request as one JSON document."""
-        return json.dumps(dataclasses.asdict(self))
 
     def by(self, name: str) -> str:
         """Return how errors name the value of a field, or of a key of the overrides."""

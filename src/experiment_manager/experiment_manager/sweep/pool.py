@@ -1,4 +1,4 @@
-"""The cells of a sweep, so many at a time, on this machine."""
+"""The runs of a sweep, so many at a time, on this machine."""
 
 import signal
 import subprocess
@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
-from experiment_manager.sweep.cell_run import CellRun, is_failure
+from experiment_manager.sweep.sweep_run import SweepRun
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
 from lockstep.machine.interrupts import Interrupts
 
@@ -14,39 +14,40 @@ from lockstep.machine.interrupts import Interrupts
 class Pool:
     """Makes runs, each in a process of its own; SIGINT stops them all, with checkpoints."""
 
-    def __init__(self, jobs: int) -> None:
-        """jobs: how many at a time."""
-        self._jobs = jobs
+    def __init__(self, jobs: int, start: Sequence[str]) -> None:
+        """jobs: how many at a time; start: as of `SweepRun.make`."""
+        self._jobs, self._start = jobs, start
         self._sent: dict[subprocess.Popen[bytes], int] = {}
         self._interrupts = Interrupts(self._pass_on)
 
-    def run(self, runs: Sequence[CellRun]) -> int:
+    def run(self, runs: Sequence[SweepRun]) -> int:
         """Make the runs that are not done; return 0, 3 when some failed, 130 when stopped."""
-        failed: dict[CellRun, str] = {}
+        failed: dict[SweepRun, str] = {}
         with ThreadPoolExecutor(self._jobs) as threads:
             futures = {threads.submit(self._make, run): run for run in runs}
-            for n_done, future in enumerate(as_completed(futures), 1):
+            for n_ended, future in enumerate(as_completed(futures), 1):
                 run = futures[future]
-                try:
-                    code = future.result()
-                except OSError as error:  # its log cannot be written: the others go on
-                    code, failed[run] = EXIT_FAULT, str(error)
-                else:
-                    interrupted = self._interrupts.count > 0
-                    if code is not None and is_failure(code, interrupted=interrupted):
-                        failed[run] = run.failure()
-                if not self._interrupts.count or run.is_done:
-                    print(f"{n_done}/{len(futures)} {run.cell.name}: {_said(run, code)}")
-        for run, reason in failed.items():
-            print(f"failed: {run.cell.name}: {reason}; log: {run.log}", file=sys.stderr)
+                said, failure = future.result()
+                if said:
+                    print(f"{n_ended}/{len(futures)} {run.name}: {said}")
+                if failure:
+                    failed[run] = failure
+        for run, failure in failed.items():
+            print(f"failed: {run.name}: {failure}; log: {run.log}", file=sys.stderr)
         if self._interrupts.count:
             return EXIT_INTERRUPTED
         return EXIT_FAULT if failed else 0
 
-    def _make(self, run: CellRun) -> int | None:
+    def _make(self, run: SweepRun) -> tuple[str, str]:
+        """Make a run; return what to say of it, and why it failed, "" each for nothing."""
         if self._interrupts.count:
-            return None
-        return run.run(self._started)
+            return "", ""
+        try:
+            if not run.make(self._start, self._started):
+                return "another process is making it", ""
+        except OSError as error:  # its log cannot be written: the others go on
+            return "failed", str(error)
+        return run.state, run.failure()
 
     def _started(self, process: "subprocess.Popen[bytes]") -> None:
         self._sent[process] = 0
@@ -59,11 +60,3 @@ class Pool:
                 self._sent[process] = self._interrupts.count
                 if process.poll() is None:
                     process.send_signal(signal.SIGINT)
-
-
-def _said(run: CellRun, code: int | None) -> str:
-    if run.is_done:
-        return "done"
-    if code is None:
-        return "another process is making it"
-    return f"ended with exit code {code}"

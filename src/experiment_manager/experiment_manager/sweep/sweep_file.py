@@ -1,4 +1,4 @@
-"""A sweep: options for all runs, axes in which they differ, and the runs, its cells."""
+"""A sweep: options for all runs, axes in which they differ, and the runs."""
 
 import itertools
 import re
@@ -9,8 +9,7 @@ from typing import Any
 
 import yaml
 
-from experiment_manager.experiment.sections import SECTIONS, Configuration
-from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager.experiment.sections import SECTIONS
 from experiment_manager.preparation.request import OPTIONS, RunRequest
 from experiment_manager.preparation.written_values import number, whole_number, whole_numbers
 from lockstep import InputError
@@ -35,21 +34,6 @@ _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9._+-]+")
 
 
 @dataclass(frozen=True)
-class Cell:
-    """One run of a sweep; name: of its directory, from what it does not share."""
-
-    name: str
-    request: RunRequest
-
-    def configuration(self, commit: str) -> Configuration:
-        """Return the parameters of all nodes; raises InputError, naming the cell."""
-        try:
-            return configuration_of(self.request, commit)
-        except InputError as error:
-            raise InputError(f"{self.name}: {error}") from error
-
-
-@dataclass(frozen=True)
 class Sweep:
     """options: for all runs, {name: value}; axes: {name: entries}, each entry in a run of its own.
 
@@ -64,38 +48,34 @@ class Sweep:
     description: str = ""
 
     def __post_init__(self) -> None:
-        """Check names and axes; what values may be is checked with each cell's configuration."""
+        """Check names and axes; what values may be is checked with each run's configuration."""
         for name in self.options:
             _check_name("options", name)
         if not self.axes:
             raise InputError(f"axes: expected one at least, such as seed: [1, 2], got {self.axes}")
-        of_axes: dict[str, str] = {}
+        set_by = dict.fromkeys(self.options, "options")
         for axis, entries in self.axes.items():
             for name in _names(axis, entries):
-                if name in self.options:
-                    raise InputError(f"{name}: expected it among the options or the axes, got both")
-                if of_axes.setdefault(name, axis) != axis:
+                if set_by.setdefault(name, axis) != axis:
                     raise InputError(
-                        f"axes: {name}: expected one axis that sets it, got {of_axes[name]} and "
-                        f"{axis}"
+                        f"{name}: expected it in the options or in one axis, got it in "
+                        f"{set_by[name]} and {axis}"
                     )
-        cells = [self._name(entries) for entries in self._combinations()]
-        if doubled := [name for name in cells if cells.count(name) > 1]:
-            raise InputError(
-                f"axes: expected a name of its own for each run, got {doubled[0]} twice"
-            )
-        self.cells()
+        self.runs()
 
-    def cells(self) -> list[Cell]:
-        """Return all combinations of the axes' entries, the last axis fastest."""
-        return [Cell(self._name(e), self._request(e)) for e in self._combinations()]
+    def runs(self) -> dict[str, RunRequest]:
+        """Return what each run is asked to be, by its name, the last axis fastest.
 
-    def _combinations(self) -> list[tuple[dict[str, Any], ...]]:
-        """Return what each run sets, axis by axis."""
-        settings = [
-            [_settings(axis, entry) for entry in entries] for axis, entries in self.axes.items()
-        ]
-        return list(itertools.product(*settings))
+        Runs are all combinations of the axes' entries; a name is also that of the directory.
+        """
+        settings = [[_settings(axis, e) for e in entries] for axis, entries in self.axes.items()]
+        runs: dict[str, RunRequest] = {}
+        for entries in itertools.product(*settings):
+            name = self._name(entries)
+            if name in runs:
+                raise InputError(f"axes: expected a name of its own for each run, got {name} twice")
+            runs[name] = self._request(name, entries)
+        return runs
 
     def _name(self, entries: Sequence[Mapping[str, Any]]) -> str:
         last_parts = [axis.rpartition(".")[2] for axis in self.axes]
@@ -105,18 +85,18 @@ class Sweep:
         ]
         return _NOT_IN_NAMES.sub("_", "-".join(parts))
 
-    def _request(self, entries: Sequence[Mapping[str, Any]]) -> RunRequest:
+    def _request(self, name: str, entries: Sequence[Mapping[str, Any]]) -> RunRequest:
         given = dict(self.options)
         for entry in entries:
             given |= entry
         try:
             return RunRequest(
-                **{_FIELDS[name]: _read(name, v) for name, v in given.items() if name in _FIELDS},
-                overrides={name: v for name, v in given.items() if name not in _FIELDS},
-                names={field: name for name, field in _FIELDS.items()},
+                **{_FIELDS[key]: _read(key, v) for key, v in given.items() if key in _FIELDS},
+                overrides={key: v for key, v in given.items() if key not in _FIELDS},
+                names=OPTIONS,
             )
         except InputError as error:
-            raise InputError(f"{self._name(entries)}: {error}") from error
+            raise InputError(f"{name}: {error}") from error
 
     def text(self) -> str:
         """Return the sweep as a YAML file has it."""
@@ -171,19 +151,21 @@ def _settings(axis: str, entry: Any) -> dict[str, Any]:
     return entry if isinstance(entry, dict) else {axis: entry}
 
 
-def _names(axis: str, entries: Any) -> list[str]:
+def _names(axis: str, entries: Any) -> dict[str, Any]:
     """Return all names that an axis sets; raises InputError when it cannot be one."""
     _check_name("axes", axis)
     if not isinstance(entries, list) or not entries:
         raise InputError(f"axes: {axis}: expected a list of values, got {entries!r}")
+    names: dict[str, Any] = {}
     for settings in (_settings(axis, entry) for entry in entries):
+        names |= settings
         for name in settings:
             _check_name(f"axes: {axis}", name)
         if axis not in settings:
             raise InputError(
                 f"axes: {axis}: expected {axis} among what each entry sets, got {settings}"
             )
-    return list(dict.fromkeys(name for entry in entries for name in _settings(axis, entry)))
+    return names
 
 
 def _check_name(part: str, name: Any) -> None:
