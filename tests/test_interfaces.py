@@ -4,16 +4,14 @@ import re
 from functools import partial
 from typing import get_type_hints
 
-import pytest
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, ReliabilityPolicy
 
 from experiment_manager.node.requests import PLANT_WAIT_S, SERVICE_WAIT_S
 from eye_plant import Episode
-from lockstep import MUSCLE_NAMES
 from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, RequestClient
 from lockstep.wire import topics
 from lockstep.wire.qos import LOCKSTEP_QOS, QUEUE_DEPTH
-from tests.interfaces_page import PAGE, VECTORS, quoted, table
+from tests.interfaces_page import PAGE, quoted, table
 from tests.node_harness import Outsider, ros_graph
 from vergence_rl.node import VergenceRlNode
 
@@ -32,18 +30,6 @@ def test_the_quality_of_service() -> None:
     assert LOCKSTEP_QOS.depth == QUEUE_DEPTH >= 2 * 21
 
 
-@pytest.mark.parametrize("topic", VECTORS)
-def test_every_name_of_each_vector_in_its_order(topic: str) -> None:
-    names: dict[str, list[str]] = {}
-    last = ""
-    for row in table("Vectors"):
-        last = (quoted(row[0]) or [last])[0]
-        if row[1].startswith("`"):
-            names.setdefault(last, []).extend(quoted(row[1]))
-        assert row[4], row
-    assert names[topic] == list(VECTORS[topic])
-
-
 def test_the_vectors_of_gaze() -> None:
     names = {"episode": topics.TARGET_NAMES, topics.GAZE: topics.GAZE_NAMES}
     found: dict[str, list[str]] = {}
@@ -52,10 +38,6 @@ def test_the_vectors_of_gaze() -> None:
         found.setdefault(topic, []).extend(quoted(row[1]))
     expected = names | {topics.GAZE_TARGET: topics.TARGET_NAMES}
     assert found == {topic: list(of_topic) for topic, of_topic in expected.items()}
-
-
-def test_the_muscles() -> None:
-    assert f"`{MUSCLE_NAMES[0]}` ... `{MUSCLE_NAMES[-1]}`" in PAGE
 
 
 def test_every_kind_of_request() -> None:

@@ -136,7 +136,7 @@ class ScriptedCoder(Scripted):
         phase, iteration = message.position[0], message.position[4]
         is_last = iteration == (20 if phase else 10)
         if not self.is_mute and (self.answers_all or not is_last):
-            self._reward.publish(to_ns(message.header.stamp), (0.1, 0.1, 1.0, -0.2, 0.0))
+            self._reward.publish(to_ns(message.header.stamp), (0.1, 0.1, 1.0, 0.1, -0.3, 0.0))
 
 
 class ScriptedLearner(Scripted):

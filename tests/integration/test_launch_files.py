@@ -29,20 +29,15 @@ class Call:
 
 
 _STAND_INS = {
-    "launch": ("LaunchDescription", "LaunchContext"),
-    "launch.actions": (
-        "DeclareLaunchArgument",
-        "OpaqueFunction",
-        "RegisterEventHandler",
-        "SetEnvironmentVariable",
-        "Shutdown",
-    ),
-    "launch.event_handlers": ("OnProcessExit",),
-    "launch.substitutions": ("LaunchConfiguration",),
-    "launch_ros": (),
-    "launch_ros.actions": ("Node",),
-    "ament_index_python": (),
-    "ament_index_python.packages": (),
+    "launch": "LaunchDescription LaunchContext",
+    "launch.actions": "DeclareLaunchArgument OpaqueFunction RegisterEventHandler "
+    "SetEnvironmentVariable Shutdown",
+    "launch.event_handlers": "OnProcessExit",
+    "launch.substitutions": "LaunchConfiguration",
+    "launch_ros": "",
+    "launch_ros.actions": "Node",
+    "ament_index_python": "",
+    "ament_index_python.packages": "",
 }
 
 
@@ -51,13 +46,11 @@ def stand_ins(monkeypatch: pytest.MonkeyPatch) -> None:
     """Put stand-ins where `launch` would be."""
     for name, kinds in _STAND_INS.items():
         module = ModuleType(name)
-        for kind in kinds:
+        for kind in kinds.split():
             setattr(module, kind, type(kind, (Call,), {}))
         monkeypatch.setitem(sys.modules, name, module)
-    packages = sys.modules["ament_index_python.packages"]
-    packages.get_package_share_directory = (  # type: ignore[attr-defined]
-        lambda package: str(ROOT / "src" / package)
-    )
+    packages: Any = sys.modules["ament_index_python.packages"]
+    packages.get_package_share_directory = lambda package: str(ROOT / "src" / package)
 
 
 def _loaded(file: Path) -> tuple[ModuleType, list[Any]]:
@@ -74,17 +67,15 @@ def _of_kind(entities: list[Any], kind: str) -> list[Call]:
     return [entity for entity in entities if type(entity).__name__ == kind]
 
 
-def _known_parameters(package: str) -> set[str]:
-    return set(flatten(CONFIG_CLASSES[package]()))
-
-
 def _check_node(node: Call, package: str) -> None:
     assert (node.options["package"], node.options["executable"]) == (package, "node")
     assert node.options["name"] == package
     entry_points = (ROOT / f"src/{package}/setup.py").read_text()
     assert f'"node = {package}.node' in entry_points
     given = [p for p in node.options["parameters"] if isinstance(p, dict)]
-    assert {name for parameters in given for name in parameters} <= _known_parameters(package)
+    assert {name for parameters in given for name in parameters} <= flatten(
+        CONFIG_CLASSES[package]()
+    ).keys()
 
 
 def _check_environment(entities: list[Any]) -> None:
@@ -93,39 +84,32 @@ def _check_environment(entities: list[Any]) -> None:
     assert Path(variables["FASTRTPS_DEFAULT_PROFILES_FILE"]).is_file()
 
 
-def test_the_plant_alone_runs_free() -> None:
-    _, entities = _loaded(PLANT)
-    _check_environment(entities)
-    (ours,) = _plant_parameters(entities, _defaults(entities))
-    assert ours["free_running.rate_hz"] > 0.0
-
-
-def test_a_users_file_is_above_the_launch_file_and_below_the_arguments() -> None:
-    _, entities = _loaded(PLANT)
-    given = _defaults(entities) | {"params_file": "mine.yaml"}
-    _, last = _plant_parameters(entities, given)
-    assert last == "mine.yaml"
-    given |= {"rate_hz": "50", "parameter_set": "anatomical"}
-    assert _plant_parameters(entities, given)[1:] == [
-        "mine.yaml",
-        {"free_running.rate_hz": 50.0},
-        {"mechanics.parameter_set": "anatomical"},
-    ]
-
-
-def _defaults(entities: list[Any]) -> dict[str, str]:
-    return {
-        a.arguments[0]: a.options["default_value"]
-        for a in _of_kind(entities, "DeclareLaunchArgument")
-    }
-
-
 def _plant_parameters(entities: list[Any], context: dict[str, str]) -> list[Any]:
     (plant,) = _of_kind(entities, "OpaqueFunction")
     (node,) = plant.options["function"](context)
     _check_node(node, "eye_plant")
     parameters: list[Any] = node.options["parameters"]
     return parameters
+
+
+def test_the_plant_runs_free_with_arguments_above_a_user_s_file_above_the_launch_file() -> None:
+    _, entities = _loaded(PLANT)
+    _check_environment(entities)
+    given = {
+        declared.arguments[0]: declared.options["default_value"]
+        for declared in _of_kind(entities, "DeclareLaunchArgument")
+    }
+    (ours,) = _plant_parameters(entities, given)
+    assert ours["free_running.rate_hz"] > 0.0
+    given |= {"params_file": "mine.yaml"}
+    assert _plant_parameters(entities, given) == [ours, "mine.yaml"]
+    given |= {"rate_hz": "50", "parameter_set": "anatomical"}
+    assert _plant_parameters(entities, given) == [
+        ours,
+        "mine.yaml",
+        {"free_running.rate_hz": 50.0},
+        {"mechanics.parameter_set": "anatomical"},
+    ]
 
 
 def test_the_graph_has_four_nodes_and_ends_with_the_manager() -> None:
@@ -144,11 +128,6 @@ def test_the_graph_has_four_nodes_and_ends_with_the_manager() -> None:
     (end,) = handler.arguments
     assert end.options["target_action"] is nodes[-1]
     assert type(end.options["on_exit"][0]).__name__ == "Shutdown"
-
-
-def test_arguments_that_are_not_given_leave_no_trace() -> None:
-    _, entities = _loaded(GRAPH)
-    (graph,) = _of_kind(entities, "OpaqueFunction")
-    nothing = {"namespace": "", "run_directory": "", "params_file": ""}
-    for node in _of_kind(graph.options["function"](nothing), "Node"):
-        assert node.options["parameters"] == []
+    # Arguments that are not given leave no trace.
+    made = graph.options["function"](dict.fromkeys(context, ""))
+    assert [node.options["parameters"] for node in _of_kind(made, "Node")] == [[]] * 4

@@ -58,4 +58,4 @@ def load_yaml(text: str) -> Any:
     try:
         return yaml.load(text, _Loader)
     except yaml.YAMLError as error:
-        raise InputError(f"expected YAML: {error}") from error
+        raise InputError(f"expected YAML: {' '.join(str(error).split())}") from error

@@ -30,13 +30,9 @@ def test_a_request_has_the_words_that_made_it(tmp_path, monkeypatch) -> None:
     )
 
 
-def test_a_setting_said_twice_is_refused_unless_it_is_the_same() -> None:
+def test_a_setting_may_be_said_twice_if_it_is_the_same() -> None:
     line = ["--set", "vergence_rl.cacla.discount=0.5", "--set", "vergence_rl.cacla.discount=5e-1"]
     assert request_of(arguments(line)).overrides == {"vergence_rl.cacla.discount": 0.5}
-    given = "--set vergence_rl.cacla.discount"
-    expected = f"{given}=0.5 and {given}=0.4: expected one"
-    with pytest.raises(InputError, match=re.escape(expected)):
-        request_of(arguments([*line[:2], "--set", "vergence_rl.cacla.discount=0.4"]))
 
 
 def test_settings_of_the_plant_alone() -> None:

@@ -73,16 +73,10 @@ def test_the_report_of_two_models(run_directories, tmp_path, capsys) -> None:
         assert told in text
 
 
-def test_a_single_run_has_its_report_in_its_directory(run_directories, tmp_path) -> None:
-    directory = Path(shutil.copytree(run_directories["M"], tmp_path / "run"))
-    assert main([str(directory)]) == 0
-    assert (directory / "report.html").is_file()
-    assert (directory / "figures" / "performance.png").is_file()
-
-
 def test_a_page_says_of_each_command_space_what_holds_for_it(tmp_path: Path) -> None:
     run = write_run(tmp_path / "twelve", ALL_MUSCLES)
     assert main([str(run)]) == 0
+    assert (run / "figures" / "performance.png").is_file()
     text = _page(run)
     assert "Not drawn without a plane of two activations, those of both eyes alike" in text
     assert "Where each muscle has a command of its own" in text

@@ -114,10 +114,11 @@ def test_a_run_with_a_paralysed_muscle_measures_each_eye(pictures: Path, tmp_pat
     line = ["--in-process", "--iterations", "20", "--tests", "0", "--test-stimuli", "1"]
     line += ["--stimuli", str(pictures), "--out", str(tmp_path / "run")]
     line += ["--set", _strength(left_lateral_rectus=0.0)]
-    line += ["--set", "eye_plant.stimuli.size_px=64"]
+    line += ["--set", "eye_plant.stimuli.size_px=64", "--set", "task.n_bases=32"]
+    line += ["--set", f"{_PROTOCOL}.test_distances_m=[3.0, 6.0]"]
     assert run_experiment(line) == 0
     first = json.loads((tmp_path / "run" / "results.json").read_text())["tests"][0]
-    assert first["n_trials"] == 39
+    assert first["n_trials"] == 9
     # Of the lateral recti only the right one pulls: both eyes end turned to the right.
     assert first["median_left_deviation_deg"] > 0.1 > -0.1 > first["median_right_deviation_deg"]
     assert first["median_abs_version_deg"] > 0.1

@@ -121,7 +121,7 @@ def test_before_the_first_picture_there_is_nothing_to_click_in() -> None:
 def test_a_viewer_and_the_page_steer_through_the_real_node(
     graph: Graph, image_bytes: Callable[..., bytes]
 ) -> None:
-    live = graph.add(LiveViewNode, port=0, page_port=0, focal_length_px=F_PX)
+    live = graph.add(LiveViewNode, port=0, page_port=0, **{"camera.focal_length_px": F_PX})
     other = graph.add(lambda **kwargs: Node("other", **kwargs))
     targets: list[JointState] = []
     other.create_subscription(JointState, GAZE_TARGET, targets.append, 10)

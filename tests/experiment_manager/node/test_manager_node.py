@@ -253,7 +253,7 @@ def test_another_configuration_is_not_resumed(graph, nodes, tmp_path) -> None:
     assert _finished(graph, _start(graph, tmp_path / "run")) == 0
     with (
         ros_graph() as again,
-        pytest.raises(InputError, match=r"experiment_manager\.seed was 1, is 2"),
+        pytest.raises(InputError, match=r"task\.seed was 1, is 2"),
     ):
         _start(again, tmp_path / "run", resume=True, seed=2)
 

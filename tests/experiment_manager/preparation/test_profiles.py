@@ -26,16 +26,18 @@ def test_the_names_of_the_package() -> None:
     assert read_profile("paper").settings == {}
 
 
-def test_an_unknown_name_gets_the_nearest() -> None:
-    with pytest.raises(InputError, match=r"got 'papper'; did you mean paper\?"):
-        read_profile("papper")
-    with pytest.raises(InputError, match=r"expected one of .*, got 'zzz'$"):
-        read_profile("zzz")
-
-
-@pytest.mark.parametrize("name", ["../profiles/paper", "paper.yaml", ""])
-def test_a_name_is_no_path(name: str) -> None:
-    with pytest.raises(InputError, match="profile: expected one of"):
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("papper", r"got 'papper'; did you mean paper\?$"),
+        ("zzz", r"expected one of .*, got 'zzz'$"),
+        # A name is no path.
+        ("../profiles/paper", "profile: expected one of"),
+        ("", "profile: expected one of"),
+    ],
+)
+def test_an_unknown_name_gets_the_nearest(name: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
         read_profile(name)
 
 
@@ -73,26 +75,27 @@ def test_a_base_holds_where_a_profile_has_no_setting_of_its_own() -> None:
         "learning_rate": 2.0,
     }
     assert profile.settings["task"] == {**base.settings["task"], "n_training_iterations": 80000}
-
-
-def test_a_base_that_is_no_profile_or_has_a_schedule_is_refused() -> None:
-    for base, message in (("papper", "did you mean paper"), ("clinic/patching", "a base without")):
+    for base_name, message in (("papper", "did you mean"), ("clinic/patching", "a base without")):
         with pytest.raises(InputError, match=message):
-            parse_profile("mine", f"{{description: x, settings: {{}}, base: {base}}}")
-
-
-CONDITIONS = [name for name in profile_names() if name.startswith(("rearing/", "clinic/"))]
-
-
-@pytest.mark.parametrize("name", CONDITIONS)
-def test_every_condition_tests_its_end(name: str) -> None:
-    configuration = configured("--profile", name)
-    tests = configuration["experiment_manager"]["test_iterations"]
-    assert configuration["task"]["n_training_iterations"] in tests
+            parse_profile("mine", f"{{description: x, settings: {{}}, base: {base_name}}}")
 
 
 @pytest.mark.parametrize("name", profile_names())
-def test_every_profile_runs_in_each_stage_of_its_schedule(name, pictures) -> None:
+def test_every_profile_has_a_protocol_which_tests_the_end_of_a_condition(name: str) -> None:
+    configuration = configured("--profile", name)
+    assert len(protocol_of(configuration)) > 0
+    tests = configuration["experiment_manager"]["test_iterations"]
+    is_condition = name.startswith(("rearing/", "clinic/"))
+    assert not is_condition or configuration["task"]["n_training_iterations"] in tests
+
+
+# Each command space and learning rule, with saccades and without, a covered eye, a schedule.
+KINDS = ("paper", "precise_m_c", "twelve", "twelve_m_c", "gaze_m_c", "rearing/monocular")
+KINDS += ("clinic/surgery",)
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_profile_of_each_kind_runs_in_each_stage_of_its_schedule(name, pictures) -> None:
     line = ["--profile", name, "--stimuli", str(pictures), "--test-stimuli", "1"]
     configuration = configured(*line, "--set", "eye_plant.stimuli.size_px=64")
     protocol = protocol_of(configuration)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from active_binocular_vision.commands.evaluate import main as evaluate
+from active_binocular_vision.commands.run_experiment import main as run_experiment
 from active_binocular_vision.figures.learning_curve import learning_curve
 from active_binocular_vision.runs.finished_run import FinishedRun
 from experiment_manager.bag.reader import Bag
@@ -23,7 +24,6 @@ from experiment_manager.run.run_directory import Run
 from lockstep import InputError, flatten, write_state
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TRAINING
 from tests.pair import HORIZONTAL_RECTI
-from tests.supervisor import finished, start_supervisor
 
 PERIOD_NS = 100_000_000
 SMALL = ExperimentManagerConfig(
@@ -288,8 +288,9 @@ def test_a_bag_that_lacks_a_file_is_refused(tmp_path: Path, drive: Drive) -> Non
         Run(_config(run.directory, resume=True))
 
 
-def test_the_graph_ends_a_run_from_its_last_checkpoint_alone(small_run, tmp_path) -> None:
+def test_a_run_ends_from_its_last_checkpoint_alone(small_run, tmp_path, capsys) -> None:
     directory = _copied_without_bag(small_run, tmp_path / "copy")
-    output = finished(start_supervisor(["--resume", str(directory)]))
-    assert "bag: not here; a new one begins at this point" in output
+    assert run_experiment(["--in-process", "--resume", str(directory)]) == 0
+    said = "".join(capsys.readouterr())
+    assert "bag: not here; a new one begins at this point" in said
     assert (directory / "results.json").read_text() == (small_run / "results.json").read_text()
