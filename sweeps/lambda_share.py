@@ -11,10 +11,10 @@ import sys
 import numpy as np
 
 from active_binocular_vision.commands.command_line import arguments, request_of
-from experiment_manager.experiment.protocol import protocol_of
-from experiment_manager.in_process.loop import make_loop
+from experiment_manager.loop import make_loop
 from experiment_manager.measures.metrics import SHARE_ITERATIONS
 from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager.protocol import protocol_of
 
 
 def main() -> None:

@@ -5,11 +5,11 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from experiment_manager.bag.reader import Bag, VectorTable
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.experiment.sections import config_of
-from experiment_manager.in_process.loop import Step, make_loop
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.loop import Step, make_loop
+from experiment_manager.protocol import make_protocol
 from experiment_manager.run.config_file import Configuration, configuration_text
+from experiment_manager.sections import config_of
 from eye_plant import Episode
 from lockstep.wire.stamps import period_ns
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS

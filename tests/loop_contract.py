@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 
 from experiment_manager.bag.reader import Bag
-from experiment_manager.in_process.step_messages import StepMessages
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
+from experiment_manager.step_messages import StepMessages
 from lockstep import read_state
 from lockstep.wire.topics import CAMERA_INFOS, PICTURES
 from tests.graph_harness import OracleRun, small_run

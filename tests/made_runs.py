@@ -13,8 +13,8 @@ from rosbags.typesys import Stores, get_typestore
 
 from active_binocular_vision.commands.run_experiment import main as run_experiment
 from experiment_manager.bag.writer import BagWriter
-from experiment_manager.experiment.sections import DEFAULTS
 from experiment_manager.run.config_file import text_of_continuation
+from experiment_manager.sections import DEFAULTS
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES
 from tests.command_lines import set_words
 from tests.made_once import made_once

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
 
-from experiment_manager.experiment.sections import config_of
-from experiment_manager.in_process.loop import make_loop
-from experiment_manager.in_process.step_messages import StepMessages
+from experiment_manager.loop import make_loop
+from experiment_manager.sections import config_of
+from experiment_manager.step_messages import StepMessages
 from eye_plant import Episode, EyePlantConfig
 from eye_plant.camera.config import CameraConfig
 from eye_plant.mechanics.model import MechanicsConfig

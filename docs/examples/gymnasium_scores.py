@@ -24,7 +24,7 @@ import numpy as np
 from gymnasium_agent import train
 
 from active_binocular_vision.runs.results_folder import runs_at
-from experiment_manager.experiment.sections import config_of
+from experiment_manager.sections import config_of
 from eye_plant import Inverse
 from eye_plant.config import MechanicsConfig
 from vergence_rl import Agent, VergenceRlConfig

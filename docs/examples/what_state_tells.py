@@ -16,12 +16,12 @@ from pathlib import Path
 
 import numpy as np
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.experiment.sections import config_of
-from experiment_manager.in_process.loop import make_loop
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.loop import make_loop
+from experiment_manager.protocol import make_protocol
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
+from experiment_manager.sections import config_of
 from lockstep import read_state
 from lockstep.wire.topics import TRAINING
 from sparse_coder.matching_pursuit import Selections, mean_squared_coefficients

@@ -9,7 +9,7 @@ MODULES = (
     "eye_plant.plant",
     "sparse_coder.coder",
     "vergence_rl.agent",
-    "experiment_manager.in_process.loop",
+    "experiment_manager.loop",
 )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from experiment_manager.experiment.sections import CONFIG_CLASSES
+from experiment_manager.sections import CONFIG_CLASSES
 from lockstep import flatten
 from lockstep.machine.environment import node_environment
 

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -35,7 +36,7 @@ def _run(folder: Path, *words: str | Path, code: int = 0, **variables: str) -> s
 
 def _colcon(folder: Path, *words: str) -> str:
     colcon = Path(sys.executable).with_name("colcon")
-    own = {"COLCON_HOME": str(folder), "COLCON_DEFAULTS_FILE": os.devnull}
+    own: dict[str, Any] = {"COLCON_HOME": str(folder), "COLCON_DEFAULTS_FILE": os.devnull}
     return _run(folder, colcon, "--log-base", "log", *words, **own)
 
 

@@ -48,7 +48,7 @@ def _run(
     return done
 
 
-def _started(*words: str, **variables: str) -> tuple[list[str], dict[str, str]]:
+def _started(*words: str, **variables: Any) -> tuple[list[str], dict[str, str]]:
     """Return the words after Python's, and the variables, of what a function would start."""
     python, *told = _run("bash", "-euc", SHOW, "show", *words, **variables).stdout.split("\0")
     assert python == f"{ROOT}/.venv/bin/python"

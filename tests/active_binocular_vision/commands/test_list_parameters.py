@@ -4,7 +4,7 @@ import pytest
 import yaml
 
 from active_binocular_vision.commands.list_parameters import main, parameter_file
-from experiment_manager.experiment.sections import CONFIG_CLASSES
+from experiment_manager.sections import CONFIG_CLASSES
 from lockstep import flatten
 
 

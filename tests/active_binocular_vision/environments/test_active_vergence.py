@@ -17,11 +17,11 @@ from gymnasium.utils.env_checker import check_env
 import active_binocular_vision.environments  # noqa: F401 (registers them)
 from active_binocular_vision.commands.command_line import arguments, request_of
 from active_binocular_vision.environments.active_vergence import VergenceEnvironment
-from experiment_manager.experiment.protocol import protocol_of
-from experiment_manager.experiment.sections import config_of
-from experiment_manager.in_process.loop import make_loop
+from experiment_manager.loop import make_loop
 from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager.protocol import protocol_of
 from experiment_manager.run.config_file import Configuration
+from experiment_manager.sections import config_of
 from lockstep import InputError, write_state
 from lockstep.wire.topics import GROUND_TRUTH_NAMES
 from sparse_coder import SparseCoder, SparseCoderConfig

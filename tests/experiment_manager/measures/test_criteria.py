@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from experiment_manager.experiment.sections import DEFAULTS, Configuration
 from experiment_manager.measures.criteria import EvaluationSettings
+from experiment_manager.sections import DEFAULTS, Configuration
 from lockstep.errors import InputError
 
 STILL = "{at: 100, set: {eyes.camera.left_blur_px: 1.0}}"

@@ -8,9 +8,9 @@ import yaml
 
 from active_binocular_vision.commands.command_line import arguments
 from active_binocular_vision.commands.run_experiment import main as run_experiment
-from experiment_manager.experiment.plant_changes import read_schedule
-from experiment_manager.experiment.sections import CONFIG_CLASSES, DEFAULTS, config_of
 from experiment_manager.run.config_file import configuration_text, read_configuration
+from experiment_manager.schedule import read_schedule
+from experiment_manager.sections import CONFIG_CLASSES, DEFAULTS, config_of
 from lockstep import InputError
 from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
 from tests.command_lines import configured
@@ -179,7 +179,7 @@ def test_values_are_read_as_yaml_1_2(setting: str, expected: object) -> None:
 def test_a_bad_command_line_is_one_clear_error(line, message, tmp_path, capsys) -> None:
     out = tmp_path / "run"
     try:
-        code = run_experiment([*line, "--out", str(out)])
+        code: object = run_experiment([*line, "--out", str(out)])
     except SystemExit as ended:  # what cannot be parsed
         code = ended.code
     assert code == 2
@@ -221,7 +221,8 @@ def test_what_is_no_config_yaml_is_refused(tmp_path, content, message) -> None:
     path = tmp_path / "config.yaml"
     if isinstance(content, tuple):
         text = configuration_text(configured("--seed", "7"))
-        content = text.replace(*content, 1).encode()
+        old, new = content
+        content = text.replace(old, new, 1).encode()
     path.write_bytes(content)
     with pytest.raises(InputError, match=re.escape(message)):
         read_configuration(path)

@@ -5,16 +5,16 @@ import re
 import numpy as np
 import pytest
 
-from experiment_manager.experiment.plant_changes import Change, Schedule
-from experiment_manager.experiment.protocol import protocol_of
-from experiment_manager.experiment.sections import config_of
-from experiment_manager.in_process.loop import make_loop
+from experiment_manager.loop import make_loop
 from experiment_manager.preparation.profiles import (
     Profile,
     parse_profile,
     profile_names,
     read_profile,
 )
+from experiment_manager.protocol import protocol_of
+from experiment_manager.schedule import Change, Schedule
+from experiment_manager.sections import config_of
 from eye_plant import EyePlantConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import InputError
@@ -90,8 +90,10 @@ def test_every_profile_has_a_protocol_which_tests_the_end_of_a_condition(name: s
 
 
 # Each command space and learning rule, with saccades and without, a covered eye, a schedule.
-KINDS = ("paper", "precise_m_c", "twelve", "twelve_m_c", "gaze_m_c", "rearing/monocular")
-KINDS += ("clinic/surgery",)
+KINDS = (
+    *("paper", "precise_m_c", "twelve", "twelve_m_c", "gaze_m_c"),
+    *("rearing/monocular", "clinic/surgery"),
+)
 
 
 @pytest.mark.parametrize("name", KINDS)

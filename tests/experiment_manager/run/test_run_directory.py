@@ -17,10 +17,10 @@ from active_binocular_vision.commands.run_experiment import main as run_experime
 from active_binocular_vision.figures.learning_curve import learning_curve
 from active_binocular_vision.runs.finished_run import FinishedRun
 from experiment_manager.bag.reader import Bag
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.sections import DEFAULTS, sections_of_nodes
+from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.run.config_file import configuration_text
 from experiment_manager.run.run_directory import Run
+from experiment_manager.sections import DEFAULTS, sections_of_nodes
 from lockstep import InputError, flatten, write_state
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TRAINING
 from tests.pair import HORIZONTAL_RECTI

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from experiment_manager.experiment.config import MODELS
+from experiment_manager.config import MODELS
 from experiment_manager.live.address import Address
 from experiment_manager.preparation.profiles import profile_names
 from experiment_manager.preparation.request import OPTIONS, SCHEDULE, RunRequest, check_key

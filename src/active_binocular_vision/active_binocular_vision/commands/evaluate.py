@@ -29,10 +29,10 @@ from experiment_manager.measures.results import (
     write_document,
 )
 from experiment_manager.measures.tables import number, summaries_table
-from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from lockstep import InputError
 from lockstep.command_line import CommandLine
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIFFERENT
+from lockstep.machine.lasting_output import ignore_broken_pipes
 
 # Sums may be taken in another order; everything else is the same arithmetic on the same doubles.
 _RELATIVE_TOLERANCE = 1e-9

@@ -17,11 +17,11 @@ from experiment_manager.bag.repair import repair_bag
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.tables import summaries_table, text_table
 from experiment_manager.measures.trials import split_tests
-from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from lockstep import InputError
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import is_free
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
+from lockstep.machine.lasting_output import ignore_broken_pipes
 from lockstep.wire.topics import PARAMETER_CHANGES
 
 _VECTOR = "sensor_msgs/msg/JointState"

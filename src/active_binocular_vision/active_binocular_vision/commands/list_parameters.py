@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from experiment_manager.experiment.sections import CONFIG_CLASSES, DEFAULTS, SHARED_CLASSES
+from experiment_manager.sections import CONFIG_CLASSES, DEFAULTS, SHARED_CLASSES
 from lockstep.command_line import CommandLine
 from lockstep.settings import Declaration, Setting, declarations
 

@@ -29,11 +29,11 @@ from active_binocular_vision.runs.examined_run import AGES
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group, groups_of, held_back
 from active_binocular_vision.runs.results_folder import keep, runs_at
-from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from lockstep import InputError
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import replace_file
 from lockstep.exit_codes import EXIT_BAD_INPUT
+from lockstep.machine.lasting_output import ignore_broken_pipes
 
 REPORT_FILE = "report.html"
 _COLUMNS = (

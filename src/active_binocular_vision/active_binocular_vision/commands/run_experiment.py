@@ -9,9 +9,6 @@ from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
 from active_binocular_vision.commands.command_line import arguments, request_of
-from experiment_manager.experiment.protocol import protocol_of
-from experiment_manager.experiment.sections import config_of
-from experiment_manager.in_process.run import run_in_process
 from experiment_manager.live.address import Address
 from experiment_manager.live.server import why_unavailable
 from experiment_manager.measures.criteria import EvaluationSettings
@@ -27,21 +24,24 @@ from experiment_manager.preparation.continuation import (
     extend,
 )
 from experiment_manager.preparation.request import RunRequest
+from experiment_manager.protocol import protocol_of
 from experiment_manager.run.config_file import (
     CONFIG_FILE,
     Configuration,
     configuration_text,
     read_configuration,
 )
+from experiment_manager.run.in_process import run_in_process
+from experiment_manager.sections import config_of
 from experiment_manager.supervision.node_neighbours import refuse_neighbours
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
-from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from eye_plant import EyePlantConfig, load_stimuli
 from eye_plant.stimuli.stimulus_set import count_missing
 from lockstep import InputError
 from lockstep.durable_files import is_free, replace_file, why_unwritable
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
 from lockstep.machine.environment import reaches_other_machines
+from lockstep.machine.lasting_output import ignore_broken_pipes
 
 
 def source_commit() -> str:

@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from active_binocular_vision.commands.run_experiment import source_commit
-from experiment_manager.experiment.sections import config_of
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.continuation import check_settings
 from experiment_manager.preparation.request import RunRequest
@@ -18,17 +17,18 @@ from experiment_manager.run.config_file import (
     about_in,
     read_configuration,
 )
+from experiment_manager.sections import config_of
 from experiment_manager.sweep import slurm
 from experiment_manager.sweep.pool import Pool
 from experiment_manager.sweep.status import table
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, Sweep, read_sweep
 from experiment_manager.sweep.sweep_run import SweepRun
-from experiment_manager.terminal.lasting_output import ignore_broken_pipes
 from eye_plant import EyePlantConfig, load_stimuli
 from lockstep import InputError
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import is_free, replace_file
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
+from lockstep.machine.lasting_output import ignore_broken_pipes
 
 # Command lines, but for their last words: of a run as a process, and of a task of Slurm.
 _START_RUN = (sys.executable, "-m", f"{__package__}.sweep_run")

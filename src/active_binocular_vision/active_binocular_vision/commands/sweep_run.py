@@ -16,7 +16,7 @@ from active_binocular_vision.commands.run_experiment import (
 from experiment_manager.preparation.request import RunRequest
 from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
-from experiment_manager.terminal.lasting_output import ignore_broken_pipes
+from lockstep.machine.lasting_output import ignore_broken_pipes
 from lockstep.machine.own_process import die_with
 
 

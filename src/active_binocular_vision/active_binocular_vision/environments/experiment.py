@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.experiment.sections import config_of
+from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.request import RunRequest
+from experiment_manager.protocol import make_protocol
+from experiment_manager.sections import config_of
 from eye_plant import Episode, EyePlant, EyePlantConfig
 from lockstep import InputError, read_state
 from sparse_coder import SparseCoder, SparseCoderConfig

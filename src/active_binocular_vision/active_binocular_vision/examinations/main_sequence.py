@@ -15,10 +15,10 @@ from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import Session, check_looks_at_targets, session_of
 from active_binocular_vision.learners.shown import Shown
 from experiment_manager.measures.tables import number
-from experiment_manager.terminal.progress_lines import progress
 from eye_plant.mechanics.movement import Movement, angles_deg, movements
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import InputError, setting
+from lockstep.machine.progress_lines import progress
 
 Array = NDArray[np.float64]
 

@@ -23,7 +23,6 @@ from active_binocular_vision.learners.shown import Shown
 from experiment_manager.measures.criteria import criteria_of
 from experiment_manager.measures.metrics import antagonist_names, silent_below
 from experiment_manager.measures.yoked import SharedChange, shared_change, yoked_names
-from experiment_manager.terminal.progress_lines import progress
 from eye_plant import EyePlantConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import (
@@ -35,6 +34,7 @@ from lockstep import (
     generator,
     setting,
 )
+from lockstep.machine.progress_lines import progress
 
 Array = NDArray[np.float64]
 

@@ -17,8 +17,8 @@ from active_binocular_vision.examinations.measure import Quartiles, key, measure
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import Prism, Session, is_fused, session_of
 from active_binocular_vision.learners.shown import Shown
-from experiment_manager.terminal.progress_lines import progress
 from lockstep import setting
+from lockstep.machine.progress_lines import progress
 
 Array = NDArray[np.float64]
 

@@ -18,8 +18,8 @@ from active_binocular_vision.examinations.measure import SHARE, key, measure
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import Session, session_of
 from active_binocular_vision.learners.shown import Shown
-from experiment_manager.terminal.progress_lines import progress
 from lockstep import InputError
+from lockstep.machine.progress_lines import progress
 from lockstep.wire.topics import N_SACCADES
 
 Array = NDArray[np.float64]

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.starts import Activations, gaze_inverse
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.starts import Activations, gaze_inverse
 from eye_plant import Inverse, desired_vergence_deg
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, LeastCost
 from eye_plant.inverse.pair import FULL_RANGE

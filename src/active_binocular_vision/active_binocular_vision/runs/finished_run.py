@@ -9,7 +9,6 @@ from typing import Any, TypeVar
 from active_binocular_vision.runs.recorded import Measured, measured
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
 from experiment_manager.bag.reader import Bag
-from experiment_manager.experiment.sections import Configuration
 from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import KeptTrials, read_kept
 from experiment_manager.measures.metrics import summary_of
@@ -24,6 +23,7 @@ from experiment_manager.measures.results import (
 from experiment_manager.measures.trials import Trials
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, about_in, parameters_in
+from experiment_manager.sections import Configuration
 from lockstep import PAIR, InputError
 
 S = TypeVar("S")

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.recorded import RecordedTest
-from experiment_manager.experiment.sections import DEFAULTS, completed
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary
@@ -16,6 +15,7 @@ from experiment_manager.run.config_file import (
     FREE_TO_CHANGE,
     RUN_SECTION,
 )
+from experiment_manager.sections import DEFAULTS, completed
 from eye_plant.mechanics.model import MechanicsConfig
 from lockstep import InputError
 

@@ -7,7 +7,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from typing import TypeVar
 
-from experiment_manager.terminal.progress_lines import progress
+from lockstep.machine.progress_lines import progress
 
 R = TypeVar("R")
 T = TypeVar("T")

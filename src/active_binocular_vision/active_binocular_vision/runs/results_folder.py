@@ -18,7 +18,6 @@ import numpy as np
 import yaml
 
 from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE, FinishedRun
-from experiment_manager.experiment.sections import Configuration
 from experiment_manager.measures.kept_trials import KEPT_FILE, KeptTrials, arrays_of, from_arrays
 from experiment_manager.measures.results import (
     RESULTS_FILE,
@@ -29,6 +28,7 @@ from experiment_manager.measures.results import (
     Summary,
 )
 from experiment_manager.run.config_file import CONFIG_FILE, RUN_SECTION
+from experiment_manager.sections import Configuration
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
 from lockstep import InputError, read_state, write_state
 from lockstep.durable_files import replace_file

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Self
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.plant_changes import Schedule, read_schedule
-from experiment_manager.experiment.sections import DEFAULTS, EYES, TASK, config_of
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.schedule import Schedule, read_schedule
+from experiment_manager.sections import DEFAULTS, EYES, TASK, config_of
 from eye_plant import EyePlantConfig, Inverse, fixation_distance_m
 from eye_plant.config import changed
 from eye_plant.mechanics.metabolics import silent_activation

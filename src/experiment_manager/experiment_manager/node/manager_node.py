@@ -10,7 +10,7 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.node.fault_detection import Fault, of_error, of_silence
 from experiment_manager.node.parameters import NodeParameters, Parameters
 from experiment_manager.node.presence import Presence

@@ -10,7 +10,7 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.node.fault_detection import LEARNER_OF, check_learning_steps
 from experiment_manager.run.episode_record import EpisodeRecord
 from experiment_manager.run.picture_sample import takes_pictures

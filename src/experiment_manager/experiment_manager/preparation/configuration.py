@@ -3,16 +3,6 @@
 from collections.abc import Mapping
 from typing import Any
 
-from experiment_manager.experiment.plant_changes import Schedule
-from experiment_manager.experiment.reach import check_reach
-from experiment_manager.experiment.sections import (
-    DEFAULTS,
-    Configuration,
-    by_key,
-    by_section,
-    completed,
-    config_of,
-)
 from experiment_manager.preparation.profiles import Profile, read_profile
 from experiment_manager.preparation.request import (
     ITERATIONS,
@@ -23,6 +13,16 @@ from experiment_manager.preparation.request import (
     WEIGHT,
     Given,
     RunRequest,
+)
+from experiment_manager.reach import check_reach
+from experiment_manager.schedule import Schedule
+from experiment_manager.sections import (
+    DEFAULTS,
+    Configuration,
+    by_key,
+    by_section,
+    completed,
+    config_of,
 )
 from eye_plant import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import count_stimuli

@@ -7,19 +7,11 @@ from typing import Any
 
 import msgspec
 
-from experiment_manager.experiment.protocol import Protocol, protocol_of
-from experiment_manager.experiment.sections import (
-    CONFIG_CLASSES,
-    Configuration,
-    by_key,
-    by_section,
-    completed,
-    config_of,
-)
 from experiment_manager.measures.trials import TrialTable
 from experiment_manager.preparation.configuration import configuration_with, schedule_of
 from experiment_manager.preparation.profiles import read_profile
 from experiment_manager.preparation.request import ITERATIONS, TESTS, RunRequest
+from experiment_manager.protocol import Protocol, protocol_of
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
 from experiment_manager.run.config_file import (
@@ -30,6 +22,14 @@ from experiment_manager.run.config_file import (
 )
 from experiment_manager.run.progress import Progress
 from experiment_manager.run.run_directory import TRIALS_FILE, TRIALS_KIND
+from experiment_manager.sections import (
+    CONFIG_CLASSES,
+    Configuration,
+    by_key,
+    by_section,
+    completed,
+    config_of,
+)
 from lockstep import InputError, read_state, write_state
 from lockstep.durable_files import replace_file
 from sparse_coder import SparseCoder

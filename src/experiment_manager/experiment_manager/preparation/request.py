@@ -5,8 +5,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from experiment_manager.experiment.config import MODELS
-from experiment_manager.experiment.sections import DEFAULTS, SECTIONS
+from experiment_manager.config import MODELS
+from experiment_manager.sections import DEFAULTS, SECTIONS
 from lockstep import InputError
 from lockstep.nearest import did_you_mean
 

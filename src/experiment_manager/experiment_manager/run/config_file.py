@@ -8,13 +8,13 @@ from typing import Any
 
 import yaml
 
-from experiment_manager.experiment.sections import (
+from experiment_manager.run.checkpoint import Manifest
+from experiment_manager.sections import (
     DEFAULTS,
     SHARED_CLASSES,
     Configuration,
     completed,
 )
-from experiment_manager.run.checkpoint import Manifest
 from lockstep import InputError
 from lockstep.yaml_text import load_yaml
 

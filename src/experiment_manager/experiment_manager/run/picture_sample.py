@@ -1,6 +1,6 @@
 """Which episodes' pictures and features are recorded. No ROS."""
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.config import ExperimentManagerConfig
 from eye_plant import Episode
 from lockstep.wire.topics import TRAINING
 

@@ -1,6 +1,6 @@
 """Which topics are recorded: of each observation, whenever they come, or of a sample. No ROS."""
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.config import ExperimentManagerConfig
 from lockstep.wire.topics import (
     CODER_VECTORS,
     GAZE,

@@ -11,14 +11,7 @@ from typing import Any
 import msgspec
 
 from experiment_manager.bag.writer import BagWriter
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.experiment.reach import check_reach
-from experiment_manager.experiment.sections import (
-    DEFAULTS,
-    Configuration,
-    sections_of_nodes,
-)
+from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import arrays_of, from_arrays, write_trials
 from experiment_manager.measures.results import (
@@ -29,6 +22,8 @@ from experiment_manager.measures.results import (
 )
 from experiment_manager.measures.tables import summary_line
 from experiment_manager.measures.trials import TrialTable
+from experiment_manager.protocol import make_protocol
+from experiment_manager.reach import check_reach
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
 from experiment_manager.run.config_file import (
@@ -40,7 +35,12 @@ from experiment_manager.run.config_file import (
 )
 from experiment_manager.run.picture_sample import is_sampled
 from experiment_manager.run.progress import Progress
-from experiment_manager.terminal.progress_bar import ProgressBar
+from experiment_manager.run.progress_bar import ProgressBar
+from experiment_manager.sections import (
+    DEFAULTS,
+    Configuration,
+    sections_of_nodes,
+)
 from eye_plant import Episode
 from eye_plant.config import EyesConfig
 from lockstep import InputError, flatten, read_state, write_state

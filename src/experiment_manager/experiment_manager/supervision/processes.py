@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 
 from experiment_manager.run.config_file import CONFIG_FILE
-from experiment_manager.terminal.progress_bar import TERMINAL_VARIABLE
+from experiment_manager.run.progress_bar import TERMINAL_VARIABLE
 from lockstep.machine.own_process import die_with
 
 PACKAGES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")

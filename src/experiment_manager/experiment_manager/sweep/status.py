@@ -4,14 +4,14 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.protocol import Protocol, make_protocol
-from experiment_manager.experiment.sections import config_of
+from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.measures.results import Summary, read_results
 from experiment_manager.measures.tables import text_table
+from experiment_manager.protocol import Protocol, make_protocol
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import read_configuration
 from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
+from experiment_manager.sections import config_of
 from experiment_manager.sweep.sweep_run import SweepRun
 
 _COLUMNS = ("run", "state", "iterations", "it/s", "time left", "last test")

@@ -9,9 +9,9 @@ from typing import Any
 
 import yaml
 
-from experiment_manager.experiment.sections import SECTIONS
 from experiment_manager.preparation.request import OPTIONS, RunRequest
 from experiment_manager.preparation.written_values import number, whole_number, whole_numbers
+from experiment_manager.sections import SECTIONS
 from lockstep import InputError
 from lockstep.nearest import did_you_mean
 from lockstep.yaml_text import load_yaml

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.sections import Configuration, config_of
-from experiment_manager.in_process.loop import Step, make_loop
-from experiment_manager.in_process.step_messages import StepMessages
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.loop import Step, make_loop
 from experiment_manager.run.attempt import goes_on
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.picture_sample import takes_pictures
 from experiment_manager.run.run_directory import Run
+from experiment_manager.sections import Configuration, config_of
+from experiment_manager.step_messages import StepMessages
 from eye_plant import Episode, EyePlantConfig
 from lockstep import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED

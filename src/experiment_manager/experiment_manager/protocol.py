@@ -10,10 +10,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.experiment.plant_changes import Change, Schedule, read_schedule
-from experiment_manager.experiment.sections import config_of
-from experiment_manager.experiment.starts import Starts, conditions, starts
+from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
+from experiment_manager.schedule import Change, Schedule, read_schedule
+from experiment_manager.sections import config_of
+from experiment_manager.starts import Starts, conditions, starts
 from eye_plant import Episode
 from lockstep import InputError, generator
 from lockstep.wire.topics import TEST, TRAINING

@@ -6,9 +6,9 @@ from typing import TextIO
 
 from tqdm import tqdm
 
-from experiment_manager.experiment.protocol import Protocol
-from experiment_manager.terminal.lasting_output import lasting
-from experiment_manager.terminal.progress_lines import progress
+from experiment_manager.protocol import Protocol
+from lockstep.machine.lasting_output import lasting
+from lockstep.machine.progress_lines import progress
 
 # The number of an open file to draw on, from a parent whose standard error is not this process's.
 TERMINAL_VARIABLE = "ABV_TERMINAL_FD"

@@ -7,7 +7,7 @@ configuration is made of all three, so its parameters have the same names withou
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
+from experiment_manager.config import ExperimentManagerConfig
 from eye_plant import EyePlantConfig
 from eye_plant.config import EyesConfig
 from lockstep import InputError, build, flatten

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from experiment_manager.experiment.config import ProtocolConfig
+from experiment_manager.config import ProtocolConfig
 from eye_plant import GazeInverse, Inverse, desired_vergence_deg
 from eye_plant import fixation_distance_m as distance_of_vergence_m
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES

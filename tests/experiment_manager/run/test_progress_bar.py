@@ -4,10 +4,10 @@ import io
 
 import pytest
 
-from experiment_manager.experiment.config import ExperimentManagerConfig
-from experiment_manager.experiment.protocol import make_protocol
+from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.protocol import make_protocol
+from experiment_manager.run.progress_bar import ProgressBar
 from experiment_manager.terminal import progress_bar
-from experiment_manager.terminal.progress_bar import ProgressBar
 
 
 def test_the_trials_left_are_in_the_bar(monkeypatch: pytest.MonkeyPatch) -> None:

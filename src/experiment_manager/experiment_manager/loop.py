@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.experiment.sections import config_of
+from experiment_manager.sections import config_of
 from eye_plant import Episode, EyePlant, EyePlantConfig, Observation, StimulusSet
 from lockstep import InputError, read_state, write_state
 from lockstep.wire.topics import TRAINING
@@ -41,7 +41,7 @@ class InProcessLoop:
 
     Example:
         >>> import numpy as np
-        >>> from experiment_manager.in_process.loop import make_loop
+        >>> from experiment_manager.loop import make_loop
         >>> from eye_plant import Episode, StimulusSet
         >>> noise = np.random.default_rng(0).integers(0, 256, (2, 64, 64), np.uint8)
         >>> loop = make_loop({}, StimulusSet((noise[0],), (noise[1],)))

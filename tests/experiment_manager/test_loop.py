@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiment_manager.in_process.loop import make_loop
+from experiment_manager.loop import make_loop
 from eye_plant import Episode, StimulusSet
 from lockstep.wire.topics import TRAINING
 from tests.pair import pair_activations

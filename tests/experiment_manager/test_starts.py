@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.experiment.protocol import make_protocol
-from experiment_manager.experiment.starts import (
+from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
+from experiment_manager.protocol import make_protocol
+from experiment_manager.starts import (
     GazeStarts,
     conditions,
     draw_angles_deg,

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiment_manager.experiment.config import (
+from experiment_manager.config import (
     PAPER_TEST_ITERATIONS,
     ExperimentManagerConfig,
     ProtocolConfig,
 )
-from experiment_manager.experiment.plant_changes import Schedule
-from experiment_manager.experiment.protocol import Protocol, make_protocol
-from experiment_manager.experiment.starts import PairStarts, conditions
+from experiment_manager.protocol import Protocol, make_protocol
+from experiment_manager.schedule import Schedule
+from experiment_manager.starts import PairStarts, conditions
 from eye_plant import Episode
 from lockstep import InputError
 from lockstep.wire.topics import TEST, TRAINING

@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 
-from experiment_manager.terminal.lasting_output import lasting
+from lockstep.machine.lasting_output import lasting
 
 
 def test_a_reader_that_leaves_is_not_missed() -> None:
@@ -22,7 +22,7 @@ def test_a_reader_that_leaves_is_not_missed() -> None:
 def test_streams_that_were_closed_from_the_start_go_nowhere() -> None:
     code = (
         "import sys;"
-        "from experiment_manager.terminal.lasting_output import ignore_broken_pipes;"
+        "from lockstep.machine.lasting_output import ignore_broken_pipes;"
         "ignore_broken_pipes(); print('lost'); print('lost', file=sys.stderr, flush=True);"
         "sys.exit(sys.stderr.fileno() + 40)"
     )

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from experiment_manager.in_process.loop import Step
+from experiment_manager.loop import Step
 from eye_plant import EyePlantConfig
 from eye_plant.messages import ObservationMessages
 from lockstep.wire.images import ImageBytes

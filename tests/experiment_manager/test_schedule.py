@@ -2,15 +2,15 @@ from dataclasses import replace
 
 import pytest
 
-from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.experiment.plant_changes import (
+from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
+from experiment_manager.protocol import Protocol, make_protocol
+from experiment_manager.schedule import (
     Change,
     Schedule,
     parse_schedule,
     read_schedule,
 )
-from experiment_manager.experiment.protocol import Protocol, make_protocol
-from experiment_manager.experiment.starts import PairStarts
+from experiment_manager.starts import PairStarts
 from eye_plant import EyePlantConfig
 from eye_plant.mechanics.model import N_MUSCLES
 from lockstep import InputError, build

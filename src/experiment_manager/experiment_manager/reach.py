@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.experiment.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.experiment.plant_changes import read_schedule
-from experiment_manager.experiment.sections import config_of
-from experiment_manager.experiment.starts import (
+from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
+from experiment_manager.schedule import read_schedule
+from experiment_manager.sections import config_of
+from experiment_manager.starts import (
     Condition,
     conditions,
     gaze_inverse,

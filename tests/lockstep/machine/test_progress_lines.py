@@ -5,7 +5,7 @@ import io
 import pytest
 
 from experiment_manager.terminal import progress_lines
-from experiment_manager.terminal.progress_lines import progress
+from lockstep.machine.progress_lines import progress
 
 
 class _Terminal(io.StringIO):
