@@ -1,8 +1,10 @@
 """Which packages and modules may import what (CONTRIBUTING.md, "Where things are")."""
 
+import ast
 import subprocess
 import sys
 from collections.abc import Iterator
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -11,11 +13,20 @@ from tests.imported_names import imported_names
 
 SRC = Path(__file__).parents[2] / "src"
 SCIENCE = ("eye_plant", "sparse_coder", "vergence_rl")
+# The arrows of the packages: each may import these others.
+MAY_IMPORT: dict[str, tuple[str, ...]] = {
+    "lockstep": (),
+    "eye_plant": ("lockstep",),
+    "sparse_coder": ("lockstep",),
+    "vergence_rl": ("lockstep",),
+    "experiment_manager": ("lockstep", *SCIENCE),
+    "active_binocular_vision": ("lockstep", *SCIENCE, "experiment_manager"),
+}
 ROS = ("rclpy", "rosgraph_msgs", "rcl_interfaces", "builtin_interfaces")
 
 
 def modules() -> Iterator[Path]:
-    for package in ("lockstep", *SCIENCE, "experiment_manager", "active_binocular_vision"):
+    for package in MAY_IMPORT:
         yield from (SRC / package / package).rglob("*.py")
 
 
@@ -42,9 +53,37 @@ def test_importing_a_package_imports_no_ros() -> None:
     assert set(done.stdout.split()).isdisjoint(ROS)
 
 
-@pytest.mark.parametrize("package", SCIENCE)
-def test_a_package_of_science_imports_no_other(package: str) -> None:
-    others = {*SCIENCE, "experiment_manager", "active_binocular_vision"} - {package}
+@pytest.mark.parametrize("package", [*MAY_IMPORT])
+def test_packages_import_downwards(package: str) -> None:
+    others = set(MAY_IMPORT) - {package, *MAY_IMPORT[package]}
     found = {str(m): imported_names(m) & others for m in (SRC / package / package).rglob("*.py")}
     assert found
     assert {module: names for module, names in found.items() if names} == {}
+
+
+def _folder(name: str) -> str | None:
+    """Return the folder of an imported name; a module at a package's root is one of its own."""
+    path = SRC.joinpath(name.partition(".")[0], *name.split("."))
+    while not (path.is_dir() or path.with_suffix(".py").is_file()):
+        path = path.parent
+    parts = path.relative_to(SRC).parts[1:]
+    if not parts or path.is_dir():
+        return ".".join(parts) or None
+    return ".".join(parts if len(parts) == 2 else parts[:-1])
+
+
+def test_folders_import_without_a_circle() -> None:
+    graph: dict[str, set[str]] = {}
+    for module in modules():
+        here = _folder(".".join(module.relative_to(SRC).with_suffix("").parts[1:]))
+        for node in ast.walk(ast.parse(module.read_text())):
+            if not isinstance(node, ast.ImportFrom) or not node.module:
+                continue
+            if node.module.partition(".")[0] not in MAY_IMPORT:
+                continue
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+            if here:
+                graph.setdefault(here, set()).update(
+                    there for name in names if (there := _folder(name)) and there != here
+                )
+    list(TopologicalSorter(graph).static_order())  # raises CycleError with the folders

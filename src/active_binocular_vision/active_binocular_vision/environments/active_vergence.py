@@ -59,7 +59,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         """Set up plant and coder.
 
         profile: by name, as --profile of run_experiment.sh; model: M, or M_C with a price on
-        energy, None for the profile's; settings: {"NODE.PARAMETER": value}, as its --set;
+        energy, None for the profile's; settings: {"SECTION.NAME": value}, as its --set;
         coder_state: sparse_coder.npz of a checkpoint, to begin with; action_scale: change of either
         activation that an action of 1 makes.
         Raises InputError for whatever run_experiment.sh would refuse.
