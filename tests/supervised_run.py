@@ -6,9 +6,9 @@ import signal
 import time
 from collections.abc import Callable, Collection, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import psutil
 
@@ -156,7 +156,10 @@ def differences(one: Path, other: Path) -> list[str]:
             elif a.tobytes() != b.tobytes():
                 rows = np.flatnonzero((a != b).reshape(len(a), -1).any(axis=1))
                 found.append(f"{topic}.{field}: {len(rows)} rows from row {rows[:1]}")
-    results = [replace(read_results(path / RESULTS_FILE), commit="") for path in (one, other)]
+    results = [
+        msgspec.structs.replace(read_results(path / RESULTS_FILE), commit="")
+        for path in (one, other)
+    ]
     if results[0] != results[1]:
         found.append(RESULTS_FILE)
     return found
