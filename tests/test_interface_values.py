@@ -14,7 +14,7 @@ from experiment_manager.sections import config_of
 from experiment_manager.step_messages import StepMessages
 from eye_plant import Episode, EyePlantConfig
 from eye_plant.camera.config import CameraConfig
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import MUSCLE_NAMES
 from lockstep.wire.topics import TEST, TRAINING

@@ -12,8 +12,8 @@ from experiment_manager.config import (
     ExperimentManagerConfig,
     ProtocolConfig,
 )
+from experiment_manager.plant_changes import Schedule
 from experiment_manager.protocol import Protocol, make_protocol
-from experiment_manager.schedule import Schedule
 from experiment_manager.starts import PairStarts, conditions
 from eye_plant import Episode
 from lockstep import InputError

@@ -17,7 +17,7 @@ from experiment_manager.starts import (
 )
 from eye_plant.camera.config import CameraConfig
 from eye_plant.inverse.gaze import GAZE_ANGLES
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from lockstep import ALL_MUSCLES, HORIZONTAL_RECTI, InputError, build, flatten
 from lockstep.wire.topics import TEST
 

@@ -6,7 +6,7 @@ from typing import Any
 from sensor_msgs.msg import Image, JointState
 
 from eye_plant import Episode
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.node.plant_node import EyePlantNode
 from lockstep.wire.stamps import period_ns
 from lockstep.wire.topics import MEAN_METABOLIC_RATES, PICTURES, PLANT_VECTORS, TRAINING

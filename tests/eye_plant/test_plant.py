@@ -7,7 +7,7 @@ import pytest
 
 from eye_plant import Episode, EyePlant, EyePlantConfig, StimulusSet
 from eye_plant.config import changed
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.stimuli.stereograms import random_dot_stereograms
 from lockstep import ALL_MUSCLES, MUSCLE_NAMES, InputError
 from tests.pair import HORIZONTAL_RECTI, pair_activations

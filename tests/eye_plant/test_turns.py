@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.turns import NO_TURNS_DEG, eye_rotations, turned
 

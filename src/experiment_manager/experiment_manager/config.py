@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from experiment_manager.schedule import check_places, read_schedule
+from experiment_manager.plant_changes import check_places, read_schedule
 from eye_plant import EyePlantConfig
 from eye_plant.config import EyesConfig
 from eye_plant.inverse.pair import Limits as PairLimits

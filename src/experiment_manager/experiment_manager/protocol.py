@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.schedule import Change, Schedule, read_schedule
+from experiment_manager.plant_changes import Change, Schedule, read_schedule
 from experiment_manager.sections import config_of
 from experiment_manager.starts import Starts, conditions, starts
 from eye_plant import Episode

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.schedule import read_schedule
+from experiment_manager.plant_changes import read_schedule
 from experiment_manager.sections import config_of
 from experiment_manager.starts import (
     Condition,
@@ -20,7 +20,7 @@ from experiment_manager.starts import (
 from eye_plant import EyePlantConfig, Inverse, desired_vergence_deg
 from eye_plant.inverse.least_cost import check_tabled
 from eye_plant.inverse.pair import Limits
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.turns import TurnsDeg
 from lockstep import PAIR, InputError
 

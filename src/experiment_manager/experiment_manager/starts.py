@@ -15,7 +15,7 @@ from experiment_manager.config import ProtocolConfig
 from eye_plant import GazeInverse, Inverse, desired_vergence_deg
 from eye_plant import fixation_distance_m as distance_of_vergence_m
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.turns import NO_TURNS_DEG, TurnsDeg
 from lockstep import PAIR, generator
 

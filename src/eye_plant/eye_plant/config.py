@@ -6,7 +6,7 @@ from typing import Any
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.inverse.least_cost import CostOfVergence, cost_of_vergence
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig
 from eye_plant.turns import TurnsDeg
 from lockstep import InputError, build, check_settings, flatten, setting

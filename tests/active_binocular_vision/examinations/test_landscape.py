@@ -11,7 +11,7 @@ from active_binocular_vision.learners.basis_functions import left_share
 from active_binocular_vision.learners.session import Session
 from experiment_manager.loop import InProcessLoop
 from eye_plant import EyePlant, EyePlantConfig, StimulusSet
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from lockstep import read_state
 from sparse_coder import SparseCoder, SparseCoderConfig
 from vergence_rl import Agent, VergenceRlConfig

@@ -11,7 +11,7 @@ from active_binocular_vision.figures.motor_space import (
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import groups_of
 from eye_plant.inverse.pair import Inverse
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 
 
 def test_the_motor_space_is_that_of_the_plant() -> None:

@@ -16,7 +16,7 @@ from experiment_manager.bag.reader import Bag
 from experiment_manager.node import requests as node_requests
 from experiment_manager.node.manager_node import ExperimentManagerNode
 from experiment_manager.run.recorded_topics import SMALL_TOPICS
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from lockstep import InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_UNWRITABLE
 from lockstep.wire.qos import LOCKSTEP_QOS

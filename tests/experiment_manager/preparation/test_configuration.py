@@ -8,8 +8,8 @@ import yaml
 
 from active_binocular_vision.commands.command_line import arguments
 from active_binocular_vision.commands.run_experiment import main as run_experiment
+from experiment_manager.plant_changes import read_schedule
 from experiment_manager.run.config_file import configuration_text, read_configuration
-from experiment_manager.schedule import read_schedule
 from experiment_manager.sections import CONFIG_CLASSES, DEFAULTS, config_of
 from lockstep import InputError
 from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS

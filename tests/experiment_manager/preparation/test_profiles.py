@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from experiment_manager.loop import make_loop
+from experiment_manager.plant_changes import Change, Schedule
 from experiment_manager.preparation.profiles import (
     Profile,
     parse_profile,
@@ -13,7 +14,6 @@ from experiment_manager.preparation.profiles import (
     read_profile,
 )
 from experiment_manager.protocol import protocol_of
-from experiment_manager.schedule import Change, Schedule
 from experiment_manager.sections import config_of
 from eye_plant import EyePlantConfig
 from eye_plant.mechanics.oculomotor import Oculomotor

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from eye_plant.export.__main__ import export, main
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import MUSCLE_NAMES, InputError
 from lockstep.command_space import MUSCLES

@@ -8,7 +8,7 @@ from eye_plant import GazeInverse
 from eye_plant.gaze_error import gaze_error
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES
 from eye_plant.inverse.least_cost import cost_of_vergence
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI, PAIR, InputError
 

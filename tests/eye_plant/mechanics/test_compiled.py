@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from eye_plant.mechanics.compiled import addresses_of, creep_to_rest, step_and_trace
-from eye_plant.mechanics.model import MechanicsConfig, build_spec
+from eye_plant.mechanics.mujoco_model import MechanicsConfig, build_spec
 
 
 @pytest.fixture(params=["k17", "anatomical"])

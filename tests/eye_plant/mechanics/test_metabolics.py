@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from eye_plant.mechanics.metabolics import MetabolicTerms, metabolic_terms
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.mechanics.parameters import Energetics
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from eye_plant.mechanics.model import MechanicsConfig
 from eye_plant.mechanics.movement import Movement, angles_deg, movements
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 
 

@@ -2,7 +2,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from eye_plant.mechanics.model import MechanicsConfig, build_spec
+from eye_plant.mechanics.mujoco_model import MechanicsConfig, build_spec
 from eye_plant.mechanics.muscle_curves import force_length, passive_force_length
 from lockstep import MUSCLE_NAMES
 

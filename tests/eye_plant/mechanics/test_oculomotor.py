@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from eye_plant.mechanics.model import build_spec
+from eye_plant.mechanics.mujoco_model import build_spec
 from eye_plant.mechanics.oculomotor import MechanicsConfig, Oculomotor, OculomotorState
 from lockstep import MUSCLE_NAMES
 

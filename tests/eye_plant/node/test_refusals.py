@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep.wire.topics import GROUND_TRUTH_NAMES
 from tests.eye_plant.plant_bench import (

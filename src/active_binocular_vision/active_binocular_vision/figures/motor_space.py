@@ -23,7 +23,7 @@ from active_binocular_vision.runs.groups import Group
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.trials import Trials
 from eye_plant import desired_vergence_deg
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep.command_space import HIGHEST_ACTIVATIONS
 

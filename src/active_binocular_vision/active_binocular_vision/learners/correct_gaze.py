@@ -11,7 +11,7 @@ from experiment_manager.starts import Activations, gaze_inverse
 from eye_plant import Inverse, desired_vergence_deg
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, LeastCost
 from eye_plant.inverse.pair import FULL_RANGE
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.turns import NO_TURNS_DEG, TurnsDeg, turned
 from lockstep import PAIR, InputError

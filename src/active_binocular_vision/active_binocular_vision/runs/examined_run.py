@@ -19,7 +19,7 @@ from active_binocular_vision.learners.shown import OWN_TEST_STIMULI
 from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE, FinishedRun
 from active_binocular_vision.runs.groups import Common
 from experiment_manager.measures.results import Summary
-from experiment_manager.schedule import read_schedule
+from experiment_manager.plant_changes import read_schedule
 from experiment_manager.sections import config_of
 from lockstep import InputError, build, flatten
 from lockstep.durable_files import replace_file

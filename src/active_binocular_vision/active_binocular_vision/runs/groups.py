@@ -16,7 +16,7 @@ from experiment_manager.run.config_file import (
     RUN_SECTION,
 )
 from experiment_manager.sections import DEFAULTS, completed
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from lockstep import InputError
 
 _STIMULI, _PROFILE = "eye_plant.stimuli.directory", "experiment_manager.profile"

@@ -7,12 +7,12 @@ from functools import lru_cache
 from typing import Any, Self
 
 from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.schedule import Schedule, read_schedule
+from experiment_manager.plant_changes import Schedule, read_schedule
 from experiment_manager.sections import DEFAULTS, EYES, TASK, config_of
 from eye_plant import EyePlantConfig, Inverse, fixation_distance_m
 from eye_plant.config import changed
 from eye_plant.mechanics.metabolics import silent_activation
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.vergence import degrees_per_px
 from lockstep import InputError
 from lockstep.wire.topics import TEST

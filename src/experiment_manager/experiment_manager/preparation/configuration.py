@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from experiment_manager.plant_changes import Schedule
 from experiment_manager.preparation.profiles import Profile, read_profile
 from experiment_manager.preparation.request import (
     ITERATIONS,
@@ -15,7 +16,6 @@ from experiment_manager.preparation.request import (
     RunRequest,
 )
 from experiment_manager.reach import check_reach
-from experiment_manager.schedule import Schedule
 from experiment_manager.sections import (
     DEFAULTS,
     Configuration,

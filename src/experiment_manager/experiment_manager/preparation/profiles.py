@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from experiment_manager.schedule import Schedule, parse_schedule
+from experiment_manager.plant_changes import Schedule, parse_schedule
 from lockstep import InputError
 from lockstep.nearest import did_you_mean
 from lockstep.yaml_text import load_yaml

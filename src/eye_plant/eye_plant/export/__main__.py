@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from eye_plant.export.mjcf import mjcf
-from eye_plant.mechanics.model import PARAMETER_SETS
+from eye_plant.mechanics.mujoco_model import PARAMETER_SETS
 from lockstep import InputError
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import is_free

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from eye_plant.camera.config import CameraConfig
-from eye_plant.mechanics.model import MechanicsConfig, build_spec
+from eye_plant.mechanics.mujoco_model import MechanicsConfig, build_spec
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import SIDES
 

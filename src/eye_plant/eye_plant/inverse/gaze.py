@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 from eye_plant.gaze_error import gaze_error
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.turns import NO_TURNS_DEG, TurnsDeg, turned
 from lockstep import ALL_MUSCLES, HORIZONTAL_RECTI, CommandSpace, InputError

@@ -7,7 +7,7 @@ import numpy as np
 
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, GazeInverse, LeastCost
 from eye_plant.inverse.pair import Inverse, Limits, pair_limits
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.turns import NO_TURNS_DEG, TurnsDeg
 from eye_plant.vergence import fixation_distance_m
 from lockstep import COMMAND_SPACES, PAIR, InputError

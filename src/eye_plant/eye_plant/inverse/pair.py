@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import InputError
 

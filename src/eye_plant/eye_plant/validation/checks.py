@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import root
 
 from eye_plant.inverse.pair import Inverse
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.mechanics.parameters import GRAM_FORCE_N
 from eye_plant.validation.saccades import PULSES, Saccade, holding_pair, make_saccade

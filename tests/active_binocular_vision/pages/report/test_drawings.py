@@ -20,8 +20,8 @@ from active_binocular_vision.figures.motor_space import (
 from active_binocular_vision.pages.report.drawings import drawings
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import groups_of
-from experiment_manager.schedule import read_schedule
-from eye_plant.mechanics.model import MechanicsConfig
+from experiment_manager.plant_changes import read_schedule
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from tests.active_binocular_vision.changed_runs import priced
 from tests.readable import assert_readable, drawn_texts
 

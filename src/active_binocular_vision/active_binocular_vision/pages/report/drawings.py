@@ -19,7 +19,7 @@ from active_binocular_vision.figures.pictures import anaglyph_figure, encoding_f
 from active_binocular_vision.figures.price import over_prices, price_figure
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group
-from eye_plant.mechanics.model import MechanicsConfig
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from lockstep import read_state
 
 # More than these cannot be told apart in one plane of activations; they are chosen evenly.

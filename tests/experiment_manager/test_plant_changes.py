@@ -3,16 +3,16 @@ from dataclasses import replace
 import pytest
 
 from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.protocol import Protocol, make_protocol
-from experiment_manager.schedule import (
+from experiment_manager.plant_changes import (
     Change,
     Schedule,
     parse_schedule,
     read_schedule,
 )
+from experiment_manager.protocol import Protocol, make_protocol
 from experiment_manager.starts import PairStarts
 from eye_plant import EyePlantConfig
-from eye_plant.mechanics.model import N_MUSCLES
+from eye_plant.mechanics.mujoco_model import N_MUSCLES
 from lockstep import InputError, build
 from lockstep.wire.topics import TEST, TRAINING
 from tests.pair import pair_activations
