@@ -16,16 +16,14 @@ from experiment_manager.bag.mcap_file import McapFile
 from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.writer import BagWriter
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, TEST
+from tests.config_text import config_text
 
 VECTOR = "sensor_msgs/msg/JointState"
 IMAGE = "sensor_msgs/msg/Image"
 PERIOD_NS = 100_000_000
 
 
-CONFIGURATION = """/**:
-  ros__parameters:
-    iterations_per_trial: 2
-"""
+CONFIGURATION = config_text(task={"iterations_per_trial": 2})
 
 
 @pytest.fixture

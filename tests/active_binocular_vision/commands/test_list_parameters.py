@@ -11,7 +11,7 @@ from lockstep import flatten
 @pytest.mark.parametrize("node", CONFIG_CLASSES)
 def test_a_parameter_file_holds_the_defaults(node: str) -> None:
     sections = yaml.safe_load(parameter_file([node]))
-    assert list(sections) == [f"/**/{node}", "/**"]
+    assert list(sections) == ["/**/*", f"/**/{node}"]
     values = [section["ros__parameters"] or {} for section in sections.values()]
     assert not values[0].keys() & values[1].keys()
     assert values[0] | values[1] == flatten(CONFIG_CLASSES[node]())

@@ -285,7 +285,7 @@ def test_bad_reset_options_are_one_error(bare, options, message) -> None:
         ({"settings": {"eye_plant.no_such": 1}}, "no_such"),
         (
             {"settings": {"nobody.seed": 1}},
-            r"settings\['nobody.seed'\]: expected NODE.PARAMETER with",
+            r"settings\['nobody.seed'\]: expected SECTION.NAME with",
         ),
         ({"action_scale": 0.0}, "action_scale: expected more than 0, at most 1, got 0.0"),
         ({"render_mode": "human"}, "render_mode: expected None or rgb_array"),

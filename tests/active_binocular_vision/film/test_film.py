@@ -23,6 +23,7 @@ from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.writer import BagWriter
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TEST, TRAINING
+from tests.config_text import config_text
 from tests.pair import HORIZONTAL_RECTI
 from tests.readable import assert_readable
 
@@ -37,11 +38,12 @@ def _grey(episode: int, iteration: int, side: int) -> int:
     return 40 + 50 * episode + 8 * iteration + 20 * side
 
 
-TWELVE = """/**:
-  ros__parameters:
-    command_space: all_muscles
-    lowest_activations: [0.0]
-"""
+OF_TWELVE = {
+    "command_space": "all_muscles",
+    "lowest_activations": [0.0],
+    "highest_activations": [0.2],
+}
+TWELVE = config_text(task=OF_TWELVE)
 
 
 @pytest.fixture
@@ -51,16 +53,11 @@ def bag(tmp_path, vector_bytes, image_bytes) -> Path:
     return _write(tmp_path / "bag", muscles, vector_bytes, image_bytes)
 
 
-OWN_TARGETS = (
-    TWELVE
-    + """    fixation_iterations: 6
-    iterations_per_episode: 12
-    iterations_per_trial: 12
-/**/experiment_manager:
-  ros__parameters:
-    test_iterations: [0]
-    gives_targets: false
-"""
+OWN_TARGETS = config_text(
+    task=OF_TWELVE
+    | {"fixation_iterations": 6, "iterations_per_episode": 12, "iterations_per_trial": 12}
+    | {"n_training_iterations": 12},
+    experiment_manager={"gives_targets": False, "test_iterations": [0]},
 )
 
 
@@ -76,7 +73,7 @@ def _write(
     muscles: dict[str, float],
     vector_bytes: Callable[..., bytes],
     image_bytes: Callable[..., bytes],
-    configuration: str = "",
+    configuration: str = config_text(),
 ) -> Path:
     topics = {"ground_truth": VECTOR, "muscle_activations": VECTOR} | dict.fromkeys(PICTURES, IMAGE)
     with BagWriter(

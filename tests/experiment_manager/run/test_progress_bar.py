@@ -6,8 +6,8 @@ import pytest
 
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.protocol import make_protocol
+from experiment_manager.run import progress_bar
 from experiment_manager.run.progress_bar import ProgressBar
-from experiment_manager.terminal import progress_bar
 
 
 def test_the_trials_left_are_in_the_bar(monkeypatch: pytest.MonkeyPatch) -> None:

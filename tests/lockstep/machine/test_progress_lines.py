@@ -4,7 +4,7 @@ import io
 
 import pytest
 
-from experiment_manager.terminal import progress_lines
+from lockstep.machine import progress_lines
 from lockstep.machine.progress_lines import progress
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import yaml
 
+from experiment_manager.run.config_file import EVERY_NODE
 from experiment_manager.sections import CONFIG_CLASSES, DEFAULTS, SHARED_CLASSES
 from lockstep.command_line import CommandLine
 from lockstep.settings import Declaration, Setting, declarations
@@ -36,22 +37,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def parameter_file(nodes: Sequence[str]) -> str:
     """Return the text of a parameter file of nodes: each parameter explained, at its default.
 
-    What several nodes read, the task and the eyes, stands once, under /**.
+    What several nodes read, the task and the eyes, stands once, for every node.
     """
     declared = {node: declarations(CONFIG_CLASSES[node]) for node in nodes}
     known = {d.name for of_node in declared.values() for d in of_node}
-    lines: list[str] = []
+    lines = ["# The task and the eyes, as every node reads them.", f"{EVERY_NODE}:"]
+    lines.append("  ros__parameters:")
+    for section, kind in SHARED_CLASSES.items():
+        for d in declarations(kind):
+            if d.name in known:
+                lines += _explained(d, DEFAULTS[section])
     for node, of_node in declared.items():
         lines += [f"/**/{node}:", "  ros__parameters:"]
         for d in of_node:
             if d.name in DEFAULTS[node]:
                 lines += _explained(d, DEFAULTS[node])
-    # Last, so that -p takes precedence over the sections of the nodes, too.
-    lines += ["# The task and the eyes, as every node reads them.", "/**:", "  ros__parameters:"]
-    for section, kind in SHARED_CLASSES.items():
-        for d in declarations(kind):
-            if d.name in known:
-                lines += _explained(d, DEFAULTS[section])
     return "\n".join(lines) + "\n"
 
 

@@ -21,7 +21,8 @@ from lockstep.yaml_text import load_yaml
 CONFIG_FILE = "config.yaml"
 # The pseudo-node of config.yaml that says what the run is; no ROS node has this name.
 RUN_SECTION = "run"
-_EVERY_NODE, _PARAMETERS = "/**", "ros__parameters"
+# Not "/**": ROS puts what -p says there, beside the file's value, and reads the one of its type.
+EVERY_NODE, _PARAMETERS = "/**/*", "ros__parameters"
 # What may differ between a run and its resumption without touching a number of it.
 FREE_TO_CHANGE = {
     "experiment_manager": {
@@ -59,12 +60,11 @@ def text_of_continuation(text: str, configuration: Configuration, more: Mapping[
         name: value for section in SHARED_CLASSES for name, value in configuration[section].items()
     }
     nodes = {
-        f"{_EVERY_NODE}/{node}": values
+        f"/**/{node}": values
         for node, values in configuration.items()
         if node not in SHARED_CLASSES
     }
-    # ROS takes the sections in this order and -p as a part of the last, so -p has precedence.
-    sections = {RUN_SECTION: run} | nodes | {_EVERY_NODE: shared}
+    sections = {RUN_SECTION: run, EVERY_NODE: shared} | nodes
     document = {name: {_PARAMETERS: values} for name, values in sections.items()}
     return yaml.safe_dump(document, sort_keys=False)
 
@@ -92,8 +92,8 @@ def read_configuration(path: Path) -> Configuration:
         text = path.read_text()
         configuration = completed(parameters_in(text))
         document = load_yaml(text) or {}
-        if _EVERY_NODE not in document:
-            raise InputError(f"expected the configuration of a run, with a section {_EVERY_NODE}")
+        if EVERY_NODE not in document:
+            raise InputError(f"expected the configuration of a run, with a section {EVERY_NODE}")
         header = document.get(RUN_SECTION, {}).get(_PARAMETERS, {})
         _check_header(header, about(configuration))
     except InputError as error:
@@ -110,7 +110,7 @@ def parameters_in(text: str) -> Configuration:
     """
     found = _parameter_file(text)
     found.pop(RUN_SECTION, None)
-    shared = found.pop(_EVERY_NODE, {})
+    shared = found.pop(EVERY_NODE, {})
     configuration: Configuration = {
         section: {name: shared.pop(name) for name in DEFAULTS[section] if name in shared}
         for section in SHARED_CLASSES
