@@ -105,9 +105,7 @@ def test_nodes_that_contradict_each_other_do_not_start(start_node, tmp_path) -> 
     for name in ("sparse_coder", "vergence_rl"):
         start_node(name)
     output = start_node("experiment_manager", *_in_run(tmp_path / "run")).finished(code=2)
-    message = (
-        "eye_plant: expected mechanics.baseline_m 0.056, as experiment_manager has it, got 0.06"
-    )
+    message = "expected mechanics.baseline_m 0.056, as experiment_manager has it, got 0.06"
     assert message in output.splitlines()[-1]
     assert not (tmp_path / "run").exists()
 
