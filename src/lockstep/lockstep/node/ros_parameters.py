@@ -15,7 +15,7 @@ Config = TypeVar("Config")
 
 # What rclpy itself declares on every node.
 OF_RCLPY = ("use_sim_time", "start_type_description_service", "qos_overrides.")
-# Of the eyes: a parameter file gives them to every node, also to one that asks for none of them.
+# Of the eyes: a parameter file gives them to every node, also to one that has no mechanics.
 OF_EYES = ("mechanics.", "camera.")
 
 
@@ -31,7 +31,8 @@ def declare_config(node: Node, config_class: type[Config]) -> Config:
         if not name.startswith(OF_RCLPY)
     }
     known = configuration.flatten(config_class())
-    given = {n: v for n, v in given.items() if n in known or not n.startswith(OF_EYES)}
+    if not any(name.startswith(OF_EYES[0]) for name in known):
+        given = {n: v for n, v in given.items() if n in known or not n.startswith(OF_EYES)}
     config = configuration.build(config_class, given)
     values = configuration.flatten(config)
     for declared in declarations(config_class):
