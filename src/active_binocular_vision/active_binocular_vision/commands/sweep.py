@@ -30,7 +30,7 @@ from lockstep.durable_files import is_free, replace_file
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
 from lockstep.machine.lasting_output import ignore_broken_pipes
 
-# Command lines, but for their last words: of a run as a process, and of a task of Slurm.
+# Command lines without their last arguments: of a run's process, and of a Slurm task.
 _START_RUN = (sys.executable, "-m", f"{__package__}.sweep_run")
 _START_SWEEP = (sys.executable, "-m", f"{__package__}.sweep")
 # Options that are sbatch's, by the name they have here.

@@ -65,7 +65,7 @@ class Findings:
         return "\n\n".join([*parts, *([self.notes] if self.notes else [])])
 
     def measures(self) -> dict[str, Any]:
-        """Return what of a document is found."""
+        """Return the measured part of the document."""
         tables = {name: [*map(record, rows)] for name, rows in self.tables.items()}
         return {"n_stimuli": self.n_stimuli, "summary": record(self.summary)} | tables
 

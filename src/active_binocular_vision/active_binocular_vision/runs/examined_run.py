@@ -53,8 +53,8 @@ class ExaminedRun:
     """One run of a condition.
 
     condition: its profile without the folder; iterations: of training; changed_at: training
-    iterations before each of its changes; final_learning_rate: of the dictionaries, 0 where they
-    come to rest; px_deg: visual angle of a pixel; curve: training iterations before each test, and
+    iterations before each of its changes; final_learning_rate: of the dictionaries, 0 if they
+    are frozen; px_deg: visual angle of a pixel; curve: training iterations before each test, and
     the median |vergence error| in it; found: by age and examination, TEST included, its document;
     common: what it has in common with other seeds.
     """

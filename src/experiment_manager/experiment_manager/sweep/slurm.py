@@ -31,8 +31,8 @@ def check(resources: Sequence[str]) -> None:
 def submit(directory: Path, array: str, task: Sequence[str], resources: Sequence[str]) -> str:
     """Submit runs of a sweep's directory as one array; return the number of the job.
 
-    array: as sbatch has it, of the runs' numbers; task: command line that makes a run, but for its
-    last word, the number; resources: sbatch's options. Raises InputError for what Slurm refuses, in
+    array: numbers of the runs, in sbatch's notation; task: command line of a run without its last
+    argument, the number; resources: sbatch's options. Raises InputError for what Slurm refuses, in
     its words.
     """
     (directory / "logs").mkdir(exist_ok=True)

@@ -24,7 +24,7 @@ from lockstep.command_space import MUSCLES
 Array = NDArray[np.float64]
 
 MAPS_VARIABLE = "ABV_OPENEYESIM_MAPS"
-# The grid of OpenEyeSim's maps, and of ours: medial and lateral activations.
+# Medial and lateral activations at which OpenEyeSim's maps and our eyes are compared.
 GRID = np.linspace(0.0, 1.0, 11)
 K17 = MechanicsConfig(parameter_set="k17")
 ANATOMICAL = MechanicsConfig(parameter_set="anatomical")

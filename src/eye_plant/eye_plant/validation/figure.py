@@ -1,4 +1,4 @@
-"""The figure that goes with the checks: six panels of ours beside what is published."""
+"""The figure that goes with the checks: six panels, our eyes beside published values."""
 
 from pathlib import Path
 from string import ascii_lowercase
