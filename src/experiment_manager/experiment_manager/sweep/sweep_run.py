@@ -82,8 +82,9 @@ class SweepRun:
         """Begin the run or go on with it; return False when somebody else is at it.
 
         start: command line of a run without its last two arguments: the number of this process,
-        with which the run dies, and the run's directory; on_start: called with the process, which may be sent
-        SIGINT to stop it with a checkpoint. Raises OSError when the log cannot be written.
+        with which the run dies, and the run's directory; on_start: called with the process, which
+        may be sent SIGINT to stop it with a checkpoint. Raises OSError when the log cannot be
+        written.
         """
         self.log.parent.mkdir(parents=True, exist_ok=True)
         with self.log.open("ab") as log:
