@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from active_binocular_vision.examinations.measure import record
-from active_binocular_vision.examinations.tuning import scale_row
+from active_binocular_vision.examinations.code.tuning import scale_row
+from active_binocular_vision.examinations.contract.measure import record
 from active_binocular_vision.learners.basis_functions import SCALES, tunings
 from active_binocular_vision.runs.conditions import Column, all_columns
 from active_binocular_vision.runs.examined_run import AGES, ExaminedRun

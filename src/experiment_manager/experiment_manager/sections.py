@@ -29,34 +29,31 @@ CONFIG_CLASSES: dict[str, type] = {
 _NODES = {config_class: node for node, config_class in CONFIG_CLASSES.items()}
 
 
-def _default_sections() -> Configuration:
-    shared = {section: flatten(kind()) for section, kind in SHARED_CLASSES.items()}
-    names = {name for values in shared.values() for name in values}
-    own = {
-        node: {name: value for name, value in flatten(kind()).items() if name not in names}
-        for node, kind in CONFIG_CLASSES.items()
-    }
-    return shared | own
-
-
-# {section: {name: default}}, which nobody changes.
-DEFAULTS = _default_sections()
-SECTIONS = tuple(DEFAULTS)
+_SHARED = {section: flatten(kind()) for section, kind in SHARED_CLASSES.items()}
+_OF_NODES = {node: flatten(kind()) for node, kind in CONFIG_CLASSES.items()}
 
 
 def section_of(node: str, name: str) -> str:
     """Return the section in which a parameter of a node stands."""
-    return next((section for section in SHARED_CLASSES if name in DEFAULTS[section]), node)
+    return next((section for section, values in _SHARED.items() if name in values), node)
+
+
+# {section: {name: default}}, which nobody changes.
+DEFAULTS: Configuration = _SHARED | {
+    node: {name: value for name, value in values.items() if section_of(node, name) == node}
+    for node, values in _OF_NODES.items()
+}
+SECTIONS = tuple(DEFAULTS)
 
 
 def values_of_node(configuration: Mapping[str, Mapping[str, Any]], node: str) -> dict[str, Any]:
     """Return all parameters of a node, by their names in ROS, that a configuration has."""
-    known = flatten(CONFIG_CLASSES[node]())
+    # A misspelt name of the task is for the node to refuse; the eyes concern some nodes alone.
     shared = {
         name: value
         for section in SHARED_CLASSES
         for name, value in configuration.get(section, {}).items()
-        if name in known or section == TASK
+        if name in _OF_NODES[node] or section == TASK
     }
     return shared | dict(configuration.get(node, {}))
 
@@ -82,7 +79,7 @@ def completed(given: Mapping[str, Mapping[str, Any]]) -> Configuration:
         for section, kind in SHARED_CLASSES.items()
     }
     for node, kind in CONFIG_CLASSES.items():
-        values = flatten(config_of(kind, {**given, node: given.get(node, {})}))
+        values = flatten(config_of(kind, given))
         complete[node] = {name: values[name] for name in DEFAULTS[node]}
     return complete
 

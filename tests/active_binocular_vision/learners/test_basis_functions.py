@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from active_binocular_vision.examinations.tuning import scale_row
+from active_binocular_vision.examinations.code.tuning import scale_row
 from active_binocular_vision.learners.basis_functions import left_share, tuning
 from tests.active_binocular_vision.learners.gabor_patch import atom, gabor_patch, shifted_wave
 

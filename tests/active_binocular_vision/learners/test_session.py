@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from active_binocular_vision.examinations.prisms import DIRECTIONS
+from active_binocular_vision.examinations.clinic.prisms import DIRECTIONS
 from active_binocular_vision.learners.session import Prism, is_fused
 from active_binocular_vision.learners.shown import Shown
 from tests.active_binocular_vision.moved_eyes import moved_eyes

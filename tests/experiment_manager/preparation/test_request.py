@@ -39,7 +39,7 @@ def test_what_is_asked_is_settings_of_parameters() -> None:
         "eyes.camera.left_blur_px": 1e-5,
         "task.highest_activations": [0.0, 0.3],
     }
-    assert settings["task.n_training_iterations"] == Given(2000, "--iterations 2e3", is_option=True)
+    assert settings["task.n_training_iterations"] == Given(2000, "--iterations 2e3")
     assert settings["task.seed"].by == "seed"
     assert RunRequest().settings() == {}
 

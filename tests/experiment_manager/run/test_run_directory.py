@@ -14,7 +14,7 @@ import pytest
 
 from active_binocular_vision.commands.evaluate import main as evaluate
 from active_binocular_vision.commands.run_experiment import main as run_experiment
-from active_binocular_vision.figures.learning_curve import learning_curve
+from active_binocular_vision.figures.runs.learning_curve import learning_curve
 from active_binocular_vision.runs.finished_run import FinishedRun
 from experiment_manager.bag.reader import Bag
 from experiment_manager.config import ExperimentManagerConfig

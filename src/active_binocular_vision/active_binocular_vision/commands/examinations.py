@@ -7,9 +7,9 @@ from typing import Any
 
 import matplotlib as mpl
 
-from active_binocular_vision.examinations.examination import Examination
+from active_binocular_vision.examinations.contract.examination import Examination
 from active_binocular_vision.examinations.registry import EXAMINATIONS
-from active_binocular_vision.figures.examinations import FIGURES
+from active_binocular_vision.figures.examinations.registry import FIGURES
 from active_binocular_vision.figures.style import STYLE, save
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown

@@ -168,7 +168,7 @@ def _refuse_used(directory: Path) -> None:
 def _figure(directory: Path) -> Path | None:
     """Draw the learning curve; None when the bag has nothing to draw it from."""
     # Matplotlib takes a second to import, for which the start of a run need not wait.
-    from active_binocular_vision.figures.learning_curve import learning_curve  # noqa: PLC0415
+    from active_binocular_vision.figures.runs.learning_curve import learning_curve  # noqa: PLC0415
 
     try:
         return learning_curve(directory)

@@ -1,13 +1,13 @@
 """All examinations by their names."""
 
-from active_binocular_vision.examinations.acuity import ACUITY
-from active_binocular_vision.examinations.cover import COVER
-from active_binocular_vision.examinations.landscape import LANDSCAPE
-from active_binocular_vision.examinations.main_sequence import MAIN_SEQUENCE
-from active_binocular_vision.examinations.nine_positions import NINE_POSITIONS
-from active_binocular_vision.examinations.prisms import PRISMS
-from active_binocular_vision.examinations.stereo import STEREO
-from active_binocular_vision.examinations.tuning import TUNING
+from active_binocular_vision.examinations.clinic.acuity import ACUITY
+from active_binocular_vision.examinations.clinic.cover import COVER
+from active_binocular_vision.examinations.clinic.prisms import PRISMS
+from active_binocular_vision.examinations.clinic.stereo import STEREO
+from active_binocular_vision.examinations.code.landscape import LANDSCAPE
+from active_binocular_vision.examinations.code.tuning import TUNING
+from active_binocular_vision.examinations.nine_positions.examination import NINE_POSITIONS
+from active_binocular_vision.examinations.saccades.main_sequence import MAIN_SEQUENCE
 
 EXAMINATIONS = {
     examination.name: examination

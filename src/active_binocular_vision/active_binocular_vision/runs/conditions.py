@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from active_binocular_vision.examinations.measure import SHARE, Measure, columns_of
+from active_binocular_vision.examinations.contract.measure import SHARE, Measure, columns_of
 from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.runs.examined_run import END, TEST, ExaminedRun, OwnTest
 from active_binocular_vision.runs.groups import Common, own_settings

@@ -11,8 +11,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from active_binocular_vision.examinations.examination import Examination
-from active_binocular_vision.examinations.measure import SHARE, measure, record
+from active_binocular_vision.examinations.contract.examination import Examination
+from active_binocular_vision.examinations.contract.measure import SHARE, measure, record
 from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI

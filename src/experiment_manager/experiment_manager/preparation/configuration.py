@@ -142,9 +142,9 @@ def _check_tests(values: Mapping[str, Any], given: Mapping[str, Given]) -> None:
 
 
 def _in_words_of_request(error: InputError, given: Mapping[str, Given]) -> InputError:
-    """Return an error about a setting as one about the option that gave the setting."""
+    """Return an error about a setting as one about what gave the setting its value."""
     name, _, wrong = str(error).partition(": ")
     for key, setting in given.items():
-        if setting.is_option and key.partition(".")[2] == name:
-            return InputError(f"{setting.by.split()[0]}: {wrong}")
+        if key.partition(".")[2] == name:
+            return InputError(f"{setting.by}: {wrong}")
     return error

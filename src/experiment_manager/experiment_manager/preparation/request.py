@@ -42,14 +42,10 @@ OPTIONS = {
 
 @dataclass(frozen=True)
 class Given:
-    """A value that is asked of a parameter, and how errors name it.
-
-    is_option: by an option of its own, not by SECTION.NAME.
-    """
+    """A value that is asked of a setting, and how errors name it."""
 
     value: Any
     by: str
-    is_option: bool = False
 
 
 def check_key(key: str, by: str) -> None:
@@ -122,7 +118,7 @@ class RunRequest:
             value = getattr(self, name)
             if value is not None:
                 value = list(value) if isinstance(value, tuple) else value
-                yield key, Given(value, self.by(name), is_option=True)
+                yield key, Given(value, self.by(name))
         for key, value in self.overrides.items():
             yield key, Given(value, self.by(key))
 
@@ -130,10 +126,10 @@ class RunRequest:
         """Return a value as a parameter has it: of JSON's kinds."""
         try:
             text = json.dumps(value)
-        except TypeError as error:  # YAML takes 2024-01-01 for a date
+        except TypeError as error:
             raise InputError(
                 f"{self.by(key)}: expected numbers, texts, lists or true and false, got the "
-                f"{type(value).__name__} {value}; a text may stand in quotes"
+                f"{type(value).__name__} {value}"
             ) from error
         if key == SCHEDULE:
             return value if isinstance(value, str) else text  # a parameter that is YAML itself

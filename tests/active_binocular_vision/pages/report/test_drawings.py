@@ -8,12 +8,12 @@ import yaml
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from active_binocular_vision.figures.boxes import box_figure
-from active_binocular_vision.figures.conditions import conditions_figure
-from active_binocular_vision.figures.learning_curve import (
+from active_binocular_vision.figures.runs.boxes import box_figure
+from active_binocular_vision.figures.runs.conditions import conditions_figure
+from active_binocular_vision.figures.runs.learning_curve import (
     performance_figure,
 )
-from active_binocular_vision.figures.motor_space import (
+from active_binocular_vision.figures.runs.motor_space import (
     MotorSpace,
     motor_space_figure,
 )

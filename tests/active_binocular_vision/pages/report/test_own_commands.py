@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from active_binocular_vision.figures.activations import activations_figure
-from active_binocular_vision.figures.errors import errors_figure
-from active_binocular_vision.figures.price import over_prices, price_figure
+from active_binocular_vision.figures.runs.activations import activations_figure
+from active_binocular_vision.figures.runs.errors import errors_figure
+from active_binocular_vision.figures.runs.price import over_prices, price_figure
 from active_binocular_vision.pages.report.drawings import drawings
 from active_binocular_vision.pages.report.tables import antagonists_table, comparison_table
 from active_binocular_vision.runs.finished_run import FinishedRun

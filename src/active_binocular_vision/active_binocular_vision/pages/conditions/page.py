@@ -11,16 +11,16 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from active_binocular_vision.figures.condition_sheet import MOST_COLUMNS, sheet_figure
-from active_binocular_vision.figures.rearing import (
+from active_binocular_vision.figures.conditions.rearing import (
     curves_figure,
     histograms_figure,
     landscapes,
     landscapes_figure,
     samples_figure,
 )
+from active_binocular_vision.figures.conditions.sheet import MOST_COLUMNS, sheet_figure
+from active_binocular_vision.figures.conditions.treatments import courses_of, treatments_figure
 from active_binocular_vision.figures.style import FIGURES, STYLE, save
-from active_binocular_vision.figures.treatments import courses_of, treatments_figure
 from active_binocular_vision.pages.conditions.published import PUBLISHED
 from active_binocular_vision.pages.report import page as report_page
 from active_binocular_vision.runs.conditions import Column, Condition, conditions_of

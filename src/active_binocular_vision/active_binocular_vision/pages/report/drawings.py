@@ -8,15 +8,15 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 
-from active_binocular_vision.figures.activations import activations_figure
-from active_binocular_vision.figures.boxes import box_figure
-from active_binocular_vision.figures.conditions import conditions_figure
-from active_binocular_vision.figures.dictionaries import dictionary_figure
-from active_binocular_vision.figures.errors import errors_figure
-from active_binocular_vision.figures.learning_curve import performance_figure
-from active_binocular_vision.figures.motor_space import motor_space, motor_space_figure
-from active_binocular_vision.figures.pictures import anaglyph_figure, encoding_figure
-from active_binocular_vision.figures.price import over_prices, price_figure
+from active_binocular_vision.figures.runs.activations import activations_figure
+from active_binocular_vision.figures.runs.boxes import box_figure
+from active_binocular_vision.figures.runs.conditions import conditions_figure
+from active_binocular_vision.figures.runs.dictionaries import dictionary_figure
+from active_binocular_vision.figures.runs.errors import errors_figure
+from active_binocular_vision.figures.runs.learning_curve import performance_figure
+from active_binocular_vision.figures.runs.motor_space import motor_space, motor_space_figure
+from active_binocular_vision.figures.runs.pictures import anaglyph_figure, encoding_figure
+from active_binocular_vision.figures.runs.price import over_prices, price_figure
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group
 from eye_plant.mechanics.mujoco_model import MechanicsConfig

@@ -1,0 +1,1 @@
+"""What an orthoptist examines: cover test, prisms, acuity, stereopsis."""

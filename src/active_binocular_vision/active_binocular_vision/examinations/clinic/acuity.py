@@ -1,0 +1,105 @@
+"""Acuity of each eye, and each eye's share in the code (suppression)."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from active_binocular_vision.examinations.clinic.gratings import Resolution, resolution
+from active_binocular_vision.examinations.contract.examination import (
+    Distances,
+    Examination,
+    Findings,
+)
+from active_binocular_vision.examinations.contract.measure import SHARE, key, measure
+from active_binocular_vision.learners.basis_functions import left_share
+from active_binocular_vision.learners.learners import FrozenLearners
+from active_binocular_vision.learners.session import session_of
+from active_binocular_vision.learners.shown import Shown
+from lockstep import SIDES
+
+_N_PICTURES = 10
+
+
+@dataclass(frozen=True, kw_only=True)
+class EyeRow:
+    """One eye; acuity null where it never explains half, share null where neither sees anything."""
+
+    eye: str = key("eye")
+    acuity_cycles_per_deg: float | None = measure("cycles/deg", "acuity", 2)
+    finest_cycles_per_deg: float = measure("cycles/deg", "finest grating", 2)
+    share_in_code: float | None = measure(SHARE, "share in the code")
+
+
+@dataclass(frozen=True, kw_only=True)
+class GratingRow:
+    """Share of the gratings of one frequency that the code of one eye's picture explains."""
+
+    eye: str = key("eye")
+    cycles_per_deg: float = key("frequency", "cycles/deg")
+    explained_share: float = measure(SHARE, "explained")
+
+
+@dataclass(frozen=True, kw_only=True)
+class AcuitySummary:
+    """Both eyes; the left eye's share is 0.5 where neither is suppressed."""
+
+    acuity_cycles_per_deg: Sequence[float | None] = measure(
+        "cycles/deg",
+        "acuity",
+        2,
+        columns=tuple(f"{side}_acuity_cycles_per_deg" for side in SIDES),
+        labels=tuple(f"acuity {side}" for side in SIDES),
+    )
+    left_share_in_code: float | None = measure(SHARE, "left eye in code")
+
+
+def _examine(learners: FrozenLearners, shown: Shown, options: Distances) -> Findings:
+    """Measure acuity with gratings, suppression with pictures at correct fixation."""
+    with session_of(learners, shown, _N_PICTURES) as session:
+        features = [
+            session.eyes(i, distance_m).code().features
+            for i in range(session.n_pictures)
+            for distance_m in options.distances_m
+        ]
+        coder = session.loop.coder
+        left = left_share(np.sum(features, axis=0), coder.atoms())
+        seen = [resolution(coder, learners.plant.camera, i) for i, _ in enumerate(SIDES)]
+    of_eyes = dict(zip(SIDES, seen, strict=True))
+    shares = dict(zip(SIDES, (left, 1.0 - left), strict=True))
+    return Findings(
+        n_stimuli=session.n_pictures,
+        summary=AcuitySummary(
+            acuity_cycles_per_deg=[of.acuity for of in seen],
+            left_share_in_code=None if math.isnan(left) else left,
+        ),
+        tables={
+            "eyes": [
+                EyeRow(
+                    eye=side,
+                    acuity_cycles_per_deg=of.acuity,
+                    finest_cycles_per_deg=float(of.cycles_per_deg[-1]),
+                    share_in_code=shares[side],
+                )
+                for side, of in of_eyes.items()
+            ],
+            "gratings": [row for side, of in of_eyes.items() for row in _gratings(side, of)],
+        },
+        titles={"eyes": ""},
+        traces=of_eyes,
+    )
+
+
+def _gratings(side: str, seen: Resolution) -> list[GratingRow]:
+    pairs = zip(seen.cycles_per_deg, seen.explained, strict=True)
+    return [GratingRow(eye=side, cycles_per_deg=f, explained_share=share) for f, share in pairs]
+
+
+ACUITY = Examination(
+    name="acuity",
+    text="measure the acuity of each eye, and each eye's share in the code",
+    examine=_examine,
+    summary=AcuitySummary,
+    options=Distances,
+)

@@ -1,0 +1,171 @@
+"""Stereo threshold: how small a disparity still decides which way the eyes turn.
+
+Eyes that look a little before or behind a random-dot stereogram see nothing but a disparity. The
+first command of vergence is right if it makes the horizontal error smaller.
+"""
+
+import math
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from active_binocular_vision.examinations.clinic.gratings import crossing
+from active_binocular_vision.examinations.contract.examination import (
+    Distances,
+    Examination,
+    Findings,
+)
+from active_binocular_vision.examinations.contract.measure import SHARE, key, measure
+from active_binocular_vision.learners.learners import FrozenLearners
+from active_binocular_vision.learners.session import Session, session_of
+from active_binocular_vision.learners.shown import Shown
+from lockstep import InputError
+from lockstep.machine.progress_lines import progress
+from lockstep.wire.topics import N_SACCADES
+
+Array = NDArray[np.float64]
+
+DISPARITIES_DEG = (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
+_LEAST_RIGHT = 0.75
+_HORIZONTAL = 0
+_N_STEREOGRAMS = 10
+_ARCSEC_PER_DEG = 3600.0
+
+
+@dataclass(frozen=True)
+class StereoCurve:
+    """How often the first command of vergence is right.
+
+    disparity_deg: (n,) size of the horizontal error, rising; right_by_sign: (2, n) shares of right
+    commands of eyes that converge too much, and of eyes that converge too little; n_trials: of each
+    share.
+    """
+
+    disparity_deg: Array
+    right_by_sign: Array
+    n_trials: int
+
+    @property
+    def right(self) -> Array:
+        """Share (n,) of right commands, both signs together."""
+        return np.asarray(self.right_by_sign.mean(axis=0))
+
+    @property
+    def converging(self) -> tuple[Array, Array]:
+        """Signed disparity (2 n,), rising, and the share of commands that make the eyes converge.
+
+        Above 0 the eyes converge too little, as in GazeError.
+        """
+        too_much, too_little = self.right_by_sign
+        signed_deg = np.concatenate([-self.disparity_deg[::-1], self.disparity_deg])
+        return signed_deg, np.concatenate([1.0 - too_much[::-1], too_little])
+
+    @property
+    def threshold_deg(self) -> float | None:
+        """Smallest disparity from which on 75 % are right, None if the largest one fails.
+
+        Linear over the logarithm of the disparity; at least the smallest one shown.
+        """
+        if self.right[-1] < _LEAST_RIGHT:
+            return None
+        # Read from the largest disparity down, it is where the share first falls below the level.
+        log_inverse = -np.log(self.disparity_deg[::-1])
+        falling = self.right[::-1]
+        failed = np.flatnonzero(falling < _LEAST_RIGHT)
+        n = int(failed[0]) + 1 if len(failed) else len(falling)
+        inverse = crossing(log_inverse[:n], falling[:n], _LEAST_RIGHT)
+        return None if inverse is None else 1.0 / inverse
+
+
+def stereo_curve(session: Session, distances_m: Sequence[float]) -> StereoCurve:
+    """Return how often the first command is right, over disparities of either sign.
+
+    session: with random-dot stereograms. All stereograms and distances count alike.
+    """
+    sizes_deg = progress(DISPARITIES_DEG, file=sys.stderr, desc="stereo vision", unit="part")
+    places = [(i, distance_m) for i in range(session.n_pictures) for distance_m in distances_m]
+    right = [
+        [
+            np.mean(
+                [turns_right(session, i, distance_m, sign * size_deg) for i, distance_m in places]
+            )
+            for sign in (-1.0, 1.0)
+        ]
+        for size_deg in sizes_deg
+    ]
+    return StereoCurve(np.array(DISPARITIES_DEG), np.array(right).T, len(places))
+
+
+def turns_right(session: Session, i_picture: int, distance_m: float, error_deg: float) -> bool:
+    """Return whether the first command of vergence makes a horizontal error smaller.
+
+    Eyes that make saccades look at their target already; what these leave of the error counts.
+    """
+    n_before = N_SACCADES if session.learners.manager.fixation_iterations else 0
+    course = session.eyes(i_picture, distance_m, error_deg).look(n_before + 1)
+    before_deg, after_deg = course.seen_deg[n_before:, _HORIZONTAL].tolist()
+    return bool((before_deg - after_deg) * math.copysign(1.0, before_deg) > 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StereoRow:
+    """A disparity of either sign: shares of right first commands, of n_trials of each sign."""
+
+    disparity_deg: float = key("disparity", "deg")
+    share_right: float = measure(SHARE, "right")
+    share_right_converged_too_much: float = measure(SHARE, "eyes converge too much")
+    share_right_converged_too_little: float = measure(SHARE, "too little")
+    n_trials: int = measure("", "trials", 0, is_shown=False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StereoSummary:
+    """Smallest disparity from which on 75 % are right; null where the largest one fails."""
+
+    threshold_deg: float | None = measure("deg", "stereo threshold")
+    threshold_arcsec: float | None = measure("arcsec", "stereo threshold", 0)
+
+
+def _examine(learners: FrozenLearners, shown: Shown, options: Distances) -> Findings:
+    """Measure the threshold with random dots of the run's own seed."""
+    if shown.text and not shown.random_dots:
+        raise InputError(f"--stereo: expected its own random-dot stereograms, got {shown.text}")
+    dots = Shown(random_dots=True, n_most=shown.n_most)
+    with session_of(learners, dots, _N_STEREOGRAMS) as session:
+        curve = stereo_curve(session, options.distances_m)
+    threshold_deg = curve.threshold_deg
+    rows = zip(curve.disparity_deg, curve.right, *curve.right_by_sign, strict=True)
+    summary = StereoSummary(
+        threshold_deg=threshold_deg,
+        threshold_arcsec=None if threshold_deg is None else threshold_deg * _ARCSEC_PER_DEG,
+    )
+    return Findings(
+        n_stimuli=session.n_pictures,
+        summary=summary,
+        tables={
+            "disparities": [
+                StereoRow(
+                    disparity_deg=size_deg,
+                    share_right=right,
+                    share_right_converged_too_much=too_much,
+                    share_right_converged_too_little=too_little,
+                    n_trials=curve.n_trials,
+                )
+                for size_deg, right, too_much, too_little in rows
+            ],
+        },
+        titles={"disparities": "First commands of vergence", "summary": ""},
+        traces=curve,
+    )
+
+
+STEREO = Examination(
+    name="stereo",
+    text="how small a disparity of random dots still decides which way the eyes turn",
+    examine=_examine,
+    summary=StereoSummary,
+    options=Distances,
+)

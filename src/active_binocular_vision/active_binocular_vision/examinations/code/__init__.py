@@ -1,0 +1,1 @@
+"""What the dictionaries have learned: reward over vergence, tuning of basis functions."""

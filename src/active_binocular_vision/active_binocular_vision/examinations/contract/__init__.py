@@ -1,0 +1,1 @@
+"""What an examination is: options, rows of declared measures, a document."""

@@ -1,0 +1,109 @@
+"""What an examination is: frozen learners in, rows out; the same document for each.
+
+The document that evaluate.sh writes, and each entry of a run's examinations.json:
+
+    model, seed, commit, lambda, checkpoint, dictionary, actor, settings    the learners
+    examination, version    name, and number that rises when a measure is defined otherwise
+    options                 of the examination, all of them
+    stimuli, n_stimuli      what was shown, "" for the run's own test stimuli
+    summary                 {measure: number}: the columns of the page of conditions
+    TABLE                   [{measure: value}]: the rows of each of the examination's tables
+
+Values are numbers, texts, null for what is not known or beyond what was tried, lists, and for
+quartiles over trials {lower_quartile, median, upper_quartile}. `pandas.json_normalize` reads a
+table. Which measures there are is said by the fields of the row classes of each examination.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from active_binocular_vision.examinations.contract.measure import record, text_of
+from active_binocular_vision.learners.learners import FrozenLearners
+from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
+from lockstep import check_settings, flatten, setting
+
+
+@dataclass(frozen=True)
+class Options:
+    """Of an examination without any; others declare theirs with `lockstep.settings.setting`."""
+
+    def __post_init__(self) -> None:
+        """Raise InputError for an option out of its bounds."""
+        check_settings(self)
+
+
+@dataclass(frozen=True)
+class Distances(Options):
+    """Where the eyes look."""
+
+    distances_m: tuple[float, ...] = setting((0.5, 2.0, 6.0), "distances of the plane", "m")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Findings:
+    """What an examination found.
+
+    summary: one row, of numbers alone; tables: rows by the name that the document has for them;
+    titles: what a terminal shows above tables, those without a title are only in the document;
+    notes: what follows them; traces: what figures are drawn from besides.
+    """
+
+    n_stimuli: int
+    summary: Any
+    tables: Mapping[str, Sequence[Any]]
+    titles: Mapping[str, str] = field(default_factory=dict)
+    notes: str = ""
+    traces: Any = None
+
+    def text(self) -> str:
+        """Return the tables for a terminal."""
+        tables = {"summary": [self.summary], **self.tables}
+        parts = [
+            f"{title}\n{text_of(tables[name])}".lstrip("\n") for name, title in self.titles.items()
+        ]
+        return "\n\n".join([*parts, *([self.notes] if self.notes else [])])
+
+    def measures(self) -> dict[str, Any]:
+        """Return the measured part of the document."""
+        tables = {name: [*map(record, rows)] for name, rows in self.tables.items()}
+        return {"n_stimuli": self.n_stimuli, "summary": record(self.summary)} | tables
+
+
+@dataclass(frozen=True, kw_only=True)
+class Examination:
+    """An examination.
+
+    name: option of evaluate.sh; text: what --help says; version: rises when a measure is defined
+    otherwise; examine: (learners, shown, options) -> Findings, raises InputError for learners,
+    pictures or options that cannot be used; summary: class of the summary's row; options: their
+    class.
+    """
+
+    name: str
+    text: str
+    examine: Callable[[FrozenLearners, Shown, Any], Findings]
+    summary: type[Any]
+    options: type[Any] = Options
+    version: int = 1
+
+    def document(
+        self, learners: FrozenLearners, shown: Shown, options: Any, found: Findings
+    ) -> Any:
+        """Return what evaluate.sh writes."""
+        return (
+            learners.said()
+            | {
+                "examination": self.name,
+                "version": self.version,
+                "options": flatten(options),
+                "stimuli": shown.text,
+            }
+            | found.measures()
+        )
+
+    def __call__(
+        self, learners: FrozenLearners, shown: Shown = OWN_TEST_STIMULI, **options: Any
+    ) -> Findings:
+        """Make the examination; options: other than the defaults."""
+        return self.examine(learners, shown, self.options(**options))

@@ -1,0 +1,100 @@
+"""The examination of nine positions: its options, and how it is made."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from active_binocular_vision.examinations.contract.examination import (
+    Distances,
+    Examination,
+    Findings,
+)
+from active_binocular_vision.examinations.nine_positions.looking import (
+    NINE_POSITIONS_DEG,
+    Looking,
+    NinePositionsTraces,
+    random_targets_deg,
+)
+from active_binocular_vision.examinations.nine_positions.measures import (
+    distances,
+    looks,
+    medians,
+    plane_rows,
+    planes_of_eyes,
+    planes_of_optimum,
+    positions,
+    silences_of,
+    tilts,
+    yoked,
+)
+from active_binocular_vision.examinations.nine_positions.rows import (
+    LEARNED,
+    LEAST,
+    NinePositionsSummary,
+)
+from active_binocular_vision.learners.learners import FrozenLearners
+from active_binocular_vision.learners.session import check_looks_at_targets, session_of
+from active_binocular_vision.learners.shown import Shown
+from lockstep import setting
+
+_N_PICTURES = 5
+
+
+@dataclass(frozen=True)
+class NinePositionsOptions(Distances):
+    """Where the eyes look; the right eye may see black, since the target is in the left picture."""
+
+    covered: str = setting("", "eye that sees black", choices=("", "right"))
+    n_random: int = setting(40, "random targets at each distance", least=4)
+
+
+def _examine(learners: FrozenLearners, shown: Shown, options: NinePositionsOptions) -> Findings:
+    """Let the eyes look; each look is an episode that begins straight ahead."""
+    check_looks_at_targets(learners, shown, "--nine-positions")
+    with session_of(learners, shown, _N_PICTURES) as session:
+        looking = Looking(session, options.covered)
+        n_pictures, distances_m = session.n_pictures, options.distances_m
+        each = np.tile(np.arange(n_pictures), (len(NINE_POSITIONS_DEG), 1))
+        in_turn = np.arange(options.n_random)[:, None] % n_pictures
+        nine = looking.at(NINE_POSITIONS_DEG, distances_m, each)
+        random = looking.at(random_targets_deg(options.n_random), distances_m, in_turn)
+    traces = NinePositionsTraces(learners.plant, options.covered, nine, random)
+    covered = f", {options.covered} eye covered" if options.covered else ""
+    silences = silences_of(traces)
+    planes = {LEARNED: planes_of_eyes(traces), LEAST: planes_of_optimum(traces)}
+    return Findings(
+        n_stimuli=n_pictures,
+        summary=NinePositionsSummary(
+            **medians(nine, [*range(len(distances_m))]),
+            share_silent=silences[-1].share_silent if silences else np.nan,
+        ),
+        tables={
+            "positions": [*positions(nine)],
+            "distances": [*distances(nine)],
+            "antagonists": silences,
+            "planes": [row for eyes, of in planes.items() for row in plane_rows(eyes, of)],
+            "tilts": [tilts(eyes, of) for eyes, of in planes.items()],
+            "yoked": yoked(random),
+            "looks": [*looks("nine", nine), *looks("random", random)],
+        },
+        titles={
+            "positions": f"Medians over pictures after {looking.n_iterations} iterations{covered}",
+            "distances": "Medians over pictures and positions, of absolute values",
+            "antagonists": "Silent antagonists at the nine positions",
+            "planes": "Displacement planes of nine positions and random places",
+            "tilts": "Temporal tilt of the plane per deg of vergence",
+            "yoked": "Yoked muscles at random places",
+        },
+        traces=traces,
+    )
+
+
+NINE_POSITIONS = Examination(
+    name="nine-positions",
+    text="show nine gaze targets at three distances to eyes that make saccades: Hess chart, energy"
+    " beside the least, and the laws of Sherrington, Listing and Hering",
+    examine=_examine,
+    summary=NinePositionsSummary,
+    options=NinePositionsOptions,
+    version=2,
+)

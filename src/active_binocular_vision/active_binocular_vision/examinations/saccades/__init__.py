@@ -1,0 +1,1 @@
+"""First saccades, simulated over time."""

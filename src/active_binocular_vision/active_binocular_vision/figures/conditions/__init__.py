@@ -1,0 +1,1 @@
+"""Figures of conditions side by side."""

@@ -1,0 +1,156 @@
+"""Until when a treatment helps: measures of each one over the age at which it began."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from active_binocular_vision.examinations.contract.measure import SHARE
+from active_binocular_vision.figures.conditions.sheet import PERCENT_TICKS, heading_of
+from active_binocular_vision.figures.style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    SKY,
+    VERMILION,
+    WIDTH_IN,
+    legend_below,
+    new_figure,
+)
+from active_binocular_vision.runs.conditions import NAMES, Column, Condition
+from active_binocular_vision.runs.examined_run import BEFORE, END
+
+# The condition that a treatment's profile begins with.
+TREATED = {
+    "surgery": "esotropia_10",
+    "prisms": "esotropia_10",
+    "glasses": "anisometropia_4",
+    "patching": "anisometropia_4",
+    "patching_half": "anisometropia_4",
+}
+# Of courses, in their order.
+_COLOURS = (BLUE, VERMILION, SKY, ORANGE)
+_END: dict[str, Any] = {"marker": "D", "ms": 4.0, "lw": 1.0}
+_BEFORE: dict[str, Any] = {"marker": "o", "mfc": "w", "ms": 4.0, "ls": ""}
+_UNTREATED: dict[str, Any] = {"lw": 1.0, "ls": ":"}
+_MARGIN_SHARE = 0.2
+_ROW_IN, _OTHER_IN = 1.15, 1.0
+# Of life, between the marks of two courses at the same age.
+_ASIDE_PERCENT = 4.0
+
+
+class _Kind(NamedTuple):
+    condition: str
+    model: str
+    iterations: int
+    final_learning_rate: float
+
+    @property
+    def label(self) -> str:
+        dictionaries = "plastic" if self.final_learning_rate else "resting"
+        return f"{self.model}, {dictionaries} dictionaries"
+
+
+@dataclass(frozen=True)
+class Course:
+    """A treatment at several ages, of learners that are otherwise alike.
+
+    ages_percent: of life, rising, those of `conditions`; untreated: the same learners without it,
+    if there are any.
+    """
+
+    treatment: str
+    label: str
+    ages_percent: tuple[float, ...]
+    conditions: tuple[Condition, ...]
+    untreated: Condition | None
+
+
+def courses_of(conditions: Sequence[Condition]) -> list[Course]:
+    """Return the treatments that began at two or more ages, in the order of their first conditions.
+
+    Conditions of one age that differ in anything else, such as lambda, are in no course.
+    """
+    of_kind: dict[_Kind, dict[int | None, list[Condition]]] = {}
+    for condition in conditions:
+        first = condition.runs[0]
+        kind = _Kind(first.condition, first.model, first.iterations, first.final_learning_rate)
+        of_kind.setdefault(kind, {}).setdefault(next(iter(first.changed_at), None), []).append(
+            condition
+        )
+    courses = []
+    for kind, by_age in of_kind.items():
+        ages = sorted(age for age, alike in by_age.items() if age is not None and len(alike) == 1)
+        if kind.condition in TREATED and len(ages) > 1:
+            without = kind._replace(condition=TREATED[kind.condition])
+            untreated = of_kind.get(without, {}).get(None, [])
+            courses.append(
+                Course(
+                    treatment=kind.condition,
+                    label=kind.label,
+                    ages_percent=tuple(100.0 * age / kind.iterations for age in ages),
+                    conditions=tuple(by_age[age][0] for age in ages),
+                    untreated=untreated[0] if len(untreated) == 1 else None,
+                )
+            )
+    return courses
+
+
+def treatments_figure(courses: Sequence[Course], columns: Sequence[Column]) -> Figure:
+    """Return the measures over the age of treatment: medians over seeds, and their ranges.
+
+    A row of panels for each treatment, a column for each measure.
+    """
+    treatments = list(dict.fromkeys(course.treatment for course in courses))
+    labels = list(dict.fromkeys(course.label for course in courses))
+    colours = dict(zip(labels, _COLOURS, strict=False))
+    figure = new_figure(WIDTH_IN, _ROW_IN * len(treatments) + _OTHER_IN)
+    shape = len(treatments), len(columns)
+    grid = figure.subplots(*shape, sharex=True, sharey="col", squeeze=False)
+    for course in courses:
+        panels = grid[treatments.index(course.treatment)]
+        aside = _ASIDE_PERCENT * (labels.index(course.label) - (len(labels) - 1) / 2.0)
+        for axes, column in zip(panels, columns, strict=True):
+            _draw(axes, course, column, aside, colours[course.label])
+    for treatment, panels in zip(treatments, grid, strict=True):
+        panels[0].set_ylabel(NAMES.get(treatment, treatment).replace(", ", ",\n"))
+    for axes, column in zip(grid[0], columns, strict=True):
+        axes.set_title(heading_of(column))
+        if column.declared.unit == SHARE:
+            margin = _MARGIN_SHARE * PERCENT_TICKS[-1]
+            axes.set(yticks=PERCENT_TICKS, ylim=(-margin, PERCENT_TICKS[-1] + margin))
+    for axes in grid[-1]:
+        axes.set_xlabel("age\n% of life")
+        axes.set_xlim(0.0, 100.0)
+        axes.set_xticks(sorted({age for course in courses for age in course.ages_percent}))
+    legend_below(figure, _handles(colours))
+    return figure
+
+
+def _draw(axes: Axes, course: Course, column: Column, aside: float, colour: str) -> None:
+    """Draw a measure of a treatment: before it, at the end, and at the end without it."""
+    ages = [age + aside for age in course.ages_percent]
+    medians = []
+    for age, condition in zip(ages, course.conditions, strict=True):
+        end, before = (condition.over_seeds(when, column) for when in (END, BEFORE))
+        medians.append(math.nan if end is None else column.factor * end.median)
+        if end is not None:
+            spread = (column.factor * end.least, column.factor * end.greatest)
+            axes.plot((age, age), spread, color=colour, lw=1.0)
+        if before is not None:
+            axes.plot(age, column.factor * before.median, color=colour, **_BEFORE)
+    axes.plot(ages, medians, color=colour, **_END)
+    without = course.untreated and course.untreated.over_seeds(END, column)
+    if without:
+        axes.axhline(column.factor * without.median, color=colour, **_UNTREATED)
+
+
+def _handles(colours: Mapping[str, str]) -> list[Line2D]:
+    """Return the lines of the legend."""
+    named = (("end", _END), ("before the treatment", _BEFORE), ("end, untreated", _UNTREATED))
+    courses = [Line2D([], [], color=colour, label=label) for label, colour in colours.items()]
+    return courses + [Line2D([], [], color=GREY, label=label, **style) for label, style in named]

@@ -1,0 +1,86 @@
+"""Gratings before one eye, and what the code explains of them."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from active_binocular_vision.examinations.clinic.gratings import (
+    CYCLES_PER_PX,
+    Resolution,
+    crossing,
+    explained_share,
+    grating,
+    resolution,
+)
+from eye_plant.camera.config import CameraConfig
+from sparse_coder import SparseCoder, SparseCoderConfig
+
+_FEW = CYCLES_PER_PX[[4, 12]]
+
+
+@pytest.fixture(scope="module")
+def coder() -> SparseCoder:
+    return SparseCoder(SparseCoderConfig())
+
+
+def test_a_grating_has_its_frequency_orientation_and_phase() -> None:
+    # A quarter of a cycle a pixel: 128 + 127 sin of 45, 135, 225, 315 and 405 deg.
+    vertical = grating((8, 6), 0.25, 90.0, 45.0)
+    assert vertical.shape == (6, 8)
+    assert vertical[:, :5].tolist() == [[218, 218, 38, 38, 218]] * 6
+    horizontal = grating((8, 6), 0.25, 0.0, 45.0)
+    np.testing.assert_array_equal(horizontal[:, 0], vertical[0, :6])
+    assert (horizontal == horizontal[:, :1]).all()
+
+
+def test_acuity_is_where_the_share_last_falls_through_a_half() -> None:
+    frequencies = np.array([1.0, 4.0, 16.0])
+    # Half-way between 0.75 and 0.25 on a logarithmic axis between 4 and 16.
+    assert Resolution(frequencies, np.array([0.2, 0.75, 0.25])).acuity == pytest.approx(8.0)
+    assert Resolution(frequencies, np.array([0.9, 0.9, 0.5])).acuity == pytest.approx(16.0)
+    assert Resolution(frequencies, np.array([0.4, 0.3, 0.2])).acuity is None
+
+
+def test_a_crossing_is_linear_over_the_logarithm() -> None:
+    log_x = np.log([1.0, 10.0])
+    assert crossing(log_x, np.array([1.0, 0.0]), 0.7) == pytest.approx(10.0**0.3)
+
+
+def test_the_share_is_that_of_the_fine_code(coder: SparseCoder) -> None:
+    picture = grating((128, 128), 0.2, 45.0, 45.0)
+    black = np.zeros_like(picture)
+    error = coder.encode(black, picture).reconstruction_error[1]
+    share = explained_share(coder, (black, picture), (black, picture))
+    assert share == pytest.approx(1.0 - error, abs=1e-5)
+    assert 0.05 < error < 0.95
+
+
+def test_what_is_not_seen_or_is_something_else_explains_nothing(coder: SparseCoder) -> None:
+    shown = grating((128, 128), 0.2, 90.0, 45.0)
+    black = np.zeros_like(shown)
+    assert explained_share(coder, (shown, black), (black, black)) == 0.0
+    across = grating((128, 128), 0.2, 0.0, 45.0)
+    assert explained_share(coder, (shown, black), (across, black)) == 0.0
+
+
+def test_each_eye_has_its_own_blur_cover_and_magnification(coder: SparseCoder) -> None:
+    size: dict[str, Any] = {
+        "width_px": 128,
+        "height_px": 128,
+        "roi_width_px": 128,
+        "roi_height_px": 128,
+    }
+    sharp = resolution(coder, CameraConfig(**size), 0, _FEW)
+    np.testing.assert_allclose(sharp.cycles_per_deg, _FEW / 0.2226, rtol=1e-3)
+
+    blurred = CameraConfig(**size, right_blur_px=60.0)
+    # Nearly nothing: rounding leaves some patches with a step of one grey level.
+    assert (resolution(coder, blurred, 1, _FEW).explained < 0.05).all()
+    assert (sharp.explained > 0.1).all()
+    np.testing.assert_array_equal(resolution(coder, blurred, 0, _FEW).explained, sharp.explained)
+
+    covered = resolution(coder, CameraConfig(**size, left_occluded=True), 0, _FEW)
+    assert covered.acuity is None
+    larger = resolution(coder, CameraConfig(**size, left_magnification=2.0), 0, _FEW)
+    np.testing.assert_allclose(larger.cycles_per_deg, 2.0 * sharp.cycles_per_deg, rtol=1e-4)

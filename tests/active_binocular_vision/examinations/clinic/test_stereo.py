@@ -1,0 +1,76 @@
+"""The stereo threshold, and which commands are right."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from active_binocular_vision.examinations.clinic.stereo import (
+    DISPARITIES_DEG,
+    StereoCurve,
+    stereo_curve,
+    turns_right,
+)
+from active_binocular_vision.learners.session import Course
+
+
+def _curve(*right: float) -> StereoCurve:
+    return StereoCurve(np.array([4.0**i for i in range(len(right))]), np.array([right, right]), 8)
+
+
+def test_the_threshold_is_where_the_share_last_rises_through_three_quarters() -> None:
+    # 0.75 lies half-way between 0.5 and 1.0: sqrt(4 * 16) on a logarithmic axis.
+    assert _curve(1.0, 0.5, 1.0, 1.0).threshold_deg == pytest.approx(8.0)
+    assert _curve(0.9, 0.8, 1.0).threshold_deg == pytest.approx(1.0)
+    assert _curve(0.9, 0.8, 0.7).threshold_deg is None
+    assert _curve(0.0, 0.74, 0.75).threshold_deg == pytest.approx(16.0)
+
+
+def test_commands_that_converge_over_the_signed_disparity() -> None:
+    curve = StereoCurve(np.array([1.0, 2.0]), np.array([[0.6, 1.0], [0.8, 0.9]]), 5)
+    signed_deg, converging = curve.converging
+    assert signed_deg.tolist() == [-2.0, -1.0, 1.0, 2.0]
+    # Of eyes that converge too much the wrong commands converge.
+    np.testing.assert_allclose(converging, (0.0, 0.4, 0.8, 0.9))
+    np.testing.assert_allclose(curve.right, (0.7, 0.95))
+
+
+def _session(fixation_iterations: int, *horizontal_deg: float) -> Any:
+    """Return a session in which all eyes take this course."""
+    seen_deg = np.zeros((len(horizontal_deg), 3))
+    seen_deg[:, 0] = horizontal_deg
+    course = Course(seen_deg, seen_deg, np.zeros((len(seen_deg), 2, 3)), np.zeros(12))
+    manager = SimpleNamespace(fixation_iterations=fixation_iterations)
+    learners = SimpleNamespace(manager=manager)
+    looked: list[int] = []
+
+    def look(n_iterations: int) -> Course:
+        looked.append(n_iterations)
+        return course
+
+    eyes = SimpleNamespace(look=look)
+    return SimpleNamespace(learners=learners, n_pictures=2, eyes=lambda *_: eyes, looked=looked)
+
+
+@pytest.mark.parametrize(
+    ("horizontal_deg", "is_right"),
+    [((0.5, 0.1), True), ((0.5, -0.7), True), ((0.5, 0.6), False), ((-0.5, -0.6), False)],
+)
+def test_a_right_command_turns_against_the_error(horizontal_deg, is_right) -> None:
+    session = _session(0, *horizontal_deg)
+    assert turns_right(session, 0, 1.0, 0.5) is is_right
+    assert session.looked == [1]
+
+
+def test_of_eyes_that_make_saccades_the_command_after_these_counts() -> None:
+    session = _session(10, 0.5, 0.4, 0.3, 0.4)
+    assert not turns_right(session, 0, 1.0, 0.5)
+    assert session.looked == [3]
+
+
+def test_every_stereogram_distance_and_sign_counts() -> None:
+    # These eyes always converge: right if they converged too little.
+    curve = stereo_curve(_session(0, 0.5, 0.1), (0.5, 2.0, 6.0))
+    assert curve.n_trials == 6
+    assert curve.right.tolist() == [1.0] * len(DISPARITIES_DEG)
