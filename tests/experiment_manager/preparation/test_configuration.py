@@ -104,7 +104,7 @@ def test_values_are_read_as_yaml_1_2(setting: str, expected: object) -> None:
         (("--tests", "5"), "--tests 5: expected multiples of 10, got [5]"),
         (
             ("--seed", str(2**63)),
-            "--seed 9223372036854775808: expected a whole number from -9223372036854775808 to 92233",
+            "--seed 9223372036854775808: expected a whole number from -9223372036854775808 to",
         ),
         (("--set", "task.n_bases=0"), "--set task.n_bases=0: expected 1 or more, got 0"),
         (
