@@ -49,7 +49,9 @@ export_variables() {
 set_up() {
   is_set_up || "$root/launch_scripts/setup.sh" || exit
   export_variables
-  eval "$("$python" -I -S "$root/src/lockstep/lockstep/machine/environment.py" "$root/src/lockstep/config")"
+  local variables
+  variables=$("$python" -I -S "$root/src/lockstep/lockstep/machine/environment.py" "$root/src/lockstep/config")
+  eval "$variables"
 }
 
 # run_module MODULE ARGUMENTS...: become the entry point. --help shows ours first, then the entry point's own options.

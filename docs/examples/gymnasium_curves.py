@@ -21,9 +21,10 @@ from active_binocular_vision.figures.style import (
     save,
 )
 from eye_plant.vergence import degrees_per_px
+from lockstep.optics import OpticsConfig
 
 MEASURED = Path(__file__).parents[2] / "results" / "gymnasium"
-FOCAL_LENGTH_PX = 257.34
+FOCAL_LENGTH_PX = OpticsConfig().focal_length_px
 CURVES = (
     ("SAC", "sac_curve.csv", VERMILION, "D"),
     ("hindsight regression", "hindsight_curve.csv", BLUE, "o"),

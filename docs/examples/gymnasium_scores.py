@@ -25,8 +25,7 @@ from gymnasium_agent import train
 
 from active_binocular_vision.runs.results_folder import runs_at
 from experiment_manager.sections import config_of
-from eye_plant import Inverse
-from eye_plant.config import MechanicsConfig
+from eye_plant import EyePlantConfig, Inverse
 from vergence_rl import Agent, VergenceRlConfig
 
 PRECISE = Path(__file__).parents[2] / "results" / "precise"
@@ -84,7 +83,7 @@ def random_policy(environment: gymnasium.Env) -> Policy:
 
 def best_policy() -> Policy:
     """Return the policy that knows the truth: the least activations with vergence correct."""
-    inverse = Inverse(MechanicsConfig())
+    inverse = Inverse(EyePlantConfig().mechanics)
 
     def policy(observed: dict[str, np.ndarray], reward: float, info: dict[str, Any]) -> np.ndarray:
         pair = inverse.optimal(info["ground_truth"]["desired_vergence_deg"])

@@ -16,14 +16,11 @@ from pathlib import Path
 
 import numpy as np
 
-from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.loop import make_loop
-from experiment_manager.protocol import make_protocol
+from experiment_manager.protocol import protocol_of
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
-from experiment_manager.sections import config_of
 from lockstep import read_state
-from lockstep.wire.topics import TRAINING
 from sparse_coder.matching_pursuit import Selections, mean_squared_coefficients
 
 ERRORS = ("horizontal", "vertical", "torsional")
@@ -55,7 +52,7 @@ def quadrants(selections: Selections, n_bases: int) -> np.ndarray:
 def observed(run: Path, n_episodes: int) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
     """Return entries of the state by name, errors in deg (n, 3), and numbers of pictures (n,)."""
     parameters = read_configuration(run / CONFIG_FILE)
-    protocol = make_protocol(config_of(ExperimentManagerConfig, parameters))
+    protocol = protocol_of(parameters)
     newest = checkpoint.newest(run / "checkpoints")
     if newest is None:
         sys.exit(f"error: {run}: expected a checkpoint")
@@ -63,8 +60,7 @@ def observed(run: Path, n_episodes: int) -> tuple[dict[str, np.ndarray], np.ndar
     loop.coder.restore(read_state(newest[1] / "sparse_coder.npz", "sparse_coder"))
     n_bases = loop.coder.config.n_bases
     pooled, by_quadrant, felt, errors_deg, stimuli = [], [], [], [], []
-    episodes = (e for i in range(len(protocol)) if (e := protocol.episode(i)).phase == TRAINING)
-    for _, episode in zip(range(n_episodes), episodes, strict=False):
+    for _, episode in zip(range(n_episodes), protocol.training_episodes(), strict=False):
         seen = loop.plant.begin(episode)
         encoding = loop.coder.encode(*seen.pictures)
         pooled.append(encoding.features.ravel())

@@ -20,11 +20,11 @@ from mcap_ros2.reader import read_ros2_messages
 from rosbags.highlevel import AnyReader
 
 from experiment_manager.bag.reader import Bag
-from experiment_manager.measures.kept_trials import read_trials
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from lockstep import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI
 from lockstep.wire.topics import TEST, TOPIC_TYPES
 from tests.graph_harness import small_run
+from tests.kept_tests import kept_tests
 from tests.loop_contract import (
     N_TRAINING,
     N_TRIALS,
@@ -156,7 +156,7 @@ def test_muscles_with_commands_of_their_own_are_recorded_as_the_loop_has_them(
     command = Bag(directory / "bag").vectors("muscle_command")["muscle_command"]
     for name in COMMAND_SPACES[HORIZONTAL_RECTI].names:
         assert (command.column(name) >= 0.01).all()
-    assert read_trials(directory)[-1].activations.shape[-1] == 4
+    assert kept_tests(directory)[-1].activations.shape[-1] == 4
 
 
 _TWELVE = (
@@ -188,7 +188,7 @@ def test_eyes_that_make_saccades_are_recorded_as_the_loop_has_them(pictures, tmp
     assert np.isnan(turns_deg[-1])
     (summary, *_) = read_results(directory / RESULTS_FILE).tests
     assert summary.saccade_error_deg["after_2"].median > 0.0
-    kept = read_trials(directory)[-1]
+    kept = kept_tests(directory)[-1]
     assert kept.activations.shape[-1] == 12
     assert np.isfinite(kept.column("cyclovergence_error_deg")[:, -1]).all()
 

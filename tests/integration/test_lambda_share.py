@@ -33,4 +33,4 @@ def test_the_rewards_of_a_run_have_the_share(pictures: Path, monkeypatch, capsys
                 reward += step.answer.percept.reward
                 cost += weight * step.answer.percept.metabolic_rate_w
     loop.plant.close()
-    assert cost / -reward == pytest.approx(0.3, rel=1e-5)
+    assert cost / -reward == pytest.approx(0.3, rel=1e-5)  # as many digits as are printed

@@ -94,5 +94,5 @@ class TimedLoop:
         return 1e3 * float(np.median(durations_s))
 
     def close(self) -> None:
-        """Release the graphics context."""
+        """Release the camera."""
         self.plant.close()

@@ -1,7 +1,7 @@
 """One commit's windows, for against.py: run by its path, with that commit's packages to import.
 
 It prints "ready", and for each line, a duration in s, on its input the rate of a window, in
-iterations/s. The loop in one process stands still in between; a graph is started anew for each.
+iterations/s. The loop in one process stands still in between; a new graph is started for each.
 """
 
 import contextlib

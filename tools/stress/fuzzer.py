@@ -1,4 +1,4 @@
-"""Messages and requests that no node of ours would send, drawn at random."""
+"""Messages and requests that none of our nodes would send, drawn at random."""
 
 import array
 import math

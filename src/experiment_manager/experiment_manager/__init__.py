@@ -1,1 +1,1 @@
-"""Episodes, tests, bags, measures and figures of an experiment."""
+"""Episodes, tests, bags and measures of an experiment."""

@@ -117,6 +117,12 @@ class Protocol:
         n_episodes = place - segment.first
         return segment.training_iteration + n_episodes * self.config.iterations_per_episode
 
+    def iterations_before(self, place: int) -> int:
+        """Return the iterations, of training and tests, that the episodes before a place make."""
+        n_trials = self.trials_from(0) - self.trials_from(place)
+        n_of_tests = n_trials * self.config.iterations_per_trial
+        return self.training_iterations_before(place) + n_of_tests
+
     def trials_from(self, place: int) -> int:
         """Return how many test trials there are from a place on."""
         ends = (

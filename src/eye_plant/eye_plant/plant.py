@@ -193,5 +193,5 @@ class EyePlant:
         return float(state.metabolic_rate_w[self.config.space.indices].sum())
 
     def close(self) -> None:
-        """Release the camera's graphics context."""
+        """Release what the camera holds."""
         self._camera.close()

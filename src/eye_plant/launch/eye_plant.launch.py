@@ -19,12 +19,12 @@ _ARGUMENTS = {
     "namespace": "of the node",
     "rate_hz": f"observations a second; {RATE_HZ:g}",
     "parameter_set": "k17 or anatomical; k17",
-    "params_file": "takes precedence over the node's own file",
+    "params_file": "takes precedence over the defaults",
 }
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Return the node: above its own parameter file the user's, above both the arguments."""
+    """Return the node: the user's file takes precedence over defaults, arguments over both."""
     variables = node_environment(Path(get_package_share_directory("lockstep")) / "config")
     return LaunchDescription(
         [

@@ -1,6 +1,6 @@
 """What all nodes must agree on: declared once, given once, and part of each node's configuration.
 
-In a parameter file the task stands under `/**`, so it reaches every node.
+In a parameter file the task stands under `/**/*`, so it reaches every node.
 """
 
 from dataclasses import dataclass
@@ -73,7 +73,7 @@ class TaskConfig:
     )
 
     def __post_init__(self) -> None:
-        """Refuse values out of range, and those that make no task together."""
+        """Refuse values out of range, and impossible combinations."""
         check_settings(self)
         activation_limits(self.space, self.lowest_activations, self.highest_activations)
         if self.n_training_iterations % self.iterations_per_episode:
@@ -94,7 +94,7 @@ class TaskConfig:
 
     def _check_turning(self) -> None:
         """Refuse saccades of eyes that cannot make them, and fixations that are cut off."""
-        if not (self.fixation_iterations or self.measures_turns):
+        if not self.learns_turns:
             return
         name, none = (
             ("measures_turns", "false") if self.measures_turns else ("fixation_iterations", "0")
@@ -110,6 +110,11 @@ class TaskConfig:
                     f"{length}: expected a multiple of {self.fixation_iterations} "
                     f"(fixation_iterations), got {getattr(self, length)}"
                 )
+
+    @property
+    def learns_turns(self) -> bool:
+        """Whether vergence is learned as turns of the eyes: with saccades, or measures_turns."""
+        return self.fixation_iterations > 0 or self.measures_turns
 
     @property
     def space(self) -> CommandSpace:

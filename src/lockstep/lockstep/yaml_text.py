@@ -1,4 +1,6 @@
-"""YAML as people write it in profiles, sweeps, schedules and --set: the core schema of YAML 1.2.
+"""YAML as people write it in profiles, sweeps, schedules and --set: YAML 1.2.
+
+Numbers are in decimal notation, and null, true and false in lower case; the rest is text.
 
 PyYAML reads YAML 1.1, in which 1e-5 is a text, 010 is eight, `on` is true, 1:30 is 90 and the last
 of two equal keys silently wins.
@@ -20,13 +22,14 @@ class _Loader(yaml.SafeLoader):
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """Refuse a mapping in which a key stands twice."""
+        # A key that is a list or a mapping is for the base class to refuse.
+        keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
         seen = set()
-        for key_node, _ in node.value:
-            key = key_node.value
-            if key in seen:
-                line = key_node.start_mark.line + 1
-                raise InputError(f"line {line}: expected each key once, got {key!r} twice")
-            seen.add(key)
+        for key in keys:
+            if key.value in seen:
+                line = key.start_mark.line + 1
+                raise InputError(f"line {line}: expected each key once, got {key.value!r} twice")
+            seen.add(key.value)
         return super().construct_mapping(node, deep)
 
     def construct_whole_number(self, node: yaml.ScalarNode) -> int:
@@ -57,5 +60,7 @@ def load_yaml(text: str) -> Any:
     """
     try:
         return yaml.load(text, _Loader)
-    except yaml.YAMLError as error:
+    except InputError:
+        raise
+    except (yaml.YAMLError, ValueError) as error:  # ValueError: a number of thousands of digits
         raise InputError(f"expected YAML: {' '.join(str(error).split())}") from error

@@ -74,7 +74,7 @@ class SparseCoder:
         iteration: within the episode; turns of the eyes are followed from 0 on.
         given_deg: (2,) place to look at when a fixation begins, NaN where the eyes choose.
 
-        Raises InputError for pictures and rates that cannot be.
+        Raises InputError for unsuitable pictures or rates.
         """
         encoding = self.encode(left, right)
         rate_w = float(metabolic_rates_w.sum())
@@ -104,9 +104,9 @@ class SparseCoder:
         return Encoding(np.stack(features), np.array(errors), patches, selections)
 
     def learn(self, encoding: Encoding) -> None:
-        """Move both dictionaries by one step towards the pictures of an encoding of theirs.
+        """Move both dictionaries by one step towards the pictures that they encoded.
 
-        Dictionaries that have come to rest (D17) stay as they are.
+        A rate of 0 leaves the dictionaries unchanged (D17).
         """
         rate = self._learning_rate()
         self.learning_steps += 1

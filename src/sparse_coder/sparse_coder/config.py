@@ -41,8 +41,3 @@ class SparseCoderConfig(TaskConfig):
         """Refuse values out of range, and a task without training."""
         super().__post_init__()
         self.check_trains()
-
-    @property
-    def watches_gaze(self) -> bool:
-        """Whether the topic gaze is asked for."""
-        return self.fixation_iterations > 0 or self.measures_turns

@@ -51,7 +51,7 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
         )
         self._sent_basis_functions_s = 0.0
         self._wanted_deg: np.ndarray | None = None
-        if self.config.watches_gaze:
+        if self.config.learns_turns:
             self._gaze = VectorPublisher(self, GAZE, GAZE_NAMES)
         if self.config.fixation_iterations:
             self.create_subscription(JointState, GAZE_TARGET, self._take_target, _TARGET_DEPTH)
@@ -76,7 +76,7 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
             "effort",
         )
         iteration, given_deg = 0, NOWHERE_DEG
-        if self.config.watches_gaze:
+        if self.config.learns_turns:
             (iteration,) = whole_values_of(episode, ("iteration",), "episode")
         if self.config.fixation_iterations:
             given_deg = self._given_deg(episode, phase, iteration)
@@ -123,7 +123,7 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
 
     def repeat(self) -> None:
         """Publish the last features and reward again, and what they say of gaze."""
-        if self.config.watches_gaze:
+        if self.config.learns_turns:
             self._gaze.repeat()
         self._reward.repeat()
         self._features.repeat()

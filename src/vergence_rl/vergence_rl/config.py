@@ -78,11 +78,6 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
         return 2 * self.n_bases
 
     @property
-    def learns_turns(self) -> bool:
-        """Whether vergence is learned as turns of the eyes, in place of activations."""
-        return self.fixation_iterations > 0 or self.measures_turns
-
-    @property
     def n_before(self) -> int:
         """Iterations of a fixation or an episode before vergence learns from what it does."""
         return N_SACCADES if self.fixation_iterations else int(self.measures_turns)

@@ -1,7 +1,7 @@
 """What a learning rule is to the agent, whichever rule it is.
 
 A third rule is two files, its settings (RuleConfig) and the rule (LearningRule), and one line in
-the table of `rules.py`, with its import, from which parameters, choices and checks follow.
+the table of `rules.py`, with its import, from which parameters and choices follow.
 """
 
 from collections.abc import Mapping
@@ -37,7 +37,7 @@ class Task:
 
     @property
     def n_muscles(self) -> int:
-        """Activations that are commanded."""
+        """Entries of a command: activations, or turns of the eyes."""
         return len(self.lowest)
 
 

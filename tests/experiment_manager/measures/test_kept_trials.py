@@ -14,7 +14,6 @@ from experiment_manager.measures.kept_trials import (
     KeptTrials,
     arrays_of,
     from_arrays,
-    read_trials,
     with_test,
     write_trials,
 )
@@ -22,6 +21,7 @@ from experiment_manager.measures.results import Measures, Summary
 from experiment_manager.measures.trials import Trials
 from eye_plant.config import EyePlantConfig
 from lockstep.errors import InputError
+from tests.kept_tests import kept_tests
 from tests.pair import COMMAND_NAMES, PAIR_SPACE
 
 N_TRIALS, N = 12, 20
@@ -60,7 +60,7 @@ def _kept(*tests: Trials) -> KeptTrials:
 def test_the_last_test_has_its_measures_and_the_others_their_ends(tmp_path: Path) -> None:
     tests = [_test(at) for at in (0, 500, 1000)]
     write_trials(tmp_path, _kept(*tests))
-    found = read_trials(tmp_path)
+    found = kept_tests(tmp_path)
     assert [test.training_iteration for test in found] == [0, 500, 1000]
 
     for whole_set, kept_set in zip(_sets(tests[-1]), _sets(found[-1]), strict=True):
@@ -92,7 +92,7 @@ def test_tests_of_other_eyes_have_their_own_starts_and_optima(tmp_path: Path) ->
     tests = [replace(test, columns={**test.columns, **distance_m}) for test in tests]
     for n_tests in (2, 3, 4):
         write_trials(tmp_path, _kept(*tests[:n_tests]))
-        found = read_trials(tmp_path)
+        found = kept_tests(tmp_path)
         assert len(found) == n_tests
         for before, after in zip(tests, found, strict=False):
             kept, whole = summary_of(after), summary_of(before)
@@ -106,7 +106,7 @@ def test_tests_of_other_eyes_have_their_own_starts_and_optima(tmp_path: Path) ->
 def test_the_paths_of_the_first_stimulus_are_whole(tmp_path: Path) -> None:
     test = _test(0)
     write_trials(tmp_path, _kept(test))
-    (found,) = read_trials(tmp_path)
+    (found,) = kept_tests(tmp_path)
     assert np.allclose(found.activations[:3], test.activations[:3], rtol=1e-6)
     assert np.isnan(found.activations[3:, 5]).all()
     assert np.allclose(found.activations[:, [0, N]], test.activations[:, [0, N]])
@@ -126,7 +126,7 @@ def test_a_full_run_is_small(tmp_path: Path) -> None:
 def test_nothing_kept_is_no_file(tmp_path: Path) -> None:
     write_trials(tmp_path, None)
     assert not list(tmp_path.iterdir())
-    assert read_trials(tmp_path) == []
+    assert kept_tests(tmp_path) == []
     assert from_arrays(arrays_of(None)) is None
 
 
@@ -138,4 +138,4 @@ def test_what_is_no_trials_is_refused(tmp_path: Path) -> None:
         from_arrays(arrays | {"rate_w": arrays["rate_w"][1:]})
     (tmp_path / KEPT_FILE).write_bytes(b"PK")
     with pytest.raises(InputError, match=r"trials\.npz: expected a state of trials_of_run"):
-        read_trials(tmp_path)
+        kept_tests(tmp_path)

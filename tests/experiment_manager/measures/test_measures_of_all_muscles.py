@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from experiment_manager.measures.criteria import Criteria
-from experiment_manager.measures.kept_trials import read_trials, with_test, write_trials
+from experiment_manager.measures.kept_trials import with_test, write_trials
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import Trials, TrialTable, only_test, trial_names
 from experiment_manager.measures.yoked import shared_change, yoked_pairs
 from lockstep import ALL_MUSCLES, COMMAND_SPACES, PAIR
 from lockstep.wire.topics import TEST
+from tests.kept_tests import kept_tests
 
 SPACE = COMMAND_SPACES[ALL_MUSCLES]
 NAMES = trial_names(SPACE)
@@ -87,7 +88,7 @@ def test_a_summary_is_read_as_it_was_written() -> None:
 def test_what_is_kept_has_all_axes_and_all_muscles(tmp_path: Path) -> None:
     whole = _trials()
     write_trials(tmp_path, with_test(with_test(None, whole), whole))
-    for kept in read_trials(tmp_path):
+    for kept in kept_tests(tmp_path):
         assert kept.space == SPACE
         for name in ("vergence_error_deg", "vertical_error_deg", "cyclovergence_error_deg"):
             assert kept.column(name)[:, -1] == pytest.approx(whole.column(name)[:, -1])
@@ -97,7 +98,7 @@ def test_what_is_kept_has_all_axes_and_all_muscles(tmp_path: Path) -> None:
         for trials in (kept, whole)
     )
     assert shares == expected
-    first, _ = read_trials(tmp_path)
+    first, _ = kept_tests(tmp_path)
     for pair in summary_of(first, CRITERIA).antagonists.values():
         # Activations are kept of the last test only.
         assert pair.share_silent is None

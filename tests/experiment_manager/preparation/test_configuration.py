@@ -117,7 +117,7 @@ def test_values_are_read_as_yaml_1_2(setting: str, expected: object) -> None:
         ),
         (
             ("--test-stimuli", "4000"),
-            "--test-stimuli 4000: expected 40 or less, as many test stimuli there are",
+            "--test-stimuli 4000: expected 40 or less, the number of test stimuli",
         ),
         (
             ("--model", "M", "--lambda", "0.03"),

@@ -22,5 +22,5 @@ def test_the_trials_left_are_in_the_bar(monkeypatch: pytest.MonkeyPatch) -> None
     bar.close()
     *_, last = shown.getvalue().splitlines()
     assert "training:" in last
-    assert "of it 39 test trials" in last
+    assert "39 test trials left" in last
     assert "|error| 0.50 deg" in last

@@ -1,1 +1,1 @@
-"""One module for each script of launch_scripts that users call."""
+"""The scripts of launch_scripts that users call, and what these share."""

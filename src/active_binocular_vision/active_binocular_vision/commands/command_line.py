@@ -13,6 +13,7 @@ from experiment_manager.preparation.written_values import (
     whole_number,
     whole_numbers,
 )
+from experiment_manager.supervision.processes import MANAGER, PACKAGES
 from lockstep import InputError
 from lockstep.command_line import CommandLine
 from lockstep.yaml_text import load_yaml
@@ -21,8 +22,8 @@ from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
 Value = TypeVar("Value")
 
 
-# Who may be on another machine than the supervisor: all but the one that records.
-MOVABLE_NODES = ("eye_plant", "sparse_coder", "vergence_rl")
+# Nodes that may run on another machine: all except the recorder.
+MOVABLE_NODES = tuple(node for node in PACKAGES if node != MANAGER)
 
 
 def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
@@ -61,7 +62,7 @@ def plant_settings(texts: Sequence[str]) -> dict[str, Any]:
     for text in texts:
         key, value = _read_setting(text)
         section, _, name = key.partition(".")
-        if section not in ("eyes", "eye_plant") or name in settings:
+        if section != "eyes" or name in settings:
             raise InputError(
                 f"--set: expected each eyes.NAME=VALUE of this test once, got {text!r}"
             )

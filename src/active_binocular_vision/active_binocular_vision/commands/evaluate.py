@@ -152,8 +152,8 @@ def _add_learners(line: argparse.ArgumentParser) -> None:
         "--set",
         action="append",
         default=[],
-        metavar="eye_plant.PARAMETER=VALUE",
-        help="change a parameter of the plant for the test; may be repeated",
+        metavar="eyes.NAME=VALUE",
+        help="change a setting of the eyes for the test; may be repeated",
     )
     group.add_argument(
         "--checkpoint",
@@ -283,6 +283,5 @@ def _equal(left: Any, right: Any) -> bool:
 
 
 if __name__ == "__main__":
-    # Who reads the text may have seen enough of it, as head has.
     ignore_broken_pipes()
     sys.exit(main())

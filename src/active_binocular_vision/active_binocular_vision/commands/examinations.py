@@ -57,6 +57,9 @@ def options_of(examination: Examination, texts: Sequence[str]) -> Any:
     """
     pairs = [text.partition("=") for text in texts]
     try:
+        for text, (name, equals, _) in zip(texts, pairs, strict=True):
+            if not equals or [other for other, *_ in pairs].count(name) > 1:
+                raise InputError(f"expected each NAME=VALUE once, got {text!r}")
         values = {name: load_yaml(value) for name, _, value in pairs}
         return build(examination.options, values)
     except InputError as error:

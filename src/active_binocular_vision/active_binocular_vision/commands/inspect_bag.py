@@ -196,6 +196,5 @@ def _as_grey(picture: np.ndarray) -> np.ndarray:
 
 
 if __name__ == "__main__":
-    # Who reads the text may have seen enough of it, as head has.
     ignore_broken_pipes()
     sys.exit(main())

@@ -110,15 +110,15 @@ def parser() -> argparse.ArgumentParser:
         "--columns",
         default=_COLUMNS,
         metavar="NAME,...",
-        help="of that page: EXAMINATION for all of its measures, or EXAMINATION.MEASURE; test is"
-        f" the run's own test (default: {_COLUMNS})",
+        help="columns of conditions.html: EXAMINATION for all its measures, or"
+        f" EXAMINATION.MEASURE; test is the run's own test (default: {_COLUMNS})",
     )
     line.add_argument(
         "--ages",
         nargs="+",
         choices=AGES,
         default=AGES,
-        help="of that page: birth, before the first change, end (default: all)",
+        help="ages on conditions.html: birth, before the first change, end (default: all)",
     )
     line.add_argument(
         "--out",
@@ -296,6 +296,5 @@ def _configurations(runs: Sequence[FinishedRun]) -> list[str]:
 
 
 if __name__ == "__main__":
-    # Who reads the text may have seen enough of it, as head has.
     ignore_broken_pipes()
     sys.exit(main())

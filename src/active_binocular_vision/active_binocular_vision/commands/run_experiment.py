@@ -4,7 +4,6 @@ import argparse
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
@@ -32,6 +31,7 @@ from experiment_manager.run.config_file import (
     read_configuration,
 )
 from experiment_manager.run.in_process import run_in_process
+from experiment_manager.run.run_directory import new_directory
 from experiment_manager.sections import config_of
 from experiment_manager.supervision.node_neighbours import refuse_neighbours
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
@@ -104,7 +104,7 @@ def prepare(options: argparse.Namespace) -> Path:
     branched = None
     if options.branch is not None:
         branched = branch(options.branch, request, source_commit())
-    directory = options.out or Path("runs") / time.strftime("%Y%m%d-%H%M%S")
+    directory = options.out or new_directory()
     return prepare_new(request, directory.resolve(), branched)
 
 

@@ -202,7 +202,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         return anaglyph(*self._pictures)
 
     def close(self) -> None:
-        """Release the camera's graphics context."""
+        """Release what the camera holds."""
         self._is_closed = True
         self._plant.close()
 

@@ -59,7 +59,7 @@ class Experiment:
         return coder
 
     def training_episode(self, number: int) -> Episode:
-        """Return a training episode; raises InputError when the experiment has no such."""
+        """Return a training episode; raises InputError for a number beyond the last."""
         return self._episode("episode", number, 0, self._n_training)
 
     def after(self, number: int) -> int:
@@ -67,7 +67,7 @@ class Experiment:
         return (number + 1) % self._n_training
 
     def trial(self, number: int) -> Episode:
-        """Return a trial of the test; raises InputError when the test has no such."""
+        """Return a trial of the test; raises InputError for a number beyond the last."""
         return self._episode("trial", number, self._n_training, self._protocol.n_trials)
 
     def plant_settings(self, episode: Episode) -> dict[str, Any]:

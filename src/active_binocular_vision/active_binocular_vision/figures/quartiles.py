@@ -83,23 +83,19 @@ def draw_quartiles(
         draw_band(axes, at, quartiles, colour_of(group), marker=marker_of(group), ms=3)
 
 
-def draw_band(
-    axes: Axes, at: np.ndarray, quartiles: np.ndarray, colour: str, **style: Any
-) -> Line2D:
+def draw_band(axes: Axes, at: np.ndarray, quartiles: np.ndarray, colour: str, **style: Any) -> None:
     """Draw the median of quartiles (3, n) as a line, and a band from the lower to the upper."""
     lower, median, upper = quartiles
     axes.fill_between(at, lower, upper, color=colour, alpha=BAND_ALPHA, lw=0)
-    return axes.plot(at, median, color=colour, **style)[0]
+    axes.plot(at, median, color=colour, **style)
 
 
-def draw_bars(
-    axes: Axes, at: np.ndarray, quartiles: np.ndarray, colour: str, **style: Any
-) -> Line2D:
+def draw_bars(axes: Axes, at: np.ndarray, quartiles: np.ndarray, colour: str, **style: Any) -> None:
     """Draw the medians of quartiles (3, n) as points, and bars from the lower to the upper."""
     lower, median, upper = quartiles
     axes.vlines(at, lower, upper, color=colour, lw=1.2)
     look: dict[str, Any] = {"marker": "o", "ms": 5} | style
-    return axes.plot(at, median, ls="", color=colour, **look)[0]
+    axes.plot(at, median, ls="", color=colour, **look)
 
 
 def scale_errors(axes: Axes, px_deg: float, *, has_pixel: bool = True) -> None:

@@ -62,7 +62,7 @@ def evaluated(
     criteria = criteria_of(learners.plant, manager.fixation_iterations)
     n_default = _N_STEREOGRAMS if shown.random_dots else manager.n_stimuli_per_test
     stimuli = shown.load(learners.plant.stimuli, n_default)
-    n_stimuli = len(stimuli.all) + len(stimuli.stereograms)
+    n_stimuli = stimuli.n_pictures
     started = _with_starts(manager, start_scale)
     protocol = _test_protocol(started, learners.trained, n_stimuli)
     with learners.loop(stimuli) as loop:

@@ -122,7 +122,7 @@ class FrozenLearners:
         """What the basis functions of both scales are tuned to; their fits take 10 s."""
         return tunings(self.atoms)
 
-    @property
+    @cached_property
     def state_hash(self) -> str:
         """SHA-256 of both learners' states, in hexadecimal."""
         hashes = "".join(checkpoint.hash_of(self._state(name)) for name in _LEARNERS)

@@ -140,7 +140,7 @@ class Session:
     @property
     def n_pictures(self) -> int:
         """How many pictures or stereograms there are."""
-        return len(self._stimuli.all) + len(self._stimuli.stereograms)
+        return self._stimuli.n_pictures
 
     @cached_property
     def px_deg(self) -> float:

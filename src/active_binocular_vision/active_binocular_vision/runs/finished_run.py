@@ -138,6 +138,13 @@ class FinishedRun:
         """Return what results.json holds, from the bag alone."""
         criteria = self.evaluation_settings.criteria
         trials_of_tests = [test.trials for test in self.recorded.tests]
+        return self.results_with(
+            CostShares(*self.recorded.cost_shares),
+            tuple(summary_of(t, criteria(t.training_iteration)) for t in trials_of_tests),
+        )
+
+    def results_with(self, cost_shares: CostShares, tests: tuple[Summary, ...]) -> Results:
+        """Return results.json of this run with these measures."""
         return Results(
             model=self.model,
             profile=self.profile,
@@ -145,8 +152,8 @@ class FinishedRun:
             iterations=self.n_iterations,
             commit=self.commit,
             metabolic_cost_weight=self.metabolic_cost_weight,
-            cost_shares=CostShares(*self.recorded.cost_shares),
-            tests=tuple(summary_of(t, criteria(t.training_iteration)) for t in trials_of_tests),
+            cost_shares=cost_shares,
+            tests=tests,
         )
 
     @property

@@ -3,6 +3,7 @@
 import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from active_binocular_vision.runs.finished_run import FinishedRun
@@ -100,7 +101,7 @@ class Group:
         """Return the trials of all runs after so many training iterations."""
         return pooled([run.trials[iteration] for run in self.runs])
 
-    @property
+    @cached_property
     def last_trials(self) -> Trials:
         """The trials of all runs in their last common test."""
         return self.trials_at(self.iterations[-1])
@@ -121,7 +122,7 @@ class Group:
             next(test for test in run.summaries if test.iteration == iteration) for run in self.runs
         ]
 
-    @property
+    @cached_property
     def last_summary(self) -> Summary | None:
         """The measures of the last common test, trials pooled; None where trials are not known."""
         if self.has_trials:

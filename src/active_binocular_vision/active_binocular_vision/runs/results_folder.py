@@ -64,7 +64,6 @@ class KeptRun(FinishedRun):
     def __init__(self, folder: "ResultsFolder", name: str) -> None:
         """name: of the run in the folder."""
         super().__init__(folder.directory / name)
-        self.name = name
         self._folder = folder
 
     @cached_property
@@ -314,15 +313,9 @@ def _results(run: FinishedRun, rows: Sequence[Row]) -> Results:
     """Return what the rows of a run say."""
     try:
         tests, shares = _parsed(rows)
-        return Results(
-            model=run.model,
-            profile=run.profile,
-            seed=run.seed,
-            iterations=run.n_iterations,
-            commit=run.commit,
-            metabolic_cost_weight=run.metabolic_cost_weight,
-            cost_shares=CostShares(**shares),
-            tests=tuple(_test(iteration, sets) for iteration, sets in sorted(tests.items())),
+        return run.results_with(
+            CostShares(**shares),
+            tuple(_test(iteration, sets) for iteration, sets in sorted(tests.items())),
         )
     except (TypeError, ValueError, KeyError) as error:
         raise InputError(f"{run.directory}: expected its measures: {error}") from error

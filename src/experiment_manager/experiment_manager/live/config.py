@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from eye_plant.camera.config import CameraConfig
 from lockstep import setting
-from lockstep.optics import OpticsConfig
 from lockstep.task import TaskConfig
 
 LOCAL_HOST = "127.0.0.1"
@@ -22,4 +22,4 @@ class LiveViewConfig(TaskConfig):
         PORT + 1, "port of the page with links and layout, 0 for any free one", least=0, most=65535
     )
     rate_hz: float = setting(20.0, "pictures a second at most", "Hz", above=0, most=100)
-    camera: OpticsConfig = field(default_factory=OpticsConfig)
+    camera: CameraConfig = field(default_factory=CameraConfig)

@@ -208,9 +208,3 @@ def read_kept(directory: Path) -> KeptTrials | None:
         return from_arrays(read_state(path, _KIND))
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-
-
-def read_trials(directory: Path) -> list[Trials]:
-    """Return the tests in a run directory's trials.npz, none when there is no such file."""
-    kept = read_kept(directory)
-    return kept.tests() if kept else []

@@ -123,7 +123,7 @@ def _count_stimuli(values: dict[str, Any], given: Mapping[str, Given]) -> None:
     wanted = values.get(TEST_STIMULI, DEFAULTS["experiment_manager"]["n_stimuli_per_test"])
     if TEST_STIMULI in given and type(wanted) is int and wanted > n_test:
         raise InputError(
-            f"{given[TEST_STIMULI].by}: expected {n_test} or less, as many test stimuli there are"
+            f"{given[TEST_STIMULI].by}: expected {n_test} or less, the number of test stimuli"
         )
     values[TEST_STIMULI] = min(wanted, n_test) if type(wanted) is int else wanted
 

@@ -21,7 +21,7 @@ from experiment_manager.run.config_file import (
     text_of_continuation,
 )
 from experiment_manager.run.progress import Progress
-from experiment_manager.run.run_directory import TRIALS_FILE, TRIALS_KIND
+from experiment_manager.run.run_directory import ROWS, TRIALS_FILE, TRIALS_KIND
 from experiment_manager.sections import (
     CONFIG_CLASSES,
     Configuration,
@@ -57,10 +57,12 @@ def check_settings(request: RunRequest, directory: Path, configuration: Configur
     directory: of the run.
     """
     _check_whole_run(request, directory, configuration)
-    for key, given in request.settings().items():
+    asked = request.settings()
+    values = {key: given.value for key, given in asked.items()}
+    wanted = completed(by_section(by_key(configuration) | values))
+    for key, given in asked.items():
         section, _, name = key.partition(".")
         found = configuration[section].get(name)
-        wanted = completed(by_section({**by_key(configuration), key: given.value}))
         if wanted[section][name] != found:
             raise contradiction(given.by, directory, f"{key} = {found}")
 
@@ -105,7 +107,7 @@ def extend(directory: Path, n_more: int) -> None:
             continue
         check_unchanged(directory, manifest, before)
         progress = Progress(end, space)
-        rows = read_state(states / TRIALS_FILE, TRIALS_KIND)["rows"]
+        rows = read_state(states / TRIALS_FILE, TRIALS_KIND)[ROWS]
         progress.restore(manifest.progress, TrialTable.saved(rows, space))
         progress.extend(end + n_more, protocol.training_iterations_before(manifest.place))
         manifests.append(
@@ -141,7 +143,7 @@ class Branch:
         to.mkdir(parents=True)
         progress = Progress(protocol.config.n_training_iterations, protocol.config.space)
         progress.begin_at(self.training_iterations)
-        write_state(to / TRIALS_FILE, TRIALS_KIND, {"rows": progress.trial_table().rows})
+        write_state(to / TRIALS_FILE, TRIALS_KIND, {ROWS: progress.trial_table().rows})
         for name in _LEARNERS:
             shutil.copyfile(self.states / f"{name}.npz", to / f"{name}.npz")
         about = {

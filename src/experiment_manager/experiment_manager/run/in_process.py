@@ -20,7 +20,7 @@ from eye_plant import Episode, EyePlantConfig
 from lockstep import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
 from lockstep.machine.interrupts import Interrupts
-from lockstep.wire.stamps import period_ns, stamp_of
+from lockstep.wire.stamps import check_stamp, period_ns
 
 
 def run_in_process(directory: Path) -> int:
@@ -103,7 +103,7 @@ class InProcessRun:
 
     def _record(self, episode: Episode) -> None:
         run, write = self._run, self._run.writer.write
-        stamp_of(episode.first_observation + episode.n_iterations, self._period_ns)
+        check_stamp(episode.first_observation + episode.n_iterations, self._period_ns)
         is_sampled = takes_pictures(self._config, episode)
         for step in self._loop.run_episode(episode):
             if self._interrupts.count > 1:
@@ -133,7 +133,7 @@ class InProcessRun:
         self._run.commit(paths)
 
     def close(self) -> None:
-        """Close the bag, whole up to the last message, and release the graphics context."""
+        """Close the bag, whole up to the last message, and release the camera."""
         try:
             self._loop.plant.close()
         finally:

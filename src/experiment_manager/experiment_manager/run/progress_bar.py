@@ -33,18 +33,11 @@ class ProgressBar:
         if self._bar is None:
             self._bar = progress(
                 file=self._terminal,
-                total=self._iterations_before(len(self._protocol)),
-                initial=self._iterations_before(self._place),
+                total=self._protocol.iterations_before(len(self._protocol)),
+                initial=self._protocol.iterations_before(self._place),
                 unit="it",
             )
         return self._bar
-
-    def _iterations_before(self, place: int) -> int:
-        if place == 0:
-            return 0
-        episode = self._protocol.episode(place - 1)
-        # Each episode has one observation more than it has iterations.
-        return episode.first_observation + episode.n_iterations + 1 - place
 
     def advance(self, running_median_error_deg: float | None) -> None:
         """Go on by one episode."""
@@ -53,7 +46,7 @@ class ProgressBar:
         self._place += 1
         notes = []
         if n_trials := self._protocol.trials_from(self._place):
-            notes.append(f"of it {n_trials:,} test trials")
+            notes.append(f"{n_trials:,} test trials left")
         if running_median_error_deg is not None:
             notes.append(f"|error| {running_median_error_deg:.2f} deg")
         bar.set_postfix_str(", ".join(notes), refresh=False)

@@ -26,5 +26,4 @@ SAMPLED_TOPICS = tuple(
 
 def small_topics(config: ExperimentManagerConfig) -> tuple[str, ...]:
     """Return the topics of which each observation of a run has one message."""
-    has_gaze = config.fixation_iterations or config.measures_turns
-    return SMALL_TOPICS_WITH_GAZE if has_gaze else SMALL_TOPICS
+    return SMALL_TOPICS_WITH_GAZE if config.learns_turns else SMALL_TOPICS

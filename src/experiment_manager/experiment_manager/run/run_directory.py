@@ -51,7 +51,7 @@ from lockstep.wire.vectors import VectorBytes
 
 TRIALS_FILE, TRIALS_KIND = "trials.npz", "trials"
 # The observations of the test under way; all else in that file is kept of the tests before.
-_ROWS = "rows"
+ROWS = "rows"
 _MANAGER = "experiment_manager"
 # What is lost with a file that a broken disk damages.
 _MOST_BYTES_OF_A_FILE = 1 << 28
@@ -69,7 +69,7 @@ class Run:
         """
         self._config = config
         self.protocol = make_protocol(config)
-        self.directory = Path(config.run_directory or _new_directory())
+        self.directory = Path(config.run_directory or new_directory())
         self.run_id = config.run_id or self.directory.name
         self.progress = Progress(config.n_training_iterations, config.space)
         self.place = 0
@@ -194,7 +194,7 @@ class Run:
         """Make bag and states so far a checkpoint; the states have been written."""
         self.writer.commit()
         trials = checkpoint.place_directory(self._checkpoints, self.place) / TRIALS_FILE
-        rows = {_ROWS: self.progress.trial_table().rows}
+        rows = {ROWS: self.progress.trial_table().rows}
         write_state(trials, TRIALS_KIND, rows | arrays_of(self.progress.kept_trials))
         files = (trials, *states.values())
         checkpoint.commit(
@@ -227,7 +227,7 @@ class Run:
         self._loaded_from = states
         self.place = self._checkpoint_place = manifest.place
         trials = read_state(states / TRIALS_FILE, TRIALS_KIND)
-        table = TrialTable.saved(trials.pop(_ROWS), self.progress.space)
+        table = TrialTable.saved(trials.pop(ROWS), self.progress.space)
         self.progress.restore(manifest.progress, table, from_arrays(trials))
         # A checkpoint that was copied without the bag is enough to go on.
         bag = self.directory / "bag"
@@ -307,6 +307,7 @@ class Run:
             self.directory.rmdir()
 
 
-def _new_directory() -> str:
+def new_directory() -> Path:
+    """Return where a run goes that is given no directory."""
     now = datetime.datetime.now(tz=datetime.UTC)
-    return f"runs/{now:%Y%m%d-%H%M%S}"
+    return Path(f"runs/{now:%Y%m%d-%H%M%S}")

@@ -12,11 +12,12 @@ from pathlib import Path
 
 from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.run.progress_bar import TERMINAL_VARIABLE
+from experiment_manager.sections import CONFIG_CLASSES
 from lockstep.machine.own_process import die_with
 
-PACKAGES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")
+PACKAGES = tuple(CONFIG_CLASSES)
 MANAGER = "experiment_manager"
-_POLL_S = 0.02
+_POLL_S, _PATIENCE_S = 0.02, 3.0
 
 Process = subprocess.Popen[bytes]
 
@@ -55,9 +56,9 @@ def start_node(package: str, arguments: Sequence[str], domain: int, log: Path) -
         os.close(terminal)
 
 
-def stop(processes: Collection[Process], patience_s: float = 3.0) -> None:
+def stop(processes: Collection[Process]) -> None:
     """Ask each to end, and kill those that do not, stopped ones among them."""
-    end_s = time.monotonic() + patience_s
+    end_s = time.monotonic() + _PATIENCE_S
     for process in processes:
         process.terminate()
     while any(process.poll() is None for process in processes):

@@ -4,14 +4,11 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.measures.results import Summary, read_results
+from experiment_manager.measures.results import RESULTS_FILE, Summary, read_results
 from experiment_manager.measures.tables import text_table
-from experiment_manager.protocol import Protocol, make_protocol
+from experiment_manager.protocol import protocol_of
 from experiment_manager.run import checkpoint
-from experiment_manager.run.config_file import read_configuration
-from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
-from experiment_manager.sections import config_of
+from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.sweep.sweep_run import SweepRun
 
 _COLUMNS = ("run", "state", "iterations", "it/s", "time left", "last test")
@@ -41,10 +38,10 @@ def _progress(run: SweepRun, state: str) -> tuple[str, str, str, str]:
     if not (run.directory / CONFIG_FILE).exists():
         return "", "", "", ""
     configuration = read_configuration(run.directory / CONFIG_FILE)
-    protocol = make_protocol(config_of(ExperimentManagerConfig, configuration))
+    protocol = protocol_of(configuration)
     points = _checkpoints(run.directory)
-    made = [_iterations_before(protocol, place) for place, _, _ in points] or [0]
-    n_iterations = _iterations_before(protocol, len(protocol))
+    made = [protocol.iterations_before(place) for place, _, _ in points] or [0]
+    n_iterations = protocol.iterations_before(len(protocol))
     rate, left = "", ""
     if state == "running" and len(points) > 1:
         between_s = points[-1][1] - points[-2][1]
@@ -67,13 +64,6 @@ def _checkpoints(directory: Path) -> list[tuple[int, float, tuple[Summary, ...]]
         except FileNotFoundError:
             continue
     return found
-
-
-def _iterations_before(protocol: Protocol, place: int) -> int:
-    """Return the iterations, of training and of tests, that the episodes before a place make."""
-    n_trials = protocol.trials_from(0) - protocol.trials_from(place)
-    n_of_tests = n_trials * protocol.config.iterations_per_trial
-    return protocol.training_iterations_before(place) + n_of_tests
 
 
 def _error(tests: Sequence[Summary]) -> str:

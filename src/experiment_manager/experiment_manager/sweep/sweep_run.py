@@ -10,9 +10,8 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from experiment_manager.measures.results import read_results
-from experiment_manager.run.config_file import about_in
-from experiment_manager.run.run_directory import CONFIG_FILE, RESULTS_FILE
+from experiment_manager.measures.results import RESULTS_FILE, read_results
+from experiment_manager.run.config_file import CONFIG_FILE, about_in
 from lockstep import InputError
 from lockstep.exit_codes import EXIT_INTERRUPTED
 from lockstep.machine.locks import takes_lock

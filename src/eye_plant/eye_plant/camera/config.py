@@ -116,6 +116,12 @@ class CameraConfig(CameraTurns, OpticsConfig):
     right_vertical_blur_px: float = _blur_px(
         "additional blur of the right picture along its columns"
     )
+    left_magnification: float = setting(
+        1.0, "magnification of the left picture about its centre", above=0
+    )
+    right_magnification: float = setting(
+        1.0, "magnification of the right picture about its centre", above=0
+    )
     left_occluded: bool = setting(False, "whether the left picture is black")
     right_occluded: bool = setting(False, "whether the right picture is black")
 

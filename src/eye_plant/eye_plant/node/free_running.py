@@ -14,7 +14,7 @@ from lockstep import InputError
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer
 from lockstep.wire.qos import LOCKSTEP_QOS
-from lockstep.wire.stamps import MAX_STAMP_NS, period_ns, stamp_of
+from lockstep.wire.stamps import MAX_STAMP_NS, check_stamp, period_ns
 from lockstep.wire.vectors import values_of
 
 
@@ -59,7 +59,7 @@ class FreeRunning:
 
     def _begin(self, arguments: Arguments) -> None:
         episode = Episode.from_arguments(arguments)
-        stamp_of(episode.first_observation + episode.n_iterations, self._period_ns)
+        check_stamp(episode.first_observation + episode.n_iterations, self._period_ns)
         self._observation = self._plant.begin(episode)
         self._targets = np.array(episode.activations)
 

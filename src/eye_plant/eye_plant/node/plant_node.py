@@ -21,7 +21,7 @@ from lockstep.node.ros_parameters import declare_config
 from lockstep.wire.cdr import stamp_ns_of
 from lockstep.wire.codec import Reader
 from lockstep.wire.qos import LOCKSTEP_QOS
-from lockstep.wire.stamps import period_ns, stamp_of
+from lockstep.wire.stamps import check_stamp, period_ns
 from lockstep.wire.vectors import values_of
 
 REPEAT_PERIOD_S = 1.0
@@ -95,7 +95,7 @@ class EyePlantNode(Node):
 
     def _begin(self, arguments: Arguments) -> None:
         episode = Episode.from_arguments(arguments)
-        stamp_of(episode.first_observation + episode.n_iterations, self._period_ns)
+        check_stamp(episode.first_observation + episode.n_iterations, self._period_ns)
         self._publish(self._plant.begin(episode))
 
     def _command(self, data: bytes) -> None:
@@ -140,7 +140,7 @@ class EyePlantNode(Node):
         return {"state": state, "observation": str(self._observation.number)}
 
     def destroy_node(self) -> None:
-        """Release the graphics context with the node."""
+        """Release the camera with the node."""
         self._plant.close()
         super().destroy_node()
 

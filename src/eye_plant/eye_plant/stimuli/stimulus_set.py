@@ -55,6 +55,11 @@ class StimulusSet:
         """
         return self.training + self.test
 
+    @property
+    def n_pictures(self) -> int:
+        """Pictures and stereograms."""
+        return len(self.all) + len(self.stereograms)
+
 
 def load_stimuli(config: StimuliConfig) -> StimulusSet:
     """Return the set, generated (and kept for the next time) or read from the directory.

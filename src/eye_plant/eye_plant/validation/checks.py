@@ -49,7 +49,8 @@ ACTIONS = {
 }
 # As much as gaze of 20 deg or so takes; none of the tonic levels is lower.
 _PROBE = 0.07
-
+# Velocity stops rising once the pulse cannot grow: less than this counts as level.
+_LEVEL_DEG_S = 2.0
 
 _MAPS = "OpenEyeSim (Priamikov et al. 2016)"
 _ACTIONS = "Leigh & Zee 2015"
@@ -81,7 +82,7 @@ class Check:
             "name": self.name,
             "value": value if is_measured else None,
             "unit": self.unit,
-            "bound": f"{low:g} to {high:g}" if low else f"at most {high:g}",
+            "bound": f"{low:g} to {high:g}" if low > 0.0 else f"at most {high:g}",
             "ok": low <= value <= high if is_measured else None,
         }
 
@@ -127,7 +128,10 @@ def openeyesim_maps() -> tuple[Array, Array] | None:
         return None
     rows = np.loadtxt(path, delimiter=",", skiprows=1, usecols=(0, 1, 2, 3), ndmin=2)
     rows = rows[np.lexsort((rows[:, 1], rows[:, 0]))]
-    return rows[:, 2].reshape(11, 11), rows[:, 3].reshape(11, 11)
+    medial, lateral, adduction, cost = rows.T.reshape(4, 11, 11)
+    if not (np.allclose(medial, GRID[:, None]) and np.allclose(lateral, GRID)):
+        raise ValueError("expected each pair of the activations 0, 0.1, ..., 1 once")
+    return adduction, cost
 
 
 def adduction_deg(medial: Array, lateral: Array) -> Array:
@@ -269,15 +273,28 @@ def _worst_amplitude_error_percent() -> float:
     )
 
 
-@_check("anatomical: peak velocity of 30 deg", _VELOCITY, "deg/s", (0.0, 900.0), 30.0)
-@_check("anatomical: peak velocity of 10 deg", _VELOCITY, "deg/s", (300.0, 450.0), 10.0)
-def _peak_velocity_deg_s(amplitude_deg: float) -> float:
-    return saccades()[amplitude_deg].peak_velocity_deg_s
+@_check("anatomical: peak velocity of 10 deg", _VELOCITY, "deg/s", (300.0, 450.0))
+def _peak_velocity_deg_s() -> float:
+    return saccades()[10.0].peak_velocity_deg_s
 
 
-@_check("anatomical: last rise of peak velocity over the first", _VELOCITY, "", (-0.02, 0.5))
+def _peaks_deg_s() -> Array:
+    return np.array([saccade.peak_velocity_deg_s for saccade in saccades().values()])
+
+
+@_check("anatomical: greatest peak velocity", _VELOCITY, "deg/s", (0.0, 900.0))
+def _greatest_peak_velocity_deg_s() -> float:
+    return _peaks_deg_s().max()
+
+
+@_check("anatomical: falls of peak velocity with amplitude", _VELOCITY, "", (0.0, 0.0))
+def _falls_of_peak_velocity() -> float:
+    return float(np.count_nonzero(np.diff(_peaks_deg_s()) < -_LEVEL_DEG_S))
+
+
+@_check("anatomical: last rise of peak velocity over the first", _VELOCITY, "", (-math.inf, 0.5))
 def _last_rise_over_first() -> float:
-    rises_deg_s = np.diff([saccade.peak_velocity_deg_s for saccade in saccades().values()])
+    rises_deg_s = np.diff(_peaks_deg_s())
     return rises_deg_s[-1] / rises_deg_s[0]
 
 

@@ -30,7 +30,7 @@ def node_environment(config: Path) -> dict[str, str]:
     config: the directory of the package lockstep with the profiles of Fast DDS. The one for this
     machine takes the place of the discovery range LOCALHOST, with which ROS adds shared memory.
     """
-    variables = {name: os.environ.get(name, value) for name, value in _DEFAULTS.items()}
+    variables = {name: os.environ.get(name) or value for name, value in _DEFAULTS.items()}
     profile = os.environ.get(_PROFILE, "")
     if not profile:
         stays = variables[_RANGE] == "LOCALHOST" and not os.environ.get("ROS_STATIC_PEERS")

@@ -1,11 +1,7 @@
 """The wish to stop a run, as signals bring it.
 
-Ctrl-C: a process that makes a run counts here how often it was asked to stop, and the loop of one
-process, `in_process.run.go_on`, reads the count after each episode and each step. In a graph the
-supervisor counts and passes each signal on to the manager alone (`supervisor._interrupt_manager`),
-whose node counts again (`manager_node.interrupt`) and ends the run after the episode; how a signal
-reaches a node, and what one without `interrupt` does, is in `lockstep.node.process`. A sweep passes
-it on to its runs (`sweep`).
+Ctrl-C: whoever makes a run counts here how often it was asked to stop. How a signal reaches a node
+is in `lockstep.node.process`.
 """
 
 import signal

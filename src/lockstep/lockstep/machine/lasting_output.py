@@ -40,7 +40,10 @@ def lasting(stream: TextIO) -> TextIO:
 
 
 def ignore_broken_pipes() -> None:
-    """Let this process outlive whoever reads its standard streams; closed ones go nowhere."""
+    """Let this process outlive whoever reads its standard streams; closed ones go nowhere.
+
+    A reader such as `head` may leave early.
+    """
     for number in range(3):
         try:
             os.fstat(number)

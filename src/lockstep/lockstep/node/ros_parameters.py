@@ -23,7 +23,8 @@ def declare_config(node: Node, config_class: type[Config]) -> Config:
     """Declare each field of config_class as a read-only parameter and return the values given.
 
     Raises InputError for an unknown parameter or one of a wrong type or value: a misspelt name in
-    a parameter file must not go unnoticed.
+    a parameter file must not go unnoticed. Unknown names of the eyes are refused by nodes that have
+    mechanics, and passed over by the others.
     """
     given = {
         name: parameter.value

@@ -14,12 +14,11 @@ def period_ns(control_period_s: float) -> int:
     return round(control_period_s * NS_PER_S)
 
 
-def stamp_of(observation: int, control_period_ns: int) -> int:
-    """Return the stamp of an observation's number; InputError when it is later than ROS has."""
+def check_stamp(observation: int, control_period_ns: int) -> None:
+    """Raise InputError where the stamp of an observation's number is later than ROS has."""
     stamp_ns = observation * control_period_ns
     if stamp_ns > MAX_STAMP_NS:
         raise InputError(f"expected stamps below 2^31 s, got one of {stamp_ns / NS_PER_S:g} s")
-    return stamp_ns
 
 
 def to_time(stamp_ns: int) -> Time:

@@ -127,7 +127,7 @@ class Fixations(Turns):
 
 
 def gaze_watch(config: SparseCoderConfig) -> Fixations | Turns | None:
-    """Return what follows the gaze through episodes, None where nobody asks."""
+    """Return what follows the gaze through episodes, None where turns are not measured."""
     focal_length_px = config.camera.focal_length_px
     if config.fixation_iterations:
         return Fixations(config.fixation_iterations, focal_length_px)

@@ -33,9 +33,8 @@ class GazeControl:
     def __init__(
         self, lowest: Floats, highest: Floats, config: GazeConfig, *, holds_gaze: bool
     ) -> None:
-        """lowest, highest: (12,) limits of the commands; holds_gaze: whether saccades turn it."""
-        # Vergence leaves the left line of sight where it is, to which saccades have turned it;
-        # without saccades both eyes verge, and version is free.
+        """lowest, highest: (12,) limits of the commands."""
+        # Without saccades both eyes verge, and version is free.
         self.holds_gaze = holds_gaze
         self._noise, self._limits = config.saccade_noise, (lowest, highest)
         self._eyes = [

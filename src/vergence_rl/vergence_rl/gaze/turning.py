@@ -24,7 +24,7 @@ class TurningRule:
     def __init__(
         self, rule: LearningRule, control: GazeControl, iterations_per_fixation: int, n_before: int
     ) -> None:
-        """Make rule and control one.
+        """Combine a rule and a control.
 
         rule: of a task whose commands are turns.
         iterations_per_fixation: or of an episode without saccades.
@@ -42,7 +42,7 @@ class TurningRule:
         control, activations = self._control, observation.activations
         control.see(observation, learning=learning)
         is_saccade = bool(np.isfinite(observation.target_deg).all())
-        # Before, the eyes could not see how the first command moved them: nobody's visit.
+        # Negative before the rule's first visit.
         since = observation.iteration % self._n_iterations - self._n_before
         if since <= 0:
             self._turned_deg = np.zeros(N_TURNS)

@@ -20,9 +20,9 @@ def within_limits(wanted: Floats, covariance: Floats, lowest: Floats, highest: F
     covariance: (n, n).
     lowest, highest: (n,).
 
-    Found by an active set: muscles beyond a limit are held there,
-    the others make up for it; more are held until none is beyond, and let go which would turn back
-    (Nocedal & Wright 2006, ch. 16).
+    Found by an active set: muscles beyond a limit are held there, and the others make up for it.
+    More are held until none is beyond, and those that would turn back are released (Nocedal &
+    Wright 2006, ch. 16).
     """
     clipped: Floats = np.clip(wanted, lowest, highest)
     held: Held = clipped != wanted
@@ -50,9 +50,9 @@ def freed_targets(
     covariance: (n, n).
     lowest, highest: (n,).
 
-    A best place at a limit, with
-    the actor beyond that limit, says no more than that: the actor may stay there, and only its
-    other muscles move, as `within_limits` would have it (censored regression: Tobin 1958).
+    A best place at a limit, with the actor beyond that limit, says no more than that: the actor may
+    stay there, and only its other muscles move, as `within_limits` would have it (censored
+    regression: Tobin 1958).
     """
     held = ((best <= lowest) & (wanted < lowest)) | ((best >= highest) & (wanted > highest))
     targets: Floats = np.where(held, wanted, best)

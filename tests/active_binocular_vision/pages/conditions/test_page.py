@@ -22,10 +22,10 @@ from active_binocular_vision.runs.conditions import conditions_of
 from active_binocular_vision.runs.examined_run import BIRTH, END
 from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE
 from active_binocular_vision.runs.results_folder import finished_runs
-from experiment_manager.measures.kept_trials import read_trials
 from lockstep import InputError
 from tests.active_binocular_vision.made_examined import column, examined, reared, summaries
 from tests.command_lines import set_words
+from tests.kept_tests import kept_tests
 from tests.made_once import made_once
 
 _HEALTHY = f"{{eyes.mechanics.recession_mm: {[0.0] * 12}}}"
@@ -84,7 +84,7 @@ def test_a_run_is_examined_once_at_three_ages(run, tmp_path, capsys, monkeypatch
         summary = document["summary"]
         assert summary["horizontal_deviation_pd"] == pytest.approx(expected_pd, abs=0.1)
         assert summary["share_fused"] == 0.0
-    rate_w = np.median(read_trials(run)[-1].metabolic_rate_w[:, -1])
+    rate_w = np.median(kept_tests(run)[-1].metabolic_rate_w[:, -1])
     assert f"<td>{rate_w:.3f}</td>" in page
 
     # Again, from the file alone; documents of another version or other learners are made again.

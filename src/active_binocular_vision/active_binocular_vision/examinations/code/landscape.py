@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from active_binocular_vision.examinations.code.tuning import of_scales
 from active_binocular_vision.examinations.contract.examination import (
     Distances,
     Examination,
     Findings,
 )
 from active_binocular_vision.examinations.contract.measure import SHARE, key, measure
-from active_binocular_vision.learners.basis_functions import SCALES, left_share
+from active_binocular_vision.learners.basis_functions import left_share
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import (
     Session,
@@ -46,11 +47,8 @@ class ErrorRow:
     """
 
     vergence_error_deg: float = key("vergence error", "deg")
-    reconstruction_error: Sequence[float] = measure(
-        "",
-        "reconstruction error",
-        columns=tuple(f"reconstruction_error_{scale}" for scale in SCALES),
-        labels=tuple(f"reconstruction error, {scale}" for scale in SCALES),
+    reconstruction_error: Sequence[float] = of_scales(
+        "", "reconstruction_error", "reconstruction error"
     )
 
 
@@ -65,12 +63,7 @@ class LandscapeSummary:
 
     depth: float | None = measure("", "depth", 2)
     left_share_in_code: float | None = measure(SHARE, "left eye in code")
-    gabor_share_by_use: Sequence[float] = measure(
-        SHARE,
-        "Gabor functions by use",
-        columns=tuple(f"gabor_share_by_use_{scale}" for scale in SCALES),
-        labels=tuple(f"Gabor by use, {scale}" for scale in SCALES),
-    )
+    gabor_share_by_use: Sequence[float] = of_scales(SHARE, "gabor_share_by_use", "Gabor by use")
 
 
 def depth_of(errors: Array) -> float:

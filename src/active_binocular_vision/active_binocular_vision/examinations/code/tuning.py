@@ -26,7 +26,8 @@ class ScaleRow:
     Shares of all its basis functions; binocular_share of the Gabor functions, null without any.
     Counts are of the Gabor functions: (8,) orientations from horizontal on, (7,) bins of
     binocularity from left to right. preferred_disparities_deg: of those that have one, rising.
-    samples: (12, 128) basis functions from the best to the worst Gabor fit.
+    samples: (12, 128) basis functions from the best to the worst Gabor fit; null
+    where they were not kept.
     """
 
     scale: str = key("scale")
@@ -39,19 +40,20 @@ class ScaleRow:
     samples: Sequence[Sequence[float]] | None = measure("", "samples", is_shown=False)
 
 
-def _of_scales(name: str, label: str) -> Any:
+def of_scales(unit: str, name: str, label: str) -> Any:
+    """Declare a measure with a value for each scale."""
     columns = tuple(f"{name}_{scale}" for scale in SCALES)
     labels = tuple(f"{label}, {scale}" for scale in SCALES)
-    return measure(SHARE, label, columns=columns, labels=labels)
+    return measure(unit, label, columns=columns, labels=labels)
 
 
 @dataclass(frozen=True, kw_only=True)
 class TuningSummary:
     """Shares of both scales."""
 
-    gabor_share: Sequence[float] = _of_scales("gabor_share", "Gabor")
-    common_gabor_share: Sequence[float] = _of_scales("common_gabor_share", "common")
-    binocular_share: Sequence[float] = _of_scales("binocular_share", "binocular")
+    gabor_share: Sequence[float] = of_scales(SHARE, "gabor_share", "Gabor")
+    common_gabor_share: Sequence[float] = of_scales(SHARE, "common_gabor_share", "common")
+    binocular_share: Sequence[float] = of_scales(SHARE, "binocular_share", "binocular")
 
 
 def _examine(learners: FrozenLearners, shown: Shown, _: Options) -> Findings:

@@ -3,6 +3,7 @@
 The document that evaluate.sh writes, and each entry of a run's examinations.json:
 
     model, seed, commit, lambda, checkpoint, dictionary, actor, settings    the learners
+    iteration, states       training iterations before, and a hash of the learners' states
     examination, version    name, and number that rises when a measure is defined otherwise
     options                 of the examination, all of them
     stimuli, n_stimuli      what was shown, "" for the run's own test stimuli
@@ -11,7 +12,7 @@ The document that evaluate.sh writes, and each entry of a run's examinations.jso
 
 Values are numbers, texts, null for what is not known or beyond what was tried, lists, and for
 quartiles over trials {lower_quartile, median, upper_quartile}. `pandas.json_normalize` reads a
-table. Which measures there are is said by the fields of the row classes of each examination.
+table. The fields of an examination's row classes are its measures.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -98,7 +98,7 @@ def write_conditions_page(
     directories: Sequence[Path],
     out: Path,
     columns: Sequence[Column],
-    ages: Collection[str] = AGES,
+    ages: Collection[str],
 ) -> Path:
     """Write conditions.html and its figures into out; return the page's path.
 
@@ -198,9 +198,16 @@ def _examined(
     for directory in directories:
         try:
             runs = finished_runs(directory)
-            found += [run for run in runs if run.about]
         except InputError as error:
             reasons.append(str(error))
+            continue
+        for run in runs:
+            try:
+                run.about  # noqa: B018 (read here, so that an error leaves out this run alone)
+            except InputError as error:
+                reasons.append(str(error))
+            else:
+                found.append(run)
     if not found:
         return [], reasons
     common = {str(run.directory): key for run, key in zip(found, common_of(found), strict=True)}

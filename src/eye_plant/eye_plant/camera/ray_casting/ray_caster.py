@@ -4,9 +4,9 @@ A pixel at column c and row r of the full picture sees the texture coordinates (
 where (x, y, w) = H (c, r, 1): a plane through a pinhole is a homography H. (0, 0) is the texture's
 top left corner, (1, 1) its bottom right one, and w is the ray's step along the world's x axis.
 
-The picture is that of OpenGL's software renderer: one ray through each pixel's centre, one bilinear
-sample from the mip-map level that is nearest to the longer of the steps in texture coordinates
-between the pixels of a block of two by two (OpenGL 4.5 specification, section 8.14).
+Textures are sampled as by OpenGL's GL_LINEAR_MIPMAP_NEAREST: one ray through each pixel's centre,
+one bilinear sample from the mip-map level that is nearest to the longer of the steps in texture
+coordinates between the pixels of a block of two by two (OpenGL 4.5 specification, section 8.14).
 """
 
 from typing import Any
