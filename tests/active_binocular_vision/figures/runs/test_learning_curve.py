@@ -58,7 +58,7 @@ def test_the_learning_curve_is_a_picture_in_the_run(run_directories: dict[str, P
 def test_many_tests_are_joined_with_each_seed_thin_behind_the_pooled_median(
     runs: list[FinishedRun], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for module in ("learning_curve", "quartiles"):
+    for module in ("runs.learning_curve", "quartiles"):
         name = f"active_binocular_vision.figures.{module}.LEAST_JOINED"
         monkeypatch.setattr(name, 4)
     worse = priced(runs[0], 0.0, 3.0)
