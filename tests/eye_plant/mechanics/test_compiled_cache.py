@@ -39,7 +39,7 @@ def test_each_function_in_the_cache_goes_with_others_compiled_later(tmp_path: Pa
         cache = tmp_path / function
         shutil.copytree(whole, cache, ignore=lambda _, names, kept=function: _others(names, kept))
         # Numba numbers functions as it compiles them: these get other numbers than before.
-        assert _said(cache, f"import eye_plant.mechanics.muscle_curves\n{CODE}") == said
+        assert _said(cache, f"import eye_plant.mechanics.muscles\n{CODE}") == said
 
 
 def _others(names: list[str], kept: str) -> list[str]:

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from eye_plant.mechanics.mujoco_model import MechanicsConfig, build_spec
-from eye_plant.mechanics.musculature import Musculature
+from eye_plant.mechanics.muscle_energetics import Musculature
 
 _START_RAD = 0.2
 _STEPS_PER_RADIAN = 20.0

@@ -3,7 +3,8 @@ import numpy as np
 import pytest
 
 from eye_plant.mechanics.anatomical import ANATOMICAL
-from eye_plant.mechanics.mujoco_model import AXES, MechanicsConfig, build_spec, receded_insertion_m
+from eye_plant.mechanics.mujoco_model import AXES, MechanicsConfig, build_spec
+from eye_plant.mechanics.muscles import receded_insertion_m
 from lockstep import MUSCLE_NAMES
 
 SETS = ("k17", "anatomical")

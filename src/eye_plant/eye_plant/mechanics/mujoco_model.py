@@ -6,7 +6,6 @@ elevation about the eye's transverse axis, intorsion about the line of sight. Po
 the nose, up, and with the upper pole toward the nose, so mirror images have equal angles.
 """
 
-import math
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -15,7 +14,8 @@ import numpy as np
 
 from eye_plant.mechanics.anatomical import ANATOMICAL
 from eye_plant.mechanics.k17 import K17
-from eye_plant.mechanics.parameters import MuscleParameters, OrbitParameters, ParameterSet, Point
+from eye_plant.mechanics.muscles import HIDDEN_GROUP, add_muscle
+from eye_plant.mechanics.parameters import ParameterSet
 from lockstep import MUSCLE_NAMES, SIDES, check_settings, setting
 from lockstep.command_space import MUSCLES
 
@@ -23,8 +23,6 @@ AXES = ("adduction", "elevation", "intorsion")
 N_MUSCLES = len(MUSCLE_NAMES)
 
 PARAMETER_SETS = MappingProxyType({"k17": K17, "anatomical": ANATOMICAL})
-
-HIDDEN_GROUP = 4
 
 
 @dataclass(frozen=True)
@@ -119,14 +117,10 @@ def build_spec(config: MechanicsConfig) -> mujoco.MjSpec:
     for i_side, side in enumerate(SIDES):
         _add_eye(spec, config, i_side)
         for muscle in MUSCLES:
-            _add_muscle(spec, config, side, muscle)
+            i_muscle = MUSCLE_NAMES.index(f"{side}_{muscle}")
+            recession_mm, strength = config.recession_mm[i_muscle], config.strength[i_muscle]
+            add_muscle(spec, parameters, side, muscle, recession_mm=recession_mm, strength=strength)
     return spec
-
-
-def _to_world(point_m: Point, i_side: int) -> np.ndarray:
-    """(forward, nasal, up) to MuJoCo's (forward, left, up); the nose is right of the left eye."""
-    forward, nasal, up = point_m
-    return np.array([forward, -nasal if i_side == 0 else nasal, up])
 
 
 def _add_eye(spec: mujoco.MjSpec, config: MechanicsConfig, i_side: int) -> None:
@@ -164,86 +158,3 @@ def _add_eye(spec: mujoco.MjSpec, config: MechanicsConfig, i_side: int) -> None:
             springref=rest_rad[i_axis],
             damping=[orbit.damping_n_m_s, 0.0, 0.0],
         )
-
-
-def receded_insertion_m(
-    muscle: MuscleParameters, orbit: OrbitParameters, recession_mm: float
-) -> Point:
-    """Return the insertion (forward, nasal, up) in m, moved toward the pulley along the globe.
-
-    recession_mm: length of the arc; below 0 away from the pulley (a resection).
-    """
-    insertion, pulley = np.array(muscle.insertion_m), np.array(muscle.pulley_m)
-    radius = float(np.linalg.norm(insertion))
-    toward = pulley - insertion * (pulley @ insertion) / radius**2
-    toward *= radius / np.linalg.norm(toward)
-    turn = 1e-3 * recession_mm / orbit.globe_radius_m
-    forward, nasal, up = math.cos(turn) * insertion + math.sin(turn) * toward
-    return float(forward), float(nasal), float(up)
-
-
-def _add_muscle(spec: mujoco.MjSpec, config: MechanicsConfig, side: str, muscle: str) -> None:
-    """Path origin, pulley, around the globe, insertion; a Hill-type actuator pulls on it."""
-    name, i_side = f"{side}_{muscle}", SIDES.index(side)
-    i_muscle = MUSCLE_NAMES.index(name)
-    parameters, orbit = config.parameters.muscles[muscle], config.parameters.orbit
-    insertion_m = receded_insertion_m(parameters, orbit, config.recession_mm[i_muscle])
-    orbital, eye = spec.body(f"{side}_orbit"), spec.body(f"{side}_eye")
-    # Says on which side of the globe the tendon runs: outside it, between pulley and insertion.
-    middle = np.add(parameters.pulley_m, parameters.insertion_m)
-    outside_m = tuple(2.0 * orbit.globe_radius_m * middle / np.linalg.norm(middle))
-    for body, part, point_m in (
-        (orbital, "origin", parameters.origin_m),
-        (orbital, "pulley", parameters.pulley_m),
-        (orbital, "outside", outside_m),
-        (eye, "insertion", insertion_m),
-    ):
-        body.add_site(
-            name=f"{name}_{part}",
-            pos=_to_world(point_m, i_side),
-            size=[5e-4, 5e-4, 5e-4],
-            group=HIDDEN_GROUP,
-        )
-    tendon = spec.add_tendon(name=name, group=HIDDEN_GROUP)
-    tendon.wrap_site(f"{name}_origin")
-    tendon.wrap_site(f"{name}_pulley")
-    tendon.wrap_geom(f"{side}_wrap", f"{name}_outside")
-    tendon.wrap_site(f"{name}_insertion")
-    _add_actuator(spec, config.parameters, name, parameters, config.strength[i_muscle])
-
-
-def _add_actuator(
-    spec: mujoco.MjSpec,
-    parameter_set: ParameterSet,
-    name: str,
-    muscle: MuscleParameters,
-    strength: float,
-) -> None:
-    actuator = spec.add_actuator(
-        name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_TENDON, group=HIDDEN_GROUP
-    )
-    # Lengths of the path at which the fibre is 0 and 1 optimal length long: a rigid tendon.
-    slack_m = muscle.slack_length_m
-    actuator.lengthrange = [slack_m, slack_m + muscle.optimal_length_m]
-    actuator.set_to_muscle(
-        timeconst=parameter_set.activation_time_s,
-        tausmooth=0.0,
-        range=[0.0, 1.0],
-        force=muscle.peak_force_n,
-        scale=1.0,
-        lmin=muscle.shortest,
-        lmax=muscle.longest,
-        vmax=muscle.max_velocity_per_s,
-        fpmax=muscle.passive_stiffness or 1.0,
-        fvmax=muscle.lengthening_gain,
-    )
-    # A weak muscle has lost active force only; its tissue is as stiff as before.
-    gain = np.array(actuator.gainprm)
-    gain[2] *= strength
-    actuator.gainprm = gain
-    if muscle.passive_stiffness == 0.0:
-        actuator.biastype = mujoco.mjtBias.mjBIAS_NONE
-    if parameter_set.activation_law == "linear":
-        actuator.dyntype = mujoco.mjtDyn.mjDYN_FILTEREXACT
-    actuator.ctrllimited = True
-    actuator.ctrlrange = [0.0, 1.0]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from eye_plant.mechanics.compiled import addresses_of, creep_to_rest, step_and_trace
 from eye_plant.mechanics.metabolics import MetabolicTerms
 from eye_plant.mechanics.mujoco_model import AXES, N_MUSCLES, MechanicsConfig, build_spec
-from eye_plant.mechanics.musculature import Musculature
+from eye_plant.mechanics.muscle_energetics import Musculature
 from lockstep import SIDES, InputError
 
 Array = NDArray[np.float64]

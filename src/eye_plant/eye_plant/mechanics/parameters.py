@@ -31,7 +31,7 @@ class MuscleParameters:
     """One extraocular muscle: its path over a pulley to the globe, and its Hill-type unit.
 
     shortest, longest: fibre lengths, in optimal lengths, at which the active force vanishes;
-    passive_stiffness: see muscle_curves.py; lengthening_gain: greatest active force of a stretched
+    passive_stiffness: see muscles.py; lengthening_gain: greatest active force of a stretched
     muscle, over the isometric one; tonic_activation: its level when nobody commands it.
     """
 

@@ -1,4 +1,7 @@
-"""Stamps: the number of an observation times the nominal control period, in whole nanoseconds."""
+"""Stamps: the number of an observation times the nominal control period, in whole nanoseconds.
+
+Every message about an observation carries its stamp, and lies in the bag at that time.
+"""
 
 from builtin_interfaces.msg import Time
 

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from eye_plant.mechanics.mujoco_model import MechanicsConfig, build_spec
-from eye_plant.mechanics.muscle_curves import force_length, passive_force_length
+from eye_plant.mechanics.muscles import force_length, passive_force_length
 from lockstep import MUSCLE_NAMES
 
 SHORTEST, LONGEST, STIFFNESS = 0.4, 1.7, 0.6

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from eye_plant.mechanics.metabolics import MetabolicTerms, metabolic_terms, settled_rate_w
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
-from eye_plant.mechanics.muscle_curves import force_length, passive_force_length
+from eye_plant.mechanics.muscles import force_length, passive_force_length
 from lockstep import SIDES
 from lockstep.command_space import MUSCLES
 
