@@ -11,7 +11,7 @@ from unittest import mock
 import numpy as np
 import pytest
 
-from experiment_manager.supervision.processes import PACKAGES
+from experiment_manager.nodes import NODES
 from eye_plant.commands import target_activations
 from lockstep import COMMAND_SPACES, MUSCLE_NAMES, PAIR, InputError
 from lockstep.wire.stamps import checked_stamp
@@ -94,12 +94,12 @@ def test_what_has_another_stamp_may_be_sound() -> None:
 def test_two_nodes_of_a_place_are_killed_and_no_third() -> None:
     run = mock.Mock(**{"place.return_value": -1, "pause.return_value": True})
     draw = mock.Mock(**{"uniform.return_value": 0.0, "random.return_value": 0.0})
-    draw.choice.side_effect = PACKAGES
+    draw.choice.side_effect = NODES
     done_at = Counter[int]()
-    first, second, *others = [disturb(run, draw, done_at) for _ in PACKAGES]
-    assert (first, second) == (f"{PACKAGES[0]} killed", f"{PACKAGES[1]} killed")
+    first, second, *others = [disturb(run, draw, done_at) for _ in NODES]
+    assert (first, second) == (f"{NODES[0]} killed", f"{NODES[1]} killed")
     assert set(others) == {""}
-    assert run.signal_node.call_args_list == [mock.call(name, SIGKILL) for name in PACKAGES[:2]]
+    assert run.signal_node.call_args_list == [mock.call(name, SIGKILL) for name in NODES[:2]]
     run.kill.assert_not_called()  # before the first checkpoint there is nothing to resume
 
 

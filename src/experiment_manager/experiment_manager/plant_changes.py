@@ -14,7 +14,7 @@ from typing import Any
 from eye_plant import EyePlantConfig
 from eye_plant.config import changeable_parameters, changed
 from lockstep import InputError, build, flatten
-from lockstep.nearest import did_you_mean
+from lockstep.nearest import meant
 from lockstep.wire.topics import TRAINING
 from lockstep.yaml_text import load_yaml
 
@@ -136,9 +136,7 @@ def _change(entry: Any) -> Change:
         if name not in known:
             raise InputError(
                 f"schedule, at {at}: expected a setting of the eyes that may change in the "
-                f"course of a run, got {name!r}"
-                + did_you_mean(str(name), known)
-                + f"; those are {', '.join(known)}"
+                f"course of a run, got {name!r}" + meant(str(name), known)
             )
     return Change(at, {name: _typed(at, name, value) for name, value in settings.items()})
 

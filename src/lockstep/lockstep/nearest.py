@@ -24,6 +24,11 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return f"; did you mean {' or '.join(near)}?" if near else ""
 
 
+def meant(name: str, known: Iterable[str]) -> str:
+    """Return the same question, or "; expected one of ..." with all names if none is near."""
+    return did_you_mean(name, known) or f"; expected one of {', '.join(sorted(known))}"
+
+
 def _likeness(name: str, other: str) -> float:
     last_parts = name.replace("/", ".").split(".")[-1], other.replace("/", ".").split(".")[-1]
     whole = difflib.SequenceMatcher(None, name, other).ratio()

@@ -12,7 +12,7 @@ from experiment_manager.plant_changes import read_schedule
 from experiment_manager.run.config_file import configuration_text, read_configuration
 from experiment_manager.sections import CONFIG_CLASSES, DEFAULTS, config_of
 from lockstep import InputError
-from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
+from lockstep.task import DEFAULT_METABOLIC_COST_WEIGHTS
 from tests.command_lines import configured
 
 

@@ -6,8 +6,6 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from experiment_manager.run.checkpoint import Manifest
 from experiment_manager.sections import (
     DEFAULTS,
@@ -16,7 +14,7 @@ from experiment_manager.sections import (
     completed,
 )
 from lockstep import InputError
-from lockstep.yaml_text import load_yaml
+from lockstep.yaml_text import dump_yaml, load_yaml
 
 CONFIG_FILE = "config.yaml"
 # The pseudo-node of config.yaml that says what the run is; no ROS node has this name.
@@ -66,7 +64,7 @@ def text_of_continuation(text: str, configuration: Configuration, more: Mapping[
     }
     sections = {RUN_SECTION: run, EVERY_NODE: shared} | nodes
     document = {name: {_PARAMETERS: values} for name, values in sections.items()}
-    return yaml.safe_dump(document, sort_keys=False)
+    return dump_yaml(document)
 
 
 def about(configuration: Configuration) -> dict[str, Any]:
