@@ -77,7 +77,9 @@ class _Dumper(yaml.SafeDumper):
             text.encode()
         except UnicodeEncodeError as error:
             raise InputError(f"expected a text in UTF-8, got {text!r}") from error
-        return self.represent_str(text)
+        # Quoted singly, a text of several lines would take several lines.
+        style = '"' if "\n" in text else None
+        return self.represent_scalar("tag:yaml.org,2002:str", text, style=style)
 
 
 _Dumper.add_representer(str, _Dumper.represent_text)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from active_binocular_vision.commands.command_line import parser
+from active_binocular_vision.command_lines.run_experiment import parser
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.request import OPTIONS
 from experiment_manager.sweep.sweep_file import Sweep, read_sweep

@@ -5,7 +5,7 @@ import argparse
 from active_binocular_vision.command_lines.start import start
 from experiment_manager.nodes import NODES
 from lockstep.command_line import CommandLine
-from lockstep.nearest import meant
+from lockstep.nearest import unknown
 
 
 def parser() -> argparse.ArgumentParser:
@@ -26,7 +26,7 @@ def parser() -> argparse.ArgumentParser:
 
 def _node(text: str) -> str:
     if text not in NODES:
-        raise argparse.ArgumentTypeError(f"expected a node, got {text!r}{meant(text, NODES)}")
+        raise argparse.ArgumentTypeError(unknown(text, NODES))
     return text
 
 

@@ -11,7 +11,7 @@ from experiment_manager.preparation.profile_files import profile_files
 from experiment_manager.preparation.written_values import whole_number, whole_numbers
 from lockstep import InputError
 from lockstep.command_line import CommandLine
-from lockstep.nearest import meant
+from lockstep.nearest import unknown
 from lockstep.paths import written_path
 from lockstep.task import DEFAULT_METABOLIC_COST_WEIGHTS, MODELS
 
@@ -23,10 +23,10 @@ def parser() -> argparse.ArgumentParser:
     line = CommandLine(
         prog="run_experiment.sh",
         description="Train and test active binocular vision. Without arguments: a demonstration "
-        "that learns vergence and reciprocal innervation in 50,000 iterations. Ctrl-C ends a run with"
-        " a checkpoint and prints how to resume it.",
-        epilog="ROS_DOMAIN_ID names the ROS domain (default: a free one, which the run prints, so that"
-        " other tools can subscribe).",
+        "that learns vergence and reciprocal innervation in 50,000 iterations. Ctrl-C ends a run"
+        " with a checkpoint and prints how to resume it.",
+        epilog="ROS_DOMAIN_ID names the ROS domain (default: a free one, which the run prints, so"
+        " that other tools can subscribe).",
     )
     _add_settings(line)
     _add_tests(line)
@@ -174,10 +174,8 @@ def _argument(read: Callable[[str], Value]) -> Callable[[str], Value]:
 
 def _nodes(text: str) -> tuple[str, ...]:
     nodes = tuple(dict.fromkeys(text.split(",")))
-    if unknown := [node for node in nodes if node not in MOVABLE_NODES]:
-        raise argparse.ArgumentTypeError(
-            f"expected nodes, got {unknown[0]!r}{meant(unknown[0], MOVABLE_NODES)}"
-        )
+    if wrong := [node for node in nodes if node not in MOVABLE_NODES]:
+        raise argparse.ArgumentTypeError(unknown(wrong[0], MOVABLE_NODES))
     return nodes
 
 

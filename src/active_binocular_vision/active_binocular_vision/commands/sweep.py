@@ -129,9 +129,8 @@ def _run(options: argparse.Namespace) -> int:
         array = ",".join(map(str, undone)) + (f"%{options.tasks}" if options.tasks else "")
         task = (*_START_SWEEP, str(directory), "--task")
         job = slurm.submit(directory, array, task, resources)
-        print(
-            f"job {job}: {len(undone)} tasks; launch_scripts/sweep.sh {shlex.quote(str(directory))} --status"
-        )
+        status = f"launch_scripts/sweep.sh {shlex.quote(str(directory))} --status"
+        print(f"job {job}: {len(undone)} tasks; {status}")
         return 0
     jobs = options.jobs or len(os.sched_getaffinity(0))
     code = Pool(jobs, _START_RUN).run([runs[i] for i in undone])

@@ -13,7 +13,7 @@ from typing import Any
 from experiment_manager.plant_changes import Schedule, parse_schedule
 from experiment_manager.preparation.profile_files import profile_files
 from lockstep import InputError
-from lockstep.nearest import meant
+from lockstep.nearest import unknown
 from lockstep.yaml_text import load_yaml
 
 _NEEDED, _KEYS = {"description", "settings"}, {"description", "settings", "base", "schedule"}
@@ -37,7 +37,7 @@ def read_profile(name: str) -> Profile:
     """Return a profile; InputError for an unknown name and for a file that is no profile."""
     files = profile_files()
     if name not in files:
-        raise InputError(f"profile: expected a known one, got {name!r}{meant(name, files)}")
+        raise InputError(f"profile: {unknown(name, files)}")
     return parse_profile(name, files[name].read_text())
 
 

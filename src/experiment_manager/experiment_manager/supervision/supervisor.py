@@ -69,7 +69,8 @@ class Supervisor:
     def run(self) -> int:
         """Return the exit code: 0 done, 2 bad input, 3 a fault that stays, 6 one of learning.
 
-        After Ctrl-C it is 130. A fault is a node that dies, hangs or says that the run cannot go on.
+        After Ctrl-C it is 130. A fault is a node that dies, hangs or says that the run cannot go
+        on.
         """
         self._interrupts = Interrupts(self._interrupt_manager)
         faults: list[tuple[int, str]] = []
