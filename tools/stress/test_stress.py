@@ -20,6 +20,7 @@ from lockstep.wire.vectors import values_of, whole_values_of
 from sparse_coder.messages import picture_of
 from tests.pair import HORIZONTAL_RECTI
 from tools.stress import __main__ as torture
+from tools.stress import hostile_input, kills
 from tools.stress.fuzzer import Hostility
 from tools.stress.kills import disturb
 from vergence_rl.messages import activations_of, features_of
@@ -106,8 +107,10 @@ def test_two_nodes_of_a_place_are_killed_and_no_third() -> None:
 def test_a_part_that_cannot_go_on_is_a_problem_and_keeps_no_other_from_its_work(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(torture, "kill", mock.Mock(side_effect=TimeoutError("waited in vain")))
-    monkeypatch.setattr(torture, "fuzz", mock.Mock(return_value=({"inputs": 3}, ["one differed"])))
+    monkeypatch.setattr(kills, "kill", mock.Mock(side_effect=TimeoutError("waited in vain")))
+    monkeypatch.setattr(
+        hostile_input, "fuzz", mock.Mock(return_value=({"inputs": 3}, ["one differed"]))
+    )
     path = tmp_path / "found.json"
     assert torture.main(["--kills", "2", "--inputs", "3", "--json", str(path)]) == 1
     assert json.loads(path.read_text()) == {
@@ -115,5 +118,5 @@ def test_a_part_that_cannot_go_on_is_a_problem_and_keeps_no_other_from_its_work(
         "inputs": {"inputs": 3},
         "problems": ["kills: TimeoutError: waited in vain", "inputs: one differed"],
     }
-    monkeypatch.setattr(torture, "fuzz", mock.Mock(return_value=({"inputs": 3}, [])))
+    monkeypatch.setattr(hostile_input, "fuzz", mock.Mock(return_value=({"inputs": 3}, [])))
     assert torture.main(["--kills", "0", "--inputs", "3"]) == 0

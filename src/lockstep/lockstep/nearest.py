@@ -35,10 +35,9 @@ def unknown(name: str, known: Collection[str]) -> str:
 
 def listed(known: Collection[str]) -> str:
     """Return the names, of very many those in folders (or dotted ones) by their folders alone."""
-    if len(text := ", ".join(sorted(known))) <= _LONGEST_LIST:
+    if len(text := ", ".join(known)) <= _LONGEST_LIST:
         return text
-    heads = {re.sub(r"([./]).*", r"\1...", name) for name in known}
-    return ", ".join(sorted(heads))
+    return ", ".join(dict.fromkeys(re.sub(r"([./]).*", r"\1...", name) for name in known))
 
 
 def _likeness(name: str, other: str) -> float:

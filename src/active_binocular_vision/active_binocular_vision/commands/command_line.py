@@ -62,7 +62,9 @@ def _read_setting(text: str) -> tuple[str, Any]:
     check_key(key, "--set")
     section, _, name = key.partition(".")
     # A text needs no quotes, even where YAML would read 2024 or cut off a comment.
-    if isinstance(DEFAULTS[section][name], str) and (key == SCHEDULE or value[:1] not in "\"'"):
+    if isinstance(DEFAULTS[section][name], str) and (
+        key == SCHEDULE or not value.startswith(("'", '"'))
+    ):
         return key, value
     try:
         return key, load_yaml(value)

@@ -37,7 +37,7 @@ def read_profile(name: str) -> Profile:
     """Return a profile; InputError for an unknown name and for a file that is no profile."""
     files = profile_files()
     if name not in files:
-        raise InputError(f"profile: {unknown(name, files)}")
+        raise InputError(f"profile: {unknown(name, sorted(files))}")
     return parse_profile(name, files[name].read_text())
 
 
