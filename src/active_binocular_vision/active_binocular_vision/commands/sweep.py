@@ -96,6 +96,7 @@ def _begin(directory: Path, sweep: Sweep) -> None:
     """Check all runs, and keep the sweep in its directory."""
     for name, request in sweep.runs().items():
         _check_begun(directory / name, request)
+    text = sweep.text()  # refuses here what no file can have
     commit = source_commit()
     configurations = [_configuration(*run, commit) for run in sweep.runs().items()]
     print(f"{len(configurations)} runs in {directory}; preparing their stimuli")
@@ -105,7 +106,7 @@ def _begin(directory: Path, sweep: Sweep) -> None:
         load_stimuli(stimuli)
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        replace_file(directory / SWEEP_FILE, sweep.text().encode())
+        replace_file(directory / SWEEP_FILE, text.encode())
     except OSError as error:
         raise InputError(f"{directory}: cannot be written: {error}") from error
 
