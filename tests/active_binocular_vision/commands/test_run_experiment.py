@@ -23,6 +23,12 @@ def test_a_directory_that_ros_cannot_be_told(tmp_path, capsys, option: str) -> N
     assert not any(tmp_path.iterdir())
 
 
+def test_a_host_that_ros_cannot_be_told(tmp_path, capsys) -> None:
+    error = refused(capsys, "--live", "caf\udce9", "--out", str(tmp_path / "run"))
+    assert error.startswith("error: expected a text in UTF-8, got 'caf")
+    assert not any(tmp_path.iterdir())
+
+
 def test_pictures_that_config_yaml_cannot_name(tmp_path, pictures, capsys) -> None:
     shutil.copytree(pictures, tmp_path / "caf\udce9")
     line = ["--stimuli", str(tmp_path / "caf\udce9"), "--out", str(tmp_path / "run")]

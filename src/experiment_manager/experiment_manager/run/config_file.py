@@ -1,6 +1,7 @@
 """config.yaml of a run: the parameters of all nodes, and what the run is."""
 
 import datetime
+import shlex
 from collections.abc import Collection, Mapping
 from importlib import metadata
 from pathlib import Path
@@ -162,7 +163,7 @@ def check_as_written(path: Path, written: Configuration, found: Configuration) -
     if differing := _differing(both, found, free):
         raise InputError(
             f"{path}: expected nodes with its parameters: {'; '.join(differing)}. Start them with "
-            f"--ros-args --params-file {path}"
+            f"--ros-args --params-file {shlex.quote(str(path))}"
         )
 
 
