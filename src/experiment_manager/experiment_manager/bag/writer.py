@@ -15,6 +15,7 @@ from experiment_manager.bag.mcap_file import McapFile
 from experiment_manager.bag.message_definitions import message_definition
 from experiment_manager.bag.metadata import (
     CONFIGURATION_ATTACHMENT,
+    METADATA_FILE,
     RUN_METADATA,
     FileSummary,
     Topic,
@@ -287,6 +288,15 @@ class _OpenFile:
         # Closing writes the rest of the buffer, and may fail for the reason that was raised before.
         with contextlib.suppress(OSError):
             self._stream.close()
+
+
+def remove_bag(directory: Path) -> None:
+    """Remove the files of a bag, and the directory unless it holds anything else."""
+    for path in directory.glob("*"):
+        if _FILE_NAME.match(path.name) or path.name == METADATA_FILE:
+            path.unlink()
+    with contextlib.suppress(OSError):
+        directory.rmdir()
 
 
 def _topic(name: str, type_name: str) -> Topic:

@@ -1,8 +1,8 @@
 """One run on disk: where it stands, its bag, its checkpoints and its results. No ROS."""
 
+import contextlib
 import datetime
 import math
-import shutil
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,7 +10,7 @@ from typing import Any
 
 import msgspec
 
-from experiment_manager.bag.writer import BagWriter
+from experiment_manager.bag.writer import BagWriter, remove_bag
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import arrays_of, from_arrays, write_trials
@@ -302,8 +302,8 @@ class Run:
         # After a failed write its only file may be cut off, and none of the writer's whole ones.
         if any(bag.glob("*.mcap")):
             return
-        shutil.rmtree(bag)
-        if not any(self.directory.iterdir()):
+        remove_bag(bag)
+        with contextlib.suppress(OSError):  # it holds more, or is a mount
             self.directory.rmdir()
 
 
