@@ -34,7 +34,7 @@ from experiment_manager.run.config_file import (
 from experiment_manager.run.in_process import run_in_process
 from experiment_manager.run.run_directory import new_directory
 from experiment_manager.sections import config_of
-from experiment_manager.supervision.node_neighbours import refuse_neighbours
+from experiment_manager.supervision.node_neighbours import check_ros
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from eye_plant import EyePlantConfig, load_stimuli
 from eye_plant.stimuli.stimulus_set import count_missing
@@ -53,12 +53,15 @@ _TO_CONTINUE = {
 
 def source_commit() -> str:
     """Return the commit of the source, "unknown" when it is not in git."""
-    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]
+    here = Path(__file__)
+    # This file in it, too: around a copy of the source there may be somebody else's repository.
+    command = ["git", "-C", str(here.parent), "rev-parse", f"HEAD:./{here.name}", "HEAD"]
+    kept = {n: v for n, v in os.environ.items() if not n.startswith("GIT_") or "CONFIG" in n}
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-    except OSError:
+        done = subprocess.run(command, capture_output=True, text=True, check=True, env=kept)
+    except (OSError, subprocess.CalledProcessError):
         return "unknown"
-    return done.stdout.strip() or "unknown"
+    return done.stdout.split()[-1]
 
 
 def _prepare_stimuli(configuration: Configuration) -> None:
@@ -125,13 +128,14 @@ def prepare_new(request: RunRequest, directory: Path, branched: Branch | None = 
     directory that holds something.
     """
     _refuse_used(directory)
+    is_there = directory.exists()
     configuration = (
         configuration_of(request, source_commit()) if branched is None else branched.configuration
     )
     text = configuration_text(configuration)
     _prepare_stimuli(configuration)
     try:
-        directory.mkdir(parents=True, exist_ok=True)
+        directory.mkdir(parents=True, exist_ok=is_there)  # another run may have begun there since
         if branched is not None:
             branched.write(directory)
         else:
@@ -209,8 +213,7 @@ def _run(options: argparse.Namespace) -> tuple[Path, int]:
     if options.in_process:
         return in_one_process(prepare(options))
     domain = known_domain(options.elsewhere)
-    if domain is not None:
-        refuse_neighbours(domain, options.elsewhere)
+    check_ros(domain, options.elsewhere)
     directory = _announced(prepare(options))
     _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
     return directory, Supervisor(directory, options.elsewhere, _live(options)).run()
