@@ -179,14 +179,14 @@ def _refuse_used(directory: Path) -> None:
         )
 
 
-def _figure(directory: Path) -> Path | None:
-    """Draw the learning curve; None when the bag has nothing to draw it from."""
+def figure_of(directory: Path) -> Path | None:
+    """Draw the learning curve; None, with the reason on standard error, when it cannot be drawn."""
     # Matplotlib takes a second to import, for which the start of a run need not wait.
     from active_binocular_vision.figures.runs.learning_curve import learning_curve  # noqa: PLC0415
 
     try:
         return learning_curve(directory)
-    except (InputError, OSError) as error:
+    except Exception as error:  # no figure is worth the table and the exit code of a run
         print(f"no learning curve: {error}", file=sys.stderr)
         return None
 
@@ -250,7 +250,9 @@ def concluded(run: Callable[[], tuple[Path, int]], more: str) -> int:
         print("stopped before the run began", file=sys.stderr)
         return EXIT_INTERRUPTED
     if code == 0:
-        print(results_table(read_results(directory / RESULTS_FILE), directory, _figure(directory)))
+        print(
+            results_table(read_results(directory / RESULTS_FILE), directory, figure_of(directory))
+        )
     elif code in _TO_CONTINUE:
         line = f"launch_scripts/run_experiment.sh --resume {shlex.quote(str(directory))}{more}"
         print(f"{_TO_CONTINUE[code]}: {line}", file=sys.stderr)

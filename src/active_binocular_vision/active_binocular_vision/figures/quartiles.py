@@ -15,6 +15,7 @@ from active_binocular_vision.figures.style import (
     VERMILION,
     label_decades,
     mark_level,
+    scale_by_decades,
 )
 from active_binocular_vision.runs.groups import Group
 from experiment_manager.measures.trials import Trials
@@ -100,10 +101,10 @@ def draw_bars(axes: Axes, at: np.ndarray, quartiles: np.ndarray, colour: str, **
 
 def scale_errors(axes: Axes, px_deg: float, *, has_pixel: bool = True) -> None:
     """Draw errors in deg to a logarithmic scale, with a line at 1 px."""
-    axes.set_yscale("log")
-    low, high = axes.get_ylim()
-    if low < _LEAST_PX * px_deg < high:
-        axes.set_ylim(_LEAST_PX * px_deg, high)
+    if scale_by_decades(axes):
+        low, high = axes.get_ylim()
+        if low < _LEAST_PX * px_deg < high:
+            axes.set_ylim(_LEAST_PX * px_deg, high)
     label_decades(axes)
     if has_pixel:
         mark_level(axes, px_deg, "1 px")

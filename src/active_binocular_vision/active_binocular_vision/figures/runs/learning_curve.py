@@ -26,10 +26,10 @@ from active_binocular_vision.figures.quartiles import (
 from active_binocular_vision.figures.style import (
     FIGURES,
     GREY,
-    STYLE,
     legend_below,
     mark_level,
     new_figure,
+    own_style,
     save,
     title_panels,
 )
@@ -44,7 +44,7 @@ from experiment_manager.measures.trials import Trials
 def learning_curve(directory: Path) -> Path:
     """Draw how a run learned, from its bag, into figures/learning_curve.png; return that path."""
     run = FinishedRun(directory)
-    with mpl.rc_context(STYLE):
+    with own_style():
         return save(learning_curve_figure(run), Path(directory) / FIGURES / "learning_curve.png")
 
 
