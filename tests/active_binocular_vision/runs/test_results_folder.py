@@ -10,7 +10,7 @@ import pytest
 from active_binocular_vision.commands.report import main
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import groups_of
-from active_binocular_vision.runs.results_folder import finished_runs, keep, runs_at
+from active_binocular_vision.runs.results_folder import keep, runs_at, runs_with_tests
 from experiment_manager.measures.tables import summaries_table
 from lockstep.command_space import ALL_MUSCLES, PAIR
 from lockstep.errors import InputError
@@ -59,7 +59,19 @@ def test_a_run_of_a_folder_is_named_as_if_it_were_a_directory(made, tmp_path) ->
     keep(made, tmp_path / "kept", with_trials=False)
     (run,) = runs_at(tmp_path / "kept" / "priced")
     assert (run.name, run.model, run.trials) == ("priced", "M_C", {})
-    assert [run.name for run in finished_runs(tmp_path / "kept")] == ["pair", "priced", "all"]
+    found, _ = runs_with_tests([tmp_path / "kept", tmp_path / "kept" / "all"])
+    assert [run.name for run in found] == ["pair", "priced", "all"], "each once"
+
+
+def test_a_sweep_has_its_runs_in_its_order(tmp_path: Path) -> None:
+    (tmp_path / "sweep.yaml").write_text("axes: {seed: [2, 3, 1], profile: [paper]}")
+    with pytest.raises(InputError, match="expected runs in the sweep"):
+        runs_with_tests([tmp_path])
+    for name in ("another", "seed_1-profile_paper", "seed_2-profile_paper"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "config.yaml").touch()
+    names = [run.name for run in runs_at(tmp_path)]
+    assert names == ["seed_2-profile_paper", "seed_1-profile_paper", "another"]
 
 
 def test_measures_are_one_table(made: list[FinishedRun], tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ trials.npz         trials of their tests, where these are kept
 examinations.json  what was found in the learners of each run, by run
 """
 
+import contextlib
 import csv
 import json
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,7 +21,6 @@ import yaml
 from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE, FinishedRun
 from experiment_manager.measures.kept_trials import KEPT_FILE, KeptTrials, arrays_of, from_arrays
 from experiment_manager.measures.results import (
-    RESULTS_FILE,
     CostShares,
     Measures,
     Results,
@@ -65,6 +65,11 @@ class KeptRun(FinishedRun):
         """name: of the run in the folder."""
         super().__init__(folder.directory / name)
         self._folder = folder
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave the folder's other runs and the trials behind, which examining does not need."""
+        names = ("directory", "name", "about", "configuration", "results", "examinations")
+        return {name: getattr(self, name) for name in names}
 
     @cached_property
     def configuration_text(self) -> str:
@@ -158,7 +163,7 @@ class ResultsFolder:
 
 
 def runs_at(path: Path) -> list[FinishedRun]:
-    """Return the runs of a folder of results, or those of a sweep by name; else the one there.
+    """Return the runs of a folder of results, or those of a sweep in its order; else the one there.
 
     A run of a folder of results is named as if it were a directory there.
     """
@@ -167,21 +172,35 @@ def runs_at(path: Path) -> list[FinishedRun]:
             return [run for run in folder.runs() if name in ("", run.name)]
     if not (path / SWEEP_FILE).is_file():
         return [FinishedRun(path)]
-    return [FinishedRun(file.parent) for file in sorted(path.rglob(CONFIG_FILE))]
+    runs = {str(file.parent.relative_to(path)): file.parent for file in path.rglob(CONFIG_FILE)}
+    in_order: list[str] = []
+    with contextlib.suppress(InputError):
+        in_order = [*read_sweep(path / SWEEP_FILE).runs()]
+    names = dict.fromkeys([*in_order, *sorted(runs)])
+    return [FinishedRun(runs[name]) for name in names if name in runs]
 
 
-def finished_runs(path: Path) -> list[FinishedRun]:
-    """Return the runs of a folder of results, or the finished ones of a sweep in its order.
+def runs_with_tests(paths: Sequence[Path]) -> tuple[list[FinishedRun], list[str]]:
+    """Return the runs at paths, and in the sweeps there, that have a test; why others are left out.
 
-    Of another directory the run there. Raises InputError for a sweep without any.
+    Raises InputError when none has, with what is wrong with the first.
     """
-    if not (path / SWEEP_FILE).is_file() or ResultsFolder.at(path) is not None:
-        return runs_at(path)
-    directories = [path / name for name in read_sweep(path / SWEEP_FILE).runs()]
-    runs = [FinishedRun(run) for run in directories if (run / RESULTS_FILE).is_file()]
+    runs: dict[Path, FinishedRun] = {}
+    reasons: list[str] = []
+    for path in paths:
+        try:
+            for run in runs_at(path):
+                try:
+                    if not (run.summaries and run.about):
+                        raise InputError(f"{run.directory}: expected at least one complete test")
+                    runs[run.directory.resolve()] = run
+                except InputError as error:
+                    reasons.append(str(error))
+        except InputError as error:
+            reasons.append(str(error))
     if not runs:
-        raise InputError(f"{path}: expected a sweep with a finished run, found none")
-    return runs
+        raise InputError(reasons[0] if reasons else f"{paths[0]}: expected runs in the sweep")
+    return [*runs.values()], reasons
 
 
 def keep(runs: Sequence[FinishedRun], directory: Path, *, with_trials: bool = True) -> None:
