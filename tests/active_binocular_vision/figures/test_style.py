@@ -80,7 +80,7 @@ def test_the_backend_of_a_kernel_is_not_asked_for(module: str) -> None:
     environment = {
         **os.environ,
         "PYTHONPATH": os.pathsep.join(sys.path),
-        "MPLBACKEND": "module://nowhere.backend_inline",
+        "MPLBACKEND": "module://matplotlib_inline.backend_inline",
     }
     script = f"import {module}, matplotlib; print(matplotlib.get_backend())"
     done = subprocess.run(

@@ -1,5 +1,6 @@
 """Medians with quartiles as bands or bars, and axes of errors, alike in all figures."""
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -23,6 +24,12 @@ from experiment_manager.measures.trials import Trials
 # One name for each, in figures as in tables.
 ERROR_LABEL = "|vergence error| / deg"
 DELTA_LABEL = r"$\Delta C$ / W"
+# Of eyes whose muscles have commands of their own.
+ERRORS = {
+    "vergence_error_deg": "horizontal (vergence)",
+    "vertical_error_deg": "vertical",
+    "cyclovergence_error_deg": "torsional (cyclovergence)",
+}
 # Fewer tests are points: a line between them would show a course that nobody has measured.
 LEAST_JOINED = 5
 # Further groups of a model differ in lightness.
@@ -32,6 +39,7 @@ _DARKEST, _LIGHTEST = 0.9, 0.4
 _MARKERS = {"M": "o", "M_C": "D"}
 # Shares of the width between the points of two groups.
 _DODGE = 0.012
+_LONGEST_TITLE_LINE = 44  # characters, where two panels share the width
 # Errors below this share of a pixel need no room.
 _LEAST_PX = 0.02
 
@@ -63,6 +71,11 @@ def final_errors_deg(trials: Trials, name: str = "vergence_error_deg") -> np.nda
 def px_deg_of(groups: Sequence[Group]) -> float:
     """Return the visual angle of a pixel in the first group's last test, for lines at 1 px."""
     return groups[0].last_criteria.px_deg
+
+
+def title_of(group: Group) -> str:
+    """Return the title of a group's panel, of half a figure's width."""
+    return textwrap.fill(group.label, _LONGEST_TITLE_LINE)
 
 
 def group_handle(group: Group) -> Line2D:

@@ -76,7 +76,7 @@ def test_prices_show_the_errors_about_all_axes(tmp_path: Path) -> None:
         expected = np.median(np.abs(groups[0].last_trials.column(name)[:, -1]))
         assert np.allclose(medians, expected)
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels == ["horizontal error", "vertical error", "cyclovergence error"]
+    assert labels == ["horizontal (vergence)", "vertical", "torsional (cyclovergence)"]
 
 
 def test_a_row_for_each_two_antagonists(group: Group) -> None:

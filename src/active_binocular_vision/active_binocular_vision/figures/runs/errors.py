@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from active_binocular_vision.figures.quartiles import (
+    ERRORS,
     colour_of,
     draw_band,
     draw_quartiles,
@@ -22,12 +23,6 @@ from active_binocular_vision.figures.style import WIDTH_IN, legend_below, new_fi
 from active_binocular_vision.runs.groups import Group
 from experiment_manager.measures.metrics import QUARTILES, REPORTED_ITERATIONS
 
-_ERRORS = {
-    "vergence_error_deg": "horizontal (vergence)",
-    "vertical_error_deg": "vertical",
-    "cyclovergence_error_deg": "torsional (cyclovergence)",
-}
-
 
 def errors_figure(groups: Sequence[Group]) -> Figure:
     """Return horizontal, vertical and torsional errors, a column each; groups: with trials.
@@ -36,8 +31,8 @@ def errors_figure(groups: Sequence[Group]) -> Figure:
     over training. Median and quartiles of the absolute error.
     """
     figure = new_figure(WIDTH_IN, 5.2)
-    rows = figure.subplots(2, len(_ERRORS), sharex="row", sharey="all")
-    for during, over, name in zip(*rows, _ERRORS, strict=True):
+    rows = figure.subplots(2, len(ERRORS), sharex="row", sharey="all")
+    for during, over, name in zip(*rows, ERRORS, strict=True):
         for i, group in enumerate(groups):
             draw_band(
                 during, *_over_a_trial(group, name), colour_of(group), marker=marker_of(group), ms=3
@@ -46,14 +41,14 @@ def errors_figure(groups: Sequence[Group]) -> Figure:
         during.set_xlabel("iteration of the trial")
         over.set_xlabel("training iterations")
         over.xaxis.set_major_formatter(mpl.ticker.EngFormatter(sep=""))
-    for axes, name in zip(rows.ravel(), [*_ERRORS, *_ERRORS], strict=True):
+    for axes, name in zip(rows.ravel(), [*ERRORS, *ERRORS], strict=True):
         # Pixels do not measure torsion.
         is_of_pixels = name != "cyclovergence_error_deg"
         scale_errors(axes, px_deg_of(groups), has_pixel=is_of_pixels)
     for axes in rows[:, 0]:
         axes.set_ylabel("|error| / deg")
     _scale_trial(rows[0, 0])
-    title_panels(rows.ravel(), [*_ERRORS.values(), *_ERRORS.values()])
+    title_panels(rows.ravel(), [*ERRORS.values(), *ERRORS.values()])
     legend_below(figure, [group_handle(group) for group in groups])
     return figure
 

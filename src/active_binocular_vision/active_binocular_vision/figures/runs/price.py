@@ -13,6 +13,7 @@ from matplotlib.transforms import Bbox
 
 from active_binocular_vision.figures.quartiles import (
     ERROR_LABEL,
+    ERRORS,
     draw_bars,
     final_errors_deg,
     px_deg_of,
@@ -35,11 +36,6 @@ from experiment_manager.measures.metrics import QUARTILES
 from experiment_manager.measures.trials import Trials
 
 _LEAST_PRICES = 3
-_ERRORS = {
-    "vergence_error_deg": "horizontal error",
-    "vertical_error_deg": "vertical error",
-    "cyclovergence_error_deg": "cyclovergence error",
-}
 _LOOKS = ((VERMILION, "o"), (BLUE, "s"), (GREEN, "^"))
 # Lambda 0 has a place on a logarithmic axis so many times below the least price.
 _ZERO_BELOW = 3.0
@@ -92,14 +88,14 @@ def price_figure(groups: Sequence[Group]) -> Figure:
     title_panels(
         (error, reduction, trade), ("accuracy", "energy saved", r"trade-off, by $\lambda$ in 1/W")
     )
-    _name_points(trade.lines[0], [f"{group.common.weight:g}" for group in groups])
+    _name_points(figure, trade, [f"{group.common.weight:g}" for group in groups])
     return figure
 
 
 def _draw_errors(figure: Figure, axes: Axes, groups: Sequence[Group]) -> None:
     """Draw the errors about all axes, each with its colour, and name them below the figure."""
     handles = []
-    for (name, label), (colour, marker) in zip(_ERRORS.items(), _LOOKS, strict=True):
+    for (name, label), (colour, marker) in zip(ERRORS.items(), _LOOKS, strict=True):
         _draw(axes, groups, partial(final_errors_deg, name=name), colour, marker=marker)
         handles.append(Line2D([], [], color=colour, marker=marker, ms=4, label=label))
     axes.set_ylabel("|error| / deg")
@@ -154,17 +150,18 @@ def _draw_trade(axes: Axes, groups: Sequence[Group]) -> None:
     axes.set(xlabel="metabolic rate $C$ / W", ylabel=ERROR_LABEL)
 
 
-def _name_points(line: Line2D, names: Sequence[str]) -> None:
-    """Write a name beside each point, at the first place that covers neither line nor name."""
-    line.figure.draw_without_rendering()  # so that the places are known
+def _name_points(figure: Figure, axes: Axes, names: Sequence[str]) -> None:
+    """Write a name beside each point of a line, where it covers neither the line nor a name."""
+    figure.draw_without_rendering()  # so that the places are known
+    line = axes.lines[0]
     course = line.get_transform().transform_path(line.get_path())
     boxes: list[Bbox] = []
-    for name, point in zip(names, line.get_xydata(), strict=True):
+    for name, point in zip(names, np.asarray(line.get_xydata()), strict=True):
         label = None
         for dx, dy in _OFFSETS_PT:
             if label is not None:
                 label.remove()
-            label = line.axes.annotate(
+            label = axes.annotate(
                 name,
                 point,
                 (dx, dy),
@@ -175,6 +172,6 @@ def _name_points(line: Line2D, names: Sequence[str]) -> None:
             )
             box = label.get_window_extent().padded(_CLEARANCE_PX)
             covers = course.intersects_bbox(box, filled=False) or box.count_overlaps(boxes)
-            if not covers and box.x0 > line.axes.bbox.x0:
+            if not covers and box.x0 > axes.bbox.x0:
                 break
         boxes.append(box)
