@@ -1,7 +1,7 @@
 """Medians with quartiles as bands or bars, and axes of errors, alike in all figures."""
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from active_binocular_vision.figures.style import (
     scale_by_decades,
 )
 from active_binocular_vision.runs.groups import Group
+from experiment_manager.measures.metrics import QUARTILES
 from experiment_manager.measures.trials import Trials
 
 # One name for each, in figures as in tables.
@@ -78,18 +79,23 @@ def title_of(group: Group) -> str:
     return textwrap.fill(group.label, _LONGEST_TITLE_LINE)
 
 
+def over_training(group: Group, values: Callable[[Trials], np.ndarray]) -> np.ndarray:
+    """Return the quartiles (3, n) of a value of trials in each test of a group."""
+    tests = [values(group.trials_at(iteration)) for iteration in group.iterations]
+    return np.array([np.nanquantile(of_test, QUARTILES) for of_test in tests]).T
+
+
 def group_handle(group: Group) -> Line2D:
     """Return what stands for a group in a legend."""
     return Line2D([], [], color=colour_of(group), marker=marker_of(group), ms=4, label=group.label)
 
 
-def draw_quartiles(
-    axes: Axes, at: np.ndarray, quartiles: np.ndarray, group: Group, offset: float
-) -> None:
-    """Draw quartiles (3, n) over training: of many tests a line with a band, of few points.
+def draw_quartiles(axes: Axes, quartiles: np.ndarray, group: Group, offset: float) -> None:
+    """Draw quartiles (3, n) of each test over training: of many a line with a band, of few points.
 
     offset: how many points beside the iteration, where points are not joined.
     """
+    at = np.array(group.iterations, dtype=float)
     if len(at) < LEAST_JOINED:
         beside = at + offset * _DODGE * group.common.n_iterations
         draw_bars(axes, beside, quartiles, colour_of(group), marker=marker_of(group))

@@ -28,7 +28,7 @@ from experiment_manager.measures.results import (
     Summary,
 )
 from experiment_manager.run.config_file import CONFIG_FILE, RUN_SECTION
-from experiment_manager.sections import Configuration
+from experiment_manager.sections import Configuration, by_key
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
 from lockstep import InputError, read_state, write_state
 from lockstep.durable_files import replace_file
@@ -127,9 +127,7 @@ class ResultsFolder:
             document = yaml.load(path.read_text(), Loader=yaml.CSafeLoader)
             common, runs = document[_COMMON], document[_RUNS]
             return {
-                name: {
-                    section: common.get(section, {}) | own.get(section, {}) for section in common
-                }
+                name: {of: common.get(of, {}) | own.get(of, {}) for of in {**common, **own}}
                 for name, own in runs.items()
             }
         except (OSError, yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
@@ -257,24 +255,23 @@ def _common_and_own(
     of_runs: Mapping[str, Configuration],
 ) -> tuple[Configuration, dict[str, Configuration]]:
     """Return the parameters that all runs have alike, and the others of each, by section."""
-    first, *others = of_runs.values()
+    flat = {run: by_key(sections) for run, sections in of_runs.items()}
+    first, *others = flat.values()
     common = {
-        section: {
-            name: value
-            for name, value in first.get(section, {}).items()
-            if all(name in o.get(section, {}) and o[section][name] == value for o in others)
-        }
-        for section in dict.fromkeys(section for of in of_runs.values() for section in of)
+        key: value
+        for key, value in first.items()
+        if all(key in other and other[key] == value for other in others)
     }
-    own = {
-        run: {
-            section: rest
-            for section, values in of.items()
-            if (rest := {n: v for n, v in values.items() if n not in common[section]})
-        }
-        for run, of in of_runs.items()
-    }
-    return common, own
+    own = {run: {k: v for k, v in of.items() if k not in common} for run, of in flat.items()}
+    return _by_section(common), {run: _by_section(values) for run, values in own.items()}
+
+
+def _by_section(values: Mapping[str, Any]) -> Configuration:
+    found: Configuration = {}
+    for key, value in values.items():
+        section, _, name = key.partition(".")
+        found.setdefault(section, {})[name] = value
+    return found
 
 
 # Rows of measures.csv

@@ -1,6 +1,7 @@
 """The three errors of eyes whose muscles have commands of their own."""
 
 from collections.abc import Sequence
+from functools import partial
 
 import matplotlib as mpl
 import numpy as np
@@ -16,6 +17,7 @@ from active_binocular_vision.figures.quartiles import (
     group_handle,
     marker_of,
     offset_of,
+    over_training,
     px_deg_of,
     scale_errors,
 )
@@ -37,7 +39,8 @@ def errors_figure(groups: Sequence[Group]) -> Figure:
             draw_band(
                 during, *_over_a_trial(group, name), colour_of(group), marker=marker_of(group), ms=3
             )
-            draw_quartiles(over, *_over_training(group, name), group, offset_of(i, groups))
+            finals = partial(final_errors_deg, name=name)
+            draw_quartiles(over, over_training(group, finals), group, offset_of(i, groups))
         during.set_xlabel("iteration of the trial")
         over.set_xlabel("training iterations")
         over.xaxis.set_major_formatter(mpl.ticker.EngFormatter(sep=""))
@@ -67,9 +70,3 @@ def _over_a_trial(group: Group, name: str) -> tuple[np.ndarray, np.ndarray]:
     errors_deg = np.abs(group.last_trials.column(name))
     kept = np.flatnonzero(~np.isnan(errors_deg).all(axis=0))
     return kept, np.nanquantile(errors_deg[:, kept], QUARTILES, axis=0)
-
-
-def _over_training(group: Group, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return training iterations (n,) and quartiles of the absolute error (3, n)."""
-    errors_deg = [final_errors_deg(group.trials_at(n), name) for n in group.iterations]
-    return np.array(group.iterations), np.nanquantile(errors_deg, QUARTILES, axis=1)
