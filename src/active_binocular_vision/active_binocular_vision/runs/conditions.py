@@ -111,10 +111,11 @@ class Condition:
     def over_seeds(self, age: str, column: Column) -> Range | None:
         """Return a measure at an age over the seeds, None where no seed has it."""
         found = [run.value(age, column.examination, column.measure) for run in self.runs]
-        values = [column.factor * value for value in found if value is not None]
+        values = [value for value in found if value is not None]
         if not values:
             return None
-        return Range(float(np.median(values)), min(values), max(values), len(values))
+        factor, median = column.factor, float(np.median(values))
+        return Range(factor * median, factor * min(values), factor * max(values), len(values))
 
     def tables(self, examination: str, name: str) -> list[Sequence[Mapping[str, Any]]]:
         """Return a table of an examination at the end, of the seeds that have it."""

@@ -4,13 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter
 
-from active_binocular_vision.figures.style import (
-    GREY,
-    WIDTH_IN,
-    new_figure,
-    scale_by_decades,
-    title_panels,
-)
+from active_binocular_vision.figures.style import GREY, WIDTH_IN, new_figure, title_panels
 from active_binocular_vision.learners.basis_functions import (
     LARGEST_SHIFT_PX,
     SCALES,
@@ -45,7 +39,9 @@ def dictionary_figure(atoms: np.ndarray) -> Figure:
         reach = (LARGEST_SHIFT_PX + 0.5) * PX_PER_PIXEL[i]
         histograms[i].hist(known_px, bins=np.linspace(-reach, reach, _N_BINS + 1), color=GREY)
         # Nearly all prefer no disparity; the few others must show, too.
-        scale_by_decades(histograms[i])
+        if not len(known_px):
+            histograms[i].set_ylim(0.7, 10.0)
+        histograms[i].set_yscale("log")
         histograms[i].yaxis.set_major_formatter(FormatStrFormatter("%g"))
         histograms[i].set(xlabel="preferred disparity / px", xlim=(-reach, reach), ylim=(0.7, None))
         titles.append(f"{len(known_px)} of them prefer a disparity")
