@@ -24,6 +24,11 @@ def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[Fini
     assert len(groups[0].trials_at(130).trial) == 2 * 39
 
 
+def test_a_run_goes_to_another_process_without_what_was_read(runs: list[FinishedRun]) -> None:
+    assert runs[0].recorded.tests
+    assert vars(runs[0].unread()).keys() == {"directory", "name"}
+
+
 def _with(run: FinishedRun, section: str, **changed: Any) -> FinishedRun:
     """The same run as if settings of a section had been others; __ is the dot in a name."""
     other = copy.copy(run)

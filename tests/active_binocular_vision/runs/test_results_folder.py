@@ -2,6 +2,7 @@
 
 import csv
 import json
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,9 @@ def test_kept_runs_have_what_the_runs_had(made: list[FinishedRun], tmp_path: Pat
     assert [g.label for g in groups_of(kept)] == [g.label for g in groups_of(made)]
     for run, of_folder in zip(made, kept, strict=True):
         assert of_folder.about == run.about
+        unread = of_folder.unread()
+        assert (unread.results, unread.examinations) == (of_folder.results, of_folder.examinations)
+        assert len(pickle.dumps(unread)) < 0.5 * len(pickle.dumps(of_folder))
         assert of_folder.configuration == run.configuration
         assert summaries_table(of_folder.summaries) == summaries_table(run.summaries)
         last, others = run.summaries[-1], of_folder.summaries[-1]

@@ -66,10 +66,11 @@ class KeptRun(FinishedRun):
         super().__init__(folder.directory / name)
         self._folder = folder
 
-    def __getstate__(self) -> dict[str, Any]:
-        """Leave the folder's other runs and the trials behind, which examining does not need."""
-        names = ("directory", "name", "about", "configuration", "results", "examinations")
-        return {name: getattr(self, name) for name in names}
+    def unread(self) -> FinishedRun:
+        """Return the run without its folder and trials, with what examining needs."""
+        run, names = super().unread(), ("about", "configuration", "results", "examinations")
+        vars(run).update({name: getattr(self, name) for name in names})
+        return run
 
     @cached_property
     def configuration_text(self) -> str:

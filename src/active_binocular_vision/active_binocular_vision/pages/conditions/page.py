@@ -114,7 +114,8 @@ def write_conditions_page(
     runs, reasons = runs_with_tests(directories)
     names = sorted({column.examination for column in columns} - {TEST})
     work = partial(_examined_or_why, names, tuple(ages))
-    results = of_each_run(work, list(zip(runs, common_of(runs), strict=True)), "examining")
+    unread = [run.unread() for run in runs]
+    results = of_each_run(work, list(zip(unread, common_of(runs), strict=True)), "examining")
     reasons += [result for result in results if isinstance(result, str)]
     examined = [result for result in results if isinstance(result, ExaminedRun)]
     if not examined:
