@@ -69,7 +69,11 @@ def test_a_rename_that_is_refused_leaves_nothing(tmp_path, monkeypatch, number) 
 
 
 def test_a_block_that_is_interrupted_leaves_nothing(tmp_path: Path) -> None:
-    with pytest.raises(KeyboardInterrupt), replacement_of(tmp_path / "a") as file:
-        file.write(b"a part")
-        raise KeyboardInterrupt
+    def interrupted() -> None:
+        with replacement_of(tmp_path / "a") as file:
+            file.write(b"a part")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
     assert not list(tmp_path.iterdir())

@@ -3,6 +3,7 @@
 import errno
 import socket
 import tempfile
+from typing import Any
 
 import pytest
 
@@ -59,7 +60,7 @@ def test_a_domain_needs_no_file(monkeypatch) -> None:
 
 def test_without_abstract_names_the_ports_decide(monkeypatch) -> None:
     class Sandboxed(socket.socket):
-        def bind(self, address: object) -> None:
+        def bind(self, address: Any) -> None:
             if self.family == socket.AF_UNIX:
                 refusing(errno.EACCES)()
             super().bind(address)

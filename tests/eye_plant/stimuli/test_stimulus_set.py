@@ -14,10 +14,18 @@ import numpy as np
 import pytest
 
 from eye_plant import StimulusSet, load_stimuli
+from eye_plant.camera.ray_casting.texture_storage import textures_of
 from eye_plant.stimuli import generator as stimulus_generator
 from eye_plant.stimuli.generator import generate_stimulus
-from eye_plant.stimuli.stimulus_set import StimuliConfig, count_stimuli, load_unseen_stimuli
+from eye_plant.stimuli.stimulus_set import (
+    StimuliConfig,
+    count_missing,
+    count_stimuli,
+    load_unseen_stimuli,
+)
 from lockstep import InputError
+from lockstep.machine import mapped_files
+from tests.refusing import refusing
 
 SIZE_PX = 96
 
@@ -171,11 +179,52 @@ def test_the_user_cache_is_the_default(tmp_path: Path, monkeypatch: pytest.Monke
     assert list((tmp_path / "xdg").rglob("training_0000.npy"))
 
 
-def test_a_cache_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+def test_a_cache_that_cannot_be_written_is_named_with_what_sets_it(tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("")
-    with pytest.raises(InputError, match=r"cache_directory: expected a directory.*file"):
+    with pytest.raises(InputError, match=r"cache_directory: expected a directory.*file") as error:
         load_stimuli(small(blocked))
+    assert "XDG_CACHE_HOME=DIR or --set eye_plant.stimuli.cache_directory=DIR" in str(error.value)
+
+
+def test_a_cache_in_a_home_that_nobody_knows(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("XDG_CACHE_HOME", "HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("pwd.getpwuid", refusing_key)
+    for count_or_load in (count_missing, load_stimuli):
+        with pytest.raises(InputError, match=r"to write to, got ~/.cache.*XDG_CACHE_HOME=DIR or"):
+            count_or_load(StimuliConfig(n_training=1, n_test=1, size_px=SIZE_PX))
+
+
+def refusing_key(uid: int) -> None:
+    raise KeyError(uid)
+
+
+def test_a_cache_of_somebody_else_is_missing_all(tmp_path: Path, monkeypatch) -> None:
+    load_stimuli(small(tmp_path))
+    monkeypatch.setattr(os, "stat", refusing(errno.EACCES))
+    assert count_missing(small(tmp_path)) == 6
+
+
+def test_pictures_keep_no_descriptors(tmp_path: Path) -> None:
+    # A process may usually have 1,024; with the ray caster's copies two files belong to a picture.
+    descriptors = Path("/proc/self/fd")
+    before = len([*descriptors.iterdir()])
+    pictures = load_stimuli(small(tmp_path)).all
+    textures = textures_of(pictures)
+    assert len([*descriptors.iterdir()]) == before
+    mapped = Path("/proc/self/maps").read_text()
+    assert mapped.count(str(tmp_path)) >= len(pictures) + len(textures)
+    del pictures, textures
+    assert str(tmp_path) not in Path("/proc/self/maps").read_text()
+
+
+def test_where_nothing_is_mapped_pictures_are_read(tmp_path: Path, monkeypatch) -> None:
+    expected = [stimulus.copy() for stimulus in load_stimuli(small(tmp_path)).all]
+    monkeypatch.setattr(mapped_files, "_Mapping", refusing(errno.ENODEV))
+    found = load_stimuli(small(tmp_path)).all
+    np.testing.assert_array_equal(found, expected)
+    assert not any(stimulus.flags.writeable for stimulus in found)
 
 
 def assert_same(actual: StimulusSet, expected: StimulusSet) -> None:
