@@ -69,10 +69,8 @@ def test_what_a_sandbox_refuses_is_left_out(monkeypatch, call: str, number: int)
     assert "sched_setaffinity" in done or call == "sched_setaffinity"
 
 
-def test_without_proc_and_without_a_word_on_cores(monkeypatch, tmp_path: Path) -> None:
+def test_without_proc_nothing_is_done(monkeypatch, tmp_path: Path) -> None:
     monkeypatch.setattr(cores, "_TASKS", tmp_path / "nowhere")
     monkeypatch.setattr(cores.os, "sched_getaffinity", lambda _: {0, 1})
     monkeypatch.setattr(cores.os, "sched_setaffinity", refusing(errno.EPERM))
     cores.share_two_cores(0, gives_way=True)
-    monkeypatch.setattr(cores.os, "sched_getaffinity", refusing(errno.ENOSYS))
-    assert cores.usable_cores() == set(range(os.cpu_count() or 1))

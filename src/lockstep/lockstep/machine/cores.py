@@ -14,14 +14,6 @@ _N_CORES = 2
 _TASKS = Path("/proc/self/task")
 
 
-def usable_cores() -> set[int]:
-    """Return the cores that this process may use, all where the system does not say which."""
-    try:
-        return os.sched_getaffinity(0)
-    except OSError:
-        return set(range(os.cpu_count() or 1))
-
-
 def share_two_cores(i_core: int, *, gives_way: bool) -> None:
     """Keep this process to the first (0) or second (1) core.
 
@@ -30,7 +22,7 @@ def share_two_cores(i_core: int, *, gives_way: bool) -> None:
     starts them. Does nothing where this process may use another number of cores than two, and
     leaves out what a sandbox or a container does not allow.
     """
-    cores = sorted(usable_cores())
+    cores = sorted(os.sched_getaffinity(0))
     if len(cores) != _N_CORES or not _TASKS.is_dir():
         return
     for number in [int(task.name) for task in _TASKS.iterdir()]:
