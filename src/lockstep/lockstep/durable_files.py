@@ -1,15 +1,20 @@
 """Files that are there as a whole or not at all, after a kill or a loss of power."""
 
 import contextlib
+import errno
 import os
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, BinaryIO
 
-from lockstep.machine.refused_calls import left_out_if_refused
-
 _PROBE_BYTES = 1 << 16
+# How file systems say that they lack fsync, as CIFS and some in user space do for directories, or
+# that it is not allowed. A disk that fails or is full says something else.
+_NO_SYNC = (
+    *(errno.EACCES, errno.EBADF, errno.EINVAL, errno.EISDIR, errno.ENOSYS, errno.ENOTTY),
+    *(errno.EOPNOTSUPP, errno.EPERM),
+)
 
 
 def replace_file(path: Path, content: bytes) -> None:
@@ -41,22 +46,27 @@ def replacement_of(path: Path) -> Iterator[BinaryIO]:
 def sync(file: IO[bytes]) -> None:
     """Make what was written to a file survive a loss of power, where its file system can do so."""
     file.flush()
-    with left_out_if_refused():
+    with _where_there_is_sync():
         os.fsync(file.fileno())
 
 
 def sync_directory(directory: Path) -> None:
-    """Make renames and new names in a directory survive a loss of power, as far as `sync` can.
-
-    Linux has this as fsync of a directory, of which CIFS and some file systems in user space know
-    nothing.
-    """
-    with left_out_if_refused():
+    """Make renames and new names in a directory survive a loss of power, as far as `sync` can."""
+    with _where_there_is_sync():
         handle = os.open(directory, os.O_RDONLY)
         try:
             os.fsync(handle)
         finally:
             os.close(handle)
+
+
+@contextlib.contextmanager
+def _where_there_is_sync() -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        if error.errno not in _NO_SYNC:
+            raise
 
 
 def is_free(directory: Path) -> bool:
