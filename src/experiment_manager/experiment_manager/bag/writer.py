@@ -1,7 +1,6 @@
 """Writes a rosbag2 directory of .mcap files that survives a kill at any moment."""
 
 import contextlib
-import os
 import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,7 +23,7 @@ from experiment_manager.bag.metadata import (
 )
 from experiment_manager.bag.reordering import Held, StampBuffer
 from lockstep import InputError
-from lockstep.durable_files import is_free, sync_directory
+from lockstep.durable_files import is_free, sync, sync_directory
 
 # Kept whatever their stamps.
 _EXEMPT = frozenset(("/clock", "/diagnostics"))
@@ -279,8 +278,7 @@ class _OpenFile:
 
     def finish(self) -> FileSummary:
         self._writer.finish()
-        self._stream.flush()
-        os.fsync(self._stream.fileno())
+        sync(self._stream)
         self._stream.close()
         return McapFile(self._path).summary()
 
