@@ -49,7 +49,7 @@ class OwnTest:
 # Measures of a test, in the order of OwnTest.
 _OF_TEST = (
     *("median_abs_vergence_error_deg", "iqr_abs_vergence_error_deg", "share_within_1_px"),
-    *("median_cost_reduction", "median_delta_cost_w", "median_metabolic_rate_w"),
+    *("saving", "median_delta_cost_w", "median_metabolic_rate_w"),
 )
 
 

@@ -33,7 +33,7 @@ _MEASURES: Mapping[str, tuple[str, Callable[[float | None], str]]] = {
     _IQR: ("iqr_abs_vergence_error_deg", number),
     **_OTHER_AXES,
     "median Delta C / W": ("median_delta_cost_w", number),
-    _REDUCTION: ("median_cost_reduction", percent),
+    _REDUCTION: ("saving", percent),
     "within 1 px": ("share_within_1_px", percent),
     "beyond 1 deg": ("share_beyond_1_deg", percent),
     "antagonist silent": ("share_antagonist_silent", percent),
