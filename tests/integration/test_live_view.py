@@ -96,13 +96,3 @@ def test_a_run_whose_live_view_stops_goes_on(pictures, tmp_path) -> None:
     assert "the live view has ended" not in output
     assert "fault" not in output
     assert_as_the_loop(out)
-
-
-def test_a_port_in_use_is_one_error_and_the_run_goes_on(pictures: Path, tmp_path: Path) -> None:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        port = int(taken.getsockname()[1])
-        with _watched([*small_run(pictures, 20), "--out", str(tmp_path / "run")], port) as run:
-            output = finished(run)
-    assert output.count("the live view has ended: error: live view: cannot listen on") == 1

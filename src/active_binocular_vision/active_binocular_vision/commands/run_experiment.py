@@ -92,13 +92,16 @@ def _check_in_process(options: argparse.Namespace) -> None:
 
 
 def _live(options: argparse.Namespace) -> Address | None:
-    """Return where a live view is to listen, having said so, or None when there is to be none."""
+    """Return where a live view is to listen, having said so, or None when there is to be none.
+
+    Raises InputError where it cannot.
+    """
     if options.live is None:
         return None
     if why := why_unavailable():
-        print(f"error: {why}; the run continues without it", file=sys.stderr)
-        return None
+        raise InputError(f"--live: {why}")
     address: Address = options.live
+    address.check()
     page = Address(address.host, address.port + 1)
     print(f"live view: ws://{address}; http://{page} opens it in Lichtblick or Foxglove")
     return address
@@ -214,9 +217,10 @@ def _run(options: argparse.Namespace) -> tuple[Path, int]:
         return in_one_process(prepare(options))
     domain = known_domain(options.elsewhere)
     check_ros(domain, options.elsewhere)
+    live = _live(options)
     directory = _announced(prepare(options))
     _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
-    return directory, Supervisor(directory, options.elsewhere, _live(options)).run()
+    return directory, Supervisor(directory, options.elsewhere, live).run()
 
 
 def in_one_process(directory: Path) -> tuple[Path, int]:
