@@ -73,6 +73,8 @@ def test_a_refused_change_leaves_the_plant_as_it_was(plain, made):
     for settings, message in (
         ({"camera.left_blur_px": -1.0}, "left_blur_px: expected 0 px or more"),
         ({"camera.width_px": 64}, "camera.width_px: expected the same for a whole run"),
+        # By which turns are measured in pictures.
+        ({"camera.focal_length_px": 200.0}, "camera.focal_length_px: expected the same"),
         ({"mechanics.control_period_s": 0.1}, "control_period_s: expected the same"),
         ({"camera.blur": 1.0}, "unknown parameter camera.blur"),
     ):

@@ -71,16 +71,19 @@ class InProcessRun:
         self._messages = StepMessages(plant, self._loop.coder.config.n_bases)
         self._run = Run(self._config)
         self._interrupts = interrupts
+        try:
+            self._loop.restore(self._run.states_to_load([*self._loop.learners]))
+        except (InputError, OSError):
+            self.close()
+            raise
 
     def go_on(self) -> bool:
         """Bring the run to its end; return whether it came there, or was interrupted before.
 
         Once interrupted, it stops after the episode under way, with a checkpoint; the second time,
-        at once. Raises InputError for states and numbers that no learner takes, OSError when the
-        disk refuses.
+        at once. Raises InputError for numbers that no learner takes, OSError when the disk refuses.
         """
         run = self._run
-        self._loop.restore(run.states_to_load([*self._loop.learners]))
         try:
             while not run.is_over and not self._interrupts.count:
                 if run.checkpoint_is_due():
