@@ -98,7 +98,8 @@ def _tables(groups: Sequence[Group]) -> list[str]:
         *html.section("Runs", _RUNS, run_rows(groups)),
         *html.section(
             f"{paper} 20 iterations of a trial",
-            "Over all trials of all seeds.",
+            "Over all trials of all seeds. c is shown where at least half of the trials end within one "
+            "pixel.",
             comparison_rows(groups),
         ),
         *(html.paragraph(about[kind]) for kind in (True, False) if kind in are_of_pair),
