@@ -112,8 +112,7 @@ def prepare(options: argparse.Namespace) -> Path:
     request = request_of(options)
     directory = (options.resume or options.out or new_directory()).resolve()
     if not options.in_process:
-        for told in (directory, options.live):
-            yaml_line(str(told))  # refuses what no node could be told
+        yaml_line(str(directory))  # refuses what no node could be told
     if options.resume is not None:
         return _prepare_old(options, request, directory)
     if options.extend is not None:

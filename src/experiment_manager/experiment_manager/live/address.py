@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from experiment_manager.live.config import LOCAL_HOST, PORT
 from lockstep import InputError
+from lockstep.yaml_text import yaml_line
 
 # [IPv6]:PORT; PORT; HOST:PORT; each part may be missing.
 _FORMS = re.compile(r"\[(?P<six>[^]]*)\](:(?P<a>.*))?|(?P<b>\d+)|(?P<host>[^:]*)(:(?P<c>[^:]*))?")
@@ -40,6 +41,7 @@ class Address:
 
     def check(self) -> None:
         """Raise InputError unless both ports can be listened on now."""
+        yaml_line(self.host)  # refuses what no node could be told
         for port in (self.port, self.port + 1):
             try:
                 family, kind, _, _, place = resolved(self.host, port)
