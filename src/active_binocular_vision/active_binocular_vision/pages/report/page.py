@@ -29,7 +29,10 @@ _RUNS = (
     "Lambda's share of the reward is that over the first and over the last 5,000 training "
     "iterations."
 )
-_POOLED = "Over all trials of all seeds. c is shown where at least half of the trials end within one pixel."
+_POOLED = (
+    "Over all trials of all seeds. c is shown where at least half of the trials end within one "
+    "pixel."
+)
 _ABOUT_PAIR = (
     "Our test set has the start errors from -3 deg to the largest whole degree that leaves "
     "a vergence of 0 or more; the authors' code stops at +2 deg and leaves out the trials "
