@@ -23,8 +23,10 @@ _CONVERGED_RAD = 1e-13
 _MAX_ITERATIONS = 100
 
 # The library that the Python package has loaded, so that compiled code finds the same functions.
-(_LIBRARY,) = Path(mujoco.__file__).parent.glob("libmujoco.so*")
-binding.load_library_permanently(str(_LIBRARY))
+# Other files of that name, which an installation over another one leaves, are not loaded.
+_MAPS = Path("/proc/self/maps").read_text().splitlines()
+(_LIBRARY,) = {line.split(maxsplit=5)[5] for line in _MAPS if "/libmujoco." in line}
+binding.load_library_permanently(_LIBRARY)
 _ADDRESSES = types.UniTuple(types.uintp, 2)
 
 
