@@ -4,6 +4,7 @@ Dimensions: n_muscles is the number of commands, of the pair 2, medial and later
 for both eyes.
 """
 
+import copy
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -92,6 +93,10 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         self._next_episode = 0
         self._pictures: Pictures | None = None
         self._activations = np.full(len(self._space.names), math.nan)
+
+    def __copy__(self) -> "VergenceEnvironment":
+        """Copy in depth: eyes that two environments share would move in both."""
+        return copy.deepcopy(self)
 
     def _all_senses(self) -> dict[str, Space[Any]]:
         activations = Box(self._lowest, self._highest, dtype=np.float64)
