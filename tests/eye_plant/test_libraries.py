@@ -61,10 +61,23 @@ def test_another_mujoco_is_one_error(tmp_path: Path, module: str, expected: str)
         ("OPENCV_FOR_THREADS_NUM", "abc"),
     ],
 )
-def test_a_variable_with_which_a_library_fails_is_named(name: str, value: str) -> None:
-    said = _said("import eye_plant", **{name: value}).splitlines()[-1]
+def test_a_variable_with_which_a_library_fails_is_named(monkeypatch, name, value) -> None:
+    monkeypatch.setenv(name, value)
+    said = _said("import eye_plant").splitlines()[-1]
     assert said.startswith("ImportError: expected numba")
     assert f"{name}={value}" in said
+
+
+def test_compiling_is_announced_once() -> None:
+    code = (
+        "import eye_plant.libraries, numba\n"
+        "for _ in range(2):\n"
+        "    def loop(n): return n + 1\n"
+        "    loop.__module__ = 'eye_plant.loops'\n"
+        "    numba.njit('int64(int64)')(loop)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stderr.count("compiling the simulation, once") == 1
 
 
 def test_an_older_mujoco_refuses_the_exported_files_and_is_refused(tmp_path: Path) -> None:

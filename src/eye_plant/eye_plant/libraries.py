@@ -1,15 +1,19 @@
 """Checks what the eyes are simulated with; importing this raises one ImportError if it is not fit.
 
 Another MuJoCo turns the eyes elsewhere without an error: before version 4 their tendons wrap the
-long way round the globe. Without its compiler numba calls MuJoCo's functions in vain.
+long way round the globe. Without its compiler numba calls MuJoCo's functions in vain; the minute
+that compiling takes after an installation is announced.
 """
 
 import os
+import sys
+from typing import Any
 
 _REPAIR = (
     "python3 -m pip uninstall -y mujoco mujoco-core mujoco-studio, then "
     "python3 -m pip install 'mujoco>=4'"
 )
+_COMPILING = "compiling the simulation, once after an installation or a change (about a minute)"
 
 # Each library has errors of its own, for files as for variables that it cannot use.
 try:
@@ -28,6 +32,7 @@ if int(version.partition(".")[0]) < 4:
 try:
     import cv2
     import numba
+    from numba.core import event
 
     cv2.getNumThreads()
 except Exception as error:
@@ -38,3 +43,17 @@ except Exception as error:
     ) from error
 if numba.config.DISABLE_JIT:
     raise ImportError("expected numba with its compiler, got NUMBA_DISABLE_JIT=1: unset it")
+
+
+class _Announcement(event.Listener):
+    def on_start(self, event: Any) -> None:
+        """Announce the first of our functions that is compiled, rather than loaded from a cache."""
+        if event.data["dispatcher"].py_func.__module__.startswith("eye_plant."):
+            print(_COMPILING, file=sys.stderr, flush=True)
+            self.on_start = self.on_end  # type: ignore[method-assign]
+
+    def on_end(self, event: Any) -> None:
+        """Nothing follows."""
+
+
+event.register("numba:compile", _Announcement())

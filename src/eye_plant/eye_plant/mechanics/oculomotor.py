@@ -209,9 +209,7 @@ def _metabolic_terms(muscles: Musculature, trace: Array, excitations: Array) -> 
     return muscles.metabolic_terms(excitations, activations, lengths_m, velocities_m_s, -forces_n)
 
 
-def _mean_rate_w(
-    muscles: Musculature, trace: Array, excitations: Array, settled_w: Array
-) -> Array:
+def _mean_rate_w(muscles: Musculature, trace: Array, excitations: Array, settled_w: Array) -> Array:
     """Return the mean rate (12,) over a trace, the settled one where nothing was simulated."""
     if not len(trace):
         return settled_w

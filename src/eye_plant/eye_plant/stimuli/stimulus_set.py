@@ -93,11 +93,12 @@ def load_stimuli(config: StimuliConfig) -> StimulusSet:
     return StimulusSet(pictures[: len(training_files)], pictures[len(training_files) :])
 
 
-def count_missing(config: StimuliConfig) -> int:
-    """Return how many pictures load_stimuli would have to generate, since the cache lacks them."""
+def announcement(config: StimuliConfig) -> str:
+    """Return what load_stimuli will take long with, "" if the cache has all pictures."""
     if config.directory:
-        return 0
-    return sum(n_missing(*arguments) for arguments in _generated(config))
+        return ""
+    n = sum(n_missing(*arguments) for arguments in _generated(config))
+    return f"generating {n:,} stimuli, once (on two cores 140 take about a minute)" if n else ""
 
 
 def load_unseen_stimuli(
