@@ -19,7 +19,7 @@ def loop_of(**configuration: dict[str, Any]) -> InProcessLoop:
     """Return an untrained loop before noise."""
     noise = np.random.default_rng(0).integers(0, 256, (2, 400, 400), np.uint8)
     stimuli = StimulusSet(tuple(noise[:1]), tuple(noise[1:]))
-    return make_loop({"sparse_coder": {}} | configuration, stimuli)
+    return make_loop(configuration, stimuli)
 
 
 def trained(loop: InProcessLoop, numbers: Iterable[int]) -> list[Step]:
@@ -75,8 +75,8 @@ def test_a_copy_learns_the_same(
     *_, last = trained(other, range(3, 6))
     *_, expected = pickle.loads(pickle.dumps(trained(loop, range(3, 6))))
     assert last.observation.truth == expected.observation.truth
-    rates = [step.observation.state.mean_metabolic_rate_w for step in (last, expected)]
-    np.testing.assert_array_equal(*rates)
+    found_w, expected_w = (s.observation.state.mean_metabolic_rate_w for s in (last, expected))
+    np.testing.assert_array_equal(found_w, expected_w)
     found = state_of(other)
     for name, values in state_of(loop).items():
         assert values.tobytes() == found[name].tobytes(), name

@@ -46,11 +46,14 @@ if numba.config.DISABLE_JIT:
 
 
 class _Announcement(event.Listener):
+    is_due = True
+
     def on_start(self, event: Any) -> None:
         """Announce the first of our functions that is compiled, rather than loaded from a cache."""
-        if event.data["dispatcher"].py_func.__module__.startswith("eye_plant."):
+        name = event.data["dispatcher"].py_func.__module__
+        if self.is_due and name.startswith("eye_plant."):
+            self.is_due = False
             print(_COMPILING, file=sys.stderr, flush=True)
-            self.on_start = self.on_end  # type: ignore[method-assign]
 
     def on_end(self, event: Any) -> None:
         """Nothing follows."""
