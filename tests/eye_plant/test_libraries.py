@@ -63,7 +63,7 @@ def test_another_mujoco_is_one_error(tmp_path: Path, module: str, expected: str)
 )
 def test_a_variable_with_which_a_library_fails_is_named(monkeypatch, name, value) -> None:
     monkeypatch.setenv(name, value)
-    said = _said("import eye_plant").splitlines()[-1]
+    said = _said("import eye_plant.plant").splitlines()[-1]
     assert said.startswith("ImportError: expected numba")
     assert f"{name}={value}" in said
 
@@ -99,5 +99,5 @@ def test_an_older_mujoco_refuses_the_exported_files_and_is_refused(tmp_path: Pat
     files = sorted(map(str, (tmp_path / "eyes").glob("*.xml")))
     refusals = _said(LOAD, *files, fails=False, PYTHONPATH=older)
     assert refusals.count(f"{OLDER} XML Error: Schema violation") == len(files) == 2
-    said = _said("import eye_plant", PYTHONPATH=older)
+    said = _said("import eye_plant.plant", PYTHONPATH=older)
     assert f"ImportError: expected MuJoCo 4.0 or newer, got {OLDER} in {older}" in said
