@@ -5,6 +5,7 @@ the plane's. Eyes with a command for each muscle begin with errors of their own 
 the commands turn, and look aside; those that make saccades have gaze targets.
 """
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -149,9 +150,8 @@ def starts(
     """
     if config.command_space == PAIR:
         inverse, limits = Inverse(mechanics), config.pair_limits
-        return PairStarts(
-            config, mechanics.baseline_m, lambda v, part: inverse.activations(v, part, limits)
-        )
+        of_vergence = functools.partial(inverse.activations, limits=limits)
+        return PairStarts(config, mechanics.baseline_m, of_vergence)
     return GazeStarts(config, mechanics, turns_deg)
 
 

@@ -19,7 +19,7 @@ from eye_plant.stimuli import generator as stimulus_generator
 from eye_plant.stimuli.generator import generate_stimulus
 from eye_plant.stimuli.stimulus_set import (
     StimuliConfig,
-    count_missing,
+    announcement,
     count_stimuli,
     load_unseen_stimuli,
 )
@@ -193,9 +193,9 @@ def test_a_cache_in_a_home_that_nobody_knows(monkeypatch: pytest.MonkeyPatch) ->
     for name in ("XDG_CACHE_HOME", "HOME"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr("pwd.getpwuid", refusing_key)
-    for count_or_load in (count_missing, load_stimuli):
+    for announce_or_load in (announcement, load_stimuli):
         with pytest.raises(InputError, match=r"to write to, got ~/.cache.*XDG_CACHE_HOME=DIR or"):
-            count_or_load(StimuliConfig(n_training=1, n_test=1, size_px=SIZE_PX))
+            announce_or_load(StimuliConfig(n_training=1, n_test=1, size_px=SIZE_PX))
 
 
 def refusing_key(uid: int) -> None:
@@ -205,7 +205,7 @@ def refusing_key(uid: int) -> None:
 def test_a_cache_of_somebody_else_is_missing_all(tmp_path: Path, monkeypatch) -> None:
     load_stimuli(small(tmp_path))
     monkeypatch.setattr(os, "stat", refusing(errno.EACCES))
-    assert count_missing(small(tmp_path)) == 6
+    assert announcement(small(tmp_path)).startswith("generating 6 stimuli")
 
 
 def test_pictures_keep_no_descriptors(tmp_path: Path) -> None:

@@ -37,7 +37,7 @@ from experiment_manager.sections import config_of
 from experiment_manager.supervision.node_neighbours import check_ros
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from eye_plant import EyePlantConfig, load_stimuli
-from eye_plant.stimuli.stimulus_set import count_missing
+from eye_plant.stimuli.stimulus_set import announcement
 from lockstep import InputError
 from lockstep.durable_files import is_free, replace_file, why_unwritable
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, EXIT_FAULT, EXIT_INTERRUPTED
@@ -69,8 +69,8 @@ def _prepare_stimuli(configuration: Configuration) -> None:
     stimuli = config_of(EyePlantConfig, configuration).stimuli
     if stimuli.directory:
         print(f"reading the pictures of {stimuli.directory}")
-    elif n_missing := count_missing(stimuli):
-        print(f"generating {n_missing:,} stimuli, once (on two cores 140 take about a minute)")
+    elif text := announcement(stimuli):
+        print(text)
     load_stimuli(stimuli)
 
 

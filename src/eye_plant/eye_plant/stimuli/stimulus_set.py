@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -44,11 +45,25 @@ class StimuliConfig:
 
 @dataclass(frozen=True)
 class StimulusSet:
-    """Grey pictures (size, size) uint8, row 0 on top; and pairs of them. All are read only."""
+    """Grey pictures (size, size) uint8, row 0 on top; and pairs of them. All are read only.
+
+    generated: what they were generated from, None for others.
+    """
 
     training: tuple[np.ndarray, ...]
     test: tuple[np.ndarray, ...]
     stereograms: tuple[Stereogram, ...] = ()
+    generated: StimuliConfig | None = None
+
+    def __deepcopy__(self, memo: object) -> "StimulusSet":
+        """Share what nobody changes; files are mapped once."""
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle generated pictures as how to load them: they are half a gigabyte."""
+        if self.generated is not None:
+            return load_stimuli, (self.generated,)
+        return StimulusSet, (self.training, self.test, self.stereograms)
 
     @property
     def all(self) -> tuple[np.ndarray, ...]:
@@ -72,17 +87,18 @@ def load_stimuli(config: StimuliConfig) -> StimulusSet:
     """
     if not config.directory:
         training, test = (load_generated(*arguments) for arguments in _generated(config))
-        return StimulusSet(training, test)
+        return StimulusSet(training, test, generated=config)
     training_files, test_files = _choose(config)
     pictures = _read(training_files + test_files, config)
     return StimulusSet(pictures[: len(training_files)], pictures[len(training_files) :])
 
 
-def count_missing(config: StimuliConfig) -> int:
-    """Return how many pictures load_stimuli would have to generate, since the cache lacks them."""
+def announcement(config: StimuliConfig) -> str:
+    """Return what load_stimuli will take long with, "" if the cache has all pictures."""
     if config.directory:
-        return 0
-    return sum(n_missing(*arguments) for arguments in _generated(config))
+        return ""
+    n = sum(n_missing(*arguments) for arguments in _generated(config))
+    return f"generating {n:,} stimuli, once (on two cores 140 take about a minute)" if n else ""
 
 
 def load_unseen_stimuli(
