@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from eye_plant.validation import __main__ as script
+from eye_plant.validation import checks, figure
 from eye_plant.validation.checks import CHECKS, MAPS_VARIABLE, Check
 from eye_plant.validation.saccades import Saccade
 
@@ -28,8 +29,8 @@ def _check(value: float) -> Check:
 def test_the_script_writes_its_rows_and_fails_with_a_bound(
     tmp_path, monkeypatch, value, ok
 ) -> None:
-    monkeypatch.setattr(script, "CHECKS", [_check(np.float64(value))])
-    monkeypatch.setattr(script, "draw", lambda path: path.write_text("a figure"))
+    monkeypatch.setattr(checks, "CHECKS", [_check(np.float64(value))])
+    monkeypatch.setattr(figure, "draw", lambda path: path.write_text("a figure"))
     assert script.main(["--out", str(tmp_path / "new")]) == (ok is False)
     (row,) = json.loads((tmp_path / "new" / "plant_validation.json").read_text())
     assert row == {
@@ -50,7 +51,7 @@ def test_maps_that_agree_are_measured_and_drawn(tmp_path, monkeypatch) -> None:
     rows = [(m, n, *ours[i, j]) for j, n in enumerate(GRID) for i, m in enumerate(GRID)]
     np.savetxt(tmp_path / "maps.csv", rows, delimiter=",", header="medial,lateral,adduction,cost")
     monkeypatch.setenv(MAPS_VARIABLE, str(tmp_path / "maps.csv"))
-    monkeypatch.setattr(script, "CHECKS", CHECKS[:3])
+    monkeypatch.setattr(checks, "CHECKS", CHECKS[:3])
     assert script.main(["--out", str(tmp_path)]) == 0
     found = [row["value"] for row in json.loads((tmp_path / "plant_validation.json").read_text())]
     assert found == pytest.approx([0.0, 0.0, 0.0], abs=0.02)

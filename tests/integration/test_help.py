@@ -17,7 +17,8 @@ MODULES = {
 }
 START = """
 import runpy, sys
-module, *sys.argv[1:] = sys.argv[1:]
+root, module, *sys.argv[1:] = sys.argv[1:]
+sys.path.insert(0, root)
 try:
     runpy.run_module(module, run_name="__main__", alter_sys=True)
 finally:
@@ -26,8 +27,8 @@ finally:
 
 
 def _started(module: str, *words: str) -> "subprocess.CompletedProcess[str]":
-    command = [sys.executable, "-c", START, module, *words]
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    command = [sys.executable, "-c", START, ROOT, module, *words]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 @pytest.mark.parametrize(("name", "module"), MODULES.items())
