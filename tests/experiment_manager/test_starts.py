@@ -14,9 +14,11 @@ from experiment_manager.starts import (
     draw_angles_deg,
     drawn_targets_deg,
     gaze_inverse,
+    start_centre_deg,
 )
 from eye_plant.camera.config import CameraConfig
-from eye_plant.inverse.gaze import GAZE_ANGLES
+from eye_plant import Oculomotor
+from eye_plant.inverse.gaze import GAZE_ANGLES, GazeInverse
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from lockstep import ALL_MUSCLES, HORIZONTAL_RECTI, InputError, build, flatten
 from lockstep.wire.topics import TEST
@@ -31,8 +33,7 @@ def _config(space: str = ALL_MUSCLES, **settings: Any) -> ExperimentManagerConfi
     )
 
 
-def test_training_begins_anywhere_within_the_ranges() -> None:
-    config = _config()
+def _training_gazes_deg(config: ExperimentManagerConfig) -> np.ndarray:
     starts, draw = GazeStarts(config, MECHANICS), np.random.default_rng(1)
     inverse = gaze_inverse(config, MECHANICS)
     gazes_deg = []
@@ -40,13 +41,43 @@ def test_training_begins_anywhere_within_the_ranges() -> None:
         distance_m, activations = starts.training(draw)
         assert 0.5 <= distance_m <= 6.0
         gazes_deg.append(inverse.gaze_deg(np.array(activations), distance_m))
+    return np.array(gazes_deg)
+
+
+def test_training_begins_anywhere_within_the_ranges_about_the_centre() -> None:
+    config = _config()
+    centre_deg = [start_centre_deg(config).get(name, 0.0) for name in GAZE_ANGLES]
     largest_deg = np.array([LARGEST_DEG[name] for name in GAZE_ANGLES])
-    reached = np.abs(gazes_deg).max(axis=0) / largest_deg
+    reached = np.abs(_training_gazes_deg(config) - centre_deg).max(axis=0) / largest_deg
     assert (reached <= 1.0 + 1e-6).all()
     assert (reached > 0.8).all()
 
 
-def test_a_test_has_the_same_starts_for_all_seeds_and_pictures() -> None:
+def test_the_centre_is_aside_elsewhere_in_each_run_and_on_the_other_side_in_tests() -> None:
+    most_deg = ProtocolConfig().start_centre_deg
+    of_seeds = [
+        [list(start_centre_deg(_config(seed=seed), of_tests=t).values()) for t in (False, True)]
+        for seed in range(20)
+    ]
+    shares = np.array(of_seeds) / most_deg
+    assert (np.abs(shares) >= 0.75).all()
+    assert (np.abs(shares) <= 1.0).all()
+    assert (shares[:, 0] * shares[:, 1] < 0.0).all()
+    assert len({tuple(s) for s in np.sign(shares[:, 0])}) == 8
+
+
+def test_training_about_the_tonic_level_needs_no_inverse() -> None:
+    config = _config(training_starts="tonic", start_spread=0.01)
+    at_tonic_deg = GazeInverse(MECHANICS, config.space, *config.limits).gaze_deg(
+        Oculomotor(MECHANICS).tonic_activations, 1.0
+    )
+    gazes_deg = _training_gazes_deg(config)
+    # Up and aside they lie about the tonic gaze, whatever the plane's distance.
+    np.testing.assert_allclose(gazes_deg[:, 3:].mean(axis=0), at_tonic_deg[3:], atol=1.0)
+    assert gazes_deg[:, 3:].std(axis=0).max() < 3.0
+
+
+def test_a_test_has_the_same_starts_for_all_pictures_and_others_for_each_seed() -> None:
     config = _config()
     found = conditions(config, MECHANICS.baseline_m)
     assert len(found) == 7 * 6
@@ -57,6 +88,23 @@ def test_a_test_has_the_same_starts_for_all_seeds_and_pictures() -> None:
     inverse = gaze_inverse(config, MECHANICS)
     gaze_deg = inverse.gaze_deg(np.array(one), found[5].object_distance_m)
     assert gaze_deg[0] == pytest.approx(found[5].start_error_deg, abs=1e-5)
+    elsewhere = conditions(_config(seed=2), MECHANICS.baseline_m)
+    assert not {c.start_error_deg for c in found} & {c.start_error_deg for c in elsewhere}
+
+
+def test_training_after_a_change_begins_as_before_unless_it_follows() -> None:
+    def starts_of(**settings: bool) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        schedule = "[{at: 10, set: {eyes.camera.right_rotation_deg: -5.0}}]"
+        config = _config(n_training_iterations=20, mechanics=MECHANICS, schedule=schedule)
+        sequence = make_protocol(replace(config, test_iterations=(), **settings))
+        last = sequence.episode(sequence.place_after(10))
+        plain = make_protocol(replace(config, test_iterations=(), schedule=""))
+        return last.activations, plain.episode(plain.place_after(10)).activations
+
+    one, other = starts_of()
+    assert one == other
+    one, other = starts_of(starts_follow_changes=True)
+    assert one != other
 
 
 def test_eyes_behind_a_prism_begin_with_the_errors_that_they_see() -> None:

@@ -76,6 +76,27 @@ class ProtocolConfig(TaskConfig):
         most=20,
         n_entries=3,
     )
+    start_centre_deg: tuple[float, ...] = setting(
+        (1.5, 0.75, 2.0),
+        "with a command for each muscle: how far from 0 those errors are centred, at most; drawn"
+        " once per run, on the other side in tests, so that the starts do not tell the right"
+        " posture",
+        "deg",
+        least=0,
+        most=10,
+        n_entries=3,
+    )
+    training_starts: str = setting(
+        "gaze",
+        "with a command for each muscle: whether training begins with drawn errors of gaze, which"
+        " takes an inverse of the eyes, or with activations drawn about the tonic level",
+        choices=("gaze", "tonic"),
+    )
+    starts_follow_changes: bool = setting(
+        False,
+        "with a command for each muscle: whether training after a change of the eyes begins with"
+        " errors of the changed eyes; otherwise with the activations that it began with before",
+    )
     start_version_deg: tuple[float, ...] = setting(
         (5.0, 5.0),
         "with a command for each muscle: largest version and elevation at the start of an episode",
@@ -87,7 +108,7 @@ class ProtocolConfig(TaskConfig):
     start_spread: float = setting(
         0.03,
         "with a command for each muscle: standard deviation of initial activations about the tonic"
-        " level, in the directions that do not change gaze",
+        " level, in the directions that do not change gaze; in all where training_starts is tonic",
         least=0,
         most=1,
     )
