@@ -54,12 +54,12 @@ set_up() {
   eval "$variables"
 }
 
-# run_module MODULE ARGUMENTS...: become the entry point. --help shows ours first, then the entry point's own options.
+# run_module MODULE ARGUMENTS...: become the entry point, which has a longer help than ours.
 run_module() {
-  if [[ ${2:-} == --help || ${2:-} == -h ]]; then
+  if [[ ${2:-} == --help || ${2:-} == -h ]] && ! is_set_up; then
     show_help
-    is_set_up || { printf '\nAll options are listed here once launch_scripts/setup.sh has run.\n' && exit; }
-    echo
+    printf '\nAll options are listed here once launch_scripts/setup.sh has run.\n'
+    exit
   fi
   set_up
   [[ $1 != tools.* ]] || export PYTHONPATH=$root # these are not among the packages

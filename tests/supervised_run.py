@@ -14,9 +14,9 @@ import psutil
 
 from experiment_manager.bag.reader import Bag
 from experiment_manager.measures.results import RESULTS_FILE, read_results
+from experiment_manager.nodes import NODES
 from experiment_manager.run import checkpoint
 from experiment_manager.run.recorded_topics import SMALL_TOPICS
-from experiment_manager.supervision.processes import PACKAGES
 from tests.patience import PATIENCE_S
 from tests.supervisor import start_supervisor
 
@@ -64,7 +64,7 @@ class SupervisedRun(AbstractContextManager["SupervisedRun"]):
             for child in psutil.Process(self.process.pid).children():
                 with contextlib.suppress(psutil.NoSuchProcess):
                     words = child.cmdline()
-                    found |= {p: child.pid for p in PACKAGES if f"{p}.node" in words}
+                    found |= {p: child.pid for p in NODES if f"{p}.node" in words}
         return found
 
     def place(self) -> int:

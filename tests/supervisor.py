@@ -52,7 +52,13 @@ def start_supervisor(
     it, such as env or prlimit.
     """
     return started(
-        [*prefix, sys.executable, "-m", "active_binocular_vision.commands.run_experiment", *line],
+        [
+            *prefix,
+            sys.executable,
+            "-m",
+            "active_binocular_vision.command_lines.run_experiment",
+            *line,
+        ],
         variables,
         output,
         preexec_fn=partial(die_with, os.getpid()),

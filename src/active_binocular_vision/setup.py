@@ -20,12 +20,12 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "run_experiment = active_binocular_vision.commands.run_experiment:main",
-            "sweep = active_binocular_vision.commands.sweep:main",
-            "evaluate = active_binocular_vision.commands.evaluate:main",
-            "report = active_binocular_vision.commands.report:main",
-            "list_parameters = active_binocular_vision.commands.list_parameters:main",
-            "inspect_bag = active_binocular_vision.commands.inspect_bag:main",
+            "run_experiment = active_binocular_vision.command_lines.run_experiment:main",
+            "sweep = active_binocular_vision.command_lines.sweep:main",
+            "evaluate = active_binocular_vision.command_lines.evaluate:main",
+            "report = active_binocular_vision.command_lines.report:main",
+            "list_parameters = active_binocular_vision.command_lines.list_parameters:main",
+            "inspect_bag = active_binocular_vision.command_lines.inspect_bag:main",
         ]
     },
 )

@@ -33,6 +33,7 @@ def test_divergence_ends_the_run_with_one_error(pictures, tmp_path, in_process) 
     assert error is not None
     assert "expected 100 at most; what was saved before is intact" in output
     assert "fault: " not in output
+    assert "--resume" not in output  # it would diverge again
     assert is_intact(directory)
     bag = Bag(directory / "bag")
     assert all(file.complete for file in bag.files)

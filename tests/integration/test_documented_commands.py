@@ -8,14 +8,21 @@ from pathlib import Path
 
 import pytest
 
-from active_binocular_vision.commands import command_line, evaluate, inspect_bag, report, sweep
+from active_binocular_vision.command_lines import (
+    evaluate,
+    inspect_bag,
+    report,
+    run_experiment,
+    sweep,
+)
+from active_binocular_vision.commands.command_line import request_of
 from active_binocular_vision.runs.results_folder import runs_at
 from experiment_manager.preparation.configuration import configuration_of
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *(p for d in ("docs", "results") for p in (ROOT / d).rglob("*.md"))]
 PARSERS: dict[str, Callable[[], argparse.ArgumentParser]] = {
-    "run_experiment": command_line.parser,
+    "run_experiment": run_experiment.parser,
     "evaluate": evaluate.parser,
     "report": report.parser,
     "inspect_bag": inspect_bag.parser,
@@ -53,7 +60,7 @@ def test_a_documented_command_can_be_read(page: Path, words: list[str]) -> None:
         return
     options = PARSERS[name]().parse_args(arguments)
     if name == "run_experiment" and not (options.resume or options.branch or options.stimuli):
-        configuration_of(command_line.request_of(options), commit="")
+        configuration_of(request_of(options), commit="")
 
 
 def test_the_pages_have_commands_of_every_kind() -> None:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from experiment_manager.supervision.processes import PACKAGES
+from experiment_manager.nodes import NODES
 from tests.loop_contract import assert_as_the_loop, run_line
 from tests.supervised_run import SupervisedRun, is_alive
 
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.graph
 
 def _beyond(run: SupervisedRun, n_episodes: int) -> Callable[[], bool]:
     """Return whether a checkpoint beyond so many episodes is there, and the bag goes on."""
-    return lambda: run.place() >= n_episodes and len(run.nodes()) == len(PACKAGES)
+    return lambda: run.place() >= n_episodes and len(run.nodes()) == len(NODES)
 
 
 def _wait_for_rollback(run: SupervisedRun) -> None:
@@ -47,7 +47,7 @@ def test_each_node_killed_once_and_one_stopped_beside_another_run(pictures, tmp_
         output = run.output()
         assert beside.wait() == 0, beside.output()
         assert "fault" not in beside.output()
-    for package in PACKAGES:
+    for package in NODES:
         assert output.count(f"fault: {package} was killed by SIGKILL") == 1, output
     # Whoever misses the hanging node first says so: the manager, or during a checkpoint we do.
     hang = ("ended: no message for 8 s; missing: ", "fault: sparse_coder does not respond")

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from experiment_manager.nodes import MOVABLE_NODES
 from tests.graph_harness import small_run, write_configuration
 from tools.stress.fuzzer import Hostility
-from tools.stress.hostile_input import BOUND_MB, NODES, fuzzed
+from tools.stress.hostile_input import BOUND_MB, fuzzed
 
 pytestmark = pytest.mark.graph
 
@@ -27,7 +28,7 @@ def test_two_thousand_hostile_inputs_change_nothing(tmp_path: Path, pictures: Pa
     assert report.n_compared > 10_000
     # Of messages with another stamp most are passed over in silence; requests never are.
     assert report.n_refused > 100
-    assert set(report.growth_mb) == set(NODES)
+    assert set(report.growth_mb) == set(MOVABLE_NODES)
     # What the middleware's queues keep, and nothing that grows with the number of inputs.
     assert max(report.growth_mb.values()) < BOUND_MB
 

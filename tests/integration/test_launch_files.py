@@ -36,6 +36,7 @@ _STAND_INS = {
     "launch.substitutions": "LaunchConfiguration",
     "launch_ros": "",
     "launch_ros.actions": "Node",
+    "launch_ros.parameter_descriptions": "ParameterValue",
     "ament_index_python": "",
     "ament_index_python.packages": "",
 }
@@ -116,14 +117,15 @@ def test_the_graph_has_four_nodes_and_ends_with_the_manager() -> None:
     module, entities = _loaded(GRAPH)
     _check_environment(entities)
     (graph,) = _of_kind(entities, "OpaqueFunction")
-    context = {"namespace": "lab", "run_directory": "runs/x", "params_file": "config.yaml"}
+    context = {"namespace": "lab", "run_directory": "runs/x #1", "params_file": "config.yaml"}
     made = graph.options["function"](context)
     nodes = _of_kind(made, "Node")
     for node, package in zip(nodes, module.PACKAGES, strict=True):
         _check_node(node, package)
         assert node.options["namespace"] == "lab"
         assert node.options["parameters"][0] == "config.yaml"
-    assert nodes[-1].options["parameters"][1] == {"run_directory": "runs/x"}
+    directory = nodes[-1].options["parameters"][1]["run_directory"]
+    assert (directory.arguments, directory.options) == (("runs/x #1",), {"value_type": str})
     (handler,) = _of_kind(made, "RegisterEventHandler")
     (end,) = handler.arguments
     assert end.options["target_action"] is nodes[-1]

@@ -27,3 +27,9 @@ def test_what_is_like_none(words: list[str], capsys: pytest.CaptureFixture[str])
 
 def test_options_are_not_abbreviated(capsys: pytest.CaptureFixture[str]) -> None:
     assert "--mod" in error_of(["--mod", "M"], capsys)
+
+
+def test_a_working_directory_that_was_deleted(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    tmp_path.rmdir()
+    assert error_of([], capsys).startswith("program: error: expected a working directory that ex")

@@ -1,6 +1,6 @@
 """Names like a mistyped one."""
 
-from lockstep.nearest import did_you_mean, nearest
+from lockstep.nearest import did_you_mean, nearest, unknown
 
 KNOWN = ("camera.width_px", "camera.height_px", "discount", "seed", "rearing/monocular")
 
@@ -22,3 +22,15 @@ def test_nothing_is_like_another_word() -> None:
 def test_the_question() -> None:
     assert did_you_mean("discont", KNOWN) == "; did you mean discount?"
     assert did_you_mean("zzz", KNOWN) == ""
+
+
+def test_a_name_that_was_begun() -> None:
+    assert nearest("disc", KNOWN) == ["discount"]
+    assert nearest("mono", KNOWN) == ["rearing/monocular"]
+
+
+def test_what_an_error_says_of_an_unknown_name() -> None:
+    assert unknown("discont", KNOWN) == "got 'discont'; did you mean discount?"
+    assert unknown("zzz", ("b", "a")) == "expected one of b, a, got 'zzz'"
+    many = ("paper", *(f"rearing/{i}" for i in range(100)))
+    assert unknown("zzz", many) == "expected one of paper, rearing/..., got 'zzz'"

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from tools.benchmark.__main__ import report
 from tools.benchmark.against import compared, rates_in_turns, worker, worktree
 from tools.benchmark.graph import rate_hz
+from tools.benchmark.measuring import report
 
 
 def test_a_rate_lies_between_the_first_and_the_last_sample() -> None:

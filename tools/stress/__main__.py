@@ -1,6 +1,5 @@
 """torture.sh: disturb runs on purpose, and compare their numbers with those of undisturbed ones."""
 
-import argparse
 import json
 import sys
 import tempfile
@@ -9,21 +8,27 @@ from pathlib import Path
 from typing import Any
 
 from lockstep import InputError
-from tools.stress.hostile_input import fuzz
-from tools.stress.kills import kill
+from lockstep.command_line import CommandLine
+from lockstep.paths import written_path
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Kill, send hostile input, print figures and problems; return 0 when all held."""
-    line = argparse.ArgumentParser(
-        prog="torture.sh", description="Run the long tests of reliability."
+    line = CommandLine(
+        prog="torture.sh",
+        description="Disturb runs on purpose: kill and stop nodes and supervisors at random points,"
+        " and send hostile input. The numbers are compared with those of undisturbed runs.",
     )
     line.add_argument("--kills", type=int, default=40, metavar="N", help="default 40")
     line.add_argument("--inputs", type=int, default=30_000, metavar="N", help="default 30,000")
     line.add_argument("--seed", type=int, default=1, metavar="S", help="of all random draws")
-    line.add_argument("--out", type=Path, metavar="DIR", help="keep the runs in DIR")
-    line.add_argument("--json", type=Path, metavar="FILE", help="write the figures to FILE")
+    line.add_argument("--out", type=written_path, metavar="DIR", help="keep the runs in DIR")
+    line.add_argument("--json", type=written_path, metavar="FILE", help="write the figures to FILE")
     options = line.parse_args(argv)
+    # Not at the top: a help need not wait for ROS.
+    from tools.stress.hostile_input import fuzz  # noqa: PLC0415
+    from tools.stress.kills import kill  # noqa: PLC0415
+
     figures: dict[str, Any] = {"seed": options.seed}
     problems: list[str] = []
     with tempfile.TemporaryDirectory(prefix="torture_") as temporary:

@@ -14,9 +14,9 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import Image, JointState
 
 from experiment_manager.loop import InProcessLoop, make_loop
+from experiment_manager.nodes import MOVABLE_NODES
 from experiment_manager.protocol import protocol_of
 from experiment_manager.run.config_file import configuration_text, read_configuration
-from experiment_manager.supervision.processes import MANAGER, PACKAGES
 from eye_plant import Episode
 from lockstep import InputError, read_state
 from lockstep.wire.qos import QUEUE_DEPTH
@@ -30,7 +30,6 @@ from tools.stress.fuzzer import IMAGE_TOPICS, LARGEST_BYTES, VECTOR_NAMES, Hosti
 from tools.stress.kills import LINE
 from vergence_rl.messages import actor_critic_values
 
-NODES = tuple(package for package in PACKAGES if package != MANAGER)
 # What the middleware's queues keep: the largest message in each of their places, of four topics.
 BOUND_MB = 4 * QUEUE_DEPTH * LARGEST_BYTES / 2**20
 _RUN = "fuzzed"
@@ -98,14 +97,15 @@ class Driver(Outsider):
         super().__init__(_TAKEN, dict.fromkeys(_COMPARED, JointState), **kwargs)
         self._hostility = hostility
         self._parameters = {
-            name: self.create_client(SetParameters, f"{name}/set_parameters") for name in NODES
+            name: self.create_client(SetParameters, f"{name}/set_parameters")
+            for name in MOVABLE_NODES
         }
 
     def is_ready(self) -> bool:
         """Whether all nodes are there."""
         return (
             self.is_matched()
-            and all(self.has_service(name) for name in NODES)
+            and all(self.has_service(name) for name in MOVABLE_NODES)
             and all(client.service_is_ready() for client in self._parameters.values())
         )
 
@@ -121,7 +121,7 @@ class Driver(Outsider):
         if self._hostility.draw.random() >= _REQUEST_SHARE:
             self.send(*self._hostility.message(now_ns))
             return
-        node = str(self._hostility.draw.choice(NODES))
+        node = str(self._hostility.draw.choice(MOVABLE_NODES))
         parameters = self._hostility.request(_RUN)
         self.client_of(node).call_async(SetParametersAtomically.Request(parameters=parameters))
         of_the_node = [Parameter("seed", value=7).to_parameter_msg(), *parameters]
@@ -144,7 +144,7 @@ def fuzzed(
             name: running.enter_context(
                 LoneNode(name, config_file, graph.domain, logs / f"{name}.log")
             ).process
-            for name in NODES
+            for name in MOVABLE_NODES
         }
         driver: Driver = graph.add(partial(Driver, Hostility(seed, step_ns)))
         attack = _Attack(graph, driver, nodes)
@@ -166,23 +166,23 @@ class _Attack:
     ) -> dict[str, float]:
         """Make the episodes, with n_inputs at each observation; return the nodes' growth in MB."""
         self._spin_until(self._driver.is_ready, "the nodes to appear")
-        for name in NODES:
+        for name in MOVABLE_NODES:
             self._ask(name, "start_run", {})()
         before_mb: dict[str, float] = {}
         for episode in episodes:
             first = episode.first_observation
             numbers = range(first, first + episode.n_iterations + 1)
-            await_plant = self._ask(NODES[0], "episode", episode.as_arguments())
+            await_plant = self._ask(MOVABLE_NODES[0], "episode", episode.as_arguments())
             self._attack_all([number * step_ns for number in numbers], n_inputs)
             await_plant()
             # What a node needs once, such as its largest buffers, it has by the first episode.
             before_mb = before_mb or self._memory_mb()
         growth_mb = {name: mb - before_mb[name] for name, mb in self._memory_mb().items()}
-        for name in NODES[1:]:
+        for name in MOVABLE_NODES[1:]:
             self._ask(name, "save", {"path": str((logs / f"{name}.npz").resolve())})()
         status_of = self._driver.status_of
         status_of.clear()
-        self._spin_until(lambda: len(status_of) == len(NODES), "the nodes' counts")
+        self._spin_until(lambda: len(status_of) == len(MOVABLE_NODES), "the nodes' counts")
         return growth_mb
 
     def _attack_all(self, stamps_ns: Sequence[int], n_inputs: int) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.supervision.processes import PACKAGES
+from experiment_manager.nodes import NODES
 from tests.command_lines import set_words
 from tests.supervised_run import SupervisedRun, differences, n_messages, stamp_faults
 
@@ -89,7 +89,7 @@ def disturb(run: SupervisedRun, draw: np.random.Generator, done_at: Counter[int]
         done_at[place] += 1
         run.kill()
         return _SUPERVISOR_KILLED
-    package = str(draw.choice(PACKAGES))
+    package = str(draw.choice(NODES))
     number = signal.SIGSTOP if draw.random() < 0.2 else signal.SIGKILL
     if place < 0 or done_at[place]:
         # Perhaps it is still starting. To find out that it hangs would take two minutes.

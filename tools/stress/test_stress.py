@@ -11,7 +11,7 @@ from unittest import mock
 import numpy as np
 import pytest
 
-from experiment_manager.supervision.processes import PACKAGES
+from experiment_manager.nodes import NODES
 from eye_plant.commands import target_activations
 from lockstep import COMMAND_SPACES, MUSCLE_NAMES, PAIR, InputError
 from lockstep.wire.stamps import checked_stamp
@@ -20,6 +20,7 @@ from lockstep.wire.vectors import values_of, whole_values_of
 from sparse_coder.messages import picture_of
 from tests.pair import HORIZONTAL_RECTI
 from tools.stress import __main__ as torture
+from tools.stress import hostile_input, kills
 from tools.stress.fuzzer import Hostility
 from tools.stress.kills import disturb
 from vergence_rl.messages import activations_of, features_of
@@ -94,20 +95,22 @@ def test_what_has_another_stamp_may_be_sound() -> None:
 def test_two_nodes_of_a_place_are_killed_and_no_third() -> None:
     run = mock.Mock(**{"place.return_value": -1, "pause.return_value": True})
     draw = mock.Mock(**{"uniform.return_value": 0.0, "random.return_value": 0.0})
-    draw.choice.side_effect = PACKAGES
+    draw.choice.side_effect = NODES
     done_at = Counter[int]()
-    first, second, *others = [disturb(run, draw, done_at) for _ in PACKAGES]
-    assert (first, second) == (f"{PACKAGES[0]} killed", f"{PACKAGES[1]} killed")
+    first, second, *others = [disturb(run, draw, done_at) for _ in NODES]
+    assert (first, second) == (f"{NODES[0]} killed", f"{NODES[1]} killed")
     assert set(others) == {""}
-    assert run.signal_node.call_args_list == [mock.call(name, SIGKILL) for name in PACKAGES[:2]]
+    assert run.signal_node.call_args_list == [mock.call(name, SIGKILL) for name in NODES[:2]]
     run.kill.assert_not_called()  # before the first checkpoint there is nothing to resume
 
 
 def test_a_part_that_cannot_go_on_is_a_problem_and_keeps_no_other_from_its_work(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(torture, "kill", mock.Mock(side_effect=TimeoutError("waited in vain")))
-    monkeypatch.setattr(torture, "fuzz", mock.Mock(return_value=({"inputs": 3}, ["one differed"])))
+    monkeypatch.setattr(kills, "kill", mock.Mock(side_effect=TimeoutError("waited in vain")))
+    monkeypatch.setattr(
+        hostile_input, "fuzz", mock.Mock(return_value=({"inputs": 3}, ["one differed"]))
+    )
     path = tmp_path / "found.json"
     assert torture.main(["--kills", "2", "--inputs", "3", "--json", str(path)]) == 1
     assert json.loads(path.read_text()) == {
@@ -115,5 +118,5 @@ def test_a_part_that_cannot_go_on_is_a_problem_and_keeps_no_other_from_its_work(
         "inputs": {"inputs": 3},
         "problems": ["kills: TimeoutError: waited in vain", "inputs: one differed"],
     }
-    monkeypatch.setattr(torture, "fuzz", mock.Mock(return_value=({"inputs": 3}, [])))
+    monkeypatch.setattr(hostile_input, "fuzz", mock.Mock(return_value=({"inputs": 3}, [])))
     assert torture.main(["--kills", "0", "--inputs", "3"]) == 0

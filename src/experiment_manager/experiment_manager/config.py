@@ -8,9 +8,7 @@ from eye_plant.config import EyesConfig
 from eye_plant.inverse.pair import Limits as PairLimits
 from eye_plant.inverse.pair import pair_limits
 from lockstep import InputError, setting
-from lockstep.task import TaskConfig
-
-MODELS = ("M", "M_C")
+from lockstep.task import MODELS, TaskConfig
 
 # K17: 13 tests; the times are the authors' (public code), given here for 10^6 iterations.
 PAPER_TEST_ITERATIONS = (

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager.nodes import NODES
 from eye_plant import EyePlantConfig
 from eye_plant.config import EyesConfig
 from lockstep import InputError, build, flatten
@@ -20,12 +21,8 @@ Configuration = dict[str, dict[str, Any]]
 
 TASK, EYES = "task", "eyes"
 SHARED_CLASSES: dict[str, type] = {TASK: TaskConfig, EYES: EyesConfig}
-CONFIG_CLASSES: dict[str, type] = {
-    "eye_plant": EyePlantConfig,
-    "sparse_coder": SparseCoderConfig,
-    "vergence_rl": VergenceRlConfig,
-    "experiment_manager": ExperimentManagerConfig,
-}
+_CLASSES = (EyePlantConfig, SparseCoderConfig, VergenceRlConfig, ExperimentManagerConfig)
+CONFIG_CLASSES: dict[str, type] = dict(zip(NODES, _CLASSES, strict=True))
 _NODES = {config_class: node for node, config_class in CONFIG_CLASSES.items()}
 
 

@@ -21,6 +21,7 @@ from launch.actions import (
 from launch.event_handlers import OnProcessExit
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
 
 from lockstep.machine.environment import node_environment
 
@@ -61,11 +62,13 @@ def _graph(context: LaunchContext) -> list[Node | RegisterEventHandler]:
 
 
 def _node(package: str, given: dict[str, str]) -> Node:
-    parameters: list[str | dict[str, str]] = []
+    parameters: list[str | dict[str, ParameterValue]] = []
     if given["params_file"]:
         parameters.append(given["params_file"])
     if package == MANAGER and given["run_directory"]:
-        parameters.append({"run_directory": given["run_directory"]})
+        # Without a type it would be read as YAML, which cuts off " #1".
+        directory = ParameterValue(given["run_directory"], value_type=str)
+        parameters.append({"run_directory": directory})
     return Node(
         package=package,
         executable="node",

@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, NoReturn
 
 from lockstep.exit_codes import EXIT_BAD_INPUT
@@ -25,6 +26,10 @@ class CommandLine(argparse.ArgumentParser):
             wrong = next((word for word in unknown if word.startswith("-")), "").partition("=")[0]
             hint = did_you_mean(wrong, options) or "; --help lists all options"
             self.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
+        try:
+            Path.cwd()
+        except FileNotFoundError:  # numba, for one, cannot be imported then
+            self.error("expected a working directory that exists; the one of this shell is gone")
         return parsed
 
     def error(self, message: str) -> NoReturn:

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from lockstep.errors import InputError
-from lockstep.nearest import nearest
+from lockstep.nearest import listed, nearest
 
 Config = TypeVar("Config")
 
@@ -46,7 +46,7 @@ def build(config_class: type[Config], values: Mapping[str, Any]) -> Config:
 def _meant(unknown: Sequence[str], default: Any) -> str:
     known = sorted(flatten(default))
     near = list(dict.fromkeys(name for wrong in unknown for name in nearest(wrong, known)))
-    return f"did you mean {' or '.join(near)}?" if near else f"expected some of {', '.join(known)}"
+    return f"did you mean {' or '.join(near)}?" if near else f"expected some of {listed(known)}"
 
 
 def _build(config_class: type[Config], values: Mapping[str, Any], prefix: str) -> Config:

@@ -1,10 +1,13 @@
 """The known names that somebody who mistyped one may have meant."""
 
 import difflib
-from collections.abc import Iterable
+import re
+from collections.abc import Collection, Iterable
 
 _MOST = 3
 _LEAST_LIKENESS = 0.6
+_LEAST_BEGINNING = 3  # letters, of a name that was begun
+_LONGEST_LIST = 300
 
 
 def nearest(name: str, known: Iterable[str]) -> list[str]:
@@ -24,8 +27,24 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return f"; did you mean {' or '.join(near)}?" if near else ""
 
 
+def unknown(name: str, known: Collection[str]) -> str:
+    """Return what an error says of an unknown name: the nearest ones, all if none is near."""
+    hint = did_you_mean(name, known)
+    return f"got {name!r}{hint}" if hint else f"expected one of {listed(known)}, got {name!r}"
+
+
+def listed(known: Collection[str]) -> str:
+    """Return the names, of very many those in folders (or dotted ones) by their folders alone."""
+    if len(text := ", ".join(known)) <= _LONGEST_LIST:
+        return text
+    return ", ".join(dict.fromkeys(re.sub(r"([./]).*", r"\1...", name) for name in known))
+
+
 def _likeness(name: str, other: str) -> float:
     last_parts = name.replace("/", ".").split(".")[-1], other.replace("/", ".").split(".")[-1]
     whole = difflib.SequenceMatcher(None, name, other).ratio()
+    part = difflib.SequenceMatcher(None, *last_parts).ratio()
+    if len(name) >= _LEAST_BEGINNING and last_parts[1].startswith(name):
+        part = max(part, _LEAST_LIKENESS / 0.9)
     # Of two names with the same last part, the one that is like it as a whole comes first.
-    return 0.9 * max(whole, difflib.SequenceMatcher(None, *last_parts).ratio()) + 0.1 * whole
+    return 0.9 * max(whole, part) + 0.1 * whole

@@ -18,6 +18,18 @@ from lockstep.command_space import (
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
 
+# K17: without and with a price on energy.
+MODELS = ("M", "M_C")
+
+# Lambda of M_C unless another is given, 1/W, by the eyes' parameter set: energy is 20 % of the
+# reward over the first 5,000 iterations on the generated stimuli, by which rule K17 chose its 0.035
+# (D7). Measured, seed 1, by
+#   .venv/bin/python sweeps/lambda_share.py 0.2 --profile paper --model M_C
+# and, for the second, with --set eyes.mechanics.parameter_set=anatomical.
+# k17: mean E 0.3711, mean C 1.4300 W, lambda 0.0649; anatomical, of real muscle masses: mean E
+# 0.4082, mean C 0.0858 W, lambda 1.190.
+DEFAULT_METABOLIC_COST_WEIGHTS = {"k17": 0.065, "anatomical": 1.19}
+
 
 @dataclass(frozen=True)
 class TaskConfig:

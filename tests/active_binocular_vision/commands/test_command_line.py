@@ -35,6 +35,30 @@ def test_a_setting_may_be_said_twice_if_it_is_the_same() -> None:
     assert request_of(arguments(line)).overrides == {"vergence_rl.cacla.discount": 0.5}
 
 
+@pytest.mark.parametrize(
+    ("written", "text"),
+    [
+        ("2024", "2024"),
+        ("'2024'", "2024"),
+        ("true", "true"),
+        ("", ""),
+        ("/data/lab #2", "/data/lab #2"),
+        ("/data/a: b", "/data/a: b"),
+        ("/end ", "/end "),
+    ],
+)
+def test_a_text_needs_no_quotes(written: str, text: str) -> None:
+    line = ["--set", f"experiment_manager.run_id={written}"]
+    assert request_of(arguments(line)).overrides == {"experiment_manager.run_id": text}
+
+
+def test_a_home_directory_behind_an_equals_sign(monkeypatch) -> None:
+    monkeypatch.setenv("HOME", "/home/me")
+    options = arguments(["--out=~/runs/x", "--stimuli=$HOME/photos"])
+    assert str(options.out) == "/home/me/runs/x"
+    assert request_of(options).stimuli == "/home/me/photos"
+
+
 def test_settings_of_the_plant_alone() -> None:
     texts = ["eyes.camera.left_blur_px=1e-1", "eyes.camera.renderer=mujoco"]
     assert plant_settings(texts) == {"camera.left_blur_px": 0.1, "camera.renderer": "mujoco"}

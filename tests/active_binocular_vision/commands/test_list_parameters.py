@@ -29,4 +29,4 @@ def test_an_unknown_node_is_one_error(capsys: pytest.CaptureFixture[str]) -> Non
     with pytest.raises(SystemExit) as ended:
         main(["nose"])
     assert ended.value.code == 2
-    assert "expected a node of eye_plant, " in capsys.readouterr().err
+    assert "expected one of eye_plant, " in capsys.readouterr().err

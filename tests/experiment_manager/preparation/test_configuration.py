@@ -12,7 +12,7 @@ from experiment_manager.plant_changes import read_schedule
 from experiment_manager.run.config_file import configuration_text, read_configuration
 from experiment_manager.sections import CONFIG_CLASSES, DEFAULTS, config_of
 from lockstep import InputError
-from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
+from lockstep.task import DEFAULT_METABOLIC_COST_WEIGHTS
 from tests.command_lines import configured
 
 
@@ -162,7 +162,8 @@ def test_values_are_read_as_yaml_1_2(setting: str, expected: object) -> None:
             ("--profile", "clinic/glasses", "--schedule-delay", "-20"),
             "--schedule-delay -20: expected 0 training iterations or more, got -20",
         ),
-        (("--profile", "demo"), "profile: expected one of "),
+        (("--profile", "precice"), "profile: got 'precice'; did you mean precise"),
+        (("--profile", "zzz"), "profile: expected one of ablation/..., clinic/..., demonstr"),
         (("--stimuli", "/nowhere"), "stimuli.directory: expected a directory of pictures"),
         (
             ("--set", "vergence_rl.cacla.discount=0.5", "--set", "vergence_rl.cacla.discount=0.4"),
@@ -178,8 +179,8 @@ def test_values_are_read_as_yaml_1_2(setting: str, expected: object) -> None:
         (("--tests", "0,x"), "--tests: "),
         (("--what",), "--what"),
         (("--iter", "5"), "--iter"),
-        (("--elsewhere", "experiment_manager"), "--elsewhere: expected some of eye_plant, sparse"),
-        (("--elsewhere", "eye_plant,"), "--elsewhere: expected some of eye_plant, sparse_coder"),
+        (("--elsewhere", "experiment_manager"), "--elsewhere: expected one of eye_plant, sparse"),
+        (("--elsewhere", "eye_plant,"), "--elsewhere: expected one of eye_plant, sparse_coder"),
     ],
 )
 def test_a_bad_command_line_is_one_clear_error(line, message, tmp_path, capsys) -> None:

@@ -163,6 +163,23 @@ def test_a_branch_goes_on_from_the_learners_of_another_run(run: Path, tmp_path: 
     assert results["lambda_share"] == {"first_5000": None, "last_5000": None}
 
 
+def test_which_run_a_branch_begins_from(tmp_path: Path) -> None:
+    for name in ("a@5", "b"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "config.yaml").touch()
+    a, a_at_5, b = tmp_path / "a", tmp_path / "a@5", tmp_path / "b"
+    assert continuation._source(str(b)) == (b, None)
+    assert continuation._source(f"{b}@1e5") == (b, 100_000)
+    assert continuation._source(f"{b}@²") == (tmp_path / "b@²", None)
+    assert continuation._source(str(a_at_5)) == (a_at_5, None)
+    a.mkdir()
+    (a / "config.yaml").touch()
+    with pytest.raises(InputError, match=r"expected one run, .*a@5 is one, and so is .*/a: write "):
+        continuation._source(str(a_at_5))
+    assert continuation._source(f"{a_at_5}/") == (a_at_5, None)
+    assert continuation._source(f"{a}/@5") == (a, 5)
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [

@@ -7,10 +7,10 @@ import pytest
 
 from experiment_manager.loop import make_loop
 from experiment_manager.plant_changes import Change, Schedule
+from experiment_manager.preparation.profile_files import profile_files
 from experiment_manager.preparation.profiles import (
     Profile,
     parse_profile,
-    profile_names,
     read_profile,
 )
 from experiment_manager.protocol import protocol_of
@@ -22,7 +22,7 @@ from tests.command_lines import configured
 
 
 def test_the_names_of_the_package() -> None:
-    assert {"paper", "demonstration"} <= set(profile_names())
+    assert {"paper", "demonstration"} <= set(profile_files())
     assert read_profile("paper").settings == {}
 
 
@@ -32,7 +32,7 @@ def test_the_names_of_the_package() -> None:
         ("papper", r"got 'papper'; did you mean paper\?$"),
         ("zzz", r"expected one of .*, got 'zzz'$"),
         # A name is no path.
-        ("../profiles/paper", "profile: expected one of"),
+        ("../profiles/paper", "profile: got '../profiles/paper'; did you mean paper"),
         ("", "profile: expected one of"),
     ],
 )
@@ -80,7 +80,7 @@ def test_a_base_holds_where_a_profile_has_no_setting_of_its_own() -> None:
             parse_profile("mine", f"{{description: x, settings: {{}}, base: {base_name}}}")
 
 
-@pytest.mark.parametrize("name", profile_names())
+@pytest.mark.parametrize("name", sorted(profile_files()))
 def test_every_profile_has_a_protocol_which_tests_the_end_of_a_condition(name: str) -> None:
     configuration = configured("--profile", name)
     assert len(protocol_of(configuration)) > 0
@@ -135,7 +135,9 @@ def _changes_the_eyes(name: str) -> bool:
     return any(plant.mechanics != EyePlantConfig().mechanics for plant in plants)
 
 
-@pytest.mark.parametrize("name", [name for name in profile_names() if _changes_the_eyes(name)])
+@pytest.mark.parametrize(
+    "name", [name for name in sorted(profile_files()) if _changes_the_eyes(name)]
+)
 def test_unlike_eyes_come_to_all_that_their_protocol_draws(name: str) -> None:
     protocol = protocol_of(configured("--profile", name))
     for segment in protocol.segments:

@@ -7,7 +7,7 @@ import pytest
 
 from active_binocular_vision.commands import run_experiment
 from experiment_manager.supervision.supervisor import Supervisor
-from lockstep.exit_codes import EXIT_NETWORK, EXIT_UNWRITABLE
+from lockstep.exit_codes import EXIT_DIVERGED, EXIT_NETWORK, EXIT_UNWRITABLE
 
 
 class Attempts(Supervisor):
@@ -110,6 +110,14 @@ def test_a_disk_that_refuses_is_said_once_and_not_tried_again(tmp_path, capsys) 
     first, second = filter(None, capsys.readouterr().err.splitlines())
     assert first == "error: no space; what was saved before is intact"
     assert second == f"error: {tmp_path} cannot be written; what was saved before is intact"
+
+
+def test_learning_that_ran_away_would_do_so_again(tmp_path, capsys) -> None:
+    (tmp_path / "logs").mkdir()
+    (tmp_path / "logs" / "vergence_rl.log").write_text("the run cannot continue: it diverged\n")
+    assert Supervisor(tmp_path)._ended("vergence_rl", EXIT_DIVERGED) == (EXIT_DIVERGED, None)
+    error = "\nerror: it diverged; what was saved before is intact\n"
+    assert capsys.readouterr().err == error
 
 
 def test_bad_input_is_not_tried_again(tmp_path: Path) -> None:

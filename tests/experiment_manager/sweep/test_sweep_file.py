@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from active_binocular_vision.commands.command_line import parser
+from active_binocular_vision.command_lines.run_experiment import parser
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.request import OPTIONS
 from experiment_manager.sweep.sweep_file import Sweep, read_sweep
@@ -92,6 +92,19 @@ def test_directories_of_images_are_kept_absolute(tmp_path, monkeypatch, name) ->
     assert option.options[name] == photos
 
 
+def test_a_home_directory_is_that_of_whoever_reads(tmp_path, monkeypatch) -> None:
+    monkeypatch.setenv("HOME", "/home/me")
+    axes = read(tmp_path, "axes: {stimuli: [~/photos, $HOME/more]}").axes
+    assert axes["stimuli"] == ["/home/me/photos", "/home/me/more"]
+
+
+@pytest.mark.parametrize("text", ["2024", "1e5", "true", "/a #1", "/b: c", "/end "])
+def test_a_sweep_keeps_texts_as_they_are(tmp_path: Path, text: str) -> None:
+    options = {"eye_plant.stimuli.cache_directory": text, "profile": text}
+    sweep = Sweep(options, {"seed": [1]}, text)
+    assert read(tmp_path, sweep.text()) == sweep
+
+
 def test_every_option_is_one_of_run_experiment(tmp_path: Path) -> None:
     known = {word for action in parser()._actions for word in action.option_strings}
     assert {f"--{name}" for name in OPTIONS.values()} <= known
@@ -127,6 +140,15 @@ def test_every_option_is_one_of_run_experiment(tmp_path: Path) -> None:
         (
             "axes: {seed: [{seed: 1, modle: M}]}",
             "axes: seed: expected SECTION.NAME or one of .*'modle'; did you mean model",
+        ),
+        (
+            "axes: {seed: [1], seed: [2]}",
+            "expected a sweep as YAML: line 1: expected each key once",
+        ),
+        ("axes: {seed: [008]}", "expected a sweep as YAML: expected a number without leading zer"),
+        (
+            f"axes: {{stimuli: [/{250 * 'x'}]}}",
+            "axes: expected names of runs up to 251 characters, got 259: stimuli_",
         ),
         ("axis: {seed: [1]}", "expected description, options, axes, got 'axis'"),
         ("axes: [seed]", "axes: expected names and values"),

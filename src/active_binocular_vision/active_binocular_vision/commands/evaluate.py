@@ -11,11 +11,9 @@ from typing import Any
 from msgspec import to_builtins
 from msgspec.structs import replace
 
+from active_binocular_vision.command_lines.evaluate import FROZEN, FROZEN_OPTIONS, parser
 from active_binocular_vision.commands.command_line import plant_settings
-from active_binocular_vision.commands.examinations import (
-    add_examinations,
-    examined,
-)
+from active_binocular_vision.commands.examinations import examined
 from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.learners.evaluation import evaluated
 from active_binocular_vision.learners.learners import FrozenLearners
@@ -30,39 +28,19 @@ from experiment_manager.measures.results import (
 )
 from experiment_manager.measures.tables import number, summaries_table
 from lockstep import InputError
-from lockstep.command_line import CommandLine
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIFFERENT
-from lockstep.machine.lasting_output import ignore_broken_pipes
 
 # Sums may be taken in another order; everything else is the same arithmetic on the same doubles.
 _RELATIVE_TOLERANCE = 1e-9
-# What asks for a test of frozen learners.
-_FROZEN = (
-    "checkpoint",
-    "stimuli",
-    "stereograms",
-    "random_dots",
-    "generated",
-    "dictionary",
-    "actor",
-    "set",
-    "start_scale",
-    "examination",
-)
-_FROZEN_OPTIONS = ", ".join(
-    f"--{name.replace('_', '-')}" for name in (*_FROZEN[:-1], *EXAMINATIONS)
-)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return 0, 1 when the bag has other numbers, 2 for bad input."""
     line = parser()
     options = line.parse_args(arguments)
-    is_frozen = any(getattr(options, name) != line.get_default(name) for name in _FROZEN)
-    if not is_frozen and (
-        options.stimuli_per_test is not None or options.out is not None or options.json
-    ):
-        line.error(f"--stimuli-per-test, --out and --json: expected with one of {_FROZEN_OPTIONS}")
+    is_frozen = any(getattr(options, name) != line.get_default(name) for name in FROZEN)
+    if not is_frozen and (options.test_stimuli is not None or options.json is not None):
+        line.error(f"--test-stimuli and --json: expected with one of {FROZEN_OPTIONS}")
     for name in ("figure", "option"):
         if getattr(options, name) and options.examination is None:
             line.error(
@@ -79,91 +57,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return EXIT_BAD_INPUT
 
 
-def parser() -> argparse.ArgumentParser:
-    """Return the command line of evaluate.sh."""
-    line = CommandLine(
-        prog="evaluate.sh",
-        description="Recompute the measures of a run from its bag; compare them with results.json."
-        f" With any of {_FROZEN_OPTIONS}: test the learners of a checkpoint instead, without"
-        " learning; this needs only config.yaml and checkpoints/ of the run.",
-    )
-    line.add_argument("run", type=Path, metavar="RUN", help="run directory")
-    _add_shown(line)
-    _add_learners(line)
-    add_examinations(line)
-    line.add_argument(
-        "--out", type=Path, metavar="FILE", help="also write the measures of the test as JSON"
-    )
-    line.add_argument("--json", action="store_true", help="print that JSON in place of the table")
-    return line
-
-
-def _add_shown(line: argparse.ArgumentParser) -> None:
-    group = line.add_argument_group("what the learners are tested on")
-    group.add_argument(
-        "--stimuli",
-        type=Path,
-        metavar="DIR",
-        help="images in DIR/test, or all in DIR (default: the test stimuli of the run)",
-    )
-    group.add_argument(
-        "--stereograms",
-        type=Path,
-        metavar="DIR",
-        help="pairs of images, one for each eye: NAME_left and NAME_right",
-    )
-    group.add_argument("--random-dots", action="store_true", help="random-dot stereograms")
-    group.add_argument(
-        "--generated",
-        action="store_true",
-        help="the generated test stimuli, for a run that was trained on other images",
-    )
-    group.add_argument(
-        "--stimuli-per-test",
-        type=int,
-        metavar="K",
-        help="largest number of images, with 39 trials each (42 with a command for each muscle;"
-        " default: as in the tests of the run)",
-    )
-    group.add_argument(
-        "--start-scale",
-        type=float,
-        metavar="FACTOR",
-        help="multiply the start errors and versions of the tests by FACTOR; only with a command"
-        " for each muscle",
-    )
-
-
-def _add_learners(line: argparse.ArgumentParser) -> None:
-    group = line.add_argument_group("which learners, with which eyes")
-    group.add_argument(
-        "--dictionary",
-        type=Path,
-        metavar="CHECKPOINT",
-        help="take the dictionaries from this directory in checkpoints/ of any run",
-    )
-    group.add_argument(
-        "--actor",
-        type=Path,
-        metavar="CHECKPOINT",
-        help="take the learner of the commands from this directory in checkpoints/",
-    )
-    group.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="eyes.NAME=VALUE",
-        help="change a setting of the eyes for the test; may be repeated",
-    )
-    group.add_argument(
-        "--checkpoint",
-        type=int,
-        metavar="PLACE",
-        help="number of the directory in checkpoints/ whose learners are tested (default: the"
-        " newest)",
-    )
-
-
 def _test_frozen(options: argparse.Namespace) -> int:
     learners = FrozenLearners(
         options.run,
@@ -177,7 +70,7 @@ def _test_frozen(options: argparse.Namespace) -> int:
         options.stereograms,
         options.random_dots,
         options.generated,
-        options.stimuli_per_test,
+        options.test_stimuli,
     )
     if options.examination is not None:
         document, table = examined(
@@ -187,7 +80,7 @@ def _test_frozen(options: argparse.Namespace) -> int:
         start_scale = 1.0 if options.start_scale is None else options.start_scale
         results = evaluated(learners, shown, start_scale)
         document, table = results.to_json(), summaries_table([results.test])
-    if options.json:
+    if options.json == Path("-"):
         print(json.dumps(document, indent=2))
     else:
         manager = learners.manager
@@ -196,9 +89,9 @@ def _test_frozen(options: argparse.Namespace) -> int:
             f"{learners.place} episodes, {document['n_stimuli']} pictures of "
             f"{document['stimuli'] or 'its own test stimuli'}\n\n{table}"
         )
-    if options.out is not None:
-        write_document(options.out, document)
-        print(f"written: {options.out}", file=sys.stderr)
+        if options.json is not None:
+            write_document(options.json, document)
+            print(f"written: {options.json}", file=sys.stderr)
     return 0
 
 
@@ -280,8 +173,3 @@ def _equal(left: Any, right: Any) -> bool:
     if isinstance(left, float) and isinstance(right, int | float):
         return math.isclose(left, right, rel_tol=_RELATIVE_TOLERANCE, abs_tol=1e-12)
     return bool(left == right)
-
-
-if __name__ == "__main__":
-    ignore_broken_pipes()
-    sys.exit(main())

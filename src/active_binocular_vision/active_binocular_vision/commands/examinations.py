@@ -1,6 +1,5 @@
-"""The examinations' part of evaluate.sh's command line, from their registry."""
+"""Examinations as evaluate.sh asks for them."""
 
-import argparse
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -14,40 +13,7 @@ from active_binocular_vision.figures.style import STYLE, save
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from lockstep import InputError, build
-from lockstep.settings import declarations
 from lockstep.yaml_text import load_yaml
-
-
-def add_examinations(parser: argparse.ArgumentParser) -> None:
-    """Add the options; they leave `examination`, None or a name, `option` and `figure`."""
-    group = parser.add_argument_group("examinations of the learners, as in an eye clinic")
-    choice = group.add_mutually_exclusive_group()
-    for name, examination in EXAMINATIONS.items():
-        choice.add_argument(
-            f"--{name}",
-            action="store_const",
-            const=name,
-            dest="examination",
-            help=_help_of(examination),
-        )
-    group.add_argument(
-        "--option",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="change an option of the examination; may be repeated",
-    )
-    group.add_argument(
-        "--figure", type=Path, metavar="FILE.png", help="also draw what the examination found"
-    )
-
-
-def _help_of(examination: Examination) -> str:
-    options = "; ".join(
-        f"{declared.name}: {declared.setting.description}"
-        for declared in declarations(examination.options)
-    )
-    return f"{examination.text} (options: {options})" if options else examination.text
 
 
 def options_of(examination: Examination, texts: Sequence[str]) -> Any:

@@ -1,6 +1,5 @@
 """Shows what a bag holds, films it, repairs a cut-off one, extracts its pictures."""
 
-import argparse
 import math
 import sys
 from collections.abc import Sequence
@@ -9,6 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from active_binocular_vision.command_lines.inspect_bag import parser
 from active_binocular_vision.film.film import film
 from active_binocular_vision.runs.recorded import evaluation_settings_of, trial_table
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT, RUN_METADATA
@@ -18,10 +18,8 @@ from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.tables import summaries_table, text_table
 from experiment_manager.measures.trials import split_tests
 from lockstep import InputError
-from lockstep.command_line import CommandLine
 from lockstep.durable_files import is_free
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
-from lockstep.machine.lasting_output import ignore_broken_pipes
 from lockstep.wire.topics import PARAMETER_CHANGES
 
 _VECTOR = "sensor_msgs/msg/JointState"
@@ -50,37 +48,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
     return 0
-
-
-def parser() -> argparse.ArgumentParser:
-    """Return the command line of inspect_bag.sh."""
-    line = CommandLine(
-        prog="inspect_bag.sh",
-        description="Print the run, its learning curve, and topics with counts, rates and gaps.",
-    )
-    line.add_argument("bag", type=Path, help="bag directory, run directory or .mcap file")
-    line.add_argument(
-        "--configuration", action="store_true", help="also print config.yaml of the run"
-    )
-    line.add_argument(
-        "--repair", action="store_true", help="complete a bag that was cut off or damaged"
-    )
-    line.add_argument(
-        "--extract", type=Path, metavar="DIR", help="write all pictures into DIR as PNG files"
-    )
-    line.add_argument(
-        "--film",
-        type=Path,
-        metavar="FILE",
-        help="write a film of episodes before, during and after learning, .mp4 or .gif",
-    )
-    line.add_argument(
-        "--rate",
-        type=float,
-        metavar="X",
-        help="simulated seconds per second of film (default: 5 iterations a second)",
-    )
-    return line
 
 
 def _rate(rate: float | None) -> float | None:
@@ -193,8 +160,3 @@ def _as_grey(picture: np.ndarray) -> np.ndarray:
     largest = float(np.nanmax(picture, initial=0.0))
     scaled = np.clip(np.nan_to_num(picture) / (largest or 1.0), 0.0, 1.0)
     return np.round(255 * scaled).astype(np.uint8)
-
-
-if __name__ == "__main__":
-    ignore_broken_pipes()
-    sys.exit(main())

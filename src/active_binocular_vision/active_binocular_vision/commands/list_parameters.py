@@ -1,17 +1,15 @@
 """Lists the parameters of nodes with meaning, unit, bounds and defaults, as a parameter file."""
 
-import math
-import sys
 import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import yaml
-
+from active_binocular_vision.command_lines.list_parameters import parser
+from experiment_manager.nodes import NODES
 from experiment_manager.run.config_file import EVERY_NODE
 from experiment_manager.sections import CONFIG_CLASSES, DEFAULTS, SHARED_CLASSES
-from lockstep.command_line import CommandLine
 from lockstep.settings import Declaration, Setting, declarations
+from lockstep.yaml_text import yaml_line
 
 _WIDTH = 100
 _COMMENT = "    # "
@@ -19,18 +17,7 @@ _COMMENT = "    # "
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit code."""
-    parser = CommandLine(
-        prog="list_parameters.sh",
-        description="Print the parameters of nodes and their defaults, as a ROS parameter file.",
-    )
-    parser.add_argument(
-        "nodes", nargs="*", metavar="NODE", help=f"some of {', '.join(CONFIG_CLASSES)}; default all"
-    )
-    nodes = parser.parse_args(arguments).nodes or list(CONFIG_CLASSES)
-    for node in nodes:
-        if node not in CONFIG_CLASSES:
-            parser.error(f"expected a node of {', '.join(CONFIG_CLASSES)}, got {node!r}")
-    print(parameter_file(nodes), end="")
+    print(parameter_file(parser().parse_args(arguments).nodes or NODES), end="")
     return 0
 
 
@@ -56,11 +43,10 @@ def parameter_file(nodes: Sequence[str]) -> str:
 
 
 def _explained(declared: Declaration, defaults: Mapping[str, Any]) -> list[str]:
-    text = yaml.safe_dump(defaults[declared.name], default_flow_style=True, width=math.inf)
     comment = textwrap.wrap(
         _comment(declared.setting), _WIDTH, initial_indent=_COMMENT, subsequent_indent=_COMMENT
     )
-    return [*comment, f"    {declared.name}: {text.partition(chr(10))[0]}"]
+    return [*comment, f"    {declared.name}: {yaml_line(defaults[declared.name])}"]
 
 
 def _comment(setting: Setting) -> str:
@@ -68,7 +54,3 @@ def _comment(setting: Setting) -> str:
         return setting.description
     says_unit = f" {setting.unit}" in setting.expected
     return f"{setting.text if says_unit else setting.description} ({setting.expected})"
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,5 @@
 """One self-contained report.html from one or more runs, or a sweep, beside the paper's numbers."""
 
-import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 import matplotlib as mpl
 import yaml
 
+from active_binocular_vision.command_lines.report import parser
 from active_binocular_vision.figures.style import FIGURES, STYLE, save
 from active_binocular_vision.pages.conditions.page import write_conditions_page
 from active_binocular_vision.pages.report import page as report_page
@@ -25,21 +25,14 @@ from active_binocular_vision.pages.report.tables import (
     yoked_table,
 )
 from active_binocular_vision.runs.conditions import chosen_columns
-from active_binocular_vision.runs.examined_run import AGES
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group, groups_of, held_back
 from active_binocular_vision.runs.results_folder import keep, runs_at
 from lockstep import InputError
-from lockstep.command_line import CommandLine
 from lockstep.durable_files import replace_file
 from lockstep.exit_codes import EXIT_BAD_INPUT
-from lockstep.machine.lasting_output import ignore_broken_pipes
 
 REPORT_FILE = "report.html"
-_COLUMNS = (
-    "test.share_within_1_px,test.metabolic_rate_w,cover,acuity,stereo.threshold_arcsec,"
-    "tuning.binocular_share_coarse,tuning.binocular_share_fine"
-)
 _ABOUT_PAIR = (
     "Our test set has the start errors from -3 deg to the largest whole degree that leaves "
     "a vergence of 0 or more; the authors' code stops at +2 deg and leaves out the trials "
@@ -75,58 +68,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return EXIT_BAD_INPUT
     print(path)
     return 0
-
-
-def parser() -> argparse.ArgumentParser:
-    """Return the command line of report.sh."""
-    line = CommandLine(
-        prog="report.sh",
-        description="Draw the paper's figures and tables of runs into one report.html, from "
-        "results.json, trials.npz, checkpoints and, where they exist, bags. Runs that differ only "
-        "in their seed, or in it and the seed of their pictures, are pooled, as in K17.",
-    )
-    line.add_argument(
-        "runs",
-        type=Path,
-        nargs="+",
-        metavar="RUN",
-        help="directory of a run, of a sweep or of results, or a run of such a folder",
-    )
-    line.add_argument(
-        "--conditions",
-        action="store_true",
-        help="write conditions.html instead: measures of tests and examinations of each condition,"
-        " from each run's examinations.json, or from its checkpoints (about 15 s per age with the"
-        " default columns, one run per core)",
-    )
-    line.add_argument(
-        "--keep",
-        type=Path,
-        metavar="DIR",
-        help="write a folder of results instead, which this command reads in place of the runs:"
-        " measures.csv, runs.yaml, trials.npz, examinations.json (results/README.md)",
-    )
-    line.add_argument(
-        "--columns",
-        default=_COLUMNS,
-        metavar="NAME,...",
-        help="columns of conditions.html: EXAMINATION for all its measures, or"
-        f" EXAMINATION.MEASURE; test is the run's own test (default: {_COLUMNS})",
-    )
-    line.add_argument(
-        "--ages",
-        nargs="+",
-        choices=AGES,
-        default=AGES,
-        help="ages on conditions.html: birth, before the first change, end (default: all)",
-    )
-    line.add_argument(
-        "--out",
-        type=Path,
-        metavar="DIR",
-        help="where to write report.html and figures/ (default: RUN, or report/ for several)",
-    )
-    return line
 
 
 def _runs(paths: Sequence[Path]) -> list[FinishedRun]:
@@ -293,8 +234,3 @@ def _configurations(runs: Sequence[FinishedRun]) -> list[str]:
             )
         )
     return parts
-
-
-if __name__ == "__main__":
-    ignore_broken_pipes()
-    sys.exit(main())

@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import shlex
 import subprocess
 import sys
 from collections.abc import Callable, Collection, Sequence
@@ -39,9 +40,15 @@ from eye_plant import EyePlantConfig, load_stimuli
 from eye_plant.stimuli.stimulus_set import count_missing
 from lockstep import InputError
 from lockstep.durable_files import is_free, replace_file, why_unwritable
-from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
+from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, EXIT_FAULT, EXIT_INTERRUPTED
 from lockstep.machine.environment import reaches_other_machines
-from lockstep.machine.lasting_output import ignore_broken_pipes
+from lockstep.yaml_text import yaml_line
+
+# After a fault of learning there is nothing to continue: it would come again.
+_TO_CONTINUE = {
+    EXIT_INTERRUPTED: "to continue",
+    EXIT_FAULT: "once the cause is gone, to continue",
+}
 
 
 def source_commit() -> str:
@@ -97,15 +104,18 @@ def _live(options: argparse.Namespace) -> Address | None:
 def prepare(options: argparse.Namespace) -> Path:
     """Return the run directory that the command line asks for, with its config.yaml."""
     request = request_of(options)
+    directory = (options.resume or options.out or new_directory()).resolve()
+    if not options.in_process:
+        for told in (directory, options.live):
+            yaml_line(str(told))  # refuses what no node could be told
     if options.resume is not None:
-        return _prepare_old(options, request)
+        return _prepare_old(options, request, directory)
     if options.extend is not None:
         raise InputError("--extend: expected it with --resume, got it alone")
     branched = None
     if options.branch is not None:
         branched = branch(options.branch, request, source_commit())
-    directory = options.out or new_directory()
-    return prepare_new(request, directory.resolve(), branched)
+    return prepare_new(request, directory, branched)
 
 
 def prepare_new(request: RunRequest, directory: Path, branched: Branch | None = None) -> Path:
@@ -118,20 +128,20 @@ def prepare_new(request: RunRequest, directory: Path, branched: Branch | None = 
     configuration = (
         configuration_of(request, source_commit()) if branched is None else branched.configuration
     )
+    text = configuration_text(configuration)
     _prepare_stimuli(configuration)
     try:
         directory.mkdir(parents=True, exist_ok=True)
         if branched is not None:
             branched.write(directory)
         else:
-            replace_file(directory / CONFIG_FILE, configuration_text(configuration).encode())
+            replace_file(directory / CONFIG_FILE, text.encode())
     except OSError as error:
         raise InputError(f"{directory}: cannot be written: {error}") from error
     return directory
 
 
-def _prepare_old(options: argparse.Namespace, request: RunRequest) -> Path:
-    directory = Path(options.resume).resolve()
+def _prepare_old(options: argparse.Namespace, request: RunRequest, directory: Path) -> Path:
     if options.branch is not None:
         raise InputError("--branch: expected it without --resume, got both")
     if options.out is not None and options.out.resolve() != directory:
@@ -161,7 +171,7 @@ def _refuse_used(directory: Path) -> None:
     if not is_free(directory):
         raise InputError(
             f"{directory}: expected a new or empty directory, it is not empty; "
-            f"--resume {directory} continues a run"
+            f"--resume {shlex.quote(str(directory))} continues a run"
         )
 
 
@@ -230,7 +240,7 @@ def concluded(run: Callable[[], tuple[Path, int]], more: str) -> int:
     """
     try:
         directory, code = run()
-    except InputError as error:
+    except (InputError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
     except KeyboardInterrupt:
@@ -238,10 +248,10 @@ def concluded(run: Callable[[], tuple[Path, int]], more: str) -> int:
         return EXIT_INTERRUPTED
     if code == 0:
         print(results_table(read_results(directory / RESULTS_FILE), directory, _figure(directory)))
-    elif code != EXIT_BAD_INPUT:
-        line = f"launch_scripts/run_experiment.sh --resume {directory}{more}"
-        print(f"to continue: {line}", file=sys.stderr)
-    return code
+    elif code in _TO_CONTINUE:
+        line = f"launch_scripts/run_experiment.sh --resume {shlex.quote(str(directory))}{more}"
+        print(f"{_TO_CONTINUE[code]}: {line}", file=sys.stderr)
+    return EXIT_FAULT if code == EXIT_DIVERGED else code
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -249,8 +259,3 @@ def main(argv: Sequence[str] | None = None) -> int:
     options = arguments(argv)
     more = f" --elsewhere {','.join(options.elsewhere)}" if options.elsewhere else ""
     return concluded(lambda: _run(options), more + (" --in-process" if options.in_process else ""))
-
-
-if __name__ == "__main__":
-    ignore_broken_pipes()
-    sys.exit(main())

@@ -2,11 +2,13 @@
 
 import argparse
 import os
+import shlex
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from active_binocular_vision.command_lines.sweep import parser
 from active_binocular_vision.commands.run_experiment import source_commit
 from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.continuation import check_settings
@@ -25,51 +27,14 @@ from experiment_manager.sweep.sweep_file import SWEEP_FILE, Sweep, read_sweep
 from experiment_manager.sweep.sweep_run import SweepRun
 from eye_plant import EyePlantConfig, load_stimuli
 from lockstep import InputError
-from lockstep.command_line import CommandLine
 from lockstep.durable_files import is_free, replace_file
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
-from lockstep.machine.lasting_output import ignore_broken_pipes
 
 # Command lines without their last arguments: of a run's process, and of a Slurm task.
 _START_RUN = (sys.executable, "-m", f"{__package__}.sweep_run")
-_START_SWEEP = (sys.executable, "-m", f"{__package__}.sweep")
+_START_SWEEP = (sys.executable, "-m", "active_binocular_vision.command_lines.sweep")
 # Options that are sbatch's, by the name they have here.
 _OF_SBATCH = {"partition": "partition", "time": "time", "memory": "mem"}
-
-
-def parser() -> argparse.ArgumentParser:
-    """Return the command line of sweep.sh."""
-    line = CommandLine(prog="sweep.sh")
-    line.add_argument(
-        "sweep",
-        type=Path,
-        metavar="SWEEP",
-        help="a YAML file with options and axes, or the directory of a sweep to continue",
-    )
-    line.add_argument(
-        "--out",
-        type=Path,
-        metavar="DIR",
-        help="directory of the sweep (default: runs/ and the name of the file)",
-    )
-    line.add_argument(
-        "--stimuli", type=Path, metavar="DIR", help="images for all runs, as in run_experiment.sh"
-    )
-    line.add_argument(
-        "--jobs", type=int, metavar="N", help="runs at a time (default: one per core)"
-    )
-    line.add_argument("--status", action="store_true", help="print the progress of each run")
-    line.add_argument("--slurm", action="store_true", help="submit a job array to Slurm")
-    line.add_argument("--partition", metavar="P", help="partition of the job array")
-    line.add_argument(
-        "--time",
-        metavar="T",
-        help="time limit of a task; a task that reaches it is requeued and continues",
-    )
-    line.add_argument("--memory", metavar="M", help="memory of a task, for example 2G")
-    line.add_argument("--tasks", type=int, metavar="N", help="largest number of tasks at a time")
-    line.add_argument("--task", type=int, help=argparse.SUPPRESS)
-    return line
 
 
 def _opened(options: argparse.Namespace) -> tuple[Path, Sweep]:
@@ -87,7 +52,7 @@ def _opened(options: argparse.Namespace) -> tuple[Path, Sweep]:
     if held.exists() and read_sweep(held) != sweep:
         raise InputError(
             f"{directory}: expected the directory of this sweep, it contains another; "
-            f"sweep.sh {directory} continues that one"
+            f"sweep.sh {shlex.quote(str(directory))} continues that one"
         )
     if not held.exists() and not is_free(directory):
         raise InputError(f"{directory}: expected a new or empty directory, it is not empty")
@@ -131,6 +96,7 @@ def _begin(directory: Path, sweep: Sweep) -> None:
     """Check all runs, and keep the sweep in its directory."""
     for name, request in sweep.runs().items():
         _check_begun(directory / name, request)
+    text = sweep.text()  # refuses here what no file can have
     commit = source_commit()
     configurations = [_configuration(*run, commit) for run in sweep.runs().items()]
     print(f"{len(configurations)} runs in {directory}; preparing their stimuli")
@@ -140,7 +106,7 @@ def _begin(directory: Path, sweep: Sweep) -> None:
         load_stimuli(stimuli)
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        replace_file(directory / SWEEP_FILE, sweep.text().encode())
+        replace_file(directory / SWEEP_FILE, text.encode())
     except OSError as error:
         raise InputError(f"{directory}: cannot be written: {error}") from error
 
@@ -164,13 +130,16 @@ def _run(options: argparse.Namespace) -> int:
         array = ",".join(map(str, undone)) + (f"%{options.tasks}" if options.tasks else "")
         task = (*_START_SWEEP, str(directory), "--task")
         job = slurm.submit(directory, array, task, resources)
-        print(f"job {job}: {len(undone)} tasks; launch_scripts/sweep.sh {directory} --status")
+        status = f"launch_scripts/sweep.sh {shlex.quote(str(directory))} --status"
+        print(f"job {job}: {len(undone)} tasks; {status}")
         return 0
     jobs = options.jobs or len(os.sched_getaffinity(0))
     code = Pool(jobs, _START_RUN).run([runs[i] for i in undone])
     print(table(runs))
     if code:
-        print(f"to continue: launch_scripts/sweep.sh {directory}", file=sys.stderr)
+        print(
+            f"to continue: launch_scripts/sweep.sh {shlex.quote(str(directory))}", file=sys.stderr
+        )
     return code
 
 
@@ -178,14 +147,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Make the runs of a sweep; return the exit code."""
     try:
         return _run(parser().parse_args(argv))
-    except InputError as error:
+    except (InputError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
     except KeyboardInterrupt:
         print("stopped before the first run", file=sys.stderr)
         return EXIT_INTERRUPTED
-
-
-if __name__ == "__main__":
-    ignore_broken_pipes()
-    sys.exit(main())

@@ -50,7 +50,7 @@ class Shown:
             )
         n_most = n_default if self.n_most is None else self.n_most
         if n_most < 1:
-            raise InputError(f"stimuli per test: expected 1 or more, got {n_most}")
+            raise InputError(f"test stimuli: expected 1 or more, got {n_most}")
         if self.random_dots:
             dots = random_dot_stereograms(config.seed, n_most, config.size_px)
             return StimulusSet((), (), dots)

@@ -16,6 +16,7 @@ from active_binocular_vision.examinations.contract.measure import SHARE, measure
 from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI
+from active_binocular_vision.runs.ages import AGES, BEFORE, BIRTH, END
 from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE, FinishedRun
 from active_binocular_vision.runs.groups import Common
 from experiment_manager.measures.results import Summary
@@ -25,8 +26,6 @@ from lockstep import InputError, build, flatten
 from lockstep.durable_files import replace_file
 from sparse_coder import SparseCoderConfig
 
-BIRTH, BEFORE, END = "birth", "before", "end"
-AGES = (BIRTH, BEFORE, END)
 # The run's own test, a column of pages beside the examinations.
 TEST = "test"
 # The options of examinations on a page, other than their defaults: eyes that begin at rest show the

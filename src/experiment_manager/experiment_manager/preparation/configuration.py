@@ -27,7 +27,7 @@ from experiment_manager.sections import (
 from eye_plant import EyePlantConfig
 from eye_plant.stimuli.stimulus_set import count_stimuli
 from lockstep import InputError
-from sparse_coder.config import DEFAULT_METABOLIC_COST_WEIGHTS
+from lockstep.task import DEFAULT_METABOLIC_COST_WEIGHTS
 
 
 def profile_of(request: RunRequest) -> Profile:

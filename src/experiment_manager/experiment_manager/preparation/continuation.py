@@ -1,6 +1,7 @@
 """Going on with a run: as it is, for longer, or as another one that begins where it stood."""
 
 import dataclasses
+import shlex
 import shutil
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from experiment_manager.measures.trials import TrialTable
 from experiment_manager.preparation.configuration import configuration_with, schedule_of
 from experiment_manager.preparation.profiles import read_profile
 from experiment_manager.preparation.request import ITERATIONS, TESTS, RunRequest
+from experiment_manager.preparation.written_values import whole_number
 from experiment_manager.protocol import Protocol, protocol_of
 from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
@@ -32,6 +34,7 @@ from experiment_manager.sections import (
 )
 from lockstep import InputError, read_state, write_state
 from lockstep.durable_files import replace_file
+from lockstep.paths import written_path
 from sparse_coder import SparseCoder
 from vergence_rl import Agent
 
@@ -81,7 +84,7 @@ def contradiction(by: str, directory: Path, has: str) -> InputError:
     """Return the error that a run in a directory has another value than `by` asks for."""
     return InputError(
         f"{by}: the run to be resumed, {directory}, has {has}, and keeps it; "
-        f"--branch {directory} begins a new run from its checkpoint"
+        f"--branch {shlex.quote(str(directory))} begins a new run from its checkpoint"
     )
 
 
@@ -169,9 +172,7 @@ def branch(text: str, request: RunRequest, commit: str) -> Branch:
             raise InputError(
                 f"--branch: expected the settings of {text} and single ones, got {request.by(name)}"
             )
-    name, at, word = text.rpartition("@")
-    iteration = int(word) if at and word.isdigit() else None
-    source = Path(text if iteration is None else name).resolve()
+    source, iteration = _source(text)
     before = read_configuration(source / CONFIG_FILE)
     trained, states = _chosen(source, protocol_of(before), iteration)
     _check_command_space(source, before, request)
@@ -186,6 +187,30 @@ def branch(text: str, request: RunRequest, commit: str) -> Branch:
         config: Any = config_of(CONFIG_CLASSES[node], configuration)
         learner(config).restore(read_state(states / f"{node}.npz", node))
     return Branch(source, trained, configuration, states)
+
+
+def _source(text: str) -> tuple[Path, int | None]:
+    """Return the run, and the iteration or None, that RUN[@ITERATION] names.
+
+    Raises InputError where it may be a run of that very name, or the iteration of another.
+    """
+    whole = written_path(text).resolve()
+    name, at, word = text.rpartition("@")
+    try:
+        iteration = whole_number(word) if at else None
+    except InputError:
+        iteration = None
+    if iteration is None:
+        return whole, None
+    source = written_path(name).resolve()
+    if not (whole / CONFIG_FILE).exists():
+        return source, iteration
+    if not (source / CONFIG_FILE).exists():
+        return whole, None
+    raise InputError(
+        f"--branch {text}: expected one run, {whole} is one, and so is {source}: write {text}/ for "
+        f"the first, {name}/@{word} for the second"
+    )
 
 
 def _check_command_space(source: Path, before: Configuration, request: RunRequest) -> None:

@@ -8,15 +8,14 @@ schedule: [{at: TRAINING_ITERATION, set: {eyes.NAME: value}}]    may be left out
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from experiment_manager.plant_changes import Schedule, parse_schedule
+from experiment_manager.preparation.profile_files import profile_files
 from lockstep import InputError
-from lockstep.nearest import did_you_mean
+from lockstep.nearest import unknown
 from lockstep.yaml_text import load_yaml
 
-_FOLDER = Path(__file__).parents[1] / "profiles"
 _NEEDED, _KEYS = {"description", "settings"}, {"description", "settings", "base", "schedule"}
 
 
@@ -34,19 +33,11 @@ class Profile:
     schedule: Schedule
 
 
-def profile_names() -> list[str]:
-    """Return the names of all profiles in order; those in a folder have it before a slash."""
-    return sorted(_files())
-
-
 def read_profile(name: str) -> Profile:
     """Return a profile; InputError for an unknown name and for a file that is no profile."""
-    files = _files()
+    files = profile_files()
     if name not in files:
-        raise InputError(
-            f"profile: expected one of {', '.join(sorted(files))}, got {name!r}"
-            + did_you_mean(name, files)
-        )
+        raise InputError(f"profile: {unknown(name, sorted(files))}")
     return parse_profile(name, files[name].read_text())
 
 
@@ -86,8 +77,3 @@ def _over(base: Profile, settings: Mapping[str, Mapping[str, Any]]) -> dict[str,
         raise InputError(f"profile {base.name}: expected a base without a schedule")
     sections = {**base.settings, **settings}
     return {s: {**base.settings.get(s, {}), **settings.get(s, {})} for s in sections}
-
-
-def _files() -> dict[str, Path]:
-    paths = _FOLDER.rglob("*.yaml")
-    return {path.relative_to(_FOLDER).with_suffix("").as_posix(): path for path in paths}

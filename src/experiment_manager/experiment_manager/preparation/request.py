@@ -5,10 +5,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from experiment_manager.config import MODELS
 from experiment_manager.sections import DEFAULTS, SECTIONS
 from lockstep import InputError
 from lockstep.nearest import did_you_mean
+from lockstep.task import MODELS
 
 # Keys, SECTION.NAME, of what has a name of its own in a request.
 MODEL = "experiment_manager.model"

@@ -1,12 +1,11 @@
 """config.yaml of a run: the parameters of all nodes, and what the run is."""
 
 import datetime
+import shlex
 from collections.abc import Collection, Mapping
 from importlib import metadata
 from pathlib import Path
 from typing import Any
-
-import yaml
 
 from experiment_manager.run.checkpoint import Manifest
 from experiment_manager.sections import (
@@ -16,7 +15,7 @@ from experiment_manager.sections import (
     completed,
 )
 from lockstep import InputError
-from lockstep.yaml_text import load_yaml
+from lockstep.yaml_text import dump_yaml, load_yaml
 
 CONFIG_FILE = "config.yaml"
 # The pseudo-node of config.yaml that says what the run is; no ROS node has this name.
@@ -66,7 +65,7 @@ def text_of_continuation(text: str, configuration: Configuration, more: Mapping[
     }
     sections = {RUN_SECTION: run, EVERY_NODE: shared} | nodes
     document = {name: {_PARAMETERS: values} for name, values in sections.items()}
-    return yaml.safe_dump(document, sort_keys=False)
+    return dump_yaml(document)
 
 
 def about(configuration: Configuration) -> dict[str, Any]:
@@ -164,7 +163,7 @@ def check_as_written(path: Path, written: Configuration, found: Configuration) -
     if differing := _differing(both, found, free):
         raise InputError(
             f"{path}: expected nodes with its parameters: {'; '.join(differing)}. Start them with "
-            f"--ros-args --params-file {path}"
+            f"--ros-args --params-file {shlex.quote(str(path))}"
         )
 
 

@@ -18,14 +18,15 @@ from experiment_manager.sections import Configuration, config_of
 from experiment_manager.step_messages import StepMessages
 from eye_plant import Episode, EyePlantConfig
 from lockstep import DivergenceError, InputError
-from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED
+from lockstep.exit_codes import EXIT_DIVERGED, EXIT_FAULT, EXIT_INTERRUPTED
 from lockstep.machine.interrupts import Interrupts
 from lockstep.wire.stamps import check_stamp, period_ns
 
 
 def run_in_process(directory: Path) -> int:
-    """Bring a run to its end; return the exit code: 0 done, 3 a fault, 130 interrupted.
+    """Bring a run to its end; return the exit code: 0 done, 3 a fault, 6 one of learning itself.
 
+    Interrupted, it is 130.
     directory: holds config.yaml, and whatever the run has done so far. What is wrong here would be
     so again, so nothing is tried twice. Raises InputError for what cannot be begun.
     """
@@ -37,17 +38,17 @@ def run_in_process(directory: Path) -> int:
             with contextlib.closing(run):
                 is_over = run.go_on()
         except InputError as error:
-            return _fault(str(error))
+            return _fault(str(error), EXIT_DIVERGED)
     except OSError as error:
         return _fault(f"{directory} cannot be written: {error}; what was saved before is intact")
     except DivergenceError as error:
-        return _fault(f"{error}; what was saved before is intact")
+        return _fault(f"{error}; what was saved before is intact", EXIT_DIVERGED)
     return 0 if is_over else EXIT_INTERRUPTED
 
 
-def _fault(reason: str) -> int:
+def _fault(reason: str, code: int = EXIT_FAULT) -> int:
     print(f"error: {reason}", file=sys.stderr)
-    return EXIT_FAULT
+    return code
 
 
 class InProcessRun:

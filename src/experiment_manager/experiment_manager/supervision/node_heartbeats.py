@@ -6,8 +6,8 @@ from contextlib import AbstractContextManager
 
 from diagnostic_msgs.msg import DiagnosticArray
 
+from experiment_manager.nodes import NODES
 from experiment_manager.supervision.node_neighbours import Observer
-from experiment_manager.supervision.processes import PACKAGES
 from lockstep.node.diagnostics import TOPIC
 
 START_LIMIT_S = 120.0
@@ -20,7 +20,7 @@ class Heartbeats(AbstractContextManager["Heartbeats"]):
     heard: the names of all who have said something.
     """
 
-    def __init__(self, domain: int, packages: Sequence[str] = PACKAGES) -> None:
+    def __init__(self, domain: int, packages: Sequence[str] = NODES) -> None:
         """Begin to listen to these nodes; each has START_LIMIT_S to say something."""
         self._observer = Observer(domain)
         self._observer.node.create_subscription(DiagnosticArray, TOPIC, self._hear, 10)

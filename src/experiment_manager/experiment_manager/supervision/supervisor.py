@@ -9,6 +9,7 @@ from contextlib import nullcontext
 from pathlib import Path
 
 from experiment_manager.live.address import Address
+from experiment_manager.nodes import MANAGER, NODES
 from experiment_manager.run.attempt import goes_on, place_of
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
@@ -16,8 +17,6 @@ from experiment_manager.supervision.live_view import LiveView
 from experiment_manager.supervision.network import Network, addresses
 from experiment_manager.supervision.node_heartbeats import Heartbeats
 from experiment_manager.supervision.processes import (
-    MANAGER,
-    PACKAGES,
     NodeProcesses,
     last_words,
     parameter_arguments,
@@ -64,13 +63,14 @@ class Supervisor:
         self._directory = directory
         self._elsewhere = frozenset(elsewhere)
         self._live = live
-        self._packages = [package for package in PACKAGES if package not in elsewhere]
+        self._packages = [package for package in NODES if package not in elsewhere]
         self._processes: NodeProcesses | None = None
 
     def run(self) -> int:
-        """Return the exit code: 0 done, 2 bad input, 3 a fault that stays, 130 Ctrl-C.
+        """Return the exit code: 0 done, 2 bad input, 3 a fault that stays, 6 one of learning.
 
-        A fault is a node that dies, hangs or says that the run cannot go on.
+        After Ctrl-C it is 130. A fault is a node that dies, hangs or says that the run cannot go
+        on.
         """
         self._interrupts = Interrupts(self._interrupt_manager)
         faults: list[tuple[int, str]] = []
@@ -114,9 +114,9 @@ class Supervisor:
         if self._interrupts.count:
             return EXIT_INTERRUPTED, None
         given: dict[str, object] = {
-            "run_directory": self._directory,
-            "resume": str(goes_on(self._directory)).lower(),
-            "supervised": "true",
+            "run_directory": str(self._directory),
+            "resume": goes_on(self._directory),
+            "supervised": True,
         }
         if self._elsewhere:
             configuration = read_configuration(self._directory / CONFIG_FILE)
@@ -162,7 +162,7 @@ class Supervisor:
             reason = f"{self._directory} cannot be written{': ' if why else ''}{why}"
         if is_unwritable or code == EXIT_DIVERGED:
             print(f"\nerror: {reason}; what was saved before is intact", file=sys.stderr)
-            return EXIT_FAULT, None
+            return (EXIT_FAULT if is_unwritable else EXIT_DIVERGED), None
         return EXIT_FAULT, f"{name} ended: {reason}"
 
     def _interrupt_manager(self) -> None:

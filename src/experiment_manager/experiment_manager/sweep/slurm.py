@@ -48,7 +48,8 @@ def submit(directory: Path, array: str, task: Sequence[str], resources: Sequence
         "--open-mode=append",
         f"--signal=B:USR1@{_WARNING_S}",
         f"--chdir={directory}",
-        f"--output={directory / 'logs' / 'slurm_%a.out'}",
+        # Where % is one of a directory's own, Slurm wants it twice.
+        f"--output={str(directory / 'logs').replace('%', '%%')}/slurm_%a.out",
     ]
     return _sbatch([*options, "--parsable", "--wrap", script]).partition(";")[0].strip()
 

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from experiment_manager.preparation.request import OPTIONS, RunRequest
 from experiment_manager.preparation.written_values import number, whole_number, whole_numbers
 from experiment_manager.sections import SECTIONS
 from lockstep import InputError
 from lockstep.nearest import did_you_mean
-from lockstep.yaml_text import load_yaml
+from lockstep.paths import written_path
+from lockstep.yaml_text import dump_yaml, load_yaml
 
 SWEEP_FILE = "sweep.yaml"
 # By its name in the file, the field of a request; any SECTION.NAME besides.
@@ -29,6 +28,7 @@ _READERS: dict[str, Callable[[str], Any]] = {
     "schedule-delay": whole_number,
 }
 _DIRECTORIES = ("stimuli", "eye_plant.stimuli.directory")
+_LONGEST_NAME = 255 - len(".log")  # a file's name has 255 bytes at most
 _KEYS = ("description", "options", "axes")
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9._+-]+")
 
@@ -72,6 +72,11 @@ class Sweep:
         runs: dict[str, RunRequest] = {}
         for entries in itertools.product(*settings):
             name = self._name(entries)
+            if len(name) > _LONGEST_NAME:
+                raise InputError(
+                    f"axes: expected names of runs up to {_LONGEST_NAME} characters, "
+                    f"got {len(name)}: {name}"
+                )
             if name in runs:
                 raise InputError(f"axes: expected a name of its own for each run, got {name} twice")
             runs[name] = self._request(name, entries)
@@ -102,7 +107,7 @@ class Sweep:
         """Return the sweep as a YAML file has it."""
         about = {"description": self.description} if self.description else {}
         document = {**about, "options": dict(self.options), "axes": dict(self.axes)}
-        return yaml.safe_dump(document, sort_keys=False)
+        return dump_yaml(document)
 
 
 def read_sweep(path: Path, stimuli: Path | None = None) -> Sweep:
@@ -143,7 +148,7 @@ def _absolute(name: str, value: Any) -> Any:
     if isinstance(value, list):
         return [_absolute(name, inner) for inner in value]
     is_directory = name in _DIRECTORIES and isinstance(value, str) and value
-    return str(Path(value).resolve()) if is_directory else value
+    return str(written_path(value).resolve()) if is_directory else value
 
 
 def _settings(axis: str, entry: Any) -> dict[str, Any]:

@@ -5,18 +5,21 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from eye_plant.export.mjcf import mjcf
-from eye_plant.mechanics.mujoco_model import PARAMETER_SETS
 from lockstep import InputError
 from lockstep.command_line import CommandLine
 from lockstep.durable_files import is_free
 from lockstep.exit_codes import EXIT_BAD_INPUT
+from lockstep.paths import written_path
 
 
 def export(directory: Path) -> None:
     """Write the MJCF files and their README; raises InputError unless it is new or empty."""
     if not is_free(directory):
         raise InputError(f"expected a new or empty directory, got {directory}")
+    # Not at the top: a help need not wait for MuJoCo.
+    from eye_plant.export.mjcf import mjcf  # noqa: PLC0415
+    from eye_plant.mechanics.mujoco_model import PARAMETER_SETS  # noqa: PLC0415
+
     directory.mkdir(parents=True, exist_ok=True)
     for name in PARAMETER_SETS:
         (directory / f"eyes_{name}.xml").write_text(mjcf(name))
@@ -28,7 +31,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = CommandLine(
         prog="export_model.sh", description="Write the eyes as MJCF, with a README of their own."
     )
-    parser.add_argument("directory", type=Path, metavar="DIR", help="new or empty directory")
+    parser.add_argument(
+        "directory", type=written_path, metavar="DIR", help="new or empty directory"
+    )
     directory: Path = parser.parse_args(arguments).directory
     try:
         export(directory)

@@ -10,6 +10,7 @@ import numpy as np
 from eye_plant.stimuli import generator as stimulus_generator
 from lockstep import InputError
 from lockstep.machine.threads import map_in_threads
+from lockstep.paths import written_path
 
 # Of the generated pictures. Another one when the generator, or a library that it uses, gives other
 # bytes: a test knows what version 1 gives.
@@ -50,10 +51,10 @@ def _path(directory: Path, role: str, number: int) -> Path:
 def _set_directory(cache_directory: str, seed: int, size_px: int) -> Path:
     """Return the directory of one set."""
     if cache_directory:
-        root = Path(cache_directory).expanduser()
+        root = written_path(cache_directory)
     else:
         user_cache = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-        root = Path(user_cache).expanduser() / "active_binocular_vision" / "stimuli"
+        root = written_path(user_cache) / "active_binocular_vision" / "stimuli"
     return root / f"v{_VERSION}-seed{seed}-{size_px}px"
 
 

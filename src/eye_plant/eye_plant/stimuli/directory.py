@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from lockstep import InputError, generator
+from lockstep.paths import written_path
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 _NOTES = (".md", ".txt")  # may stand beside the pictures
@@ -46,7 +47,7 @@ def choose_test_files(directory: str, seed: int) -> tuple[Path, ...]:
 
 
 def _root(directory: str) -> Path:
-    root = Path(directory).expanduser()
+    root = written_path(directory)
     if not root.is_dir():
         raise InputError(f"stimuli.directory: expected a directory of pictures, got {directory}")
     return root

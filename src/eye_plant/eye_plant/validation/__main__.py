@@ -5,9 +5,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from eye_plant.validation.checks import CHECKS, MAPS_VARIABLE, openeyesim_maps
-from eye_plant.validation.figure import draw
+from eye_plant.validation import MAPS_VARIABLE
 from lockstep.command_line import CommandLine
+from lockstep.paths import written_path
 
 JSON_NAME = "plant_validation.json"
 FIGURE_NAME = "plant_validation.png"
@@ -22,8 +22,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         epilog=f"{MAPS_VARIABLE} may name OpenEyeSim's maps; the rows that need them are "
         "reported as not measured otherwise.",
     )
-    parser.add_argument("--out", type=Path, default=Path("plant_validation"), help="directory")
+    parser.add_argument(
+        "--out",
+        type=written_path,
+        default=Path("plant_validation"),
+        metavar="DIR",
+        help="where to write the values and a figure (default: plant_validation)",
+    )
     out: Path = parser.parse_args(arguments).out
+    # Not at the top: a help need not wait for MuJoCo and Matplotlib.
+    from eye_plant.validation.checks import CHECKS, openeyesim_maps  # noqa: PLC0415
+    from eye_plant.validation.figure import draw  # noqa: PLC0415
+
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -17,13 +17,13 @@ from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.mechanics.parameters import GRAM_FORCE_N
+from eye_plant.validation import MAPS_VARIABLE
 from eye_plant.validation.saccades import PULSES, Saccade, holding_pair, make_saccade
 from eye_plant.vergence import desired_vergence_deg
 from lockstep.command_space import MUSCLES
 
 Array = NDArray[np.float64]
 
-MAPS_VARIABLE = "ABV_OPENEYESIM_MAPS"
 # Medial and lateral activations at which OpenEyeSim's maps and our eyes are compared.
 GRID = np.linspace(0.0, 1.0, 11)
 K17 = MechanicsConfig(parameter_set="k17")

@@ -11,7 +11,7 @@ LAST_DOMAIN = 232
 def given_domain() -> int | None:
     """Return ROS_DOMAIN_ID, None when it is not set; raise InputError when it is no domain."""
     given = os.environ.get("ROS_DOMAIN_ID", "")
-    if given and (not given.isdigit() or int(given) > LAST_DOMAIN):
+    if given and (not (given.isascii() and given.isdigit()) or int(given) > LAST_DOMAIN):
         raise InputError(
             f"ROS_DOMAIN_ID: expected a whole number 0 to {LAST_DOMAIN}, got {given!r}"
         )

@@ -18,6 +18,7 @@ from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, FAULT_TEXT
 from lockstep.machine.cores import share_two_cores
 from lockstep.machine.domain import given_domain
 from lockstep.node.executor import LockstepExecutor
+from lockstep.node.parameter_files import check_arguments
 
 # Bad input, by phase: what reading the arguments raises, and names and parameters of the node.
 _OF_ARGUMENTS = (InputError, _rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError)
@@ -85,6 +86,8 @@ def _spin(node: Node) -> int:
 def _read_arguments(arguments: list[str] | None) -> None:
     """Raise one of _OF_ARGUMENTS when they are not what ROS and this process take."""
     given_domain()
+    words = sys.argv if arguments is None else arguments
+    check_arguments(words)
     unknown = remove_ros_args(arguments)[0 if arguments is not None else 1 :]
     if unknown:
         raise InputError(

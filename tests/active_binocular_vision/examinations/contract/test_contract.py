@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from active_binocular_vision.commands.evaluate import main
+from active_binocular_vision.examinations.contract.declared import DECLARED
 from active_binocular_vision.examinations.contract.measure import columns_of
 from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.figures.examinations.registry import FIGURES
@@ -52,8 +53,8 @@ def _words(name: str) -> list[str]:
 def test_an_examination_prints_writes_and_draws(gazing_run, tmp_path, capsys, name) -> None:
     examination = EXAMINATIONS[name]
     out, figure = tmp_path / "it.json", tmp_path / "figures" / "it.png"
-    line = [str(gazing_run), f"--{name}", *_words(name), "--out", str(out)]
-    line += ["--stimuli-per-test", "1"]
+    line = [str(gazing_run), f"--{name}", *_words(name), "--json", str(out)]
+    line += ["--test-stimuli", "1"]
     line += ["--figure", str(figure)] if name in FIGURES else []
     with moved_eyes(lambda _, target_deg: 1e-4 * (1.0 + np.nan_to_num(target_deg[0]))):
         assert main(line) == 0
@@ -131,7 +132,8 @@ def test_the_command_line_has_each_examination_with_its_options(capsys) -> None:
     with pytest.raises(SystemExit):
         main(["--help"])
     text = "".join(capsys.readouterr().out.split())
-    for name, examination in EXAMINATIONS.items():
+    assert list(EXAMINATIONS) == list(DECLARED)
+    for name, examination in DECLARED.items():
         assert f"--{name} {examination.text}".replace(" ", "") in text
         for declared in declarations(examination.options):
             said = f"{declared.name}: {declared.setting.description}"
@@ -145,8 +147,8 @@ def test_the_command_line_has_each_examination_with_its_options(capsys) -> None:
         (("--figure", "a.png"), "--figure: expected with one of --cover, --prisms, --acuity, "),
         (("--option", "covered=right"), "--option: expected with one of --cover, --prisms, "),
         (("--cover", "--start-scale", "2"), "--start-scale: expected without an examination"),
-        (("--out", "a.json"), "--stimuli-per-test, --out and --json: expected with one of --check"),
-        (("--json",), "--stimuli-per-test, --out and --json: expected with one of --check"),
+        (("--json", "a.json"), "--test-stimuli and --json: expected with one of --check"),
+        (("--test-stimuli", "2"), "--test-stimuli and --json: expected with one of --check"),
     ],
 )
 def test_options_that_do_not_go_together(line, message, capsys) -> None:

@@ -15,7 +15,7 @@ from active_binocular_vision.figures.conditions.rearing import (
 )
 from active_binocular_vision.runs.conditions import Condition, conditions_of
 from active_binocular_vision.runs.examined_run import ExaminedRun
-from experiment_manager.preparation.profiles import profile_names
+from experiment_manager.preparation.profile_files import profile_files
 from tests.active_binocular_vision.made_examined import examined, reared
 from tests.readable import assert_readable
 
@@ -41,7 +41,7 @@ def test_each_condition_has_a_panel_or_a_row_of_its_name() -> None:
 
 
 def test_the_figures_of_all_conditions_can_be_read() -> None:
-    names = [n.rpartition("/")[2] for n in profile_names() if n.startswith("rearing/")]
+    names = [n.rpartition("/")[2] for n in sorted(profile_files()) if n.startswith("rearing/")]
     runs = [reared(name) for name in names]
     for draw in DRAW:
         assert_readable(drawn(draw, *runs))

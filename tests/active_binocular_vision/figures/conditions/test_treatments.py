@@ -13,7 +13,8 @@ from active_binocular_vision.figures.conditions.treatments import (
 )
 from active_binocular_vision.runs.conditions import Condition, conditions_of
 from active_binocular_vision.runs.examined_run import BEFORE, END, ExaminedRun
-from experiment_manager.preparation.profiles import profile_names, read_profile
+from experiment_manager.preparation.profile_files import profile_files
+from experiment_manager.preparation.profiles import read_profile
 from tests.active_binocular_vision.made_examined import column, examined, summaries
 from tests.readable import assert_readable
 
@@ -93,13 +94,13 @@ def test_a_treatment_treats_the_condition_that_its_profile_begins_with() -> None
         ]
         assert without[0] == without[1]
     palsies = {"sixth_nerve_palsy", "superior_oblique_palsy"}
-    clinic = {name.removeprefix("clinic/") for name in profile_names() if "clinic/" in name}
+    clinic = {name.removeprefix("clinic/") for name in sorted(profile_files()) if "clinic/" in name}
     scheduled = {name for name in clinic if read_profile(f"clinic/{name}").schedule.changes}
     assert set(TREATED) == scheduled - palsies
 
 
 def test_figures_of_all_conditions_and_treatments_can_be_read() -> None:
-    names = [n.rpartition("/")[2] for n in profile_names() if n.startswith("clinic/")]
+    names = [n.rpartition("/")[2] for n in sorted(profile_files()) if n.startswith("clinic/")]
     runs = [examined(name, model=model) for name in names for model in ("M", "M_C")]
     assert_readable(sheet_figure(conditions_of(runs), SIX))
     runs = [

@@ -7,11 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from active_binocular_vision.examinations.clinic.gratings import Resolution, resolution
-from active_binocular_vision.examinations.contract.examination import (
-    Distances,
-    Examination,
-    Findings,
-)
+from active_binocular_vision.examinations.contract.declared import DECLARED, Distances
+from active_binocular_vision.examinations.contract.examination import Examination, Findings
 from active_binocular_vision.examinations.contract.measure import SHARE, key, measure
 from active_binocular_vision.learners.basis_functions import left_share
 from active_binocular_vision.learners.learners import FrozenLearners
@@ -97,9 +94,7 @@ def _gratings(side: str, seen: Resolution) -> list[GratingRow]:
 
 
 ACUITY = Examination(
-    name="acuity",
-    text="measure the acuity of each eye, and each eye's share in the code",
+    declared=DECLARED["acuity"],
     examine=_examine,
     summary=AcuitySummary,
-    options=Distances,
 )

@@ -12,11 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.contract.examination import (
-    Distances,
-    Examination,
-    Findings,
-)
+from active_binocular_vision.examinations.contract.declared import DECLARED, CoverOptions
+from active_binocular_vision.examinations.contract.examination import Examination, Findings
 from active_binocular_vision.examinations.contract.measure import (
     SHARE,
     Quartiles,
@@ -27,7 +24,7 @@ from active_binocular_vision.examinations.contract.measure import (
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import Course, Session, is_fused, session_of
 from active_binocular_vision.learners.shown import Shown
-from lockstep import SIDES, setting
+from lockstep import SIDES
 from lockstep.machine.progress_lines import progress
 
 Array = NDArray[np.float64]
@@ -36,15 +33,6 @@ AXES = ("horizontal", "vertical", "cyclo")
 _N_PICTURES = 5
 # Of each of the three parts: both eyes open, one covered, both open again.
 _N_ITERATIONS = 20
-
-
-@dataclass(frozen=True)
-class CoverOptions(Distances):
-    """Where the eyes look and begin."""
-
-    at_rest: bool = setting(
-        False, "whether the eyes begin with all muscles at their tonic level, not without errors"
-    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -214,9 +202,7 @@ def _summary(trials: dict[tuple[str, float], list[CoverTrial]], px_deg: float) -
 
 
 COVER = Examination(
-    name="cover",
-    text="cover one eye, then the other: phoria, and how the eyes fuse again",
+    declared=DECLARED["cover"],
     examine=_examine,
     summary=CoverSummary,
-    options=CoverOptions,
 )

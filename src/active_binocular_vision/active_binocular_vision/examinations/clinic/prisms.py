@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.contract.examination import Examination, Findings, Options
+from active_binocular_vision.examinations.contract.declared import DECLARED, PrismOptions
+from active_binocular_vision.examinations.contract.examination import Examination, Findings
 from active_binocular_vision.examinations.contract.measure import Quartiles, key, measure
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import Prism, Session, is_fused, session_of
 from active_binocular_vision.learners.shown import Shown
-from lockstep import setting
 from lockstep.machine.progress_lines import progress
 
 Array = NDArray[np.float64]
@@ -184,16 +184,6 @@ def prism_trial(
     return PrismTrial(*(np.array(column) for column in zip(*steps, strict=True)))
 
 
-@dataclass(frozen=True)
-class PrismOptions(Options):
-    """Where the eyes look, and how far the prisms go."""
-
-    distances_m: tuple[float, ...] = setting(DISTANCES_M, "distances of the plane", "m")
-    ladder_share: float = setting(
-        1.0, "share of the steps up to the strongest prism of each direction", above=0.0, most=1.0
-    )
-
-
 @dataclass(frozen=True, kw_only=True)
 class PrismRow:
     """Prisms of one direction at one distance, over pictures.
@@ -300,9 +290,7 @@ def _summary(trials: dict[tuple[str, float], list[PrismTrial]]) -> PrismSummary:
 
 
 PRISMS = Examination(
-    name="prisms",
-    text="turn the right eye's picture as prisms do, until the eyes no longer fuse",
+    declared=DECLARED["prisms"],
     examine=_examine,
     summary=PrismSummary,
-    options=PrismOptions,
 )

@@ -13,11 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_binocular_vision.examinations.clinic.gratings import crossing
-from active_binocular_vision.examinations.contract.examination import (
-    Distances,
-    Examination,
-    Findings,
-)
+from active_binocular_vision.examinations.contract.declared import DECLARED, Distances
+from active_binocular_vision.examinations.contract.examination import Examination, Findings
 from active_binocular_vision.examinations.contract.measure import SHARE, key, measure
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import Session, session_of
@@ -163,9 +160,7 @@ def _examine(learners: FrozenLearners, shown: Shown, options: Distances) -> Find
 
 
 STEREO = Examination(
-    name="stereo",
-    text="how small a disparity of random dots still decides which way the eyes turn",
+    declared=DECLARED["stereo"],
     examine=_examine,
     summary=StereoSummary,
-    options=Distances,
 )

@@ -8,11 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_binocular_vision.examinations.code.tuning import of_scales
-from active_binocular_vision.examinations.contract.examination import (
-    Distances,
-    Examination,
-    Findings,
-)
+from active_binocular_vision.examinations.contract.declared import DECLARED, LandscapeOptions
+from active_binocular_vision.examinations.contract.examination import Examination, Findings
 from active_binocular_vision.examinations.contract.measure import SHARE, key, measure
 from active_binocular_vision.learners.basis_functions import left_share
 from active_binocular_vision.learners.learners import FrozenLearners
@@ -22,21 +19,12 @@ from active_binocular_vision.learners.session import (
     session_of,
 )
 from active_binocular_vision.learners.shown import Shown
-from lockstep import InputError, setting
+from lockstep import InputError
 from lockstep.machine.progress_lines import progress
 
 Array = NDArray[np.float64]
 
 _N_PICTURES = 10
-
-
-@dataclass(frozen=True)
-class LandscapeOptions(Distances):
-    """Distances and errors; a quarter of a degree is about a pixel."""
-
-    vergence_errors_deg: tuple[float, ...] = setting(
-        tuple((np.arange(-16, 17) / 4.0).tolist()), "errors of vergence", "deg"
-    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,9 +118,7 @@ def _examine(learners: FrozenLearners, shown: Shown, options: LandscapeOptions) 
 
 
 LANDSCAPE = Examination(
-    name="landscape",
-    text="code pictures at vergence errors of -4 to 4 deg: the landscape of the reward",
+    declared=DECLARED["landscape"],
     examine=_examine,
     summary=LandscapeSummary,
-    options=LandscapeOptions,
 )

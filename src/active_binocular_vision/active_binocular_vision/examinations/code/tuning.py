@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.contract.examination import Examination, Findings, Options
+from active_binocular_vision.examinations.contract.declared import DECLARED, Options
+from active_binocular_vision.examinations.contract.examination import Examination, Findings
 from active_binocular_vision.examinations.contract.measure import SHARE, key, measure
 from active_binocular_vision.learners.basis_functions import SCALES, Tuning
 from active_binocular_vision.learners.learners import FrozenLearners
@@ -102,8 +103,7 @@ def scale_row(scale: str, tuned: Tuning, atoms: NDArray[Any], px_deg: float) -> 
 
 
 TUNING = Examination(
-    name="tuning",
-    text="fit Gabor functions to the dictionary: orientation, binocularity, preferred disparity",
+    declared=DECLARED["tuning"],
     examine=_examine,
     summary=TuningSummary,
 )

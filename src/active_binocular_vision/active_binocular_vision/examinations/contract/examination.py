@@ -19,26 +19,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from active_binocular_vision.examinations.contract.declared import Declared
 from active_binocular_vision.examinations.contract.measure import record, text_of
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
-from lockstep import check_settings, flatten, setting
-
-
-@dataclass(frozen=True)
-class Options:
-    """Of an examination without any; others declare theirs with `lockstep.settings.setting`."""
-
-    def __post_init__(self) -> None:
-        """Raise InputError for an option out of its bounds."""
-        check_settings(self)
-
-
-@dataclass(frozen=True)
-class Distances(Options):
-    """Where the eyes look."""
-
-    distances_m: tuple[float, ...] = setting((0.5, 2.0, 6.0), "distances of the plane", "m")
+from lockstep import flatten
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,18 +60,25 @@ class Findings:
 class Examination:
     """An examination.
 
-    name: option of evaluate.sh; text: what --help says; version: rises when a measure is defined
-    otherwise; examine: (learners, shown, options) -> Findings, raises InputError for learners,
-    pictures or options that cannot be used; summary: class of the summary's row; options: their
-    class.
+    declared: its name and options; version: rises when a measure is defined otherwise; examine:
+    (learners, shown, options) -> Findings, raises InputError for learners, pictures or options that
+    cannot be used; summary: class of the summary's row.
     """
 
-    name: str
-    text: str
+    declared: Declared
     examine: Callable[[FrozenLearners, Shown, Any], Findings]
     summary: type[Any]
-    options: type[Any] = Options
     version: int = 1
+
+    @property
+    def name(self) -> str:
+        """Option of evaluate.sh."""
+        return self.declared.name
+
+    @property
+    def options(self) -> type[Any]:
+        """Class of its options."""
+        return self.declared.options
 
     def document(
         self, learners: FrozenLearners, shown: Shown, options: Any, found: Findings

@@ -1,14 +1,9 @@
 """The examination of nine positions: its options, and how it is made."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from active_binocular_vision.examinations.contract.examination import (
-    Distances,
-    Examination,
-    Findings,
-)
+from active_binocular_vision.examinations.contract.declared import DECLARED, NinePositionsOptions
+from active_binocular_vision.examinations.contract.examination import Examination, Findings
 from active_binocular_vision.examinations.nine_positions.looking import (
     NINE_POSITIONS_DEG,
     Looking,
@@ -35,17 +30,8 @@ from active_binocular_vision.examinations.nine_positions.rows import (
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import check_looks_at_targets, session_of
 from active_binocular_vision.learners.shown import Shown
-from lockstep import setting
 
 _N_PICTURES = 5
-
-
-@dataclass(frozen=True)
-class NinePositionsOptions(Distances):
-    """Where the eyes look; the right eye may see black, since the target is in the left picture."""
-
-    covered: str = setting("", "eye that sees black", choices=("", "right"))
-    n_random: int = setting(40, "random targets at each distance", least=4)
 
 
 def _examine(learners: FrozenLearners, shown: Shown, options: NinePositionsOptions) -> Findings:
@@ -90,11 +76,8 @@ def _examine(learners: FrozenLearners, shown: Shown, options: NinePositionsOptio
 
 
 NINE_POSITIONS = Examination(
-    name="nine-positions",
-    text="show nine gaze targets at three distances to eyes that make saccades: Hess chart, energy"
-    " beside the least, and the laws of Sherrington, Listing and Hering",
+    declared=DECLARED["nine-positions"],
     examine=_examine,
     summary=NinePositionsSummary,
-    options=NinePositionsOptions,
     version=2,
 )

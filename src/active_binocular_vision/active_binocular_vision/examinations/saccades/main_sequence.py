@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.examinations.contract.examination import Examination, Findings, Options
+from active_binocular_vision.examinations.contract.declared import DECLARED, MainSequenceOptions
+from active_binocular_vision.examinations.contract.examination import Examination, Findings
 from active_binocular_vision.examinations.contract.measure import SHARE, key, measure
 from active_binocular_vision.examinations.saccades.velocity import MainSequence, fitted
 from active_binocular_vision.learners.correct_gaze import direction_deg as angles_of_direction_deg
@@ -17,7 +18,7 @@ from active_binocular_vision.learners.shown import Shown
 from experiment_manager.measures.tables import number
 from eye_plant.mechanics.movement import Movement, angles_deg, movements
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep import InputError, setting
+from lockstep import InputError
 from lockstep.machine.progress_lines import progress
 
 Array = NDArray[np.float64]
@@ -28,18 +29,6 @@ _DURATION_S = 2.0
 _INTERVAL_S = 0.002
 # Eyes that turn less got no command to.
 _RESTS_DEG = 1e-6
-
-
-@dataclass(frozen=True)
-class MainSequenceOptions(Options):
-    """Where the targets are, seen from straight ahead."""
-
-    amplitudes_deg: tuple[float, ...] = setting(
-        (1.0, 2.0, 5.0, 10.0, 15.0, 20.0), "distances of targets from straight ahead", "deg"
-    )
-    directions_deg: tuple[float, ...] = setting(
-        tuple(45.0 * i for i in range(8)), "of targets, counter-clockwise from the right", "deg"
-    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,9 +167,7 @@ def _saccade(
 
 
 MAIN_SEQUENCE = Examination(
-    name="main-sequence",
-    text="simulate first saccades of 1 to 20 deg over time: amplitude, peak velocity, duration",
+    declared=DECLARED["main-sequence"],
     examine=_examine,
     summary=MainSequenceSummary,
-    options=MainSequenceOptions,
 )

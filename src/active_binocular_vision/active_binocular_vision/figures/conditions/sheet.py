@@ -20,8 +20,8 @@ from active_binocular_vision.figures.style import (
     new_figure,
     title_panels,
 )
+from active_binocular_vision.runs.ages import AGES, BEFORE, BIRTH, END
 from active_binocular_vision.runs.conditions import Column, Condition
-from active_binocular_vision.runs.examined_run import AGES, BEFORE, BIRTH, END
 
 MOST_COLUMNS = 6
 PERCENT_TICKS = (0.0, 50.0, 100.0)

@@ -23,8 +23,9 @@ from active_binocular_vision.figures.conditions.treatments import courses_of, tr
 from active_binocular_vision.figures.style import FIGURES, STYLE, save
 from active_binocular_vision.pages.conditions.published import PUBLISHED
 from active_binocular_vision.pages.report import page as report_page
+from active_binocular_vision.runs.ages import AGES
 from active_binocular_vision.runs.conditions import Column, Condition, conditions_of
-from active_binocular_vision.runs.examined_run import AGES, TEST, ExaminedRun, examined_run
+from active_binocular_vision.runs.examined_run import TEST, ExaminedRun, examined_run
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Common, common_of
 from active_binocular_vision.runs.one_a_core import of_each_run

@@ -1,0 +1,1 @@
+"""The options of the commands: here nothing is imported that keeps somebody waiting for --help."""

@@ -1,0 +1,50 @@
+"""The command line of inspect_bag.sh."""
+
+import argparse
+
+from active_binocular_vision.command_lines.start import start
+from lockstep.command_line import CommandLine
+from lockstep.paths import written_path
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the command line of inspect_bag.sh."""
+    line = CommandLine(
+        prog="inspect_bag.sh",
+        description="Print the run, its learning curve, and topics with counts, rates and gaps.",
+    )
+    line.add_argument("bag", type=written_path, help="bag directory, run directory or .mcap file")
+    line.add_argument(
+        "--configuration", action="store_true", help="also print config.yaml of the run"
+    )
+    line.add_argument(
+        "--repair", action="store_true", help="complete a bag that was cut off or damaged"
+    )
+    line.add_argument(
+        "--extract",
+        type=written_path,
+        metavar="DIR",
+        help="write all pictures into DIR as PNG files",
+    )
+    line.add_argument(
+        "--film",
+        type=written_path,
+        metavar="FILE",
+        help="write a film of episodes before, during and after learning, .mp4 or .gif",
+    )
+    line.add_argument(
+        "--rate",
+        type=float,
+        metavar="X",
+        help="simulated seconds per second of film (default: 5 iterations a second)",
+    )
+    return line
+
+
+def main() -> None:
+    """Run the command line as this process."""
+    start("inspect_bag", parser)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,127 @@
+"""What each examination is called and may be told: what evaluate.sh --help says, and no more.
+
+The rest is with the examination, whose imports take a second.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+from lockstep import check_settings, setting
+
+
+@dataclass(frozen=True)
+class Options:
+    """Of an examination without any; others declare theirs with `lockstep.settings.setting`."""
+
+    def __post_init__(self) -> None:
+        """Raise InputError for an option out of its bounds."""
+        check_settings(self)
+
+
+@dataclass(frozen=True)
+class Distances(Options):
+    """Where the eyes look."""
+
+    distances_m: tuple[float, ...] = setting((0.5, 2.0, 6.0), "distances of the plane", "m")
+
+
+@dataclass(frozen=True)
+class CoverOptions(Distances):
+    """Where the eyes look and begin."""
+
+    at_rest: bool = setting(
+        False, "whether the eyes begin with all muscles at their tonic level, not without errors"
+    )
+
+
+@dataclass(frozen=True)
+class PrismOptions(Options):
+    """Where the eyes look, and how far the prisms go."""
+
+    distances_m: tuple[float, ...] = setting((0.5, 6.0), "distances of the plane", "m")
+    ladder_share: float = setting(
+        1.0, "share of the steps up to the strongest prism of each direction", above=0.0, most=1.0
+    )
+
+
+@dataclass(frozen=True)
+class NinePositionsOptions(Distances):
+    """Where the eyes look; the right eye may see black, since the target is in the left picture."""
+
+    covered: str = setting("", "eye that sees black", choices=("", "right"))
+    n_random: int = setting(40, "random targets at each distance", least=4)
+
+
+@dataclass(frozen=True)
+class MainSequenceOptions(Options):
+    """Where the targets are, seen from straight ahead."""
+
+    amplitudes_deg: tuple[float, ...] = setting(
+        (1.0, 2.0, 5.0, 10.0, 15.0, 20.0), "distances of targets from straight ahead", "deg"
+    )
+    directions_deg: tuple[float, ...] = setting(
+        tuple(45.0 * i for i in range(8)), "of targets, counter-clockwise from the right", "deg"
+    )
+
+
+@dataclass(frozen=True)
+class LandscapeOptions(Distances):
+    """Distances and errors; a quarter of a degree is about a pixel."""
+
+    vergence_errors_deg: tuple[float, ...] = setting(
+        tuple(i / 4.0 for i in range(-16, 17)), "errors of vergence", "deg"
+    )
+
+
+@dataclass(frozen=True)
+class Declared:
+    """name: option of evaluate.sh; text: what --help says; options: their class."""
+
+    name: str
+    text: str
+    options: type[Any] = Options
+
+
+DECLARED = {
+    declared.name: declared
+    for declared in (
+        Declared(
+            "cover",
+            "cover one eye, then the other: phoria, and how the eyes fuse again",
+            CoverOptions,
+        ),
+        Declared(
+            "prisms",
+            "turn the right eye's picture as prisms do, until the eyes no longer fuse",
+            PrismOptions,
+        ),
+        Declared(
+            "acuity", "measure the acuity of each eye, and each eye's share in the code", Distances
+        ),
+        Declared(
+            "stereo",
+            "how small a disparity of random dots still decides which way the eyes turn",
+            Distances,
+        ),
+        Declared(
+            "nine-positions",
+            "show nine gaze targets at three distances to eyes that make saccades: Hess chart,"
+            " energy beside the least, and the laws of Sherrington, Listing and Hering",
+            NinePositionsOptions,
+        ),
+        Declared(
+            "main-sequence",
+            "simulate first saccades of 1 to 20 deg over time: amplitude, peak velocity, duration",
+            MainSequenceOptions,
+        ),
+        Declared(
+            "landscape",
+            "code pictures at vergence errors of -4 to 4 deg: the landscape of the reward",
+            LandscapeOptions,
+        ),
+        Declared(
+            "tuning",
+            "fit Gabor functions to the dictionary: orientation, binocularity, preferred disparity",
+        ),
+    )
+}

@@ -1,0 +1,70 @@
+"""What run_experiment.sh refuses before anything is written, and how it says how to go on."""
+
+import shutil
+
+import pytest
+
+from active_binocular_vision.commands.run_experiment import concluded, main
+from experiment_manager.preparation.request import RunRequest
+from lockstep import InputError
+from lockstep.exit_codes import EXIT_DIVERGED, EXIT_FAULT, EXIT_INTERRUPTED
+
+
+def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    assert main(words) == 2
+    (error,) = capsys.readouterr().err.splitlines()
+    return error
+
+
+@pytest.mark.parametrize("option", ["--out", "--resume"])
+def test_a_directory_that_ros_cannot_be_told(tmp_path, capsys, option: str) -> None:
+    error = refused(capsys, option, str(tmp_path / "caf\udce9"))
+    assert error.startswith("error: expected a text in UTF-8, got '/")
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_host_that_ros_cannot_be_told(tmp_path, capsys) -> None:
+    error = refused(capsys, "--live", "caf\udce9", "--out", str(tmp_path / "run"))
+    assert error.startswith("error: expected a text in UTF-8, got 'caf")
+    assert not any(tmp_path.iterdir())
+
+
+def test_pictures_that_config_yaml_cannot_name(tmp_path, pictures, capsys) -> None:
+    shutil.copytree(pictures, tmp_path / "caf\udce9")
+    line = ["--stimuli", str(tmp_path / "caf\udce9"), "--out", str(tmp_path / "run")]
+    error = refused(capsys, "--in-process", *line, "--set", "eye_plant.stimuli.size_px=64")
+    assert error.startswith("error: expected a text in UTF-8, got '/")
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("option", ["--out", "--stimuli", "--resume", "--branch"])
+def test_a_name_that_is_too_long_is_one_error(tmp_path, capsys, option: str) -> None:
+    out = [] if option in ("--out", "--resume") else ["--out", str(tmp_path / "run")]
+    error = refused(capsys, option, str(tmp_path / ("x" * 300)), *out)
+    assert error.startswith("error: ")
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("code", "expected", "said"),
+    [
+        (EXIT_INTERRUPTED, 130, "to continue: launch_scripts/run_experiment.sh --resume"),
+        (EXIT_FAULT, 3, "once the cause is gone, to continue: launch_scripts/run_experiment.sh "),
+        (EXIT_DIVERGED, 3, ""),
+        (2, 2, ""),
+    ],
+)
+def test_how_to_go_on_is_said_where_that_helps(tmp_path, capsys, code, expected, said) -> None:
+    directory = tmp_path / "run #1"
+    assert concluded(lambda: (directory, code), " --in-process") == expected
+    error = capsys.readouterr().err
+    assert error.startswith(said)
+    assert ("--resume" in error) == bool(said)
+    assert not said or error.endswith(f"--resume '{directory}' --in-process\n")
+
+
+def test_a_profile_that_is_meant() -> None:
+    from experiment_manager.preparation.configuration import configuration_of
+
+    with pytest.raises(InputError, match=r"^profile: got 'precice'; did you mean precise or "):
+        configuration_of(RunRequest(profile="precice"), commit="")

@@ -1,0 +1,25 @@
+"""Paths as people write them."""
+
+from pathlib import Path
+
+import pytest
+
+from lockstep.paths import written_path
+
+
+@pytest.mark.parametrize(
+    ("text", "path"),
+    [
+        ("~", "/home/me"),
+        ("~/runs/x", "/home/me/runs/x"),
+        ("$HOME/photos", "/home/me/photos"),
+        ("${HOME}/photos", "/home/me/photos"),
+        ("$HOMES/photos", "$HOMES/photos"),
+        ("runs/~", "runs/~"),
+        ("~nobody-has-this-name/x", "~nobody-has-this-name/x"),
+        ("/data/$HOME #1: ", "/data/$HOME #1: "),
+    ],
+)
+def test_the_home_directory_at_the_start(monkeypatch, text: str, path: str) -> None:
+    monkeypatch.setenv("HOME", "/home/me")
+    assert written_path(text) == Path(path)
