@@ -17,9 +17,9 @@ from experiment_manager.starts import (
     start_centre_deg,
 )
 from eye_plant.camera.config import CameraConfig
-from eye_plant import Oculomotor
-from eye_plant.inverse.gaze import GAZE_ANGLES, GazeInverse
+from eye_plant.inverse.gaze import GAZE_ANGLES
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
+from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import ALL_MUSCLES, HORIZONTAL_RECTI, InputError, build, flatten
 from lockstep.wire.topics import TEST
 
@@ -63,14 +63,13 @@ def test_the_centre_is_aside_elsewhere_in_each_run_and_on_the_other_side_in_test
     assert (np.abs(shares) >= 0.75).all()
     assert (np.abs(shares) <= 1.0).all()
     assert (shares[:, 0] * shares[:, 1] < 0.0).all()
-    assert len({tuple(s) for s in np.sign(shares[:, 0])}) == 8
+    assert (np.abs(np.sign(shares[:, 0]).mean(axis=0)) < 1.0).all()
 
 
 def test_training_about_the_tonic_level_needs_no_inverse() -> None:
-    config = _config(training_starts="tonic", start_spread=0.01)
-    at_tonic_deg = GazeInverse(MECHANICS, config.space, *config.limits).gaze_deg(
-        Oculomotor(MECHANICS).tonic_activations, 1.0
-    )
+    config = _config(tonic_start_spread=0.005)
+    tonic = Oculomotor(MECHANICS).tonic_activations
+    at_tonic_deg = gaze_inverse(config, MECHANICS).gaze_deg(tonic, 1.0)
     gazes_deg = _training_gazes_deg(config)
     # Up and aside they lie about the tonic gaze, whatever the plane's distance.
     np.testing.assert_allclose(gazes_deg[:, 3:].mean(axis=0), at_tonic_deg[3:], atol=1.0)
@@ -92,19 +91,23 @@ def test_a_test_has_the_same_starts_for_all_pictures_and_others_for_each_seed() 
     assert not {c.start_error_deg for c in found} & {c.start_error_deg for c in elsewhere}
 
 
-def test_training_after_a_change_begins_as_before_unless_it_follows() -> None:
-    def starts_of(**settings: bool) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        schedule = "[{at: 10, set: {eyes.camera.right_rotation_deg: -5.0}}]"
-        config = _config(n_training_iterations=20, mechanics=MECHANICS, schedule=schedule)
-        sequence = make_protocol(replace(config, test_iterations=(), **settings))
-        last = sequence.episode(sequence.place_after(10))
-        plain = make_protocol(replace(config, test_iterations=(), schedule=""))
-        return last.activations, plain.episode(plain.place_after(10)).activations
+def _begins_after_change(schedule: str, *, follows: bool) -> tuple[float, ...]:
+    config = _config(
+        n_training_iterations=20,
+        test_iterations=(),
+        mechanics=MECHANICS,
+        schedule=schedule,
+        starts_follow_changes=follows,
+    )
+    sequence = make_protocol(config)
+    return sequence.episode(sequence.place_after(10)).activations
 
-    one, other = starts_of()
-    assert one == other
-    one, other = starts_of(starts_follow_changes=True)
-    assert one != other
+
+def test_training_after_a_change_begins_as_before_unless_it_follows() -> None:
+    change = "[{at: 10, set: {eyes.camera.right_rotation_deg: -5.0}}]"
+    before = _begins_after_change("", follows=False)
+    assert _begins_after_change(change, follows=False) == before
+    assert _begins_after_change(change, follows=True) != before
 
 
 def test_eyes_behind_a_prism_begin_with_the_errors_that_they_see() -> None:

@@ -84,11 +84,13 @@ class ProtocolConfig(TaskConfig):
         most=10,
         n_entries=3,
     )
-    training_starts: str = setting(
-        "gaze",
-        "with a command for each muscle: whether training begins with drawn errors of gaze, which"
-        " takes an inverse of the eyes, or with activations drawn about the tonic level",
-        choices=("gaze", "tonic"),
+    tonic_start_spread: float = setting(
+        0.0,
+        "with a command for each muscle: standard deviation about the tonic level of the"
+        " activations with which training begins, for which no inverse of the eyes is needed; 0: it"
+        " begins with drawn errors",
+        least=0,
+        most=1,
     )
     starts_follow_changes: bool = setting(
         False,
@@ -106,7 +108,7 @@ class ProtocolConfig(TaskConfig):
     start_spread: float = setting(
         0.03,
         "with a command for each muscle: standard deviation of initial activations about the tonic"
-        " level, in the directions that do not change gaze; in all where training_starts is tonic",
+        " level, in the directions that do not change gaze",
         least=0,
         most=1,
     )

@@ -118,8 +118,9 @@ class GazeStarts:
         config = self._config
         ends_m = config.object_distance_m
         distance_m = drawn_distance_m(config, draw, ends_m, self.baseline_m)
-        if config.training_starts == "tonic":
-            return distance_m, tuple(self._inverse.near_tonic(self._aside(draw)).tolist())
+        if config.tonic_start_spread:
+            aside = self._aside(config.tonic_start_spread, draw)
+            return distance_m, tuple(self._inverse.near_tonic(aside).tolist())
         return distance_m, self._activations(draw_angles_deg(config, draw), distance_m, draw)
 
     def trial(self, condition: Condition, _: np.random.Generator) -> Activations:
@@ -131,11 +132,11 @@ class GazeStarts:
     def _activations(
         self, angles_deg: dict[str, float], distance_m: float, draw: np.random.Generator
     ) -> Activations:
-        found = self._inverse.activations(angles_deg, distance_m, self._aside(draw))
-        return tuple(found.tolist())
+        aside = self._aside(self._config.start_spread, draw)
+        return tuple(self._inverse.activations(angles_deg, distance_m, aside).tolist())
 
-    def _aside(self, draw: np.random.Generator) -> np.ndarray:
-        return draw.normal(0.0, self._config.start_spread, len(self._config.space.names))
+    def _aside(self, spread: float, draw: np.random.Generator) -> np.ndarray:
+        return draw.normal(0.0, spread, len(self._config.space.names))
 
     def targets_deg(
         self, activations: Activations, n_iterations: int, draw: np.random.Generator
