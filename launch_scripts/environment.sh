@@ -1,9 +1,10 @@
 # The scripts in this folder source this file: it has the project's paths and starts one entry point.
 # shellcheck shell=bash
 
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
+root=$(builtin cd "$(dirname "${BASH_SOURCE[0]}")/.." >/dev/null && pwd -P) # with CDPATH, cd says where it went
 venv=$root/.venv
 python=$venv/bin/python
+variables=$root/src/lockstep/lockstep/machine/environment.py # what becomes of the environment, and why
 node_domain=42
 
 # What the environment in .venv was made from. Another lock file, set-up script, folder or Python means: make it again.
@@ -14,20 +15,12 @@ fingerprint() {
 }
 
 is_set_up() {
-  [[ -x $python && -f $venv/set_up ]] && [[ $(fingerprint 2>&1) == "$(<"$venv/set_up")" ]]
+  [[ -x $python && -s $venv/set_up ]] && [[ $(fingerprint 2>/dev/null) == "$(<"$venv/set_up")" ]]
 }
 
 # The comment at the head of the script that was started is its help.
 show_help() {
   sed -n '2,${/^#/!q; s/^# \{0,1\}//p}' "$0"
-}
-
-without_other_ros() { # a colon-separated list of folders, less those of another ROS installation
-  local folder kept=
-  while IFS= read -r -d : folder; do
-    [[ -z $folder || $folder == /opt/ros/* || $folder == */ros_*.libs ]] || kept+=${kept:+:}$folder
-  done <<<"$1:"
-  printf '%s' "$kept"
 }
 
 # Names what numba compiles. A cached function that calls one of another file does not notice when that one changes, and
@@ -36,22 +29,24 @@ compiled_sources() {
   find "$root/src" -name '*.py' -exec grep -lZ numba {} + 2>/dev/null | LC_ALL=C sort -z | xargs -0r cat | sha256sum | cut -c 1-16
 }
 
-export_variables() {
-  # rclpy comes from .venv. One from a sourced ROS installation would be found before it.
-  unset PYTHONPATH PYTHONHOME AMENT_PREFIX_PATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
-  LD_LIBRARY_PATH=$(without_other_ros "${LD_LIBRARY_PATH:-}")
-  export LD_LIBRARY_PATH
-  export HOME=${HOME:-~} # ROS writes its logs there and fails without
-  unset RMW_IMPLEMENTATION # the lock file has only one
+export_variables() { # as this Python says
+  local commands
+  commands=$("$1" -I -S "$variables")
+  eval "$commands"
   export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$venv/numba_cache/$(compiled_sources)}
 }
 
+# pip_install ARGUMENTS...: what a lock file names, from where pip's own settings say, whatever else these say.
+pip_install() (
+  settings=$(PIP_QUIET=0 PIP_VERBOSE=0 "$python" -m pip config list) &&
+    commands=$("$python" -I -S "$variables" pip <<<"$settings") &&
+    eval "$commands" &&
+    "$python" -m pip install --quiet --no-input --disable-pip-version-check --require-hashes "$@"
+)
+
 set_up() {
   is_set_up || "$root/launch_scripts/setup.sh" || exit
-  export_variables
-  local variables
-  variables=$("$python" -I -S "$root/src/lockstep/lockstep/machine/environment.py" "$root/src/lockstep/config")
-  eval "$variables"
+  export_variables "$python"
 }
 
 # run_module MODULE ARGUMENTS...: become the entry point, which has a longer help than ours.

@@ -24,14 +24,16 @@ may_install() {
   [[ $(id -u) == 0 ]] && command -v apt-get >/dev/null
 }
 
+apt_get() {
+  DEBIAN_FRONTEND=noninteractive apt-get -qq --no-install-recommends -o DPkg::Lock::Timeout=120 "$@" </dev/null
+}
+
+# Adds packages of the system, and changes none that is there.
 install_packages() {
   say "installing $* with apt-get"
-  if ! {
-    apt-get update -qq
-    DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends -o DPkg::Lock::Timeout=120 "$@"
-  } </dev/null >/dev/null; then
-    fail "apt-get could not install $*; its message is above."
-  fi
+  apt_get update >/dev/null && would=$(apt_get install --simulate "$@") || fail "apt-get does not know $*."
+  ! grep -q '^Remv\|^Inst [^ ]* \[' <<<"$would" || fail "apt-get would change other packages for $*: install them yourself."
+  apt_get install -y "$@" >/dev/null || fail "apt-get could not install $*; its message is above."
 }
 
 python_fits() {
@@ -40,8 +42,9 @@ python_fits() {
 
 # Sets base_python.
 find_python() {
-  local candidate
-  for candidate in ${ABV_PYTHON:-python3 python3.13 python3.12 python3.11 python3.14}; do
+  local candidate candidates=(python3 python3.13 python3.12 python3.11 python3.14)
+  [[ -z ${ABV_PYTHON:-} ]] || candidates=("$ABV_PYTHON")
+  for candidate in "${candidates[@]}"; do
     if python_fits "$candidate"; then
       base_python=$candidate
       return
@@ -60,19 +63,38 @@ require_python() {
   fail "Python 3.11 to 3.14 with its venv module is needed, for example: sudo apt install python3 python3-venv"
 }
 
-pip_install() {
-  "$python" -m pip install --quiet --no-input --disable-pip-version-check --no-compile --no-user --no-deps \
-    --require-hashes "$@" || fail "pip could not install what requirements.lock names; its message is above."
+# What this script did not make, such as a link to the environment of another checkout, is set aside as it is.
+clear_environment() {
+  local aside
+  aside=$venv.$(date +%Y%m%d-%H%M%S)
+  if [[ -L $venv || -e $venv && ! -f $venv/set_up && -n $(ls -A "$venv") ]]; then
+    mv -T "$venv" "$aside" || fail "expected $venv to be made by this script: move it away"
+    say "$venv was not made by this script: it is now $aside"
+  fi
+  mkdir -p "$venv"
+  : >"$venv/set_up.new"
+  mv "$venv/set_up.new" "$venv/set_up" # empty: made by this script, unfinished
+  find "$venv" -mindepth 1 -maxdepth 1 ! -name set_up -exec rm -rf --one-file-system {} +
+  cp "$(type -P true)" "$venv/true"
+  "$venv/true" || fail "expected a folder in which programs may be started, $root is mounted with noexec."
+  rm "$venv/true"
+}
+
+install_lock() {
+  pip_install --no-compile --no-deps "$@" || fail "pip could not install what requirements.lock names; its message is above."
 }
 
 make_environment() {
   local n_packages
   n_packages=$(grep -c '^[a-z]' "$root/requirements.lock")
-  say "installing $n_packages Python packages into .venv (a minute or two, once)"
-  "$base_python" -I -m venv --clear "$venv" || fail "$base_python could not make an environment in $venv."
+  clear_environment
+  say "making a Python environment in .venv"
+  "$base_python" -I -m venv "$venv" || fail "$base_python could not make an environment in $venv."
+  say "installing $n_packages Python packages into it (a minute or two, once)"
   # setuptools first: it builds the one package that has no wheel, so that nothing unpinned is fetched for that.
-  pip_install -r <(awk '/^[a-z]/ {ours = /^setuptools==/} ours' "$root/requirements.lock")
-  pip_install --no-build-isolation --use-pep517 -r "$root/requirements.lock"
+  install_lock -r <(awk '/^[a-z]/ {ours = /^setuptools==/} ours' "$root/requirements.lock")
+  install_lock --no-build-isolation --use-pep517 -r "$root/requirements.lock"
+  say "compiling them"
   "$python" -m compileall -q -j 0 "$venv/lib" >/dev/null || true # only saves time at the first start
   # From that folder on: Python reads the file in the encoding of the locale, and $root may have an umlaut.
   printf '../../../../src/%s\n' lockstep eye_plant sparse_coder vergence_rl experiment_manager active_binocular_vision \
@@ -80,14 +102,16 @@ make_environment() {
 }
 
 require_own_environment() {
-  [[ ! -e $venv || -w $venv ]] || fail "$venv belongs to the user $(stat -c %U "$venv"), and as $(id -un) you can" \
+  [[ -L $venv || ! -e $venv || -w $venv ]] || fail "$venv belongs to the user $(stat -c %U "$venv"), and as $(id -un) you can" \
     "neither use nor change it: work in a checkout of your own (git clone $root), or have its owner make it again with a" \
     "Python that everybody may start, for example: ABV_PYTHON=/usr/bin/python3 launch_scripts/setup.sh --again"
 }
 
-# Compiles what numba would compile at the first start. That start would show an error better than we can here.
-compile_numerics() {
-  "$python" -c 'import eye_plant.plant, sparse_coder.coder, vergence_rl.agent' >/dev/null 2>&1 || true
+# Also compiles what numba would compile at the first start.
+check_imports() {
+  local said
+  said=$("$python" -c 'import eye_plant.plant, sparse_coder.node, vergence_rl.node, experiment_manager.node' 2>&1) ||
+    fail "what was installed cannot be imported: ${said##*$'\n'}"
 }
 
 main() {
@@ -96,23 +120,18 @@ main() {
       show_help
       exit
       ;;
-    --again)
-      require_own_environment
-      rm -f "$venv/set_up"
-      ;;
-    '') ;;
+    --again | '') ;;
     *) fail "expected no argument or --again, got $1" ;;
   esac
   exec {lock}<"$root" # whoever comes second waits, and finds the work done
-  flock "$lock"
-  is_set_up && exit
+  flock "$lock" || say "this file system has no locks: start nothing else here meanwhile"
+  [[ ${1:-} == --again ]] || ! is_set_up || exit 0
   require_own_environment
   [[ $(uname -sm) == "Linux x86_64" ]] || fail "ROS 2 comes as wheels for x86-64 Linux only; this is $(uname -sm)."
-  export_variables
-  rm -f "$venv/set_up"
   require_python
+  export_variables "$base_python"
   make_environment
-  compile_numerics
+  check_imports
   fingerprint >"$venv/set_up.new"
   mv "$venv/set_up.new" "$venv/set_up" # last, so that an interrupted set-up is made again
   say "done"

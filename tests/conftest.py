@@ -11,10 +11,10 @@ import cv2
 import numpy as np
 import pytest
 
-from lockstep.machine.environment import node_environment
+from lockstep.machine.environment import adopt
 from tests.made_once import made_once
 
-os.environ.update(node_environment(Path(__file__).parents[1] / "src/lockstep/config"))
+adopt()
 # MuJoCo, when it is imported, loads the OpenGL that this variable names. The tests themselves
 # compare pictures with those of its renderer; what they start needs none.
 os.environ["MUJOCO_GL"] = "egl" if ctypes.util.find_library("EGL") else "disable"

@@ -12,7 +12,7 @@ from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN
 from tests.patience import PATIENCE_S
 from tests.supervisor import LoneNode
 
-_PROFILE = Path(__file__).parents[1] / "src/lockstep/config/network.xml"
+_PROFILE = Path(__file__).parents[1] / "src/lockstep/lockstep/machine/network.xml"
 # As launch_scripts/environment.sh has it for graphs across machines.
 _VARIABLES = ("ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET", f"FASTRTPS_DEFAULT_PROFILES_FILE={_PROFILE}")
 # Says so when it is set up, and ends when nobody holds the other end of its input any more.

@@ -8,16 +8,15 @@ usage: .venv/bin/python docs/examples/gymnasium_curves.py PNG
 import sys
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 
 from active_binocular_vision.figures.style import (
     BLUE,
-    STYLE,
     VERMILION,
     label_decades,
     mark_level,
     new_figure,
+    own_style,
     save,
 )
 from eye_plant.vergence import degrees_per_px
@@ -34,7 +33,7 @@ CURVES = (
 def main() -> None:
     """Draw a line for each agent, and its score in tests at the end."""
     scores = (MEASURED / "scores.txt").read_text().splitlines()
-    with mpl.rc_context(STYLE):
+    with own_style():
         figure = new_figure(6.0, 3.0)
         axes = figure.add_subplot()
         for name, table, colour, marker in CURVES:

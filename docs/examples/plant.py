@@ -85,15 +85,16 @@ class Plant(Node):
             "target_sideways_deg": 0.0,
             "target_up_deg": 0.0,
         }
-        self.send("muscle_states", MUSCLES, [0.04] * 4)
-        self.send("muscle_activations", MUSCLES, [medial, lateral] * 2, rates)
-        self.send("ground_truth", truth, truth.values())
-        self.send("episode", EPISODE, [counted[name] for name in EPISODE])
-        self.send("eye_states", ["left_adduction", "right_adduction"], [adduction] * 2)
         if self.i < asked["n_iterations"]:
             shift = round(257.34 * math.tan(math.radians(desired / 2.0 - adduction)))
             for eye, first in zip(self.eyes, (160 - shift, 160 + shift), strict=True):
                 eye.publish(self.picture(NOISE[:, first : first + 320]))
+        self.send("muscle_states", MUSCLES, [0.04] * 4)
+        self.send("muscle_activations", MUSCLES, [medial, lateral] * 2, rates)
+        self.send("ground_truth", truth, truth.values())
+        self.send("episode", EPISODE, [counted[name] for name in EPISODE])
+        angles_rad = [math.radians(adduction)] * 2
+        self.send("eye_states", ["left_adduction", "right_adduction"], angles_rad)
 
     def send(self, topic, names, position, effort=()) -> None:
         """Send a vector of named values."""

@@ -19,7 +19,7 @@ setup(
         (f"share/{package}", ["package.xml", "LICENSE", "README.md"]),
         (f"share/{package}/launch", glob("launch/*.launch.py")),
     ],
-    install_requires=["setuptools"],
+    install_requires=["setuptools", "mujoco>=4"],
     extras_require={"test": ["pytest"]},
     zip_safe=False,
     entry_points={

@@ -1,5 +1,3 @@
-from glob import glob
-
 from setuptools import find_packages, setup
 
 package = "lockstep"
@@ -13,10 +11,10 @@ setup(
     license="Apache-2.0",
     url="https://active-binocular-vision.example",
     packages=find_packages(include=[package, f"{package}.*"]),
+    package_data={package: ["machine/*.xml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml", "LICENSE", "README.md"]),
-        (f"share/{package}/config", glob("config/*.xml")),
     ],
     install_requires=["setuptools"],
     extras_require={"test": ["pytest"]},

@@ -3,10 +3,9 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
-import matplotlib as mpl
 import pytest
 
-from active_binocular_vision.figures.style import STYLE
+from active_binocular_vision.figures.style import own_style
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import Session, session_of
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
@@ -16,7 +15,7 @@ from active_binocular_vision.runs.finished_run import FinishedRun
 @pytest.fixture(autouse=True)
 def style() -> Iterator[None]:
     """Figures are drawn as the commands draw them."""
-    with mpl.rc_context(STYLE):
+    with own_style():
         yield
 
 

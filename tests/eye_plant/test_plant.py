@@ -1,5 +1,6 @@
 """A plant that is changed is as one that was made so, and muscles hold what they were told."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from eye_plant.config import changed
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.stimuli.stereograms import random_dot_stereograms
 from lockstep import ALL_MUSCLES, MUSCLE_NAMES, InputError
+from lockstep.wire.topics import TRAINING
 from tests.pair import HORIZONTAL_RECTI, pair_activations
 
 ALTERED = {
@@ -71,6 +73,8 @@ def test_a_refused_change_leaves_the_plant_as_it_was(plain, made):
     for settings, message in (
         ({"camera.left_blur_px": -1.0}, "left_blur_px: expected 0 px or more"),
         ({"camera.width_px": 64}, "camera.width_px: expected the same for a whole run"),
+        # By which turns are measured in pictures.
+        ({"camera.focal_length_px": 200.0}, "camera.focal_length_px: expected the same"),
         ({"mechanics.control_period_s": 0.1}, "control_period_s: expected the same"),
         ({"camera.blur": 1.0}, "unknown parameter camera.blur"),
     ):
@@ -147,3 +151,26 @@ def test_a_command_of_muscles_with_their_own_names_all_of_them(plain, made) -> N
     values = np.linspace(0.0, 0.11, 12)
     in_reverse = plant.targets(MUSCLE_NAMES[::-1], values[::-1])
     assert in_reverse.tolist() == values.tolist()
+
+
+def test_the_least_cost_of_a_trial_is_that_at_the_target_of_then(plain, made):
+    config = replace(
+        plain,
+        command_space=ALL_MUSCLES,
+        mechanics=MechanicsConfig(parameter_set="anatomical"),
+        lowest_activations=(0.0,),
+        highest_activations=(0.2,),
+    )
+    plant, tonic = made(config), [0.05] * 12
+    trial = Episode.alone(0, 2.0, tonic, n_iterations=2, targets_deg=(8.0, 8.0, -8.0, 0.0))
+
+    def least_w(episode):
+        first = plant.begin(episode)
+        others = [plant.execute(np.array(tonic)) for _ in range(episode.n_iterations)]
+        return [o.truth.optimal_metabolic_rate_w for o in (first, *others)]
+
+    # By the inverse with all its first weights. The second target holds to the end.
+    assert least_w(trial) == pytest.approx([0.0529, 0.0335, 0.0335], abs=1e-4)
+    assert least_w(replace(trial, targets_deg=())) == pytest.approx([0.0107] * 3, abs=1e-4)
+    # Training may have other targets than the episode gives.
+    assert all(map(math.isnan, least_w(replace(trial, phase=TRAINING))))

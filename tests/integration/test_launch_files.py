@@ -10,7 +10,7 @@ import pytest
 
 from experiment_manager.sections import CONFIG_CLASSES
 from lockstep import flatten
-from lockstep.machine.environment import node_environment
+from lockstep.machine.environment import changes
 
 ROOT = Path(__file__).parents[2]
 PLANT = ROOT / "src/eye_plant/launch/eye_plant.launch.py"
@@ -31,27 +31,25 @@ class Call:
 _STAND_INS = {
     "launch": "LaunchDescription LaunchContext",
     "launch.actions": "DeclareLaunchArgument OpaqueFunction RegisterEventHandler "
-    "SetEnvironmentVariable Shutdown",
+    "SetEnvironmentVariable Shutdown UnsetEnvironmentVariable",
     "launch.event_handlers": "OnProcessExit",
     "launch.substitutions": "LaunchConfiguration",
     "launch_ros": "",
     "launch_ros.actions": "Node",
     "launch_ros.parameter_descriptions": "ParameterValue",
-    "ament_index_python": "",
-    "ament_index_python.packages": "",
 }
 
 
 @pytest.fixture(autouse=True)
 def stand_ins(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Put stand-ins where `launch` would be."""
+    """Put stand-ins where `launch` would be, in the environment of a robot."""
+    monkeypatch.setenv("ROS_DISCOVERY_SERVER", "192.0.2.7:11811")
+    monkeypatch.delenv("FASTRTPS_DEFAULT_PROFILES_FILE")
     for name, kinds in _STAND_INS.items():
         module = ModuleType(name)
         for kind in kinds.split():
             setattr(module, kind, type(kind, (Call,), {}))
         monkeypatch.setitem(sys.modules, name, module)
-    packages: Any = sys.modules["ament_index_python.packages"]
-    packages.get_package_share_directory = lambda package: str(ROOT / "src" / package)
 
 
 def _loaded(file: Path) -> tuple[ModuleType, list[Any]]:
@@ -80,9 +78,11 @@ def _check_node(node: Call, package: str) -> None:
 
 
 def _check_environment(entities: list[Any]) -> None:
-    variables = dict(v.arguments for v in _of_kind(entities, "SetEnvironmentVariable"))
-    assert variables == node_environment(ROOT / "src/lockstep/config")
-    assert Path(variables["FASTRTPS_DEFAULT_PROFILES_FILE"]).is_file()
+    made = dict(v.arguments for v in _of_kind(entities, "SetEnvironmentVariable"))
+    assert Path(made["FASTRTPS_DEFAULT_PROFILES_FILE"]).is_file()
+    (unset,) = _of_kind(entities, "UnsetEnvironmentVariable")
+    assert unset.arguments == ("ROS_DISCOVERY_SERVER",)
+    assert made | {"ROS_DISCOVERY_SERVER": None} == changes()
 
 
 def _plant_parameters(entities: list[Any], context: dict[str, str]) -> list[Any]:

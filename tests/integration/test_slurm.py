@@ -28,7 +28,7 @@ def slurm() -> Iterator[Cluster]:
 def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, pictures, tmp_path):
     sweep_file = tmp_path / "small.yaml"
     write_sweep(sweep_file, pictures, {"seed": [1, 2, 3]}, iterations=400)
-    directory = tmp_path / "array"
+    directory = tmp_path / "50%jobs"  # Slurm's patterns begin with %
     words = ["--slurm", "--partition", PARTITION, "--time", "60", "--tasks", "2"]
     output = finished(start_sweep(sweep_file, "--out", directory, *words, **slurm.variables))
     found = re.search(r"^job (\d+): 3 tasks; ", output, re.MULTILINE)
@@ -51,6 +51,7 @@ def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, picture
     assert "stopping after this episode, with a checkpoint" in log
     pool = tmp_path / "pool"
     finished(start_sweep(sweep_file, "--out", pool, "--jobs", 2))
+    assert (directory / "logs" / "slurm_0.out").exists()
     for run in runs:
         assert differences(run, pool / run.name) == []
     assert "3 done" in finished(start_sweep(directory, "--slurm", **slurm.variables))

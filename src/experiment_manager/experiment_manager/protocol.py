@@ -5,7 +5,6 @@ function of (configuration, seed, place in the sequence), so a run goes on where
 """
 
 import bisect
-import functools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +16,8 @@ from experiment_manager.starts import Starts, conditions, starts
 from eye_plant import Episode
 from lockstep import PAIR, InputError, generator
 from lockstep.wire.topics import TEST, TRAINING
+
+_N_KEPT = 4
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ class Protocol:
         self.segments = self._segments()
         self._firsts = [segment.first for segment in self.segments]
         # Drawing an episode takes milliseconds (the inverse of the plant); some ask more than once.
-        self._cached = functools.lru_cache(maxsize=4)(self._draw)
+        self._drawn: dict[int, Episode] = {}
 
     def __len__(self) -> int:
         """Return the number of episodes, test trials included."""
@@ -162,7 +163,11 @@ class Protocol:
 
     def episode(self, place: int) -> Episode:
         """Return the episode at a place in the sequence; raises IndexError beyond the end."""
-        return self._cached(place)
+        episode = self._drawn.get(place)
+        if episode is None:
+            episode = self._draw(place)
+            self._drawn = dict([*self._drawn.items(), (place, episode)][-_N_KEPT:])
+        return episode
 
     def training_episodes(self) -> Iterator[Episode]:
         """Yield the training episodes, one after the other, without the tests between them."""

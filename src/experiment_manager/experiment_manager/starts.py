@@ -7,6 +7,7 @@ centred on 0, where the mean of all starts would be the right posture, but aside
 run, and on the other side in its tests.
 """
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -164,9 +165,8 @@ def starts(
     """
     if config.command_space == PAIR:
         inverse, limits = Inverse(mechanics), config.pair_limits
-        return PairStarts(
-            config, mechanics.baseline_m, lambda v, part: inverse.activations(v, part, limits)
-        )
+        of_vergence = functools.partial(inverse.activations, limits=limits)
+        return PairStarts(config, mechanics.baseline_m, of_vergence)
     return GazeStarts(config, mechanics, turns_deg)
 
 

@@ -7,9 +7,6 @@ params_file may be the config.yaml of any run: it has the parameters of all node
 repaired, and nodes not started again: that is run_experiment's.
 """
 
-from pathlib import Path
-
-from ament_index_python.packages import get_package_share_directory
 from launch import LaunchContext, LaunchDescription
 from launch.actions import (
     DeclareLaunchArgument,
@@ -17,13 +14,14 @@ from launch.actions import (
     RegisterEventHandler,
     SetEnvironmentVariable,
     Shutdown,
+    UnsetEnvironmentVariable,
 )
 from launch.event_handlers import OnProcessExit
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
-from lockstep.machine.environment import node_environment
+from lockstep.machine.environment import changes
 
 MANAGER = "experiment_manager"
 PACKAGES = ("eye_plant", "sparse_coder", "vergence_rl", MANAGER)
@@ -31,7 +29,6 @@ PACKAGES = ("eye_plant", "sparse_coder", "vergence_rl", MANAGER)
 
 def generate_launch_description() -> LaunchDescription:
     """Return the four nodes, in one namespace."""
-    variables = node_environment(Path(get_package_share_directory("lockstep")) / "config")
     return LaunchDescription(
         [
             DeclareLaunchArgument("namespace", default_value="", description="of all nodes"),
@@ -43,7 +40,12 @@ def generate_launch_description() -> LaunchDescription:
                 default_value="",
                 description="for all nodes",
             ),
-            *(SetEnvironmentVariable(name, value) for name, value in variables.items()),
+            *(
+                UnsetEnvironmentVariable(name)
+                if value is None
+                else SetEnvironmentVariable(name, value)
+                for name, value in changes().items()
+            ),
             OpaqueFunction(function=_graph),
         ]
     )

@@ -14,7 +14,8 @@ class GroundTruth:
     of the plane's centre (K17 eq. 6), else that with which the right eye would look where the left
     one does;
     metabolic_rate_w is C, the charged settled rate of both eyes; initial_... is C_0, optimal_... is
-    C* (K17 eq. 8).
+    C* (K17 eq. 8), NaN where it is not known: of a gaze target that the muscles do not reach, and
+    in training with targets.
     """
 
     adduction_deg: tuple[float, float]

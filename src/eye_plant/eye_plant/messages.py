@@ -70,7 +70,10 @@ class ObservationMessages:
         )
 
     def mean_metabolic_rates(self, stamp_ns: int, observation: Observation) -> bytes:
-        """Return what the muscles took over the control period, transients and work included."""
+        """Return what the muscles took over the control period, transients and work included.
+
+        Of eyes that run free or move at once it is their settled rate.
+        """
         return self._muscles.of(stamp_ns, observation.state.mean_metabolic_rate_w)
 
     def pictures(self, stamp_ns: int, pictures: np.ndarray) -> Iterator[tuple[str, bytes]]:

@@ -1,5 +1,6 @@
 """The whole plant: two eyes, their muscles, and what they see. The order of its step is here."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -18,6 +19,7 @@ from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli
 from eye_plant.turns import turned
 from eye_plant.vergence import desired_vergence_deg
 from lockstep import PAIR, InputError
+from lockstep.wire.topics import TRAINING
 
 
 class EyePlant:
@@ -64,7 +66,8 @@ class EyePlant:
         self._iteration = 0
         self._desired_deg = 0.0
         self._initial_rate_w = 0.0
-        self._optimal_rate_w = 0.0
+        # Of each gaze target, None where there is none.
+        self._optimal_rates_w: Mapping[tuple[float, float] | None, float] = {}
 
     @property
     def is_waiting(self) -> bool:
@@ -109,10 +112,10 @@ class EyePlant:
             self.config.mechanics.baseline_m,
             self._camera.parallax_m(episode.stimulus),
         )
-        optimal_rate_w = self._cost.least_w(desired_deg)
+        optimal_rates_w = self._least_rates_w(episode, desired_deg)
         # Nothing is refused from here on.
         self._episode, self._iteration = episode, 0
-        self._desired_deg, self._optimal_rate_w = desired_deg, optimal_rate_w
+        self._desired_deg, self._optimal_rates_w = desired_deg, optimal_rates_w
         self._held_activations = np.array(episode.activations)
         self.oculomotor.settle(self._held_activations)
         state = self.oculomotor.state()
@@ -179,7 +182,7 @@ class EyePlant:
             desired_vergence_deg=desired_deg,
             metabolic_rate_w=self._charged_rate_w(state),
             initial_metabolic_rate_w=self._initial_rate_w,
-            optimal_metabolic_rate_w=self._optimal_rate_w,
+            optimal_metabolic_rate_w=self._optimal_rates_w[target_deg],
             target_deg=target_place_deg(seeing[0], *target_deg) if target_deg else (0.0, 0.0),
         )
         pictures = None
@@ -188,6 +191,18 @@ class EyePlant:
                 positions_m, rotations, episode.stimulus, episode.object_distance_m
             )
         return Observation(episode, self._iteration, pictures, state, truth)
+
+    def _least_rates_w(
+        self, episode: Episode, desired_deg: float
+    ) -> dict[tuple[float, float] | None, float]:
+        """Return C* for each target of an episode, or for None."""
+        if not episode.n_targets:
+            return {None: self._cost.least_w(desired_deg)}
+        targets = set(zip(episode.targets_deg[::2], episode.targets_deg[1::2], strict=True))
+        if episode.phase == TRAINING:
+            # Others may come by the topic gaze_target, and nothing is measured of training.
+            return dict.fromkeys(targets, math.nan)
+        return {target: self._cost.least_w(desired_deg, target) for target in targets}
 
     def _charged_rate_w(self, state: OculomotorState) -> float:
         return float(state.metabolic_rate_w[self.config.space.indices].sum())

@@ -1,5 +1,8 @@
 """Both eyes' pictures of the scene: what is checked before and done after they are drawn."""
 
+import copy
+from typing import Any
+
 import numpy as np
 
 from eye_plant.camera.blur import Blur
@@ -43,12 +46,23 @@ class StereoCamera:
         for i_texture, texture in enumerate(textures):
             _check_picture(i_texture, texture)
         self.n_stimuli = len(self._i_textures)
+        self._stimuli, self._eye_height_m = stimuli, eye_height_m
         self._renderer: Renderer = (
             MujocoRenderer(config, eye_height_m, textures)
             if config.renderer == MUJOCO
             else PlaneRenderer(config, eye_height_m, textures)
         )
         self._take_settings_of(config)
+
+    def __deepcopy__(self, memo: object) -> "StereoCamera":
+        """Share the pictures and what was made of them, which nobody changes."""
+        other = object.__new__(StereoCamera)
+        other.__dict__.update(self.__dict__, _renderer=copy.copy(self._renderer))
+        return other
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as what the camera was made of."""
+        return StereoCamera, (self._config, self._stimuli, self._eye_height_m)
 
     def reconfigure(self, config: CameraConfig) -> None:
         """Take other settings, of the same renderer and size of pictures; the stimuli stay."""

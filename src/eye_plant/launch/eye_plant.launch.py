@@ -3,16 +3,19 @@
 ros2 launch eye_plant eye_plant.launch.py rate_hz:=100.0 parameter_set:=anatomical
 """
 
-from pathlib import Path
 from typing import Any
 
-from ament_index_python.packages import get_package_share_directory
 from launch import LaunchContext, LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
+from launch.actions import (
+    DeclareLaunchArgument,
+    OpaqueFunction,
+    SetEnvironmentVariable,
+    UnsetEnvironmentVariable,
+)
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from lockstep.machine.environment import node_environment
+from lockstep.machine.environment import changes
 
 RATE_HZ = 100.0
 _ARGUMENTS = {
@@ -25,14 +28,18 @@ _ARGUMENTS = {
 
 def generate_launch_description() -> LaunchDescription:
     """Return the node: the user's file takes precedence over defaults, arguments over both."""
-    variables = node_environment(Path(get_package_share_directory("lockstep")) / "config")
     return LaunchDescription(
         [
             *(
                 DeclareLaunchArgument(name, default_value="", description=text)
                 for name, text in _ARGUMENTS.items()
             ),
-            *(SetEnvironmentVariable(name, value) for name, value in variables.items()),
+            *(
+                UnsetEnvironmentVariable(name)
+                if value is None
+                else SetEnvironmentVariable(name, value)
+                for name, value in changes().items()
+            ),
             OpaqueFunction(function=_plant),
         ]
     )

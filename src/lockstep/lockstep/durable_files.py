@@ -1,39 +1,72 @@
 """Files that are there as a whole or not at all, after a kill or a loss of power."""
 
 import contextlib
+import errno
 import os
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
+from typing import IO, BinaryIO
 
 _PROBE_BYTES = 1 << 16
+# How file systems say that they lack fsync, as CIFS and some in user space do for directories, or
+# that it is not allowed. A disk that fails or is full says something else.
+_NO_SYNC = (
+    *(errno.EACCES, errno.EBADF, errno.EINVAL, errno.EISDIR, errno.ENOSYS, errno.ENOTTY),
+    *(errno.EOPNOTSUPP, errno.EPERM),
+)
 
 
 def replace_file(path: Path, content: bytes) -> None:
-    """Write a file beside path, sync it and rename it to path, so that path is never half-written.
+    """Write a file as `replacement_of` does."""
+    with replacement_of(path) as stream:
+        stream.write(content)
 
-    The directory is synced too: after this, the content survives a loss of power.
+
+@contextlib.contextmanager
+def replacement_of(path: Path) -> Iterator[BinaryIO]:
+    """Yield a file beside path, synced and renamed to path at the end: it is never half-written.
+
+    The directory is synced too: after this, the content survives a loss of power. When the block or
+    the disk raises something, path is as it was and nothing lies beside it.
     """
     beside = path.with_name(path.name + ".part")
     try:
         with beside.open("wb") as stream:
-            stream.write(content)
-            stream.flush()
-            os.fsync(stream.fileno())
+            yield stream
+            sync(stream)
         beside.replace(path)
-    except OSError:
+    except BaseException:
         with contextlib.suppress(OSError):
             beside.unlink()
         raise
     sync_directory(path.parent)
 
 
+def sync(file: IO[bytes]) -> None:
+    """Make what was written to a file survive a loss of power, where its file system can do so."""
+    file.flush()
+    with _where_there_is_sync():
+        os.fsync(file.fileno())
+
+
 def sync_directory(directory: Path) -> None:
-    """Make renames and new names in a directory survive a loss of power."""
-    handle = os.open(directory, os.O_RDONLY)
+    """Make renames and new names in a directory survive a loss of power, as far as `sync` can."""
+    with _where_there_is_sync():
+        handle = os.open(directory, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+@contextlib.contextmanager
+def _where_there_is_sync() -> Iterator[None]:
     try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
+        yield
+    except OSError as error:
+        if error.errno not in _NO_SYNC:
+            raise
 
 
 def is_free(directory: Path) -> bool:
@@ -46,8 +79,7 @@ def why_unwritable(directory: Path) -> str:
     try:
         with tempfile.TemporaryFile(dir=directory) as file:
             file.write(bytes(_PROBE_BYTES))
-            file.flush()
-            os.fsync(file.fileno())
+            sync(file)
     except OSError as error:
         return str(error)
     return ""

@@ -9,10 +9,14 @@ class InputError(ValueError):
     A text too long to read is shortened in its middle: what came may be of any size.
     """
 
-    def __init__(self, text: str) -> None:
-        """text: the message."""
-        if len(text) > _LONGEST:
-            text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
+    def __init__(self, text: object, longest: int = _LONGEST) -> None:
+        """text: the message, or an error with it, as Gymnasium makes that of a worker again.
+
+        longest: characters of which nothing is left out.
+        """
+        text = str(text)
+        if len(text) > longest:
+            text = f"{text[: longest // 2]} ... {text[-longest // 2 :]}"
         super().__init__(text)
 
 

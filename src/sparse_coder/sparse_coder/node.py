@@ -107,7 +107,7 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
         """
         given_deg = NOWHERE_DEG
         if set(TARGET_NAMES) <= set(episode.name):
-            given_deg = values_of(episode, TARGET_NAMES, "episode", may_lack=True)
+            given_deg = values_of(episode, TARGET_NAMES, "episode", may_lack=TARGET_NAMES)
         begins = iteration % self.config.fixation_iterations == 0
         if begins and phase == TRAINING and self._wanted_deg is not None:
             return self._wanted_deg

@@ -54,7 +54,7 @@ def gaze_of(message: JointState, reward: JointState) -> dict[str, Any]:
 
     Raises InputError as `values_of`; NaN stands for what there is not.
     """
-    values = values_of(message, GAZE_NAMES, GAZE, may_lack=True)
+    values = values_of(message, GAZE_NAMES, GAZE, may_lack=GAZE_NAMES)
     (energy_penalty,) = values_of(reward, ("energy_penalty",), "reward").tolist()
     return {
         "target_deg": values[:2],

@@ -9,7 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from active_binocular_vision.commands import run_experiment
 from active_binocular_vision.commands.report import main
+from active_binocular_vision.figures.runs.learning_curve import performance_figure
 from active_binocular_vision.runs.finished_run import FinishedRun
 from experiment_manager.measures.kept_trials import with_test, write_trials
 from experiment_manager.measures.results import write_document
@@ -56,6 +58,7 @@ def test_the_report_of_two_models(run_directories, tmp_path, capsys) -> None:
         "performance.png",
     ]
     assert "M_C has no checkpoint to take basis functions from." in text
+    assert text.count("<div><table>") == text.count("<table>") > 0, "wide ones scroll by themselves"
     assert "0 %" in text
     assert "-0.0 %" not in text
     assert re.search(r"<td>[0-9.]+ % \(all 400\)</td>", text), "there were no 5,000 iterations"
@@ -78,7 +81,7 @@ def test_a_page_says_of_each_command_space_what_holds_for_it(tmp_path: Path) -> 
     assert main([str(run)]) == 0
     assert (run / "figures" / "performance.png").is_file()
     text = _page(run)
-    assert "Not drawn without a plane of two activations, those of both eyes alike" in text
+    assert "and a plane of two activations, those of both eyes alike: twelve." in text
     assert "Where each muscle has a command of its own" in text
     assert "median |cyclovergence error| / deg" in text
     assert "superior oblique and inferior oblique" in text
@@ -89,6 +92,15 @@ def test_a_page_says_of_each_command_space_what_holds_for_it(tmp_path: Path) -> 
     text = _page(tmp_path / "both")
     for of_both in ("paper, M", "up to 2 m", "Where each muscle has a command of its own"):
         assert of_both in text
+
+
+def test_a_figure_that_fails_does_not_cost_the_end_of_a_run(tmp_path, monkeypatch, capsys) -> None:
+    def without_latex(directory: Path) -> Path:
+        raise RuntimeError("latex could not be found")
+
+    monkeypatch.setattr(f"{performance_figure.__module__}.learning_curve", without_latex)
+    assert run_experiment.figure_of(tmp_path) is None
+    assert capsys.readouterr().err == "no learning curve: latex could not be found\n"
 
 
 def test_what_is_no_run_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -144,7 +156,7 @@ def test_a_sweep_without_bags_pools_its_seeds(kept, run_directories, capsys) -> 
         "motor_space",
         "conditions",
     }
-    assert "Not drawn without a test in a bag: M_1, M_2, M_C_1, M_C_2." in text
+    assert "a test in a bag, with enough observations in a bin: M_1, M_2, M_C_1, M_C_2." in text
     whole = FinishedRun(run_directories["M"]).summaries[-1]
     median_deg = whole.median_abs_vergence_error_deg
     assert median_deg is not None

@@ -1,13 +1,18 @@
 """The common style of figures, on axes without data of a run."""
 
+import os
+import subprocess
+import sys
+
 import matplotlib as mpl
 import pytest
 
+from active_binocular_vision.figures.quartiles import scale_errors
 from active_binocular_vision.figures.style import (
-    STYLE,
     label_decades,
     mark_level,
     new_figure,
+    own_style,
     panel_grid,
     title_panels,
 )
@@ -16,7 +21,7 @@ from tests.readable import assert_readable, drawn_texts
 
 @pytest.mark.parametrize(("level", "names"), [(0.3, ["1 px"]), (0.01, [])])
 def test_a_level_is_named_where_it_is_in_sight(level: float, names: list[str]) -> None:
-    with mpl.rc_context(STYLE):
+    with own_style():
         figure = new_figure(3.0, 2.0)
         axes = figure.subplots()
         axes.plot([0, 1], [0.2, 0.9])
@@ -25,6 +30,17 @@ def test_a_level_is_named_where_it_is_in_sight(level: float, names: list[str]) -
         assert_readable(figure)
     assert [text.get_text() for text in drawn_texts(figure) if "px" in text.get_text()] == names
     assert axes.get_ylim() == pytest.approx((0.1, 1.0))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("errors_deg", [[], [0.0, 0.0], [float("nan")]])
+def test_what_is_never_above_0_has_no_decades(errors_deg: list[float]) -> None:
+    figure = new_figure(3.0, 2.0)
+    axes = figure.subplots()
+    axes.plot(range(len(errors_deg)), errors_deg)
+    scale_errors(axes, 0.2)
+    figure.draw_without_rendering()
+    assert axes.get_yscale() == "linear"
 
 
 def test_panels_have_letters_and_the_rest_of_a_grid_is_empty() -> None:
@@ -47,3 +63,27 @@ def test_text_that_cannot_be_read_is_found() -> None:
     other.set(position=(0.5, 0.8), fontsize=6)
     with pytest.raises(AssertionError, match="too small: other"):
         assert_readable(figure)
+
+
+def test_a_file_of_the_user_changes_no_figure() -> None:
+    with mpl.rc_context({"text.usetex": True, "axes.grid": True}):
+        with own_style():
+            assert not mpl.rcParams["text.usetex"]
+            assert not mpl.rcParams["axes.grid"]
+        assert mpl.rcParams["text.usetex"]
+
+
+@pytest.mark.parametrize(
+    "module", ["active_binocular_vision.commands.report", "eye_plant.validation.figure"]
+)
+def test_the_backend_of_a_kernel_is_not_asked_for(module: str) -> None:
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(sys.path),
+        "MPLBACKEND": "module://matplotlib_inline.backend_inline",
+    }
+    script = f"import {module}, matplotlib; print(matplotlib.get_backend())"
+    done = subprocess.run(
+        [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=False
+    )
+    assert (done.stdout, done.stderr) == ("agg\n", "")

@@ -24,6 +24,11 @@ def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[Fini
     assert len(groups[0].trials_at(130).trial) == 2 * 39
 
 
+def test_a_run_goes_to_another_process_without_what_was_read(runs: list[FinishedRun]) -> None:
+    assert runs[0].recorded.tests
+    assert vars(runs[0].unread()).keys() == {"directory", "name"}
+
+
 def _with(run: FinishedRun, section: str, **changed: Any) -> FinishedRun:
     """The same run as if settings of a section had been others; __ is the dot in a name."""
     other = copy.copy(run)
@@ -45,20 +50,33 @@ def test_runs_with_other_settings_are_not_pooled(runs: list[FinishedRun]) -> Non
     assert (first.rank, second.rank) == ((0, 2), (1, 2))
 
 
+def test_every_setting_in_which_runs_differ_is_named(runs: list[FinishedRun]) -> None:
+    strength = [0.5] * 12
+    stimuli = {"stimuli__directory": "/my/photos", "stimuli__n_training": 14}
+    other = _with(runs[0], "eye_plant", **stimuli, stimuli__n_test=6)
+    other = _with(other, "eyes", mechanics__strength=strength)
+    _, second = groups_of([runs[0], other])
+    assert second.name.startswith("M, photos stimuli, ")
+    for named in ("n_test 6", "n_training 14", f"strength {strength}"):
+        assert named in second.name
+
+
 def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(
     runs: list[FinishedRun],
 ) -> None:
     paper = _with(runs[0], "experiment_manager", profile="paper")
     precise = _with(runs[0], "experiment_manager", profile="precise")
-    # Where runs of one profile differ, it does not say in what.
     third = _with(precise, "eyes", mechanics__parameter_set="anatomical")
     first, second = groups_of([paper, third])
-    assert first.label.endswith(", profile paper, 1 run")
-    assert second.label.endswith(", profile precise, 1 run")
-    assert second.name == "M, profile precise"
+    assert first.label.endswith(", profile paper, parameter_set k17, 1 run")
+    assert second.name == "M, profile precise, parameter_set anatomical"
+    assert [group.name for group in groups_of([paper, precise])] == [
+        "M, profile paper",
+        "M, profile precise",
+    ]
     names = [group.name for group in groups_of([paper, precise, third])]
     assert names == [
-        "M, profile paper",
+        "M, profile paper, parameter_set k17",
         "M, profile precise, parameter_set k17",
         "M, profile precise, parameter_set anatomical",
     ]

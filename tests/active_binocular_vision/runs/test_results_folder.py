@@ -2,6 +2,7 @@
 
 import csv
 import json
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from active_binocular_vision.commands.report import main
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import groups_of
-from active_binocular_vision.runs.results_folder import finished_runs, keep, runs_at
+from active_binocular_vision.runs.results_folder import keep, runs_at, runs_with_tests
 from experiment_manager.measures.tables import summaries_table
 from lockstep.command_space import ALL_MUSCLES, PAIR
 from lockstep.errors import InputError
@@ -40,6 +41,9 @@ def test_kept_runs_have_what_the_runs_had(made: list[FinishedRun], tmp_path: Pat
     assert [g.label for g in groups_of(kept)] == [g.label for g in groups_of(made)]
     for run, of_folder in zip(made, kept, strict=True):
         assert of_folder.about == run.about
+        unread = of_folder.unread()
+        assert (unread.results, unread.examinations) == (of_folder.results, of_folder.examinations)
+        assert len(pickle.dumps(unread)) < 0.5 * len(pickle.dumps(of_folder))
         assert of_folder.configuration == run.configuration
         assert summaries_table(of_folder.summaries) == summaries_table(run.summaries)
         last, others = run.summaries[-1], of_folder.summaries[-1]
@@ -59,7 +63,19 @@ def test_a_run_of_a_folder_is_named_as_if_it_were_a_directory(made, tmp_path) ->
     keep(made, tmp_path / "kept", with_trials=False)
     (run,) = runs_at(tmp_path / "kept" / "priced")
     assert (run.name, run.model, run.trials) == ("priced", "M_C", {})
-    assert [run.name for run in finished_runs(tmp_path / "kept")] == ["pair", "priced", "all"]
+    found, _ = runs_with_tests([tmp_path / "kept", tmp_path / "kept" / "all"])
+    assert [run.name for run in found] == ["pair", "priced", "all"], "each once"
+
+
+def test_a_sweep_has_its_runs_in_its_order(tmp_path: Path) -> None:
+    (tmp_path / "sweep.yaml").write_text("axes: {seed: [2, 3, 1], profile: [paper]}")
+    with pytest.raises(InputError, match="expected runs in the sweep"):
+        runs_with_tests([tmp_path])
+    for name in ("another", "seed_1-profile_paper", "seed_2-profile_paper"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "config.yaml").touch()
+    names = [run.name for run in runs_at(tmp_path)]
+    assert names == ["seed_2-profile_paper", "seed_1-profile_paper", "another"]
 
 
 def test_measures_are_one_table(made: list[FinishedRun], tmp_path: Path) -> None:

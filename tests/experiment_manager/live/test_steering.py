@@ -2,6 +2,7 @@
 
 import json
 import math
+import socket
 import urllib.request
 from collections.abc import Callable
 from urllib.error import HTTPError
@@ -22,6 +23,8 @@ from tests.node_harness import Graph
 
 F_PX = 100.0
 PICTURE = np.arange(240 * 320, dtype=np.uint32).reshape(240, 320).astype(np.uint8)
+# The picture is drawn larger, so that a click in it is nearer to the line of sight.
+OPTICS = {"camera.focal_length_px": F_PX / 1.25, "camera.left_magnification": 1.25}
 THERE = {"name": ["target_up_deg", "target_sideways_deg"], "position": [-2.0, 5.0]}
 
 
@@ -86,8 +89,8 @@ def _page(steering: Steering) -> tuple[Page, str]:
     return page, f"http://127.0.0.1:{page.port}"
 
 
-def _click(address: str, query: str) -> int:
-    request = urllib.request.Request(f"{address}/look?{query}", method="POST")
+def _click(address: str, query: str, **headers: str) -> int:
+    request = urllib.request.Request(f"{address}/look?{query}", method="POST", headers=headers)
     with urllib.request.urlopen(request) as answer:
         return int(answer.status)
 
@@ -103,9 +106,60 @@ def test_the_page_shows_the_picture_and_takes_clicks(steering: Steering) -> None
     assert wanted
     assert _click(address, "column_px=260&row_px=120") == 204
     np.testing.assert_allclose(_taken(steering), [45.0, 0.0])
-    for query in ("column_px=1", "column_px=a&row_px=1", ""):
-        with pytest.raises(HTTPError, match="400"):
+    for query, reason in (
+        ("column_px=1", "expected a number as column_px and one as row_px"),
+        ("column_px=a&row_px=1", "expected a number"),
+        ("", "expected a number"),
+        ("column_px=9999&row_px=1", "picture of 320 x 240 px, got column 9999 and row 1"),
+        ("column_px=1&row_px=-0.5", "got column 1 and row -0.5"),
+        ("column_px=nan&row_px=1", "got column nan"),
+    ):
+        with pytest.raises(HTTPError, match=f"400: .*{reason}"):
             _click(address, query)
+    assert steering.take() is None
+    page.close()
+
+
+def test_pages_of_others_neither_steer_nor_see(steering: Steering) -> None:
+    page, address = _page(steering)
+    here = address.partition("://")[2]
+    middle = "column_px=160&row_px=120"
+    assert _click(address, middle, Origin=address) == 204
+    assert (
+        _click(
+            address, middle, Origin=f"http://LOCALHOST:{page.port}", Host=f"localhost:{page.port}"
+        )
+        == 204
+    )
+    assert _click(address, middle, Host=f"{socket.gethostname()}:{page.port}") == 204
+    steering.take()
+    for headers in (
+        {"Origin": "https://example.org"},
+        {"Origin": "null"},
+        {"Origin": f"http://127.0.0.1:{page.port + 1}"},
+        # A name of theirs that leads here (DNS rebinding).
+        {"Origin": f"http://example.org:{page.port}", "Host": f"example.org:{page.port}"},
+        {"Host": "example.org"},
+        {"Host": "[::1"},
+    ):
+        with pytest.raises(HTTPError, match=r"403: .*expected"):
+            _click(address, middle, **headers)
+    assert steering.take() is None
+    with pytest.raises(HTTPError, match=r"403: .*127\.0\.0\.1 or this machine as Host, got evil"):
+        urllib.request.urlopen(
+            urllib.request.Request(f"{address}/left.png", headers={"Host": "evil"})
+        )
+    with urllib.request.urlopen(f"http://{here}/left.png") as answer:
+        assert "Access-Control-Allow-Origin" not in answer.headers
+    page.close()
+
+
+def test_the_page_listens_on_ipv6(steering: Steering) -> None:
+    try:
+        page = Page("::1", 0, "ws://[::1]:1", steering)
+    except InputError:
+        pytest.skip("no IPv6 here")
+    assert _click(f"http://[::1]:{page.port}", "column_px=160&row_px=120") == 204
     page.close()
 
 
@@ -121,7 +175,7 @@ def test_before_the_first_picture_there_is_nothing_to_click_in() -> None:
 def test_a_viewer_and_the_page_steer_through_the_real_node(
     graph: Graph, image_bytes: Callable[..., bytes]
 ) -> None:
-    live = graph.add(LiveViewNode, port=0, page_port=0, **{"camera.focal_length_px": F_PX})
+    live = graph.add(LiveViewNode, port=0, page_port=0, **OPTICS)
     other = graph.add(lambda **kwargs: Node("other", **kwargs))
     targets: list[JointState] = []
     other.create_subscription(JointState, GAZE_TARGET, targets.append, 10)

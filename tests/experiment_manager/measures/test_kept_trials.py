@@ -103,6 +103,26 @@ def test_tests_of_other_eyes_have_their_own_starts_and_optima(tmp_path: Path) ->
     assert _kept(*tests).began_otherwise.tolist() == [0, 1]
 
 
+def test_what_was_kept_when_optima_did_not_depend_on_targets_is_read() -> None:
+    arrays = arrays_of(_kept(_test(0), _test(500)))
+    old = from_arrays({**arrays, "optimal_rate_w": arrays["optimal_rate_w"][:, 0]})
+    assert old is not None
+    assert np.array_equal(old.optimal_rate_w, arrays["optimal_rate_w"])
+
+
+def test_the_optima_of_each_iteration_that_is_kept_are_kept() -> None:
+    test = _test(0)
+    optimal_w = np.random.default_rng(1).random((N_TRIALS, N + 1))
+    optimal_w[3] = np.nan  # of a target out of reach
+    test = replace(test, columns={**test.columns, "optimal_metabolic_rate_w": optimal_w})
+    kept = _kept(test, replace(test, training_iteration=500))
+    assert kept.began_otherwise.size == 0
+    first, last = kept.tests()
+    for k in (1, 2, 3, N):
+        assert np.allclose(last.delta_cost_w(k), test.delta_cost_w(k), equal_nan=True, atol=1e-6)
+    assert np.allclose(first.cost_reduction(N), test.cost_reduction(N), equal_nan=True, rtol=1e-3)
+
+
 def test_the_paths_of_the_first_stimulus_are_whole(tmp_path: Path) -> None:
     test = _test(0)
     write_trials(tmp_path, _kept(test))

@@ -109,6 +109,29 @@ def test_a_summary_by_hand() -> None:
     assert 2 not in result.after, "two iterations is the end, at the top level already"
 
 
+def test_a_saving_is_told_of_eyes_that_verge() -> None:
+    result = summary_of(_five_trials())
+    # C / C* is 1 2.8 1.4 5 .8.
+    assert result.median_cost_ratio == pytest.approx(1.4)
+    # Two of five trials end within one pixel.
+    assert result.share_within_1_px == pytest.approx(0.4)
+    assert result.saving is None
+    verging = summary_of(_five_trials()[:9])
+    assert verging.saving == verging.median_cost_reduction == pytest.approx(0.55)
+
+
+def test_a_saving_is_that_at_the_target_of_then() -> None:
+    rows = np.array(_trial([1.0, 0.5, 0.1], [1.5, 1.0, 1.0], trial=0))
+    # The second target is harder to hold.
+    rows[2, INDEX["optimal_metabolic_rate_w"]] = 0.9
+    result = summary_of(rows)
+    assert result.median_delta_cost_w == pytest.approx(0.1)
+    assert result.median_cost_reduction == pytest.approx(0.5 / 0.6)
+    assert result.after[1].median_delta_cost_w == pytest.approx(0.5)
+    rows[2, INDEX["optimal_metabolic_rate_w"]] = np.nan
+    assert summary_of(rows).median_delta_cost_w is None
+
+
 def test_a_summary_without_zero_start_errors_by_hand() -> None:
     result = summary_of(_five_trials()).without_zero_start_error
     # .1 .3 .6 1.0 remain; 0 .9 2. -.1

@@ -25,10 +25,21 @@ def test_the_last_test_in_words() -> None:
         median_abs_vergence_error_deg=0.05,
         share_within_1_px=0.9875,
         median_cost_reduction=0.97,
+        median_cost_ratio=1.25,
         share_antagonist_silent=0.75,
     )
     said = " ".join(in_words(test, px_deg=0.2).split())
     assert "off by 0.25 px in the median, and by less than 1 px in 98.8 % of the trials" in said
-    assert "save 97.0 % of the muscle energy" in said
+    assert "1.25 times the least energy with which they could look there, and save 97.0 %" in said
     assert "medial one for far ones) is silent in 75.0 %." in said
     assert in_words(summary(), px_deg=0.2) == ""
+
+
+def test_no_saving_is_told_of_eyes_that_look_elsewhere() -> None:
+    test = summary(
+        median_abs_vergence_error_deg=1.4, share_within_1_px=0.12, median_cost_reduction=1.0
+    )
+    assert "100.0 %" not in in_words(test, px_deg=0.2)
+    assert "what energy they save is not told" in in_words(test, px_deg=0.2)
+    assert "c - (0 trials)" in summary_line(test)
+    assert summaries_table([test]).splitlines()[1].split()[-4:-2] == ["-", "-"]

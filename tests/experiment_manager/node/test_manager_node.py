@@ -13,6 +13,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image, JointState
 
 from experiment_manager.bag.reader import Bag
+from experiment_manager.node import presence
 from experiment_manager.node import requests as node_requests
 from experiment_manager.node.manager_node import ExperimentManagerNode
 from experiment_manager.run.recorded_topics import SMALL_TOPICS
@@ -159,6 +160,43 @@ def test_a_second_publisher_is_a_fault(graph, nodes, tmp_path, capfd) -> None:
     manager = _start(graph, tmp_path / "run")
     graph.spin_until(lambda: nodes[0].episodes, "the first episode")
     VectorPublisher(learner, "reward", REWARD_NAMES)
+    assert _finished(graph, manager) == EXIT_FAULT
+    assert "expected one publisher per topic, found more on reward" in capfd.readouterr().err
+
+
+def test_of_a_node_that_was_killed_and_started_again_the_first_is_waited_out(
+    graph, nodes, tmp_path, capfd
+) -> None:
+    """The dead one is in the graph until its lease ends; here it is a mute one that leaves."""
+    plant, dead, _ = nodes
+    dead.is_mute = True
+    manager = _start(graph, tmp_path / "run")
+    graph.spin_until(lambda: plant.episodes, "the first episode")
+    coder = graph.add(ScriptedCoder)
+    # The new one answers, so the episode comes to its end, and is held there.
+    _spin_until_said(graph, capfd, "waiting for one of two publishers of reward to go")
+    graph.spin_until(lambda: _is_held(manager), "the end of the episode")
+    assert len(plant.episodes) == 1
+    graph.remove(dead)
+    assert _finished(graph, manager) == 0
+    # What the dead one had learned until the last checkpoint, the new one goes on from.
+    assert coder.asked[:3] == ["start_run", "load", "save"]
+    assert len(Bag(tmp_path / "run" / "bag").stamps_ns("episode")) == N_OBSERVATIONS
+
+
+def _is_held(manager: ExperimentManagerNode) -> bool:
+    record = manager._recorder.record
+    return record is not None and record.is_complete
+
+
+def test_a_second_node_of_one_name_that_stays_is_a_fault(
+    graph, nodes, tmp_path, capfd, monkeypatch
+) -> None:
+    monkeypatch.setattr(presence, "LEASE_S", 0.0)
+    nodes[1].is_mute = True
+    manager = _start(graph, tmp_path / "run")
+    graph.spin_until(lambda: nodes[0].episodes, "the first episode")
+    graph.add(ScriptedCoder)
     assert _finished(graph, manager) == EXIT_FAULT
     assert "expected one publisher per topic, found more on reward" in capfd.readouterr().err
 

@@ -2,8 +2,10 @@
 
 import datetime
 import math
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from experiment_manager.preparation.request import Given, RunRequest
@@ -59,7 +61,12 @@ def test_a_control_is_settings_that_nobody_may_contradict() -> None:
     [
         ("vergence_rl.cacla.discount", math.inf, math.inf),
         ("eye_plant.stimuli.directory", "photos", "photos"),
+        ("eye_plant.stimuli.directory", Path("photos"), "photos"),
         ("task.highest_activations", (0.0, 0.3), [0.0, 0.3]),
+        ("task.highest_activations", np.array([0.0, 0.3]), [0.0, 0.3]),
+        ("task.highest_activations", [np.float32(0.5), np.float64(0.3)], [0.5, 0.3]),
+        ("task.seed", np.int64(3), 3),
+        ("eyes.camera.left_occluded", np.True_, True),
         ("task.schedule", [{"at": 10, "set": {}}], '[{"at": 10, "set": {}}]'),
         ("task.schedule", "1e5", "1e5"),
     ],
@@ -77,6 +84,10 @@ def test_overrides_are_kept_as_parameters_have_them(key: str, value: Any, kept: 
         (
             {"overrides": {"vergence_rl.cacla.discount": datetime.date(2024, 1, 1)}},
             "vergence_rl.cacla.discount: expected numbers, texts, .* got the date 2024-01-01",
+        ),
+        (
+            {"overrides": {"eye_plant.stimuli.directory": {"photos"}}},
+            "eye_plant.stimuli.directory: expected numbers, texts, .* got the set {'photos'}",
         ),
     ],
 )

@@ -1,6 +1,7 @@
 """Checkpoints: valid with their manifest only, and damage is said, not resumed from."""
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -78,6 +79,21 @@ def test_states_without_a_manifest_are_no_checkpoint_and_go_with_the_next(tmp_pa
     assert _newest(tmp_path)[0].place == 1
     _commit(tmp_path, 3)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["000000001", "000000003"]
+
+
+def test_only_its_own_checkpoints_are_looked_at_and_deleted(tmp_path: Path) -> None:
+    other, checkpoints = tmp_path / "other", tmp_path / "checkpoints"
+    theirs = _commit(other, 1)
+    checkpoints.mkdir()
+    (checkpoints / theirs.name).symlink_to(theirs)  # to go on from another run's
+    (checkpoints / "figures").mkdir()
+    shutil.copytree(theirs, checkpoints / "the best")
+    for place in (2, 3, 4):
+        _commit(checkpoints, place)
+    assert checkpoint.newest(other) is not None
+    assert checkpoint.places(checkpoints) == [1, 3, 4]
+    assert (checkpoints / "figures").is_dir()
+    assert (checkpoints / "the best" / "manifest.json").is_file()
 
 
 def test_committing_the_same_place_again(tmp_path: Path) -> None:

@@ -1,11 +1,16 @@
 """A domain of one's own: free, and locked while used."""
 
+import errno
 import socket
+import tempfile
+from typing import Any
 
 import pytest
 
+from experiment_manager.supervision import domains
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
 from lockstep import InputError
+from tests.refusing import refusing
 
 
 def test_everybodys_domains_are_never_taken() -> None:
@@ -45,3 +50,21 @@ def test_none_free() -> None:
         own_domain(frozenset(range(1, 102))),
     ):
         pass
+
+
+def test_a_domain_needs_no_file(monkeypatch) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", "/nowhere")
+    with own_domain() as first, own_domain() as second:
+        assert first != second
+
+
+def test_without_abstract_names_the_ports_decide(monkeypatch) -> None:
+    class Sandboxed(socket.socket):
+        def bind(self, address: Any) -> None:
+            if self.family == socket.AF_UNIX:
+                refusing(errno.EACCES)()
+            super().bind(address)
+
+    monkeypatch.setattr(domains.socket, "socket", Sandboxed)
+    with own_domain() as domain:
+        assert domain >= 1

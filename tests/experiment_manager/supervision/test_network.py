@@ -1,8 +1,12 @@
 """Nodes that began while the network was away."""
 
+import errno
+
+import psutil
 import pytest
 
 from experiment_manager.supervision.network import Network, addresses
+from tests.refusing import refusing
 
 LOOP, BOTH = frozenset({"127.0.0.1"}), frozenset({"127.0.0.1", "10.0.0.1"})
 
@@ -26,4 +30,9 @@ def test_the_network_is_back_for_nodes_that_began_without_it(first, looks, is_ba
 
 
 def test_this_machine_has_its_loopback() -> None:
+    assert "127.0.0.1" in addresses()
+
+
+def test_without_proc_every_interface_counts(monkeypatch) -> None:
+    monkeypatch.setattr(psutil, "net_if_stats", refusing(errno.ENOENT))
     assert "127.0.0.1" in addresses()

@@ -1,15 +1,17 @@
 """Other graphs in the domain that a run is to use."""
 
 from pathlib import Path
+from unittest import mock
 
 import pytest
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from active_binocular_vision.commands.run_experiment import main
 from experiment_manager.supervision import node_neighbours
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
-from experiment_manager.supervision.node_neighbours import refuse_neighbours
+from experiment_manager.supervision.node_neighbours import check_ros, refuse_neighbours
 from experiment_manager.supervision.supervisor import known_domain
 from lockstep import InputError
 from lockstep.wire.qos import LOCKSTEP_QOS
@@ -48,6 +50,49 @@ def test_a_run_is_refused_before_anything_is_written(graph, monkeypatch, capsys,
     assert not out.exists()
     (error,) = capsys.readouterr().err.splitlines()
     assert error.startswith(f"error: ROS domain {graph.domain}: expected no other graph in it, ")
+
+
+@pytest.mark.parametrize(
+    "variable",
+    [
+        "ROS_AUTOMATIC_DISCOVERY_RANGE=OFF",
+        "ROS_LOG_DIR=/proc/logs",
+        "ROS_DOMAIN_ID=\N{SUPERSCRIPT TWO}",
+        "ROS_DOMAIN_ID=010",
+    ],
+)
+def test_an_environment_without_a_graph_is_named(monkeypatch, capsys, tmp_path, variable) -> None:
+    name, _, value = variable.partition("=")
+    monkeypatch.setenv(name, value)
+    assert main(["--out", str(tmp_path / "run")]) == 2
+    assert not (tmp_path / "run").exists()
+    (error,) = capsys.readouterr().err.splitlines()
+    assert error.startswith(f"error: {name}: expected ")
+    assert value in error
+
+
+@pytest.mark.parametrize(
+    ("raised", "why"), [(None, "they do not find each other"), ("rcl\nfailed", "rcl failed")]
+)
+def test_nodes_of_an_unusual_network_are_tried_first(monkeypatch, raised, why) -> None:
+    """As with a profile of a discovery client, and with keys that are not of our nodes."""
+
+    class Alone:
+        node = mock.Mock(get_node_names=lambda: ["supervisor"])
+        close = mock.Mock()
+
+        def __init__(self, domain: int) -> None:
+            if raised:
+                raise rclpy_implementation.RCLError(raised)
+
+    monkeypatch.setattr(node_neighbours, "Observer", Alone)
+    monkeypatch.setattr(node_neighbours, "_MEET_S", 0.2)
+    check_ros(None)
+    monkeypatch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", "mine.xml")
+    check_ros(None, ["eye_plant"])
+    message = f"expected two nodes to meet here, but {why}, with FASTRTPS.*=mine.xml, "
+    with pytest.raises(InputError, match=message):
+        check_ros(None)
 
 
 def test_only_a_domain_that_others_can_be_in_is_listened_to(monkeypatch) -> None:

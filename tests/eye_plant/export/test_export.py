@@ -93,10 +93,12 @@ def test_the_readmes_code_runs_without_this_project(exported: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-I", "-c", code], cwd=exported, capture_output=True, text=True, check=True
     )
-    (angle_rad,) = [float(word) for word in done.stdout.strip("[]\n ").split()]
+    (angle_deg,) = [float(word) for word in done.stdout.strip("[]\n ").split()]
+    assert angle_deg == pytest.approx(float(code.split("# ")[1]), abs=5e-4)
     eyes = Oculomotor(MechanicsConfig())
     eyes.settle(np.array([0.1] + 11 * [0.0]))
-    assert angle_rad == pytest.approx(eyes.state().eye_angles_rad[0, 0], abs=1e-5)
+    angle_rad = eyes.state().eye_angles_rad[0, 0]
+    assert angle_deg == pytest.approx(np.degrees(angle_rad), abs=5e-4)
 
 
 def test_a_directory_that_holds_something_is_refused(exported, capsys) -> None:

@@ -1,15 +1,19 @@
 """Activations for a gaze, against the settled eyes; the least cost, against what others found."""
 
+from dataclasses import astuple
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from eye_plant import GazeInverse
-from eye_plant.gaze_error import gaze_error
-from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES
+from eye_plant.gaze_error import gaze_error, target_place_deg
+from eye_plant.inverse.gaze import ERRORS, LEFT_SIGHT, TURNED_ANGLES
 from eye_plant.inverse.least_cost import cost_of_vergence
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
+from eye_plant.turns import NO_TURNS_DEG, turned
+from eye_plant.vergence import desired_vergence_deg
 from lockstep import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI, PAIR, InputError
 
 ANATOMICAL = MechanicsConfig(parameter_set="anatomical")
@@ -123,3 +127,28 @@ def test_what_no_muscle_reaches_is_refused() -> None:
     config = MechanicsConfig(parameter_set="anatomical", strength=(0.0,) * 12)
     with pytest.raises(InputError, match="no activations of these muscles give a vergence of 4 "):
         cost_of_vergence(config, ALL_MUSCLES, (0.0,) * 12).least_w(4.0)
+
+
+@pytest.mark.parametrize("turns_deg", [NO_TURNS_DEG, ((2.0, 1.0, 0.0), (-5.0, 0.0, 0.0))])
+@pytest.mark.parametrize("target_deg", [(8.0, 8.0), (-8.0, 0.0), (0.5, -7.0)])
+def test_the_least_cost_at_a_target_is_of_eyes_that_look_there(target_deg, turns_deg) -> None:
+    lowest, distance_m = (0.0,) * 12, 2.0
+    vergence_deg = desired_vergence_deg(distance_m, ANATOMICAL.baseline_m)
+    cost = cost_of_vergence(ANATOMICAL, ALL_MUSCLES, lowest, turns_deg)
+    space = COMMAND_SPACES[ALL_MUSCLES]
+    inverse = GazeInverse(ANATOMICAL, space, lowest, [1.0] * 12, turns_deg)
+    least = inverse.least(FUSED | dict(zip(LEFT_SIGHT, target_deg, strict=True)), distance_m)
+    eyes = Oculomotor(ANATOMICAL)
+    eyes.settle(least.activations)
+    cameras = turned(eyes.eye_rotations(), turns_deg)
+    assert target_place_deg(cameras[0], *target_deg) == pytest.approx((0.0, 0.0), abs=2e-3)
+    error = gaze_error(eyes.eye_positions_m(), cameras, distance_m)
+    assert astuple(error) == pytest.approx((0.0, 0.0, 0.0), abs=2e-3)
+    # Fewer first weights find as little, and gaze that is free costs less.
+    assert cost.least_w(vergence_deg, target_deg) == pytest.approx(least.metabolic_rate_w, rel=5e-3)
+    assert cost.least_w(vergence_deg) < 0.8 * least.metabolic_rate_w
+
+
+def test_the_least_cost_at_a_target_out_of_reach_is_not_known() -> None:
+    cost = cost_of_vergence(ANATOMICAL, ALL_MUSCLES, (0.0,) * 12)
+    assert np.isnan(cost.least_w(1.6, (0.0, 80.0)))

@@ -36,7 +36,9 @@ def test_stereograms_are_a_function_of_the_seed():
 
 
 def write(path, shape, grey=100):
-    cv2.imwrite(str(path), np.full(shape, grey, np.uint8))
+    picture = np.full(shape, grey, np.uint8)
+    picture[shape[0] // 2 :] = 255 - grey
+    cv2.imwrite(str(path), picture)
 
 
 def test_pairs_of_files_are_stereograms(tmp_path):

@@ -14,10 +14,18 @@ import numpy as np
 import pytest
 
 from eye_plant import StimulusSet, load_stimuli
+from eye_plant.camera.ray_casting.texture_storage import textures_of
 from eye_plant.stimuli import generator as stimulus_generator
 from eye_plant.stimuli.generator import generate_stimulus
-from eye_plant.stimuli.stimulus_set import StimuliConfig, count_stimuli, load_unseen_stimuli
+from eye_plant.stimuli.stimulus_set import (
+    StimuliConfig,
+    announcement,
+    count_stimuli,
+    load_unseen_stimuli,
+)
 from lockstep import InputError
+from lockstep.machine import mapped_files
+from tests.refusing import refusing
 
 SIZE_PX = 96
 
@@ -32,10 +40,12 @@ def of_directory(directory: Path, **changes: Any) -> StimuliConfig:
 
 
 def write_pictures(directory: Path, n: int, suffix: str = ".png") -> None:
-    """Write n flat pictures, number i of grey 10 + i."""
+    """Write n pictures, number i of grey 10 + i above and of 200 below."""
     directory.mkdir(parents=True, exist_ok=True)
     for i in range(n):
-        cv2.imwrite(str(directory / f"{i:03d}{suffix}"), np.full((80, 100), 10 + i, np.uint8))
+        picture = np.full((80, 100), 10 + i, np.uint8)
+        picture[40:] = 200
+        cv2.imwrite(str(directory / f"{i:03d}{suffix}"), picture)
 
 
 def greys(stimuli: tuple[np.ndarray, ...]) -> list[int]:
@@ -171,11 +181,52 @@ def test_the_user_cache_is_the_default(tmp_path: Path, monkeypatch: pytest.Monke
     assert list((tmp_path / "xdg").rglob("training_0000.npy"))
 
 
-def test_a_cache_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+def test_a_cache_that_cannot_be_written_is_named_with_what_sets_it(tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("")
-    with pytest.raises(InputError, match=r"cache_directory: expected a directory.*file"):
+    with pytest.raises(InputError, match=r"cache_directory: expected a directory.*file") as error:
         load_stimuli(small(blocked))
+    assert "XDG_CACHE_HOME=DIR or --set eye_plant.stimuli.cache_directory=DIR" in str(error.value)
+
+
+def test_a_cache_in_a_home_that_nobody_knows(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("XDG_CACHE_HOME", "HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("pwd.getpwuid", refusing_key)
+    for announce_or_load in (announcement, load_stimuli):
+        with pytest.raises(InputError, match=r"to write to, got ~/.cache.*XDG_CACHE_HOME=DIR or"):
+            announce_or_load(StimuliConfig(n_training=1, n_test=1, size_px=SIZE_PX))
+
+
+def refusing_key(uid: int) -> None:
+    raise KeyError(uid)
+
+
+def test_a_cache_of_somebody_else_is_missing_all(tmp_path: Path, monkeypatch) -> None:
+    load_stimuli(small(tmp_path))
+    monkeypatch.setattr(os, "stat", refusing(errno.EACCES))
+    assert announcement(small(tmp_path)).startswith("generating 6 stimuli")
+
+
+def test_pictures_keep_no_descriptors(tmp_path: Path) -> None:
+    # A process may usually have 1,024; with the ray caster's copies two files belong to a picture.
+    descriptors = Path("/proc/self/fd")
+    before = len([*descriptors.iterdir()])
+    pictures = load_stimuli(small(tmp_path)).all
+    textures = textures_of(pictures)
+    assert len([*descriptors.iterdir()]) == before
+    mapped = Path("/proc/self/maps").read_text()
+    assert mapped.count(str(tmp_path)) >= len(pictures) + len(textures)
+    del pictures, textures
+    assert str(tmp_path) not in Path("/proc/self/maps").read_text()
+
+
+def test_where_nothing_is_mapped_pictures_are_read(tmp_path: Path, monkeypatch) -> None:
+    expected = [stimulus.copy() for stimulus in load_stimuli(small(tmp_path)).all]
+    monkeypatch.setattr(mapped_files, "_Mapping", refusing(errno.ENODEV))
+    found = load_stimuli(small(tmp_path)).all
+    np.testing.assert_array_equal(found, expected)
+    assert not any(stimulus.flags.writeable for stimulus in found)
 
 
 def assert_same(actual: StimulusSet, expected: StimulusSet) -> None:
@@ -236,60 +287,11 @@ def test_unseen_stimuli_that_are_none(tmp_path: Path, part: str) -> None:
         load_unseen_stimuli(str(tmp_path), small(Path()), 40)
 
 
-def test_a_picture_is_cropped_square_about_its_centre_and_resized(tmp_path: Path) -> None:
-    wide = np.zeros((100, 300, 3), np.uint8)
-    wide[:, 100:150] = (255, 255, 255)  # the central square's left half
-    cv2.imwrite(str(tmp_path / "a.png"), wide)
-    cv2.imwrite(str(tmp_path / "b.png"), wide)
-    (picture,) = load_stimuli(of_directory(tmp_path)).training
-    assert picture.shape == (SIZE_PX, SIZE_PX)
-    assert (picture[:, : SIZE_PX // 2 - 1] == 255).all()
-    assert (picture[:, SIZE_PX // 2 + 1 :] == 0).all()
-
-
-def test_colour_becomes_grey(tmp_path: Path) -> None:
-    green = np.zeros((80, 80, 3), np.uint8)
-    green[:, :, 1] = 200
-    for name in ("a.png", "b.png"):
-        cv2.imwrite(str(tmp_path / name), green)
-    # ITU-R BT.601: 0.587 * 200
-    assert greys(load_stimuli(of_directory(tmp_path)).all) == [117, 117]
-
-
 def test_hidden_files_and_notes_are_no_pictures(tmp_path: Path) -> None:
     write_pictures(tmp_path, 2, ".JPG")
     (tmp_path / ".hidden").write_text("")
     (tmp_path / "LICENSE.txt").write_text("")
     assert count_stimuli(of_directory(tmp_path)) == (1, 1)
-
-
-def cut_off(path: Path) -> None:
-    noise = np.random.default_rng(0).integers(0, 256, (200, 200), dtype=np.uint8)
-    cv2.imwrite(str(path), noise)
-    path.write_bytes(path.read_bytes()[:-5000])
-
-
-def garbage(path: Path) -> None:
-    path.write_bytes(b"these are no pixels")
-
-
-@pytest.mark.parametrize("breaks", [cut_off, garbage, lambda path: path.write_bytes(b"")])
-@pytest.mark.parametrize("suffix", [".jpg", ".png"])
-def test_a_broken_file_is_named(
-    tmp_path: Path, suffix: str, breaks: Callable[[Path], object]
-) -> None:
-    write_pictures(tmp_path, 2, suffix)
-    breaks(tmp_path / f"001{suffix}")
-    with pytest.raises(InputError, match=rf"001\{suffix}: expected a picture, got a broken file"):
-        load_stimuli(of_directory(tmp_path))
-
-
-def test_what_a_camera_appends_to_a_picture_does_not_break_it(tmp_path: Path) -> None:
-    write_pictures(tmp_path, 2, ".jpg")
-    photo = tmp_path / "001.jpg"
-    photo.write_bytes(photo.read_bytes() + b"a film\xff\xda\x12\x34")
-    assert count_stimuli(of_directory(tmp_path)) == (1, 1)
-    load_stimuli(of_directory(tmp_path))
 
 
 def _small_picture(directory: Path) -> None:
@@ -302,6 +304,14 @@ def _no_picture(directory: Path) -> None:
     (directory / "photo.heic").write_bytes(b"x")
 
 
+def _links(directory: Path) -> None:
+    write_pictures(directory, 2)
+    (directory / "a.png").symlink_to("nowhere")
+    (directory / "loop").symlink_to("loop")
+    (directory / ".hidden.png").symlink_to("nowhere")
+    (directory / "b.png").symlink_to("000.png")
+
+
 def _empty_test(directory: Path) -> None:
     write_pictures(directory / "train", 3)
     (directory / "test").mkdir()
@@ -311,7 +321,8 @@ def _empty_test(directory: Path) -> None:
     ("make", "message"),
     [
         (_small_picture, r"000\.png: expected .* 64 x 64 px or more, got 500 x 63"),
-        (_no_picture, r"photo\.heic: expected a picture"),
+        (_no_picture, r"stimuli: expected pictures .*, got photo\.heic$"),
+        (_links, r"got a\.png \(a link to nowhere that leads nowhere\), loop \(a link to loop "),
         (lambda d: d.rmdir(), r"expected a directory of pictures, got .*stimuli"),
         (lambda d: None, "expected 2 or more pictures .* got 0"),
         (lambda d: write_pictures(d, 1), "expected 2 or more pictures .* got 1"),
@@ -327,6 +338,17 @@ def test_a_directory_that_makes_no_set_is_named(
     make(directory)
     with pytest.raises(InputError, match=message):
         load_stimuli(of_directory(directory))
+
+
+def test_a_directory_that_cannot_be_listed_is_named(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(Path, "iterdir", refusing(errno.EACCES))
+    with pytest.raises(InputError, match=rf"{tmp_path}: expected pictures, got Permission denied"):
+        load_stimuli(of_directory(tmp_path))
+
+
+def test_a_name_beyond_all_limits_is_no_directory() -> None:
+    with pytest.raises(InputError, match=r"expected a directory of pictures, got /n+$"):
+        load_stimuli(of_directory(Path(f"/{300 * 'n'}")))
 
 
 @pytest.mark.parametrize("name", ["n_training", "n_test", "size_px"])

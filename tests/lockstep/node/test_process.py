@@ -80,7 +80,9 @@ def test_what_fails_while_the_node_is_made_is_a_fault(message, capsys) -> None:
 
 
 def test_what_fails_in_rclpy_init_is_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ROS_LOG_DIR", "/proc/no_such_directory")
-    with pytest.raises(rclpy_implementation.RCLError, match="initialize logging"):
+    monkeypatch.setenv("ROS_SECURITY_ENABLE", "true")
+    monkeypatch.setenv("ROS_SECURITY_STRATEGY", "Enforce")
+    monkeypatch.setenv("ROS_SECURITY_KEYSTORE", "/")
+    with pytest.raises(rclpy_implementation.RCLError, match="initialize rcl"):
         run_node(pytest.fail, [])
     assert not rclpy.ok()

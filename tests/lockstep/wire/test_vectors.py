@@ -52,13 +52,23 @@ def test_values_come_in_the_order_asked_for_and_others_are_ignored() -> None:
         (_message(["b"], position=[1.0]), "t: expected names a; a did not come"),
         (_message([], position=[]), "t: expected names a; a did not come"),
         (_message(["a", "a"], position=[1.0, 1.0]), "t: expected each name once, got a twice"),
-        (_message(["a"], position=[math.nan]), "t: expected finite values, got position [nan]"),
-        (_message(["a"], position=[math.inf]), "t: expected finite values, got position [inf]"),
+        (_message(["a"], position=[math.nan]), "t: expected finite values, got a nan"),
+        (_message(["a"], position=[math.inf]), "t: expected finite values, got a inf"),
     ],
 )
 def test_bad_vectors_are_one_clear_error(message: JointState, expected: str) -> None:
     with pytest.raises(InputError, match=re.escape(expected)):
         values_of(message, ("a",), "t")
+
+
+def test_nan_may_stand_only_for_what_may_be_lacking() -> None:
+    message = _message(["a", "b"], position=[math.nan, 1.0])
+    assert values_of(message, ("b", "a"), "t", may_lack=("a",))[0] == 1.0
+    with pytest.raises(InputError, match="t: expected finite values, got a nan"):
+        values_of(message, ("b", "a"), "t", may_lack=("b",))
+    message.position = [math.inf, 1.0]
+    with pytest.raises(InputError, match="t: expected finite values, got a inf"):
+        values_of(message, ("b", "a"), "t", may_lack=("a", "b"))
 
 
 def test_another_fields_values() -> None:

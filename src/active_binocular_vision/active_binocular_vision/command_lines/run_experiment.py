@@ -163,8 +163,8 @@ def _add_ways_to_run(line: argparse.ArgumentParser) -> None:
         const=Address(),
         type=Address.of,
         metavar="HOST:PORT",
-        help="show the run in Lichtblick or Foxglove; without HOST only viewers on this machine can"
-        f" connect (default: {Address()})",
+        help="show the run in Lichtblick or Foxglove, at HOST, PORT or both; without HOST only"
+        f" viewers on this machine can connect (default: {Address()})",
     )
 
 

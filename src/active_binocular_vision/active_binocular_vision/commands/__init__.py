@@ -1,1 +1,6 @@
 """The scripts of launch_scripts that users call, and what these share."""
+
+import os
+
+# Figures are files. A notebook's kernel names a backend that matplotlib may not find here.
+os.environ["MPLBACKEND"] = "agg"

@@ -147,12 +147,17 @@ def _as_far_as(measured: Results, expected: Results) -> Results:
 
 
 def different_entries(expected: Results, measured: Results) -> list[str]:
-    """Return "path: expected, got" for each entry in which two results.json differ."""
+    """Return "path: expected, got" for each entry in which two results.json differ.
+
+    A measure that the expected one has nowhere is newer than that file.
+    """
     left, right = (dict(_entries(to_builtins(results))) for results in (expected, measured))
+    names = {path.rpartition(".")[2] for path in left}
+    both = [*left, *(path for path in right if path.rpartition(".")[2] in names)]
     return [
         f"{path}: results.json has {left.get(path, 'nothing')}, "
         f"the bag gives {right.get(path, 'nothing')}"
-        for path in dict.fromkeys([*left, *right])
+        for path in dict.fromkeys(both)
         if not _equal(left.get(path, "nothing"), right.get(path, "nothing"))
     ]
 

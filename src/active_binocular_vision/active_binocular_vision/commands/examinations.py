@@ -4,12 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
-
 from active_binocular_vision.examinations.contract.examination import Examination
 from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.figures.examinations.registry import FIGURES
-from active_binocular_vision.figures.style import STYLE, save
+from active_binocular_vision.figures.style import own_style, save
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from lockstep import InputError, build
@@ -47,7 +45,7 @@ def examined(
         raise InputError(f"--figure: expected one of {_options(FIGURES)}, got --{name}")
     found = examination.examine(learners, shown, options)
     if figure is not None:
-        with mpl.rc_context(STYLE):
+        with own_style():
             for addition, draw in FIGURES[name].items():
                 save(draw(found.traces), figure.with_stem(f"{figure.stem}{addition}"))
     return examination.document(learners, shown, options, found), found.text()

@@ -34,10 +34,10 @@ from experiment_manager.run.config_file import (
 from experiment_manager.run.in_process import run_in_process
 from experiment_manager.run.run_directory import new_directory
 from experiment_manager.sections import config_of
-from experiment_manager.supervision.node_neighbours import refuse_neighbours
+from experiment_manager.supervision.node_neighbours import check_ros
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from eye_plant import EyePlantConfig, load_stimuli
-from eye_plant.stimuli.stimulus_set import count_missing
+from eye_plant.stimuli.stimulus_set import announcement
 from lockstep import InputError
 from lockstep.durable_files import is_free, replace_file, why_unwritable
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, EXIT_FAULT, EXIT_INTERRUPTED
@@ -53,12 +53,15 @@ _TO_CONTINUE = {
 
 def source_commit() -> str:
     """Return the commit of the source, "unknown" when it is not in git."""
-    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]
+    here = Path(__file__)
+    # This file in it, too: around a copy of the source there may be somebody else's repository.
+    command = ["git", "-C", str(here.parent), "rev-parse", f"HEAD:./{here.name}", "HEAD"]
+    kept = {n: v for n, v in os.environ.items() if not n.startswith("GIT_") or "CONFIG" in n}
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-    except OSError:
+        done = subprocess.run(command, capture_output=True, text=True, check=True, env=kept)
+    except (OSError, subprocess.CalledProcessError):
         return "unknown"
-    return done.stdout.strip() or "unknown"
+    return done.stdout.split()[-1]
 
 
 def _prepare_stimuli(configuration: Configuration) -> None:
@@ -66,8 +69,8 @@ def _prepare_stimuli(configuration: Configuration) -> None:
     stimuli = config_of(EyePlantConfig, configuration).stimuli
     if stimuli.directory:
         print(f"reading the pictures of {stimuli.directory}")
-    elif n_missing := count_missing(stimuli):
-        print(f"generating {n_missing:,} stimuli, once (on two cores 140 take about a minute)")
+    elif text := announcement(stimuli):
+        print(text)
     load_stimuli(stimuli)
 
 
@@ -89,13 +92,16 @@ def _check_in_process(options: argparse.Namespace) -> None:
 
 
 def _live(options: argparse.Namespace) -> Address | None:
-    """Return where a live view is to listen, having said so, or None when there is to be none."""
+    """Return where a live view is to listen, having said so, or None when there is to be none.
+
+    Raises InputError where it cannot.
+    """
     if options.live is None:
         return None
     if why := why_unavailable():
-        print(f"error: {why}; the run continues without it", file=sys.stderr)
-        return None
+        raise InputError(f"--live: {why}")
     address: Address = options.live
+    address.check()
     page = Address(address.host, address.port + 1)
     print(f"live view: ws://{address}; http://{page} opens it in Lichtblick or Foxglove")
     return address
@@ -106,8 +112,7 @@ def prepare(options: argparse.Namespace) -> Path:
     request = request_of(options)
     directory = (options.resume or options.out or new_directory()).resolve()
     if not options.in_process:
-        for told in (directory, options.live):
-            yaml_line(str(told))  # refuses what no node could be told
+        yaml_line(str(directory))  # refuses what no node could be told
     if options.resume is not None:
         return _prepare_old(options, request, directory)
     if options.extend is not None:
@@ -125,13 +130,14 @@ def prepare_new(request: RunRequest, directory: Path, branched: Branch | None = 
     directory that holds something.
     """
     _refuse_used(directory)
+    is_there = directory.exists()
     configuration = (
         configuration_of(request, source_commit()) if branched is None else branched.configuration
     )
     text = configuration_text(configuration)
     _prepare_stimuli(configuration)
     try:
-        directory.mkdir(parents=True, exist_ok=True)
+        directory.mkdir(parents=True, exist_ok=is_there)  # another run may have begun there since
         if branched is not None:
             branched.write(directory)
         else:
@@ -175,14 +181,14 @@ def _refuse_used(directory: Path) -> None:
         )
 
 
-def _figure(directory: Path) -> Path | None:
-    """Draw the learning curve; None when the bag has nothing to draw it from."""
+def figure_of(directory: Path) -> Path | None:
+    """Draw the learning curve; None, with the reason on standard error, when it cannot be drawn."""
     # Matplotlib takes a second to import, for which the start of a run need not wait.
     from active_binocular_vision.figures.runs.learning_curve import learning_curve  # noqa: PLC0415
 
     try:
         return learning_curve(directory)
-    except (InputError, OSError) as error:
+    except Exception as error:  # no figure is worth the table and the exit code of a run
         print(f"no learning curve: {error}", file=sys.stderr)
         return None
 
@@ -209,11 +215,11 @@ def _run(options: argparse.Namespace) -> tuple[Path, int]:
     if options.in_process:
         return in_one_process(prepare(options))
     domain = known_domain(options.elsewhere)
-    if domain is not None:
-        refuse_neighbours(domain, options.elsewhere)
+    check_ros(domain, options.elsewhere)
+    live = _live(options)
     directory = _announced(prepare(options))
     _say_how_to_start(options.elsewhere, domain, directory / CONFIG_FILE)
-    return directory, Supervisor(directory, options.elsewhere, _live(options)).run()
+    return directory, Supervisor(directory, options.elsewhere, live).run()
 
 
 def in_one_process(directory: Path) -> tuple[Path, int]:
@@ -247,7 +253,9 @@ def concluded(run: Callable[[], tuple[Path, int]], more: str) -> int:
         print("stopped before the run began", file=sys.stderr)
         return EXIT_INTERRUPTED
     if code == 0:
-        print(results_table(read_results(directory / RESULTS_FILE), directory, _figure(directory)))
+        print(
+            results_table(read_results(directory / RESULTS_FILE), directory, figure_of(directory))
+        )
     elif code in _TO_CONTINUE:
         line = f"launch_scripts/run_experiment.sh --resume {shlex.quote(str(directory))}{more}"
         print(f"{_TO_CONTINUE[code]}: {line}", file=sys.stderr)

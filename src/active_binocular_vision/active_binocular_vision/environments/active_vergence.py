@@ -4,6 +4,7 @@ Dimensions: n_muscles is the number of commands, of the pair 2, medial and later
 for both eyes.
 """
 
+import copy
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,6 +15,7 @@ import numpy as np
 from gymnasium.spaces import Box, Dict, Space
 
 from active_binocular_vision.environments.experiment import Experiment
+from active_binocular_vision.environments.one_thread import OneThread
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.preparation.request import RunRequest
 from eye_plant import Episode, Observation
@@ -24,6 +26,7 @@ from sparse_coder import Percept, SparseCoder
 Pictures = np.ndarray
 _RESET_OPTIONS = ("episode", "trial")
 _LARGEST_SEED = 2**31
+_one_thread = OneThread()
 
 
 class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
@@ -93,6 +96,10 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         self._pictures: Pictures | None = None
         self._activations = np.full(len(self._space.names), math.nan)
 
+    def __copy__(self) -> "VergenceEnvironment":
+        """Copy in depth: eyes that two environments share would move in both."""
+        return copy.deepcopy(self)
+
     def _all_senses(self) -> dict[str, Space[Any]]:
         activations = Box(self._lowest, self._highest, dtype=np.float64)
         senses: dict[str, Space[Any]] = {**self._senses(), "activations": activations}
@@ -108,6 +115,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         """Return what an agent is given of the pictures, sharing no memory with anything."""
         raise NotImplementedError
 
+    @_one_thread
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
@@ -139,6 +147,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         self._next_episode = self._experiment.after(number)
         return episode
 
+    @_one_thread
     def step(
         self, action: np.ndarray
     ) -> tuple[dict[str, np.ndarray], float, bool, bool, dict[str, Any]]:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import operator
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from experiment_manager.preparation.request import RunRequest
 from experiment_manager.protocol import make_protocol
 from experiment_manager.sections import config_of
 from eye_plant import Episode, EyePlant, EyePlantConfig
+from eye_plant.stimuli.stimulus_set import announcement
 from lockstep import InputError, read_state
 from sparse_coder import SparseCoder, SparseCoderConfig
 from vergence_rl import VergenceRlConfig
@@ -48,6 +50,8 @@ class Experiment:
         self.activation_limits = agent.limit_arrays
         self.space = agent.space
         self.has_targets = manager.fixation_iterations > 0
+        if text := announcement(plant.stimuli):
+            print(text, file=sys.stderr, flush=True)
         self.plant = EyePlant(plant)
 
     def start(self, seed: int) -> SparseCoder:

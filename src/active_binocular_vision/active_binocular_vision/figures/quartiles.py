@@ -1,6 +1,7 @@
 """Medians with quartiles as bands or bars, and axes of errors, alike in all figures."""
 
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,13 +16,21 @@ from active_binocular_vision.figures.style import (
     VERMILION,
     label_decades,
     mark_level,
+    scale_by_decades,
 )
 from active_binocular_vision.runs.groups import Group
+from experiment_manager.measures.metrics import QUARTILES
 from experiment_manager.measures.trials import Trials
 
 # One name for each, in figures as in tables.
 ERROR_LABEL = "|vergence error| / deg"
 DELTA_LABEL = r"$\Delta C$ / W"
+# Of eyes whose muscles have commands of their own.
+ERRORS = {
+    "vergence_error_deg": "horizontal (vergence)",
+    "vertical_error_deg": "vertical",
+    "cyclovergence_error_deg": "torsional (cyclovergence)",
+}
 # Fewer tests are points: a line between them would show a course that nobody has measured.
 LEAST_JOINED = 5
 # Further groups of a model differ in lightness.
@@ -31,6 +40,7 @@ _DARKEST, _LIGHTEST = 0.9, 0.4
 _MARKERS = {"M": "o", "M_C": "D"}
 # Shares of the width between the points of two groups.
 _DODGE = 0.012
+_LONGEST_TITLE_LINE = 44  # characters, where two panels share the width
 # Errors below this share of a pixel need no room.
 _LEAST_PX = 0.02
 
@@ -64,18 +74,28 @@ def px_deg_of(groups: Sequence[Group]) -> float:
     return groups[0].last_criteria.px_deg
 
 
+def title_of(group: Group) -> str:
+    """Return the title of a group's panel, of half a figure's width."""
+    return textwrap.fill(group.label, _LONGEST_TITLE_LINE)
+
+
+def over_training(group: Group, values: Callable[[Trials], np.ndarray]) -> np.ndarray:
+    """Return the quartiles (3, n) of a value of trials in each test of a group."""
+    tests = [values(group.trials_at(iteration)) for iteration in group.iterations]
+    return np.array([np.nanquantile(of_test, QUARTILES) for of_test in tests]).T
+
+
 def group_handle(group: Group) -> Line2D:
     """Return what stands for a group in a legend."""
     return Line2D([], [], color=colour_of(group), marker=marker_of(group), ms=4, label=group.label)
 
 
-def draw_quartiles(
-    axes: Axes, at: np.ndarray, quartiles: np.ndarray, group: Group, offset: float
-) -> None:
-    """Draw quartiles (3, n) over training: of many tests a line with a band, of few points.
+def draw_quartiles(axes: Axes, quartiles: np.ndarray, group: Group, offset: float) -> None:
+    """Draw quartiles (3, n) of each test over training: of many a line with a band, of few points.
 
     offset: how many points beside the iteration, where points are not joined.
     """
+    at = np.array(group.iterations, dtype=float)
     if len(at) < LEAST_JOINED:
         beside = at + offset * _DODGE * group.common.n_iterations
         draw_bars(axes, beside, quartiles, colour_of(group), marker=marker_of(group))
@@ -100,10 +120,10 @@ def draw_bars(axes: Axes, at: np.ndarray, quartiles: np.ndarray, colour: str, **
 
 def scale_errors(axes: Axes, px_deg: float, *, has_pixel: bool = True) -> None:
     """Draw errors in deg to a logarithmic scale, with a line at 1 px."""
-    axes.set_yscale("log")
-    low, high = axes.get_ylim()
-    if low < _LEAST_PX * px_deg < high:
-        axes.set_ylim(_LEAST_PX * px_deg, high)
+    if scale_by_decades(axes):
+        low, high = axes.get_ylim()
+        if low < _LEAST_PX * px_deg < high:
+            axes.set_ylim(_LEAST_PX * px_deg, high)
     label_decades(axes)
     if has_pixel:
         mark_level(axes, px_deg, "1 px")

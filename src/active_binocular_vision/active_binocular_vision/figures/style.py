@@ -1,17 +1,19 @@
 """The one style of all figures: sizes, colours, panel letters, legends and logarithmic axes.
 
-Figures are made inside `mpl.rc_context(STYLE)`. No text is smaller than 8 pt on a page that shows
-a figure at its own width, which is at most WIDTH_IN.
+Figures are made inside `own_style()`. No text is smaller than 8 pt on a page that shows a figure at
+its own width, which is at most WIDTH_IN.
 """
 
 import math
 import textwrap
 from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from string import ascii_lowercase
 from typing import Any
 
 import matplotlib as mpl
+import matplotlib.style
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -28,8 +30,7 @@ ORANGE, SKY, PURPLE = "#e69f00", "#56b4e9", "#cc79a7"
 GREY, LIGHT_GREY = "0.45", "0.8"
 BAND_ALPHA = 0.2
 
-# For mpl.rc_context around whoever draws.
-STYLE: dict[str, Any] = {
+_STYLE: dict[str, Any] = {
     "font.size": 9,
     "axes.titlesize": 9,
     "axes.labelsize": 9,
@@ -47,6 +48,11 @@ _STEPS = (1.0, 2.0, 5.0)
 _LEGEND_HEIGHT_IN = 0.5
 # Characters of a line of a legend.
 _LONGEST_LINE = 60
+
+
+def own_style() -> AbstractContextManager[None]:
+    """Return the context to draw in: our style over matplotlib's, whatever a user's file has."""
+    return mpl.style.context(("default", _STYLE))
 
 
 def new_figure(width_in: float, height_in: float) -> Figure:
@@ -119,9 +125,18 @@ def mark_level(axes: Axes, level: float, name: str) -> None:
     )
 
 
+def scale_by_decades(axes: Axes) -> bool:
+    """Make the upright axis logarithmic, unless nothing is above 0; return whether it is."""
+    is_any = bool(axes.dataLim.y1 > 0.0)
+    if is_any:
+        axes.set_yscale("log")
+    return is_any
+
+
 def label_decades(axes: Axes) -> None:
     """Let a logarithmic axis begin and end at 1, 2 or 5 times a power of ten: labelled ticks."""
-    axes.set_yscale("log")
+    if not scale_by_decades(axes):
+        return
     low, high = axes.get_ylim()
     reach = range(math.floor(math.log10(low)) - 1, math.ceil(math.log10(high)) + 2)
     steps = [step * 10.0**decade for decade in reach for step in _STEPS]

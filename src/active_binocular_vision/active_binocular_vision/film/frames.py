@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import cv2
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -13,7 +12,14 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from active_binocular_vision.figures.style import BLUE, GREEN, GREY, LIGHT_GREY, STYLE, VERMILION
+from active_binocular_vision.figures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    LIGHT_GREY,
+    VERMILION,
+    own_style,
+)
 from active_binocular_vision.film.scenes import ERRORS, Scene
 from experiment_manager.anaglyph import anaglyph
 from lockstep import SIDES
@@ -43,7 +49,7 @@ Frame = tuple[np.ndarray, int]
 
 def frames(scenes: Sequence[Scene]) -> Iterator[Frame]:
     """Yield per iteration of each scene (height_px, width_px, 3) uint8, RGB, and its periods."""
-    with mpl.rc_context(STYLE):
+    with own_style():
         page = Page(scenes)
         for scene in scenes:
             last = len(scene.errors_deg) - 1

@@ -69,16 +69,14 @@ def scenes(bag: Bag) -> list[Scene]:
 
 
 def _episodes(pictured: PicturedEpisodes) -> list[RecordedEpisode]:
-    column = pictured.truth.column
-    firsts = [rows[0] for rows in pictured.rows]
-    values = [
-        column(name)[firsts]
-        for name in ("training_iteration", "phase", "trial", "vergence_error_deg")
-    ]
-    return [
-        RecordedEpisode(int(training), phase == TEST, int(trial), float(error_deg), i_episode)
-        for i_episode, (training, phase, trial, error_deg) in enumerate(zip(*values, strict=True))
-    ]
+    names = ("training_iteration", "phase", "trial", "vergence_error_deg")
+    episodes = []
+    for i_episode, rows in enumerate(pictured.rows):
+        training, phase, trial, error_deg = (pictured.truth.column(n)[rows[0]] for n in names)
+        episodes.append(
+            RecordedEpisode(int(training), phase == TEST, int(trial), float(error_deg), i_episode)
+        )
+    return episodes
 
 
 def chosen_stages(episodes: Sequence[RecordedEpisode]) -> list[tuple[str, list[RecordedEpisode]]]:

@@ -1,6 +1,6 @@
 """Activations with which eyes look correctly at a plane, for all kinds of eyes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,21 +9,18 @@ from numpy.typing import NDArray
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.starts import Activations, gaze_inverse
 from eye_plant import Inverse, desired_vergence_deg
-from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, LeastCost
+from eye_plant.inverse.gaze import ERRORS, LEFT_SIGHT, TURNED_ANGLES, LeastCost
 from eye_plant.inverse.pair import FULL_RANGE
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from eye_plant.turns import NO_TURNS_DEG, TurnsDeg, turned
-from lockstep import PAIR, InputError
+from eye_plant.turns import NO_TURNS_DEG, TurnsDeg
+from lockstep import PAIR
 
 Array = NDArray[np.float64]
 
 AHEAD_DEG = (0.0, 0.0)
 # Where on the line of pairs of equal vergence the pair begins: half-way.
 _FRACTION = 0.5
-# Of the left line of sight, and how often it is aimed again.
-_AIMED_DEG = 1e-3
-_MOST_AIMS = 20
 
 
 class CorrectGaze:
@@ -45,7 +42,6 @@ class CorrectGaze:
     ) -> None:
         """turns_deg: of the cameras; parallax_m: of a stereogram, as in desired_vergence_deg."""
         self._protocol = protocol
-        self._turns_deg = turns_deg
         eyes = replace(mechanics, baseline_m=mechanics.baseline_m + parallax_m)
         self._baseline_m = eyes.baseline_m
         self._eyes = Oculomotor(eyes)
@@ -69,18 +65,13 @@ class CorrectGaze:
             vergence_deg = desired_vergence_deg(distance_m, self._baseline_m) - error_deg
             return self._pair.activations(vergence_deg, _FRACTION, self._protocol.pair_limits)
         assert self._gaze is not None
-        inverse, nowhere_aside = self._gaze, np.zeros(len(self._protocol.space.names))
-        wanted_deg = dict.fromkeys(TURNED_ANGLES[self._protocol.command_space], 0.0)
+        if self._protocol.fixation_iterations:
+            wanted_deg = _looking_at_deg(target_deg)
+        else:
+            wanted_deg = dict.fromkeys(TURNED_ANGLES[self._protocol.command_space], 0.0)
         wanted_deg["horizontal"] = error_deg
-        if not self._protocol.fixation_iterations:
-            return tuple(inverse.activations(wanted_deg, distance_m, nowhere_aside).tolist())
-        found = self._aimed(
-            lambda wanted: inverse.activations(wanted, distance_m, nowhere_aside),
-            wanted_deg,
-            distance_m,
-            target_deg,
-        )
-        return tuple(found.tolist())
+        nowhere_aside = np.zeros(len(self._protocol.space.names))
+        return tuple(self._gaze.activations(wanted_deg, distance_m, nowhere_aside).tolist())
 
     def least(self, distance_m: float, target_deg: Sequence[float]) -> LeastCost:
         """Return the cheapest activations without errors, cycloversion being free.
@@ -89,16 +80,7 @@ class CorrectGaze:
         not reach.
         """
         assert self._gaze is not None
-        inverse = self._gaze
-        found: list[LeastCost] = []
-
-        def least(wanted_deg: dict[str, float]) -> Array:
-            near = found[-1] if found else None
-            found.append(inverse.least(wanted_deg, distance_m, near))
-            return found[-1].activations
-
-        self._aimed(least, dict.fromkeys(ERRORS, 0.0), distance_m, target_deg)
-        return found[-1]
+        return self._gaze.least(_looking_at_deg(target_deg), distance_m)
 
     def wanted_gaze_deg(self, distance_m: float, target_deg: Sequence[float]) -> Array:
         """Return azimuth (right) and elevation (2, 2) of what left and right eye look at.
@@ -107,45 +89,10 @@ class CorrectGaze:
         """
         return wanted_gaze_deg(self._eyes.eye_positions_m(), target_deg, distance_m)
 
-    def _aimed(
-        self,
-        solve: Callable[[dict[str, float]], Array],
-        wanted_deg: dict[str, float],
-        distance_m: float,
-        target_deg: Sequence[float],
-    ) -> Array:
-        """Return the activations with which the left camera looks at the target.
 
-        The inverse takes version and elevation of the eyes, which differ from those of turned
-        cameras: they are mended until the left camera looks where it should.
-        """
-        left_deg, right_deg = self.wanted_gaze_deg(distance_m, target_deg)
-        # A turn toward the nose is one to the right in the left eye, to the left in the right eye.
-        (left_inward_deg, left_up_deg, _), (right_inward_deg, right_up_deg, _) = self._turns_deg
-        left_eye_deg = left_deg - (left_inward_deg, left_up_deg)
-        right_eye_deg = right_deg + np.array([right_inward_deg, -right_up_deg])
-        right_eye_deg[0] += wanted_deg["horizontal"]
-        version_deg, elevation_deg = ((left_eye_deg + right_eye_deg) / 2.0).tolist()
-        has_elevation = "elevation" in TURNED_ANGLES[self._protocol.command_space]
-        for _ in range(_MOST_AIMS):
-            gaze_deg = {"version": version_deg}
-            gaze_deg |= {"elevation": elevation_deg} if has_elevation else {}
-            activations = solve(wanted_deg | gaze_deg)
-            if not any(map(any, self._turns_deg)):
-                return activations
-            self._eyes.rest(activations)
-            sight = turned(self._eyes.eye_rotations(), self._turns_deg)[0, :, 0]
-            missed_deg = left_deg - direction_deg(sight)
-            if not has_elevation:
-                missed_deg[1] = 0.0
-            if np.abs(missed_deg).max() < _AIMED_DEG:
-                return activations
-            version_deg += missed_deg[0]
-            elevation_deg += missed_deg[1]
-        raise InputError(
-            f"expected eyes whose left camera can look at {left_deg.tolist()} deg at "
-            f"{distance_m:g} m; these cannot"
-        )
+def _looking_at_deg(target_deg: Sequence[float]) -> dict[str, float]:
+    """Return the angles of eyes without errors whose left camera looks at a target (2,)."""
+    return dict.fromkeys(ERRORS, 0.0) | dict(zip(LEFT_SIGHT, target_deg, strict=True))
 
 
 class CheapestPair:

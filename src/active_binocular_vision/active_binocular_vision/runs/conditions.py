@@ -9,7 +9,7 @@ import numpy as np
 from active_binocular_vision.examinations.contract.measure import SHARE, Measure, columns_of
 from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.runs.examined_run import END, TEST, ExaminedRun, OwnTest
-from active_binocular_vision.runs.groups import Common, own_settings
+from active_binocular_vision.runs.groups import Common, differences
 from experiment_manager.measures.tables import number
 from lockstep import InputError
 from lockstep.nearest import did_you_mean
@@ -31,7 +31,7 @@ NAMES: Mapping[str, str] = {
 
 
 class Range(NamedTuple):
-    """Median, least and greatest over the n seeds that have a value."""
+    """Median, least and greatest, as they are shown, over the n seeds that have a value."""
 
     median: float
     least: float
@@ -61,7 +61,7 @@ class Column:
         if found is None:
             return "-"
         n_digits = 0 if self.declared.unit == SHARE else self.declared.n_digits
-        median, least, greatest = (number(self.factor * value, n_digits) for value in found[:3])
+        median, least, greatest = (number(value, n_digits) for value in found[:3])
         notes = [f"{least} to {greatest}"] if found.n > 1 else []
         notes += [f"{found.n} of {n_seeds}"] if found.n < n_seeds else []
         return f"{median} ({'; '.join(notes)})" if notes else median
@@ -114,7 +114,8 @@ class Condition:
         values = [value for value in found if value is not None]
         if not values:
             return None
-        return Range(float(np.median(values)), min(values), max(values), len(values))
+        factor, median = column.factor, float(np.median(values))
+        return Range(factor * median, factor * min(values), factor * max(values), len(values))
 
     def tables(self, examination: str, name: str) -> list[Sequence[Mapping[str, Any]]]:
         """Return a table of an examination at the end, of the seeds that have it."""
@@ -133,16 +134,15 @@ def conditions_of(runs: Sequence[ExaminedRun]) -> list[Condition]:
     for run in runs:
         by_key.setdefault(run.common, []).append(run)
     firsts = [of_key[0] for of_key in by_key.values()]
-    names = {key: _name(of_key[0], firsts) for key, of_key in by_key.items()}
-    return [Condition(_full_name(key, names), tuple(of_key)) for key, of_key in by_key.items()]
-
-
-def _full_name(key: Common, names: Mapping[Common, str]) -> str:
-    alike = [other for other, name in names.items() if name == names[key]]
-    parts = [names[key]]
-    if len({other.weight for other in alike}) > 1:
-        parts.append(f"\N{GREEK SMALL LETTER LAMDA} = {key.weight:.3g} / W")
-    return ", ".join([*parts, *own_settings(key, alike)])
+    names = {first.common: _name(first, firsts) for first in firsts}
+    conditions = []
+    for key, of_key in by_key.items():
+        alike = [other for other, name in names.items() if name == names[key]]
+        is_priced = len({other.weight for other in alike}) > 1
+        price = [f"\N{GREEK SMALL LETTER LAMDA} = {key.weight:.3g} / W"] * is_priced
+        name = ", ".join([names[key], *price, *differences(key, alike)])
+        conditions.append(Condition(name, tuple(of_key)))
+    return conditions
 
 
 def _name(run: ExaminedRun, others: Sequence[ExaminedRun]) -> str:

@@ -19,7 +19,6 @@ from active_binocular_vision.learners.shown import OWN_TEST_STIMULI
 from active_binocular_vision.runs.ages import AGES, BEFORE, BIRTH, END
 from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE, FinishedRun
 from active_binocular_vision.runs.groups import Common
-from experiment_manager.measures.results import Summary
 from experiment_manager.plant_changes import read_schedule
 from experiment_manager.sections import config_of
 from lockstep import InputError, build, flatten
@@ -35,9 +34,9 @@ OPTIONS: Mapping[str, Mapping[str, Any]] = {"cover": {"distances_m": (2.0,), "at
 Document = Mapping[str, Any]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class OwnTest:
-    """Of the trials of the run's own test, after the last iteration; null where not known."""
+    """Of the trials of the run's own test, after the last iteration: its summary's _OF_TEST."""
 
     error_deg: float | None = measure("deg", "|vergence error|")
     iqr_deg: float | None = measure("deg", "IQR")
@@ -45,6 +44,13 @@ class OwnTest:
     cost_reduction: float | None = measure("", "c", 2)
     delta_cost_w: float | None = measure("W", "delta C")
     metabolic_rate_w: float | None = measure("W", "C")
+
+
+# Measures of a test, in the order of OwnTest.
+_OF_TEST = (
+    *("median_abs_vergence_error_deg", "iqr_abs_vergence_error_deg", "share_within_1_px"),
+    *("saving", "median_delta_cost_w", "median_metabolic_rate_w"),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,15 +78,11 @@ class ExaminedRun:
     def value(self, age: str, examination: str, name: str) -> float | None:
         """Return a measure of an examination's summary at an age, None where there is none."""
         document = self.found.get(age, {}).get(examination, {})
-        value: float | None = document.get("summary", {}).get(name)
-        return value
+        return document.get("summary", {}).get(name)
 
     def table(self, age: str, examination: str, name: str) -> Sequence[Mapping[str, Any]]:
         """Return the rows of a table of an examination at an age, () where there are none."""
-        rows: Sequence[Mapping[str, Any]] = (
-            self.found.get(age, {}).get(examination, {}).get(name, ())
-        )
-        return rows
+        return self.found.get(age, {}).get(examination, {}).get(name, ())
 
 
 def examined_run(
@@ -100,17 +102,21 @@ def examined_run(
     schedule = read_schedule(run.configuration["task"]["schedule"])
     changed_at = tuple(change.at for change in schedule.changes)
     coder = config_of(SparseCoderConfig, run.configuration)
-    kept = _Documents(run)
+    documents = _documents(run)
+    before = [*documents]
     found: dict[str, dict[str, Document]] = {}
     reasons: list[str] = []
     for age, iteration in ages_of([*tests], changed_at[0] if changed_at else None).items():
         if age in ages:
-            found[age] = {TEST: {"summary": record(_of_test(tests[iteration]))}}
+            values = [getattr(tests[iteration], name) for name in _OF_TEST]
+            found[age] = {TEST: {"summary": record(OwnTest(*values))}}
             try:
-                found[age] |= kept.at(iteration, names)
+                found[age] |= _at(run, iteration, names, documents)
             except InputError as error:
                 reasons.append(str(error))
-    kept.write()
+    if documents != before:
+        lines = ",\n".join(json.dumps(of, allow_nan=False) for of in documents)
+        replace_file(run.directory / EXAMINATIONS_FILE, f'{{"examined": [\n{lines}\n]}}\n'.encode())
     if reasons and not any(len(of_age) > 1 for of_age in found.values()):
         raise InputError(reasons[-1])
     return ExaminedRun(
@@ -127,81 +133,61 @@ def examined_run(
     )
 
 
-class _Documents:
-    """The documents of a run's examinations, those of its file and new ones."""
-
-    def __init__(self, run: FinishedRun) -> None:
-        """Read what was found before; InputError for another content."""
-        self._run, self._has_new = run.directory, False
-        try:
-            self._documents = [dict(of) for of in run.examinations["examined"]]
-        except (ValueError, KeyError, TypeError) as error:
-            raise InputError(
-                f"{run.directory}: expected the examinations of a run: {error!r}"
-            ) from error
-
-    def at(self, iteration: int, names: Collection[str]) -> dict[str, Document]:
-        """Return the documents of examinations after training iterations, made where missing.
-
-        Raises InputError where one is missing and there is no checkpoint.
-        """
-        try:
-            learners = FrozenLearners.after(self._run, iteration)
-        except InputError:
-            return {name: self._kept(iteration, EXAMINATIONS[name]) for name in names}
-        return {name: self._made(learners, EXAMINATIONS[name]) for name in names}
-
-    def _kept(self, iteration: int, examination: Examination, states: str = "") -> dict[str, Any]:
-        key = {
-            "iteration": iteration,
-            "examination": examination.name,
-            "version": examination.version,
-            "options": _options(examination),
-        } | ({"states": states} if states else {})
-        for document in self._documents:
-            if all(document.get(name) == value for name, value in key.items()):
-                return document
+def _documents(run: FinishedRun) -> list[Document]:
+    """Return what was found in a run before; InputError for another content."""
+    try:
+        return [dict(of) for of in run.examinations["examined"]]
+    except (ValueError, KeyError, TypeError) as error:
         raise InputError(
-            f"{self._run}: expected a checkpoint after {iteration:,} training iterations, or "
+            f"{run.directory}: expected the examinations of a run: {error!r}"
+        ) from error
+
+
+def _at(
+    run: FinishedRun, iteration: int, names: Collection[str], documents: list[Document]
+) -> dict[str, Document]:
+    """Return examinations after training iterations; those that are made go into documents.
+
+    Raises InputError where one is missing and there is no checkpoint.
+    """
+    try:
+        learners = FrozenLearners.after(run.directory, iteration)
+    except InputError:
+        learners = None
+    return {
+        name: _document(run, iteration, EXAMINATIONS[name], learners, documents) for name in names
+    }
+
+
+def _document(
+    run: FinishedRun,
+    iteration: int,
+    examination: Examination,
+    learners: FrozenLearners | None,
+    documents: list[Document],
+) -> Document:
+    chosen = flatten(examination.options(**OPTIONS.get(examination.name, {})))
+    place = {"iteration": iteration, "examination": examination.name, "options": chosen}
+    key = place | {"version": examination.version}
+    if learners is not None:
+        key["states"] = learners.state_hash
+    for document in documents:
+        if _has(document, key):
+            return document
+    if learners is None:
+        raise InputError(
+            f"{run.directory}: expected a checkpoint after {iteration:,} training iterations, or "
             f"{examination.name} of version {examination.version} in {EXAMINATIONS_FILE}"
         )
-
-    def _made(self, learners: FrozenLearners, examination: Examination) -> dict[str, Any]:
-        try:
-            return self._kept(learners.trained, examination, learners.state_hash)
-        except InputError:
-            options = build(examination.options, _options(examination))
-            found = examination.examine(learners, OWN_TEST_STIMULI, options)
-        document = examination.document(learners, OWN_TEST_STIMULI, options, found)
-        others = [of for of in self._documents if not _replaces(document, of)]
-        self._documents, self._has_new = [*others, document], True
-        return document
-
-    def write(self) -> None:
-        """Write the file where there is something new, a line for each document."""
-        if self._has_new:
-            lines = ",\n".join(json.dumps(of, allow_nan=False) for of in self._documents)
-            replace_file(self._run / EXAMINATIONS_FILE, f'{{"examined": [\n{lines}\n]}}\n'.encode())
+    options = build(examination.options, chosen)
+    found = examination.examine(learners, OWN_TEST_STIMULI, options)
+    new = examination.document(learners, OWN_TEST_STIMULI, options, found)
+    documents[:] = [*(old for old in documents if not _has(old, place)), new]
+    return new
 
 
-def _replaces(new: Document, old: Document) -> bool:
-    names = "iteration", "examination", "options"
-    return all(new[name] == old.get(name) for name in names)
-
-
-def _options(examination: Examination) -> dict[str, Any]:
-    return flatten(examination.options(**OPTIONS.get(examination.name, {})))
-
-
-def _of_test(test: Summary) -> OwnTest:
-    return OwnTest(
-        error_deg=test.median_abs_vergence_error_deg,
-        iqr_deg=test.iqr_abs_vergence_error_deg,
-        share_within_1_px=test.share_within_1_px,
-        cost_reduction=test.median_cost_reduction,
-        delta_cost_w=test.median_delta_cost_w,
-        metabolic_rate_w=test.median_metabolic_rate_w,
-    )
+def _has(document: Document, values: Document) -> bool:
+    return all(document.get(name) == value for name, value in values.items())
 
 
 def ages_of(tested: Sequence[int], changed_at: int | None) -> Mapping[str, int]:

@@ -43,6 +43,10 @@ class FinishedRun:
         self.directory = Path(directory)
         self.name = self.directory.resolve().name
 
+    def unread(self) -> "FinishedRun":
+        """Return the run without what was read of it: little to send to another process."""
+        return FinishedRun(self.directory)
+
     # What the run is
 
     @cached_property

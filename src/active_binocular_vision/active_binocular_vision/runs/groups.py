@@ -1,7 +1,8 @@
 """Runs that belong together in a figure: those that differ in their seeds alone."""
 
 import contextlib
-from collections.abc import Mapping, Sequence
+import textwrap
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -12,11 +13,9 @@ from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import Trials, pooled
-from experiment_manager.run.config_file import (
-    FREE_TO_CHANGE,
-    RUN_SECTION,
-)
-from experiment_manager.sections import DEFAULTS, completed
+from experiment_manager.preparation.profiles import read_profile
+from experiment_manager.run.config_file import FREE_TO_CHANGE, RUN_SECTION
+from experiment_manager.sections import DEFAULTS, by_key, completed
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from lockstep import InputError
 
@@ -37,15 +36,16 @@ _NO_SETTINGS = (
     "camera.roi_height_px",
 )
 # A run's plant does not run freely.
-_NO_PARTS = (("eye_plant", "free_running"),)
+_NO_PART = "eye_plant.free_running."
 # Of what a run is, the course that settings do not show.
 _COURSE = ("branched_at_iteration", "extended_from")
-_MOST_SETTINGS_NAMED = 2
+# Characters of a label in a figure; the tables of a report have the whole name.
+_LONGEST_LABEL = 200
 
 
 @dataclass(frozen=True)
 class Common:
-    """What the runs of a group have in common; settings: all else, (name, value as text)."""
+    """What the runs of a group have in common; settings: all else, (SECTION.NAME, value)."""
 
     model: str
     weight: float
@@ -59,8 +59,8 @@ class Group:
 
     Their pictures are the same, or each run has a seed and pictures of its own.
 
-    name: model, and how it differs from other groups except in lambda, as text; label: for figures;
-    rank: (i, n), the i-th of the n groups of its model.
+    name: model, lambda, and how it differs from other groups of its model, as text; label: for
+    figures; rank: (i, n), the i-th of the n groups of its model.
     """
 
     name: str
@@ -118,9 +118,7 @@ class Group:
 
     def summaries_at(self, iteration: int) -> list[Summary]:
         """Return each run's measures after so many training iterations."""
-        return [
-            next(test for test in run.summaries if test.iteration == iteration) for run in self.runs
-        ]
+        return [test for run in self.runs for test in run.summaries if test.iteration == iteration]
 
     @cached_property
     def last_summary(self) -> Summary | None:
@@ -131,13 +129,8 @@ class Group:
 
     def recorded_at(self, iteration: int) -> list[RecordedTest]:
         """Return the tests after so many training iterations of the runs whose bags are there."""
-        return [
-            test
-            for run in self.runs
-            if run.bag is not None
-            for test in run.recorded.tests
-            if test.trials.training_iteration == iteration
-        ]
+        tests = [test for run in self.runs if run.bag is not None for test in run.recorded.tests]
+        return [test for test in tests if test.trials.training_iteration == iteration]
 
 
 def groups_of(runs: Sequence[FinishedRun]) -> list[Group]:
@@ -145,21 +138,30 @@ def groups_of(runs: Sequence[FinishedRun]) -> list[Group]:
 
     Raises InputError for runs that belong together and have no test in common.
     """
-    by_key = _by_key(runs)
-    different = sorted(by_key, key=lambda key: (key.model != "M", key.model, key.weight))
+    by_common = _by_common(runs)
+    keys = sorted(by_common, key=lambda key: (key.model != "M", key.model, key.weight))
     groups = []
-    for key in different:
-        members = tuple(by_key[key])
-        same_model = [other for other in different if other.model == key.model]
-        rank = (same_model.index(key), len(same_model))
-        own = own_settings(key, same_model)
-        name = ", ".join([key.model, *own])
-        group = Group(name, _label(key, own, len(members)), rank, key, members)
+    for key in keys:
+        members = tuple(by_common[key])
+        alike = [other for other in keys if other.model == key.model]
+        own = differences(key, alike)
+        name = ", ".join([key.model, *[f"lambda {key.weight:g} / W"] * bool(key.weight), *own])
+        group = Group(
+            name, _label(key, own, len(members)), (alike.index(key), len(alike)), key, members
+        )
         if not group.iterations:
             names = ", ".join(str(run.directory) for run in members)
             raise InputError(f"{names}: expected a test after as many iterations in each, got none")
         groups.append(group)
     return groups
+
+
+def _label(key: Common, own: Sequence[str], n_runs: int) -> str:
+    names = {"M": "model M", "M_C": r"model M$_C$"}
+    price = [rf"$\lambda$ = {key.weight:.3g} / W"] * bool(key.weight)
+    settings = textwrap.shorten(", ".join(own), _LONGEST_LABEL, placeholder=" ...")
+    count = f"{n_runs} run{'s' if n_runs > 1 else ''}"
+    return ", ".join(filter(None, [names.get(key.model, key.model), *price, settings, count]))
 
 
 def held_back(runs: Sequence[FinishedRun]) -> list[FinishedRun]:
@@ -169,7 +171,7 @@ def held_back(runs: Sequence[FinishedRun]) -> list[FinishedRun]:
     """
     return [
         run
-        for members in _by_key(runs).values()
+        for members in _by_common(runs).values()
         if any(member.is_finished for member in members)
         for run in members
         if not run.is_finished
@@ -177,84 +179,86 @@ def held_back(runs: Sequence[FinishedRun]) -> list[FinishedRun]:
 
 
 def common_of(runs: Sequence[FinishedRun]) -> list[Common]:
-    """Return what each run has in common: the same for those that differ in their seeds alone."""
-    keys = [_key(run) for run in runs]
+    """Return what each run has in common: the same for those that differ in their seeds alone.
+
+    Runs that each have a seed and pictures of their own are alike. Where a seed has been used with
+    several pictures, those are compared.
+    """
+    keys = [_common(run) for run in runs]
     seeds: dict[Common, set[int]] = {}
     for run, key in zip(runs, keys, strict=True):
         seeds.setdefault(key, set()).add(run.seed)
-    pooled_keys = _with_own_pictures(seeds)
-    return [pooled_keys.get(key, key) for key in keys]
-
-
-def _by_key(runs: Sequence[FinishedRun]) -> dict[Common, list[FinishedRun]]:
-    by_key: dict[Common, list[FinishedRun]] = {}
-    for run, key in zip(runs, common_of(runs), strict=True):
-        by_key.setdefault(key, []).append(run)
-    return by_key
-
-
-def _with_own_pictures(seeds: Mapping[Common, set[int]]) -> dict[Common, Common]:
-    """Return what the runs have in common that each have a seed and pictures of their own.
-
-    seeds: of the runs on the same pictures. Where a seed has been used with several pictures, those
-    are compared, not pooled.
-    """
-    families: dict[Common, list[Common]] = {}
+    families: dict[Common, dict[Common, set[int]]] = {}
     for key, of_key in seeds.items():
         if len(of_key) == 1:
-            others = frozenset(s for s in key.settings if s[0] != _PICTURES_SEED)
-            settings = others | {(_PICTURES_SEED, _OF_EACH)}
-            families.setdefault(replace(key, settings=settings), []).append(key)
-    return {
+            families.setdefault(_with_own_pictures(key), {})[key] = of_key
+    pooled_as = {
         key: family
-        for family, keys in families.items()
-        if 1 < len(keys) == len(set.union(*(seeds[key] for key in keys)))
-        for key in keys
+        for family, members in families.items()
+        if 1 < len(members) == len(set.union(*members.values()))
+        for key in members
     }
+    return [pooled_as.get(key, key) for key in keys]
 
 
-def _key(run: FinishedRun) -> Common:
+def _with_own_pictures(key: Common) -> Common:
+    others = {(name, value) for name, value in key.settings if name != _PICTURES_SEED}
+    return replace(key, settings=frozenset({*others, (_PICTURES_SEED, _OF_EACH)}))
+
+
+def _by_common(runs: Sequence[FinishedRun]) -> dict[Common, list[FinishedRun]]:
+    found: dict[Common, list[FinishedRun]] = {}
+    for run, key in zip(runs, common_of(runs), strict=True):
+        found.setdefault(key, []).append(run)
+    return found
+
+
+def _common(run: FinishedRun) -> Common:
     parameters = run.configuration
     if parameters.keys() >= DEFAULTS.keys():
         # What is not there is the default; the parameters of a replaced node stay as they are.
         with contextlib.suppress(InputError):
             parameters = completed(parameters)
     settings = {
-        (f"{node}.{name}", str(value))
-        for node, values in parameters.items()
-        for name, value in values.items()
-        if name not in _NO_SETTINGS and (node, name.partition(".")[0]) not in _NO_PARTS
+        (key, str(value))
+        for key, value in by_key(parameters).items()
+        if key.partition(".")[2] not in _NO_SETTINGS and not key.startswith(_NO_PART)
     }
-    course = {
-        (f"{RUN_SECTION}.{name}", str(run.about[name])) for name in _COURSE if name in run.about
-    }
-    return Common(
-        run.model, run.metabolic_cost_weight, run.n_iterations, frozenset(settings | course)
-    )
+    settings |= {(f"{RUN_SECTION}.{n}", str(run.about[n])) for n in _COURSE if n in run.about}
+    return Common(run.model, run.metabolic_cost_weight, run.n_iterations, frozenset(settings))
 
 
-def _label(key: Common, own: Sequence[str], n_runs: int) -> str:
-    names = {"M": "model M", "M_C": r"model M$_C$"}
-    price = [rf"$\lambda$ = {key.weight:.3g} / W"] if key.weight else []
-    count = f"{n_runs} run{'s' if n_runs > 1 else ''}"
-    return ", ".join([names.get(key.model, key.model), *price, *own, count])
+def differences(key: Common, others: Sequence[Common]) -> list[str]:
+    """Return how a group differs from others, lambda aside: each setting with its value.
 
-
-def own_settings(key: Common, same_model: Sequence[Common]) -> list[str]:
-    """Return how a group differs from the others of its model, lambda aside.
-
-    same_model: what each of these has in common, its own included.
+    others: what each of them has in common, its own included. Profiles stand for the settings that
+    they make.
     """
-    lengths = {other.n_iterations for other in same_model}
-    length = [f"{key.n_iterations:,} iterations"] if len(lengths) > 1 else []
-    common = frozenset.intersection(*(other.settings for other in same_model))
-    profile = [setting for setting in key.settings - common if setting[0] == _PROFILE]
-    # A profile describes how it differs from others, not how its own runs differ.
-    alike = [other for other in same_model if other.settings.issuperset(profile)]
-    settings = key.settings - frozenset.intersection(*(other.settings for other in alike))
-    stimuli = [setting for setting in key.settings - common if setting[0] == _STIMULI]
-    more = sorted(settings.difference(profile, stimuli))[:_MOST_SETTINGS_NAMED]
-    return length + [_named(*setting) for setting in (*stimuli, *profile, *more)]
+    length = [f"{key.n_iterations:,} iterations"] * (len({of.n_iterations for of in others}) > 1)
+    own, profile = dict(key.settings), dict(key.settings).get(_PROFILE)
+    names = _varied(others)
+    if _PROFILE in names:
+        of_profile = [other for other in others if (_PROFILE, profile) in other.settings]
+        profiles = {value for other in others for name, value in other.settings if name == _PROFILE}
+        names -= set().union(*map(_made_by, profiles)) - _varied(of_profile)
+    first = [name for name in (_STIMULI, _PROFILE) if name in names]
+    return length + [
+        _named(name, own[name]) for name in [*first, *sorted(names - {*first})] if name in own
+    ]
+
+
+def _varied(groups: Sequence[Common]) -> set[str]:
+    """Return the names of the settings in which groups differ."""
+    all_have = frozenset.intersection(*(group.settings for group in groups))
+    return {name for group in groups for name, _ in group.settings - all_have}
+
+
+def _made_by(profile: str) -> set[str]:
+    """Return the settings that a profile makes: of one that is no more all may be its."""
+    try:
+        return {"task.schedule", *by_key(read_profile(profile).settings)} if profile else set()
+    except InputError:
+        return {*by_key(DEFAULTS)}
 
 
 def _named(name: str, value: str) -> str:
@@ -262,4 +266,4 @@ def _named(name: str, value: str) -> str:
         return f"{Path(value).name or 'generated'} stimuli"
     if name == _PICTURES_SEED:
         return f"pictures {value if value == _OF_EACH else f'of seed {value}'}"
-    return f"{name.rpartition('.')[2]} {value}"
+    return f"{name.rpartition('.')[2]} {value or 'none'}"

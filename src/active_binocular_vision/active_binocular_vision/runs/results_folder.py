@@ -6,6 +6,7 @@ trials.npz         trials of their tests, where these are kept
 examinations.json  what was found in the learners of each run, by run
 """
 
+import contextlib
 import csv
 import json
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,7 +21,6 @@ import yaml
 from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE, FinishedRun
 from experiment_manager.measures.kept_trials import KEPT_FILE, KeptTrials, arrays_of, from_arrays
 from experiment_manager.measures.results import (
-    RESULTS_FILE,
     CostShares,
     Measures,
     Results,
@@ -28,7 +28,7 @@ from experiment_manager.measures.results import (
     Summary,
 )
 from experiment_manager.run.config_file import CONFIG_FILE, RUN_SECTION
-from experiment_manager.sections import Configuration
+from experiment_manager.sections import Configuration, by_key
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
 from lockstep import InputError, read_state, write_state
 from lockstep.durable_files import replace_file
@@ -65,6 +65,12 @@ class KeptRun(FinishedRun):
         """name: of the run in the folder."""
         super().__init__(folder.directory / name)
         self._folder = folder
+
+    def unread(self) -> FinishedRun:
+        """Return the run without its folder and trials, with what examining needs."""
+        run, names = super().unread(), ("about", "configuration", "results", "examinations")
+        vars(run).update({name: getattr(self, name) for name in names})
+        return run
 
     @cached_property
     def configuration_text(self) -> str:
@@ -122,9 +128,7 @@ class ResultsFolder:
             document = yaml.load(path.read_text(), Loader=yaml.CSafeLoader)
             common, runs = document[_COMMON], document[_RUNS]
             return {
-                name: {
-                    section: common.get(section, {}) | own.get(section, {}) for section in common
-                }
+                name: {of: common.get(of, {}) | own.get(of, {}) for of in {**common, **own}}
                 for name, own in runs.items()
             }
         except (OSError, yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
@@ -158,7 +162,7 @@ class ResultsFolder:
 
 
 def runs_at(path: Path) -> list[FinishedRun]:
-    """Return the runs of a folder of results, or those of a sweep by name; else the one there.
+    """Return the runs of a folder of results, or those of a sweep in its order; else the one there.
 
     A run of a folder of results is named as if it were a directory there.
     """
@@ -167,21 +171,35 @@ def runs_at(path: Path) -> list[FinishedRun]:
             return [run for run in folder.runs() if name in ("", run.name)]
     if not (path / SWEEP_FILE).is_file():
         return [FinishedRun(path)]
-    return [FinishedRun(file.parent) for file in sorted(path.rglob(CONFIG_FILE))]
+    runs = {str(file.parent.relative_to(path)): file.parent for file in path.rglob(CONFIG_FILE)}
+    in_order: list[str] = []
+    with contextlib.suppress(InputError):
+        in_order = [*read_sweep(path / SWEEP_FILE).runs()]
+    names = dict.fromkeys([*in_order, *sorted(runs)])
+    return [FinishedRun(runs[name]) for name in names if name in runs]
 
 
-def finished_runs(path: Path) -> list[FinishedRun]:
-    """Return the runs of a folder of results, or the finished ones of a sweep in its order.
+def runs_with_tests(paths: Sequence[Path]) -> tuple[list[FinishedRun], list[str]]:
+    """Return the runs at paths, and in the sweeps there, that have a test; why others are left out.
 
-    Of another directory the run there. Raises InputError for a sweep without any.
+    Raises InputError when none has, with what is wrong with the first.
     """
-    if not (path / SWEEP_FILE).is_file() or ResultsFolder.at(path) is not None:
-        return runs_at(path)
-    directories = [path / name for name in read_sweep(path / SWEEP_FILE).runs()]
-    runs = [FinishedRun(run) for run in directories if (run / RESULTS_FILE).is_file()]
+    runs: dict[Path, FinishedRun] = {}
+    reasons: list[str] = []
+    for path in paths:
+        try:
+            for run in runs_at(path):
+                try:
+                    if not (run.summaries and run.about):
+                        raise InputError(f"{run.directory}: expected at least one complete test")
+                    runs[run.directory.resolve()] = run
+                except InputError as error:
+                    reasons.append(str(error))
+        except InputError as error:
+            reasons.append(str(error))
     if not runs:
-        raise InputError(f"{path}: expected a sweep with a finished run, found none")
-    return runs
+        raise InputError(reasons[0] if reasons else f"{paths[0]}: expected runs in the sweep")
+    return [*runs.values()], reasons
 
 
 def keep(runs: Sequence[FinishedRun], directory: Path, *, with_trials: bool = True) -> None:
@@ -238,24 +256,23 @@ def _common_and_own(
     of_runs: Mapping[str, Configuration],
 ) -> tuple[Configuration, dict[str, Configuration]]:
     """Return the parameters that all runs have alike, and the others of each, by section."""
-    first, *others = of_runs.values()
+    flat = {run: by_key(sections) for run, sections in of_runs.items()}
+    first, *others = flat.values()
     common = {
-        section: {
-            name: value
-            for name, value in first.get(section, {}).items()
-            if all(name in o.get(section, {}) and o[section][name] == value for o in others)
-        }
-        for section in dict.fromkeys(section for of in of_runs.values() for section in of)
+        key: value
+        for key, value in first.items()
+        if all(key in other and other[key] == value for other in others)
     }
-    own = {
-        run: {
-            section: rest
-            for section, values in of.items()
-            if (rest := {n: v for n, v in values.items() if n not in common[section]})
-        }
-        for run, of in of_runs.items()
-    }
-    return common, own
+    own = {run: {k: v for k, v in of.items() if k not in common} for run, of in flat.items()}
+    return _by_section(common), {run: _by_section(values) for run, values in own.items()}
+
+
+def _by_section(values: Mapping[str, Any]) -> Configuration:
+    found: Configuration = {}
+    for key, value in values.items():
+        section, _, name = key.partition(".")
+        found.setdefault(section, {})[name] = value
+    return found
 
 
 # Rows of measures.csv

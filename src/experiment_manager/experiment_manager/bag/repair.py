@@ -1,6 +1,5 @@
 """Completes a bag after a kill or damage: what can be read is written again, the rest goes."""
 
-import os
 from pathlib import Path
 
 from experiment_manager.bag.mcap_file import Rewritten, rewrite
@@ -13,7 +12,7 @@ from experiment_manager.bag.metadata import (
     write_metadata,
 )
 from experiment_manager.bag.reader import Bag
-from lockstep.durable_files import sync_directory
+from lockstep.durable_files import replacement_of
 
 
 def repair_bag(path: Path) -> dict[str, Rewritten]:
@@ -30,14 +29,8 @@ def repair_bag(path: Path) -> dict[str, Rewritten]:
 
 
 def _repair(path: Path) -> Rewritten:
-    beside = path.with_name(path.name + ".part")
-    with path.open("rb") as source, beside.open("wb") as target:
-        repair = rewrite(source, target)
-        target.flush()
-        os.fsync(target.fileno())
-    beside.replace(path)
-    sync_directory(path.parent)
-    return repair
+    with path.open("rb") as source, replacement_of(path) as target:
+        return rewrite(source, target)
 
 
 def _rewrite_metadata(directory: Path) -> None:

@@ -1,7 +1,6 @@
 """Writes a rosbag2 directory of .mcap files that survives a kill at any moment."""
 
 import contextlib
-import os
 import re
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,6 +14,7 @@ from experiment_manager.bag.mcap_file import McapFile
 from experiment_manager.bag.message_definitions import message_definition
 from experiment_manager.bag.metadata import (
     CONFIGURATION_ATTACHMENT,
+    METADATA_FILE,
     RUN_METADATA,
     FileSummary,
     Topic,
@@ -23,7 +23,7 @@ from experiment_manager.bag.metadata import (
 )
 from experiment_manager.bag.reordering import Held, StampBuffer
 from lockstep import InputError
-from lockstep.durable_files import is_free, sync_directory
+from lockstep.durable_files import is_free, sync, sync_directory
 
 # Kept whatever their stamps.
 _EXEMPT = frozenset(("/clock", "/diagnostics"))
@@ -278,8 +278,7 @@ class _OpenFile:
 
     def finish(self) -> FileSummary:
         self._writer.finish()
-        self._stream.flush()
-        os.fsync(self._stream.fileno())
+        sync(self._stream)
         self._stream.close()
         return McapFile(self._path).summary()
 
@@ -287,6 +286,15 @@ class _OpenFile:
         # Closing writes the rest of the buffer, and may fail for the reason that was raised before.
         with contextlib.suppress(OSError):
             self._stream.close()
+
+
+def remove_bag(directory: Path) -> None:
+    """Remove the files of a bag, and the directory unless it holds anything else."""
+    for path in directory.glob("*"):
+        if _FILE_NAME.match(path.name) or path.name == METADATA_FILE:
+            path.unlink()
+    with contextlib.suppress(OSError):
+        directory.rmdir()
 
 
 def _topic(name: str, type_name: str) -> Topic:

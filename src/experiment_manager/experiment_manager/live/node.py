@@ -15,6 +15,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import Image, JointState
 
+from experiment_manager.live.address import Address
 from experiment_manager.live.config import LiveViewConfig
 from experiment_manager.live.page import Page
 from experiment_manager.live.steering import Steering
@@ -45,7 +46,7 @@ class LiveViewNode(Node):
         self._steering = Steering(config.camera.focal_length_px * config.camera.left_magnification)
         self._gaze_targets = VectorPublisher(self, GAZE_TARGET, TARGET_NAMES)
         self._server = open_server(config.host, config.port, self._steering.ask)
-        address = f"ws://{config.host}:{self._server.port}"
+        address = f"ws://{Address(config.host, self._server.port)}"
         try:
             self._page = Page(config.host, config.page_port, address, self._steering)
         except InputError:
@@ -57,7 +58,7 @@ class LiveViewNode(Node):
         self.create_timer(
             1.0 / config.rate_hz, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
-        page = f"http://{config.host}:{self._page.port}/"
+        page = f"http://{Address(config.host, self._page.port)}/"
         self.get_logger().info(f"live view at {address}; {page} opens it and has its layout")
 
     @property

@@ -1,11 +1,14 @@
 """A page on this machine with the links that open the view, and the layout to import."""
 
+import ipaddress
+import socket
 import threading
 from functools import partial
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from urllib.parse import parse_qs, urlencode, urlsplit
 
+from experiment_manager.live.address import Address, resolved
 from experiment_manager.live.steering import Steering
 from lockstep import InputError
 
@@ -60,10 +63,10 @@ class Page:
             "/layout.json": ("application/json", LAYOUT.read_bytes()),
         }
         try:
-            handler = partial(_Handler, documents, steering)
-            self._server = ThreadingHTTPServer((host, port), handler)
-        except OSError as error:
-            raise InputError(f"live view: cannot listen on {host}:{port}: {error}") from error
+            self._server = _Server(host, port, partial(_Handler, host, documents, steering))
+        except (OSError, UnicodeError) as error:
+            where = Address(host, port)
+            raise InputError(f"live view: cannot listen on {where}: {error}") from error
         self.port = int(self._server.server_address[1])
         threading.Thread(target=self._server.serve_forever, daemon=True).start()
 
@@ -73,18 +76,27 @@ class Page:
         self._server.server_close()
 
 
+class _Server(ThreadingHTTPServer):
+    def __init__(self, host: str, port: int, handler: partial["_Handler"]) -> None:
+        self.address_family, *_, place = resolved(host, port)
+        super().__init__(place[:2], handler)
+
+
 class _Handler(BaseHTTPRequestHandler):
     def __init__(
         self,
+        host: str,
         documents: dict[str, tuple[str, bytes]],
         steering: Steering,
         *arguments: object,
     ) -> None:
-        self._documents, self._steering = documents, steering
+        self._host, self._documents, self._steering = host, documents, steering
         super().__init__(*arguments)  # type: ignore[arg-type]
 
     def do_GET(self) -> None:
         """Answer with one of the documents or the picture."""
+        if self._refuses():
+            return
         path = urlsplit(self.path).path
         kind, content = self._documents.get(path, ("image/png", b""))
         if path == "/left.png":
@@ -95,24 +107,65 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_response(200)
         self.send_header("Content-Type", kind)
         self.send_header("Content-Length", str(len(content)))
-        self.send_header("Access-Control-Allow-Origin", "*")
         self.end_headers()
         self.wfile.write(content)
 
     def do_POST(self) -> None:
         """Take a click."""
+        if self._refuses():
+            return
         address = urlsplit(self.path)
         if address.path != "/look":
             self.send_error(404)
             return
         try:
             (column,), (row,) = (parse_qs(address.query)[n] for n in ("column_px", "row_px"))
-            self._steering.ask_at(float(column), float(row))
+            column_px, row_px = float(column), float(row)
         except (KeyError, ValueError):
-            self.send_error(400, "expected column_px and row_px of a picture that was shown")
+            self.send_error(400, "expected a number as column_px and one as row_px")
+            return
+        try:
+            self._steering.ask_at(column_px, row_px)
+        except InputError as error:
+            self.send_error(400, str(error))
             return
         self.send_response(204)
         self.end_headers()
 
+    def _refuses(self) -> bool:
+        """Refuse requests that a page of somebody else sends, and return whether this is one.
+
+        Its browser names that page as Origin; or, where a name was given the address of this
+        machine while the page was open (DNS rebinding), that name as Host.
+        """
+        host, origin = self.headers.get("Host", ""), self.headers.get("Origin")
+        if host and not _names_this_machine(host, self._host):
+            reason = f"expected {self._host} or this machine as Host, got {host[:80]}"
+        elif origin is not None and origin.partition("://")[2].lower() != host.lower():
+            reason = f"expected requests of this page, got one of {origin[:80]}"
+        else:
+            return False
+        self.send_error(403, reason)
+        return True
+
     def log_message(self, *arguments: object) -> None:
         """Say nothing."""
+
+
+def _names_this_machine(host: str, configured: str) -> bool:
+    """Whether the host of a request is what the page was told to listen on, or a name of it here.
+
+    A number is no name that somebody else gives an address to.
+    """
+    try:
+        name = urlsplit(f"//{host}").hostname or ""
+    except ValueError:
+        return False
+    own = socket.gethostname().lower()
+    if name in (configured.lower(), "localhost", own, f"{own}.local"):
+        return True
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from experiment_manager.bag.message_definitions import message_definition
+from experiment_manager.live.address import Address
 from lockstep import InputError
 
 _NAME = "active binocular vision"
@@ -95,7 +96,8 @@ class ViewServer:
                 server_listener=listener,
             )
         except RuntimeError as error:
-            raise InputError(f"live view: cannot listen on {host}:{port}: {error}") from error
+            where = Address(host, port)
+            raise InputError(f"live view: cannot listen on {where}: {error}") from error
 
     def is_watched(self, topic: str) -> bool:
         """Whether a client subscribes to the topic now."""

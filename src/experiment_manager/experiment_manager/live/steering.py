@@ -32,10 +32,18 @@ class Steering:
         self._asked.append(message)
 
     def ask_at(self, column_px: float, row_px: float) -> None:
-        """Ask for a place in the last picture, counted from its upper left corner."""
+        """Ask for a place in the last picture, counted from its upper left corner.
+
+        Raises InputError for one outside.
+        """
         if self._picture is None:
             raise InputError("expected a picture of the left eye, none has come yet")
         height_px, width_px = self._picture.shape
+        if not (0.0 <= column_px <= width_px and 0.0 <= row_px <= height_px):
+            raise InputError(
+                f"expected a place in a picture of {width_px} x {height_px} px, got column "
+                f"{column_px:g} and row {row_px:g}"
+            )
         place = column_px - width_px / 2.0, row_px - height_px / 2.0, self._focal_length_px
         position = swing_deg(np.array(place)).tolist()
         self.ask(json.dumps({"name": TARGET_NAMES, "position": position}).encode())

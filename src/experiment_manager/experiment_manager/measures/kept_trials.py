@@ -27,14 +27,14 @@ class KeptTrials:
 
     training_iteration: (n_tests,); final_error_deg, final_rate_w: (n_tests, n_trials), signed error
     and metabolic rate after the last iteration. Of the last test: trial, stimulus,
-    object_distance_m, optimal_rate_w: (n_trials,); iteration: (k,) those that are kept of each
-    trial, 0 is the start; error_deg, rate_w: (n_trials, k); activations: (n_trials, 2, n_commands)
+    object_distance_m: (n_trials,); iteration: (k,) those that are kept of each trial, 0 is the
+    start; error_deg, rate_w, optimal_rate_w: (n_trials, k); activations: (n_trials, 2, n_commands)
     what commands set, at the start and at the end; path: (m,) indices of the pair's trials of the
     first stimulus, path_activations: (m, n_iterations + 1, n_commands). began_otherwise: (j,)
     indices of the tests that began otherwise than the last one; started_with: (j, 3, n_trials)
-    their error, rate and optimal rate at the start. Vertical error and cyclovergence error, of none
-    in the pair's tests: final_other_errors_deg, (n_tests, n_trials, 2), other_errors_deg,
-    (n_trials, k, 2).
+    their error and rate at the start, and optimal rate at the end. Vertical error and cyclovergence
+    error, of none in the pair's tests: final_other_errors_deg, (n_tests, n_trials, 2),
+    other_errors_deg, (n_trials, k, 2).
     """
 
     training_iteration: np.ndarray
@@ -56,8 +56,8 @@ class KeptTrials:
     other_errors_deg: np.ndarray
 
     def starts(self) -> np.ndarray:
-        """Return error, rate and optimal rate at the start of each test, (n_tests, 3, n_trials)."""
-        last = np.stack([self.error_deg[:, 0], self.rate_w[:, 0], self.optimal_rate_w])
+        """Return first error, first rate and last optimal rate of tests, (n_tests, 3, n_trials)."""
+        last = np.stack([self.error_deg[:, 0], self.rate_w[:, 0], self.optimal_rate_w[:, -1]])
         starts = np.repeat(last[None], len(self.training_iteration), axis=0)
         starts[self.began_otherwise] = self.started_with
         return starts
@@ -74,22 +74,21 @@ class KeptTrials:
             other_deg = np.full((*shape, len(_OTHER_ERROR_COLUMNS)), np.nan)
             if len(self.other_errors_deg):
                 other_deg[:, -1] = self.final_other_errors_deg[i]
-            error_deg[:, 0], rate_w[:, 0], optimal_rate_w = starts[i]
+            error_deg[:, 0], rate_w[:, 0], last_w = starts[i]
+            optimal_rate_w = np.repeat(last_w[:, None].astype(np.float64), shape[1], axis=1)
             error_deg[:, -1], rate_w[:, -1] = self.final_error_deg[i], self.final_rate_w[i]
             if i == len(self.training_iteration) - 1:
                 error_deg[:, self.iteration] = self.error_deg
                 rate_w[:, self.iteration] = self.rate_w
+                optimal_rate_w[:, self.iteration] = self.optimal_rate_w
                 if len(self.other_errors_deg):
                     other_deg[:, self.iteration] = self.other_errors_deg
                 activations[:, [0, -1]] = self.activations
                 activations[self.path] = self.path_activations
-            of_trial = {
-                "stimulus": self.stimulus,
-                "object_distance_m": self.object_distance_m,
-                "optimal_metabolic_rate_w": optimal_rate_w.astype(np.float64),
-            }
+            of_trial = {"stimulus": self.stimulus, "object_distance_m": self.object_distance_m}
             columns = {n: np.broadcast_to(v[:, None], shape) for n, v in of_trial.items()}
             columns |= {"vergence_error_deg": error_deg, "metabolic_rate_w": rate_w}
+            columns["optimal_metabolic_rate_w"] = optimal_rate_w
             columns |= {name: activations[..., k] for k, name in enumerate(space.names)}
             columns |= {n: other_deg[..., k] for k, n in enumerate(_OTHER_ERROR_COLUMNS)}
             no_rows = np.broadcast_to(-1, shape)
@@ -113,7 +112,8 @@ def with_test(kept: KeptTrials | None, trials: Trials) -> KeptTrials:
         final_rate_w = np.concatenate([kept.final_rate_w, final_rate_w])
         starts = np.concatenate([kept.starts(), starts])
         final_other_deg = np.concatenate([kept.final_other_errors_deg, final_other_deg])
-    began_otherwise = np.flatnonzero((starts != starts[-1]).any(axis=(1, 2)))
+    is_other = (starts != starts[-1]) & ~(np.isnan(starts) & np.isnan(starts[-1]))
+    began_otherwise = np.flatnonzero(is_other.any(axis=(1, 2)))
     is_first = trials.stimulus == trials.stimulus.min()
     path = np.flatnonzero(is_first & trials.is_of_pair)
     return KeptTrials(
@@ -123,7 +123,7 @@ def with_test(kept: KeptTrials | None, trials: Trials) -> KeptTrials:
         trial=trials.trial,
         stimulus=trials.stimulus,
         object_distance_m=trials.object_distance_m,
-        optimal_rate_w=_small(trials.optimal_metabolic_rate_w),
+        optimal_rate_w=_small(trials.optimal_metabolic_rate_w[:, iteration]),
         iteration=iteration,
         error_deg=_small(trials.vergence_error_deg[:, iteration]),
         rate_w=_small(trials.metabolic_rate_w[:, iteration]),
@@ -145,8 +145,8 @@ def _other_errors_deg(trials: Trials) -> np.ndarray:
 
 
 def _starts(trials: Trials) -> np.ndarray:
-    """Return error, rate and optimal rate at the start, (1, 3, n_trials)."""
-    optimal_w = trials.optimal_metabolic_rate_w
+    """Return first error, first rate and last optimal rate, (1, 3, n_trials)."""
+    optimal_w = trials.optimal_metabolic_rate_w[:, -1]
     start = [trials.vergence_error_deg[:, 0], trials.metabolic_rate_w[:, 0], optimal_w]
     return _small(np.stack(start)[None])
 
@@ -167,6 +167,9 @@ def from_arrays(arrays: Mapping[str, np.ndarray]) -> KeptTrials | None:
     names = set(KeptTrials.__dataclass_fields__)
     if set(arrays) != names:
         raise InputError(f"expected {', '.join(sorted(names))}, got {', '.join(sorted(arrays))}")
+    if arrays["optimal_rate_w"].ndim == 1:  # of a trial, as long as it did not depend on a target
+        n_kept = len(arrays["iteration"])
+        arrays = {**arrays, "optimal_rate_w": np.stack([arrays["optimal_rate_w"]] * n_kept, axis=1)}
     kept = KeptTrials(**arrays)
     n_tests, n_trials = len(kept.training_iteration), len(kept.trial)
     n_kept, n_commands = len(kept.iteration), kept.activations.shape[-1]
@@ -176,6 +179,7 @@ def from_arrays(arrays: Mapping[str, np.ndarray]) -> KeptTrials | None:
         "final_rate_w": (n_tests, n_trials),
         "error_deg": (n_trials, n_kept),
         "rate_w": (n_trials, n_kept),
+        "optimal_rate_w": (n_trials, n_kept),
         "activations": (n_trials, 2, n_commands),
         "started_with": (len(kept.began_otherwise), 3, n_trials),
         "final_other_errors_deg": (n_tests, n_trials, 2) if has_others else (0, 0, 2),

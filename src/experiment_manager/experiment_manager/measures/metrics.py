@@ -65,6 +65,7 @@ def _set_summary(trials: Trials, criteria: Criteria) -> SetSummary:
         median_left_deviation_deg=_quantile(left_deg, 0.5),
         median_right_deviation_deg=_quantile(right_deg, 0.5),
         median_metabolic_rate_w=_quantile(trials.metabolic_rate_w[:, n], 0.5),
+        median_cost_ratio=_quantile(trials.cost_ratio(n), 0.5),
         **early,
     )
 

@@ -11,6 +11,8 @@ from lockstep import InputError
 from lockstep.durable_files import replace_file
 
 RESULTS_FILE = "results.json"
+# Eyes verge when so many trials end within one pixel.
+_VERGING_SHARE = 0.5
 
 
 class Measures(msgspec.Struct, kw_only=True, frozen=True, omit_defaults=True):
@@ -31,6 +33,12 @@ class Measures(msgspec.Struct, kw_only=True, frozen=True, omit_defaults=True):
     iqr_abs_vertical_error_deg: float | None = None
     median_abs_cyclovergence_error_deg: float | None = None
     iqr_abs_cyclovergence_error_deg: float | None = None
+
+    @property
+    def saving(self) -> float | None:
+        """Median c of eyes that verge, None of others: to look elsewhere may cost less than C*."""
+        within = self.share_within_1_px
+        return None if within is None or within < _VERGING_SHARE else self.median_cost_reduction
 
 
 class AntagonistPair(msgspec.Struct, kw_only=True, frozen=True):
@@ -63,6 +71,8 @@ class SetSummary(Measures, kw_only=True, frozen=True, omit_defaults=True):
     after_3: Measures | None = None
     after_20: Measures | None = None
     antagonists: dict[str, AntagonistPair] = {}
+    # Not in older files.
+    median_cost_ratio: float | None = None
 
     @property
     def after(self) -> dict[int, Measures]:

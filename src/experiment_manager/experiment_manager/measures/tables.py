@@ -39,7 +39,7 @@ def summary_line(test: Summary) -> str:
         f"median |vergence error| {number(test.median_abs_vergence_error_deg)} deg, "
         f"IQR {number(test.iqr_abs_vergence_error_deg)} deg, {others}"
         f"{percent(test.share_within_1_px)} within 1 px, "
-        f"c {number(test.median_cost_reduction)} ({test.n_trials} trials)"
+        f"c {number(test.saving)} ({test.n_trials} trials)"
     )
 
 
@@ -60,12 +60,23 @@ def in_words(test: Summary, px_deg: float) -> str:
         f"After {test.iteration:,} training iterations, on pictures that training never shows:",
         f"vergence is off by {number(error_deg / px_deg, 2)} px in the median, and by less than "
         f"1 px in {percent(test.share_within_1_px)} of the trials;",
-        f"the eyes save {percent(test.median_cost_reduction)} of the muscle energy that they could "
-        "save (median);",
+        _saving_in_words(test),
         f"{antagonist} is silent in {percent(test.share_antagonist_silent)}.",
         *_saccades_in_words(test),
     ]
     return "\n  ".join(sentences)
+
+
+def _saving_in_words(test: Summary) -> str:
+    """Return what the eyes save, if they verge: others may spend less than correct gaze takes."""
+    if test.saving is None:
+        return (
+            "what energy they save is not told, since less than half of the trials are that near;"
+        )
+    return (
+        f"the eyes spend {number(test.median_cost_ratio, 2)} times the least energy with which "
+        f"they could look there, and save {percent(test.saving)} of what they could save (medians);"
+    )
 
 
 def _saccades_in_words(test: Summary) -> list[str]:
@@ -109,7 +120,7 @@ def summaries_table(tests: Sequence[Summary]) -> str:
             percent(test.share_within_1_px),
             percent(test.share_beyond_1_deg),
             number(test.median_delta_cost_w),
-            number(test.median_cost_reduction),
+            number(test.saving),
             percent(test.share_antagonist_silent),
             ("#" * round(_BAR_WIDTH * error_deg / most)).ljust(_BAR_WIDTH),
         )

@@ -133,12 +133,17 @@ class Trials:
 
     @property
     def optimal_metabolic_rate_w(self) -> np.ndarray:
-        """The least C that holds correct vergence, C* (n_trials,)."""
-        return self.column("optimal_metabolic_rate_w")[:, 0]
+        """C*, the least C of correct gaze (n_trials, n_iterations + 1), at the target of then."""
+        return self.column("optimal_metabolic_rate_w")
 
     def delta_cost_w(self, iteration: int) -> np.ndarray:
         """Return C - C* (n_trials,) after an iteration."""
-        return self.metabolic_rate_w[:, iteration] - self.optimal_metabolic_rate_w
+        return self.metabolic_rate_w[:, iteration] - self.optimal_metabolic_rate_w[:, iteration]
+
+    def cost_ratio(self, iteration: int) -> np.ndarray:
+        """Return C / C* (n_trials,) after an iteration; nan where C* is 0."""
+        least_w = self.optimal_metabolic_rate_w[:, iteration]
+        return self.metabolic_rate_w[:, iteration] / np.where(least_w > 0.0, least_w, np.nan)
 
     def cost_reduction(self, iteration: int) -> np.ndarray:
         """Return the share of the possible saving that was made (n_trials,).
@@ -146,7 +151,7 @@ class Trials:
         c = (C - C_0) / (C* - C_0)  (K17 eq. 8); nan where |C* - C_0| < LEAST_COST_RANGE_W.
         """
         start_w = self.metabolic_rate_w[:, 0]
-        possible_w = self.optimal_metabolic_rate_w - start_w
+        possible_w = self.optimal_metabolic_rate_w[:, iteration] - start_w
         undefined = np.abs(possible_w) < LEAST_COST_RANGE_W
         made_w = self.metabolic_rate_w[:, iteration] - start_w
         return np.where(undefined, np.nan, made_w / np.where(undefined, 1.0, possible_w))

@@ -1,7 +1,7 @@
 """The node experiment_manager: asks for one episode after another, and records them all."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -15,7 +15,7 @@ from experiment_manager.node.fault_detection import Fault, of_error, of_silence
 from experiment_manager.node.parameters import NodeParameters, Parameters
 from experiment_manager.node.presence import Presence
 from experiment_manager.node.recorder import Recorder
-from experiment_manager.node.requests import LEARNERS, PLANT, Requests
+from experiment_manager.node.requests import LEARNERS, PLANT, Ask, Requests
 from experiment_manager.run.recorded_topics import small_topics
 from experiment_manager.run.run_directory import Run
 from lockstep import InputError
@@ -54,7 +54,7 @@ class ExperimentManagerNode(Node):
             raise InputError(f"run directory: expected one to write into: {error}") from error
         self._n_awaited = 0
         self._n_interrupts = 0
-        self._is_over = False
+        self._is_over = self._was_doubted = False
         self._said_waiting = ""
         self.diagnostics = Diagnostics(self, self._state_of_run)
         self._changes = self.create_publisher(JointState, PARAMETER_CHANGES, LOCKSTEP_QOS)
@@ -62,7 +62,7 @@ class ExperimentManagerNode(Node):
         topics = small_topics(self.config)
         self._presence = Presence(self, topics)
         self._parameters = NodeParameters(self, topics, self._guarded)
-        self._requests = Requests(self, self.run.run_id, self._guarded, self._fault)
+        self._requests = Requests(self, self.run.run_id, self._guarded, self._fault, self._welcome)
         self._recorder = Recorder(self, self.run, self.config, self._guarded, self._end_episode)
         if self.config.supervised:
             self._recorder.checked_learners = self._requests.names
@@ -112,16 +112,32 @@ class ExperimentManagerNode(Node):
         self._next = _nothing
         self._watch_timer.timer_period_ns = round(_WATCH_PERIOD_S * NS_PER_S)
         self._recorder.sample_pictures()
-        loaded = self.run.states_to_load(self._requests.learners)
-        loads = [(name, "load", {"path": str(path)}) for name, path in loaded.items()]
+        loads = self._loads(self._requests.learners)
         self._requests.ask_each(START_RUN, lambda: self._requests.ask(loads, self._next_episode))
+
+    def _loads(self, learners: Sequence[str]) -> list[Ask]:
+        """Return the requests that give learners their states of the newest checkpoint."""
+        states = self.run.states_to_load(learners)
+        return [(name, "load", {"path": str(path)}) for name, path in states.items()]
+
+    def _welcome(self, name: str) -> list[Ask]:
+        """Return the requests that take a learner into the run which a person has started again.
+
+        The plant is not among them, which would lack the changes of a schedule.
+        """
+        if self.config.supervised or name not in LEARNERS:
+            return []
+        self.get_logger().warning(f"{name} was started again: it gets its last checkpoint's state")
+        return [(name, START_RUN, {}), *self._loads([name])]
 
     # Episodes
 
     def _next_episode(self) -> None:
         self._next = _nothing
         is_last = self.run.is_over or self._n_interrupts > 0
-        if is_last or self.run.checkpoint_is_due():
+        # A learner that was started again is found by what it is asked for a checkpoint.
+        is_due, self._was_doubted = self.run.checkpoint_is_due() or self._was_doubted, False
+        if is_last or is_due:
             self._checkpoint(self._finish if is_last else self._request)
         else:
             self._request()
@@ -150,9 +166,9 @@ class ExperimentManagerNode(Node):
         self._go_on()
 
     def _end_episode(self) -> None:
-        # What another publisher may have had a part in does not get into a checkpoint.
-        self._look_for_others()
-        if self._is_over:
+        # What another publisher may have had a part in does not get into a checkpoint: while there
+        # is doubt, the watch comes back to it.
+        if not self._is_alone() or self._is_over:
             return
         self._recorder.end()
         self.diagnostics.count()
@@ -226,14 +242,25 @@ class ExperimentManagerNode(Node):
         self._next()
         self.run.writer.flush_when_due()
         record = self._recorder.record
-        if record is not None:
-            self._look_for_others()
+        if record is not None and record.is_complete:
+            self._end_episode()
+        elif record is not None:
+            self._is_alone()
             self._look_for_silence(record.missing())
 
-    def _look_for_others(self) -> None:
-        if doubled := self._presence.doubled_topics():
-            topics = ", ".join(doubled)
+    def _is_alone(self) -> bool:
+        """Whether each topic has one publisher; it is a fault when some certainly has another."""
+        certain, doubtful = self._presence.doubled_topics()
+        if certain:
+            topics = ", ".join(certain)
             self._fault(Fault(f"expected one publisher per topic, found more on {topics}"))
+        elif doubtful:
+            self._was_doubted = True
+            self._say_waiting(
+                f"waiting for one of two publishers of {', '.join(doubtful)} to go: of a node that "
+                "was killed and started again, the first one is counted until its lease ends"
+            )
+        return not certain and not doubtful
 
     def _look_for_silence(self, missing: str) -> None:
         gap_s, supervised = self.config.gap_s, self.config.supervised

@@ -21,7 +21,13 @@ from lockstep.wire.cdr import stamp_of
 from lockstep.wire.codec import Reader
 from lockstep.wire.qos import LOCKSTEP_QOS, QUEUE_DEPTH
 from lockstep.wire.stamps import NS_PER_S, period_ns
-from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TOPIC_TYPES
+from lockstep.wire.topics import (
+    GROUND_TRUTH_NAMES,
+    REWARD_NAMES,
+    TEST,
+    TOPIC_TYPES,
+    UNSURE_TRUTH_NAMES,
+)
 from lockstep.wire.vectors import values_of
 
 # Of an observation, the plant sends its small messages while the others compute, this one last.
@@ -185,7 +191,8 @@ class Recorder:
         vector, progress = self._readers[topic](message), self._run.progress
         if topic == "ground_truth":
             is_last = stamp_ns == record.last_ns
-            progress.add_truth(values_of(vector, GROUND_TRUTH_NAMES, topic), is_last=is_last)
+            truth = values_of(vector, GROUND_TRUTH_NAMES, topic, may_lack=UNSURE_TRUTH_NAMES)
+            progress.add_truth(truth, is_last=is_last)
         elif topic == "muscle_activations":
             values = values_of(vector, self._config.space.muscle_names, topic)
             progress.add_activations(record.episode.phase, values)

@@ -8,7 +8,7 @@ from rclpy.node import Node
 
 from experiment_manager.node.fault_detection import LEARNER_OF, Fault, of_refusal
 from lockstep import InputError
-from lockstep.node.requests import Arguments, RequestClient, service_name
+from lockstep.node.requests import NOT_STARTED, Arguments, RequestClient, service_name
 
 PLANT = "eye_plant"
 LEARNERS = tuple(LEARNER_OF.values())
@@ -30,12 +30,17 @@ class Requests:
         run_id: str,
         guard: Callable[[Callable[[], None]], None],
         on_fault: Callable[[Fault], None],
+        welcome: Callable[[str], Sequence[Ask]],
     ) -> None:
-        """guard: calls what follows an answer; on_fault: called when a request is refused."""
+        """guard: calls what follows an answer; on_fault: called when a request is refused.
+
+        welcome: returns what to ask a node first that was started again and so belongs to no run,
+        by its name; nothing where that is a fault.
+        """
         self._node = node
         self._run_id = run_id
         self._guard = guard
-        self._on_fault = on_fault
+        self._on_fault, self._welcome = on_fault, welcome
         self._peers = {name: RequestClient(node, name) for name in (PLANT, *LEARNERS)}
         self._since_s = time.monotonic()
 
@@ -85,8 +90,11 @@ class Requests:
         (name, kind, arguments), *rest = asks
 
         def on_answer(successful: bool, reason: str) -> None:
+            first = self._welcome(name) if reason.startswith(NOT_STARTED) else ()
             if successful:
                 self._guard(partial(self.ask, rest, then))
+            elif first:
+                self._guard(partial(self.ask, [*first, *asks], then))
             else:
                 self._on_fault(of_refusal(name, kind, reason))
 

@@ -1,9 +1,12 @@
 """What a new run is asked to be, whether on a command line, in a sweep's file or by Gymnasium."""
 
 import json
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 from experiment_manager.preparation.controls import CONTROLS
 from experiment_manager.sections import DEFAULTS, SECTIONS
@@ -132,7 +135,7 @@ class RunRequest:
     def _plain(self, key: str, value: Any) -> Any:
         """Return a value as a parameter has it: of JSON's kinds."""
         try:
-            text = json.dumps(value)
+            text = json.dumps(value, default=_of_json)
         except TypeError as error:
             raise InputError(
                 f"{self.by(key)}: expected numbers, texts, lists or true and false, got the "
@@ -141,3 +144,12 @@ class RunRequest:
         if key == SCHEDULE:
             return value if isinstance(value, str) else text  # a parameter that is YAML itself
         return json.loads(text)
+
+
+def _of_json(value: Any) -> Any:
+    """Return what JSON has instead of a path, or a number or array of NumPy; else a TypeError."""
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    raise TypeError(type(value))

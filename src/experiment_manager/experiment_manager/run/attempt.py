@@ -1,9 +1,11 @@
 """How a run directory is to be taken up: where it stands, and what is to be cleared away first."""
 
-import shutil
+import contextlib
 from pathlib import Path
 
+from experiment_manager.bag.metadata import RUN_METADATA
 from experiment_manager.bag.reader import Bag
+from experiment_manager.bag.writer import remove_bag
 from experiment_manager.run import checkpoint
 from lockstep import InputError
 
@@ -24,15 +26,15 @@ def goes_on(directory: Path) -> bool:
     """
     resume = place_of(directory) >= 0
     if not resume and not holds_observations(directory / "bag"):
-        shutil.rmtree(directory / "bag", ignore_errors=True)
+        remove_bag(directory / "bag")
     return resume
 
 
 def holds_observations(bag: Path) -> bool:
     """Return whether a bag, which may be cut off, holds anything of an episode."""
-    try:
+    with contextlib.suppress(InputError):
         opened = Bag(bag)
-        return opened.has("episode") and len(opened.stamps_ns("episode")) > 0
-    except InputError:
-        # Cut off before anything could be read; what is larger is somebody's to repair.
-        return any(file.stat().st_size > _HEADER_BYTES for file in bag.glob("*.mcap"))
+        if RUN_METADATA in opened.metadata:
+            return opened.has("episode") and len(opened.stamps_ns("episode")) > 0
+    # Cut off before anything could be read, or not ours: what is larger is somebody's.
+    return any(file.stat().st_size > _HEADER_BYTES for file in bag.glob("*.mcap"))

@@ -20,6 +20,7 @@ _VERSION: Literal[3] = 3
 _MANIFEST = "manifest.json"
 # The newest one and, should its files prove damaged, the one before.
 _N_KEPT = 2
+_PLACE = "[0-9]" * 9
 
 
 class Manifest(msgspec.Struct, frozen=True):
@@ -56,13 +57,15 @@ def commit(checkpoints: Path, manifest: Manifest, lasting: Collection[int] = ())
     Raises OSError when the disk refuses; then the older checkpoints are untouched.
     """
     write(checkpoints, manifest)
-    done = sorted(path.parent for path in checkpoints.glob(f"*/{_MANIFEST}"))
     kept = {place_directory(checkpoints, place) for place in lasting}
-    for old in [path for path in done[:-_N_KEPT] if path not in kept]:
+    # A link leads to a checkpoint of another run.
+    own = {path for path in checkpoints.glob(_PLACE) if not path.is_symlink()}
+    before = {path.parent for path in _manifests(checkpoints)[:-_N_KEPT]}
+    for old in own & before - kept:
         # Without its manifest a half-deleted directory is no checkpoint.
         (old / _MANIFEST).unlink()
-    for path in checkpoints.iterdir():
-        if path.is_dir() and not (path / _MANIFEST).exists():
+    for path in own:
+        if not (path / _MANIFEST).exists():
             shutil.rmtree(path)
 
 
@@ -74,12 +77,12 @@ def write(checkpoints: Path, manifest: Manifest) -> None:
 
 def places(checkpoints: Path) -> list[int]:
     """Return the episodes before each checkpoint that there is, rising."""
-    return sorted(int(path.parent.name) for path in checkpoints.glob(f"*/{_MANIFEST}"))
+    return [int(path.parent.name) for path in _manifests(checkpoints)]
 
 
 def everyone(checkpoints: Path) -> list[tuple[Manifest, Path]]:
     """Return all checkpoints with their directories, the oldest first; errors as for newest."""
-    return [_checked(path) for path in sorted(checkpoints.glob(f"*/{_MANIFEST}"))]
+    return [_checked(path) for path in _manifests(checkpoints)]
 
 
 def newest(checkpoints: Path) -> tuple[Manifest, Path] | None:
@@ -88,7 +91,7 @@ def newest(checkpoints: Path) -> tuple[Manifest, Path] | None:
     Raises InputError for a manifest that is damaged or of another version, or whose state files
     are missing or changed.
     """
-    found = sorted(checkpoints.glob(f"*/{_MANIFEST}"))
+    found = _manifests(checkpoints)
     return _checked(found[-1]) if found else None
 
 
@@ -115,6 +118,11 @@ def read(path: Path) -> Manifest:
         raise
     except (OSError, msgspec.DecodeError) as error:
         raise InputError(f"checkpoint {path}: expected a manifest: {error}") from error
+
+
+def _manifests(checkpoints: Path) -> list[Path]:
+    """Return those there are, in order; copies under names of somebody's own are none."""
+    return sorted(checkpoints.glob(f"{_PLACE}/{_MANIFEST}"))
 
 
 def _checked(path: Path) -> tuple[Manifest, Path]:

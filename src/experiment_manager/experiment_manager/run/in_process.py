@@ -3,7 +3,6 @@
 import contextlib
 import dataclasses
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +20,8 @@ from lockstep import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_DIVERGED, EXIT_FAULT, EXIT_INTERRUPTED
 from lockstep.machine.interrupts import Interrupts
 from lockstep.wire.stamps import check_stamp, period_ns
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, UNSURE_TRUTH_NAMES
+from lockstep.wire.vectors import check_finite
 
 
 def run_in_process(directory: Path) -> int:
@@ -69,8 +70,12 @@ class InProcessRun:
         self._space = plant.space
         self._messages = StepMessages(plant, self._loop.coder.config.n_bases)
         self._run = Run(self._config)
-        self._loop.restore(self._run.states_to_load([*self._loop.learners]))
         self._interrupts = interrupts
+        try:
+            self._loop.restore(self._run.states_to_load([*self._loop.learners]))
+        except (InputError, OSError):
+            self.close()
+            raise
 
     def go_on(self) -> bool:
         """Bring the run to its end; return whether it came there, or was interrupted before.
@@ -121,11 +126,13 @@ class InProcessRun:
 
     def _measure(self, episode: Episode, step: Step) -> None:
         observation, answer, progress = step.observation, step.answer, self._run.progress
-        truth = _finite("ground_truth", observation.ground_truth_values())
+        truth = np.array(observation.ground_truth_values(), dtype=np.float64)
+        check_finite(truth, GROUND_TRUTH_NAMES, "ground_truth", UNSURE_TRUTH_NAMES)
         progress.add_truth(truth, is_last=answer is None)
         progress.add_activations(episode.phase, observation.state.activations[self._space.indices])
         if answer is not None:
-            values = _finite("reward", answer.percept.reward_values())
+            values = np.array(answer.percept.reward_values(), dtype=np.float64)
+            check_finite(values, REWARD_NAMES, "reward")
             progress.add_reward(episode.phase, observation.training_iteration, values)
 
     def _checkpoint(self) -> None:
@@ -139,10 +146,3 @@ class InProcessRun:
             self._loop.plant.close()
         finally:
             self._run.close()
-
-
-def _finite(topic: str, values: Sequence[float]) -> np.ndarray:
-    array = np.array(values, dtype=np.float64)
-    if not np.isfinite(array).all():
-        raise InputError(f"{topic}: expected finite values, got {array.tolist()}")
-    return array

@@ -1,8 +1,8 @@
 """One run on disk: where it stands, its bag, its checkpoints and its results. No ROS."""
 
+import contextlib
 import datetime
 import math
-import shutil
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,7 +10,7 @@ from typing import Any
 
 import msgspec
 
-from experiment_manager.bag.writer import BagWriter
+from experiment_manager.bag.writer import BagWriter, remove_bag
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import arrays_of, from_arrays, write_trials
@@ -75,7 +75,7 @@ class Run:
         self.place = 0
         self.stamp_ns = 0
         self._checkpoint_place = -1
-        self._loaded_from: Path | None = None
+        self._newest_states: Path | None = None
         # A directory without a checkpoint is left as it is.
         found = self._newest() if config.resume else None
         self.directory.mkdir(parents=True, exist_ok=True)
@@ -185,10 +185,10 @@ class Run:
         return {name: directory.resolve() / f"{name}.npz" for name in learners}
 
     def states_to_load(self, learners: Sequence[str]) -> dict[str, Path]:
-        """Return the state files that a resumed run begins with; none for a new run."""
-        if self._loaded_from is None:
+        """Return the state files of the newest checkpoint; none while there is none."""
+        if self._newest_states is None:
             return {}
-        return {name: self._loaded_from.resolve() / f"{name}.npz" for name in learners}
+        return {name: self._newest_states.resolve() / f"{name}.npz" for name in learners}
 
     def commit(self, states: dict[str, Path]) -> None:
         """Make bag and states so far a checkpoint; the states have been written."""
@@ -208,6 +208,7 @@ class Run:
             ),
             self._lasting,
         )
+        self._newest_states = trials.parent
         self._checkpoint_s = time.monotonic()
         self._checkpoint_place = self.place
 
@@ -224,7 +225,7 @@ class Run:
     def _resume(self, manifest: Manifest, states: Path) -> tuple[str, ...]:
         """Take over a checkpoint; return the files of the bag that belong to it."""
         check_unchanged(self.directory, manifest, self._parameters)
-        self._loaded_from = states
+        self._newest_states = states
         self.place = self._checkpoint_place = manifest.place
         trials = read_state(states / TRIALS_FILE, TRIALS_KIND)
         table = TrialTable.saved(trials.pop(ROWS), self.progress.space)
@@ -302,8 +303,8 @@ class Run:
         # After a failed write its only file may be cut off, and none of the writer's whole ones.
         if any(bag.glob("*.mcap")):
             return
-        shutil.rmtree(bag)
-        if not any(self.directory.iterdir()):
+        remove_bag(bag)
+        with contextlib.suppress(OSError):  # it holds more, or is a mount
             self.directory.rmdir()
 
 

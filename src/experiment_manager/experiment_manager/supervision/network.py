@@ -10,10 +10,14 @@ def addresses() -> frozenset[str]:
 
     Fast DDS tells others the addresses that it finds when a node starts.
     """
-    works = {name for name, state in psutil.net_if_stats().items() if state.isup}
+    found = psutil.net_if_addrs()
+    try:
+        works = {name for name, state in psutil.net_if_stats().items() if state.isup}
+    except OSError:  # without /proc; then all of them count
+        works = set(found)
     return frozenset(
         address.address
-        for name, of_interface in psutil.net_if_addrs().items()
+        for name, of_interface in found.items()
         for address in of_interface
         if name in works and address.family == socket.AF_INET
     )

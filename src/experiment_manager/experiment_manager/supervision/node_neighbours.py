@@ -3,15 +3,19 @@
 import os
 import time
 from collections.abc import Collection, Sequence
+from contextlib import closing, nullcontext
 
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
 from experiment_manager.node.presence import UNKNOWN_NODE
-from experiment_manager.supervision.domains import is_silent
+from experiment_manager.supervision.domains import is_silent, own_domain
 from lockstep import InputError
-from lockstep.machine.environment import reaches_other_machines
+from lockstep.machine.domain import enter_environment
+from lockstep.machine.environment import is_usual, reaches_other_machines
+from lockstep.node.process import with_log_files_where_asked
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 
 PUBLISHES = {
@@ -22,6 +26,9 @@ PUBLISHES = {
 # Longer than Fast DDS' period of announcements, 3 s.
 _LISTEN_S = 5.0
 _LOOK_PERIOD_S = 0.1
+# Twice the longest that it took at a load of 17 on two cores, and twice again.
+_MEET_S = 15.0
+_VARIABLES = ("ROS_", "RMW_", "FASTRTPS_", "FASTDDS_")
 
 
 class Observer:
@@ -30,7 +37,7 @@ class Observer:
     def __init__(self, domain: int) -> None:
         """Enter the domain."""
         self._context = Context()
-        self._context.init(args=[], domain_id=domain)
+        self._context.init(args=with_log_files_where_asked([]), domain_id=domain)
         self.node = Node(
             "supervisor", context=self._context, enable_rosout=False, start_parameter_services=False
         )
@@ -42,6 +49,35 @@ class Observer:
         self.executor.shutdown()
         self.node.destroy_node()
         self._context.try_shutdown()
+
+
+def check_ros(domain: int | None, expected: Collection[str] = ()) -> None:
+    """Enter the environment of nodes; raise InputError where the nodes of a run could not meet.
+
+    domain: in which others expect them, None for any; expected: as `refuse_neighbours` has it.
+    """
+    enter_environment()
+    if domain is not None:
+        refuse_neighbours(domain, expected)
+    if not expected and not is_usual():
+        with own_domain() if domain is None else nullcontext(domain) as where:
+            _refuse_strangers(where)
+
+
+def _refuse_strangers(domain: int) -> None:
+    """Raise InputError unless two nodes can be made in the domain and find each other."""
+    why = "they do not find each other"
+    try:
+        with closing(Observer(domain)) as one, closing(Observer(domain)) as other:
+            end_s = time.monotonic() + _MEET_S
+            while time.monotonic() < end_s:
+                if all(len(each.node.get_node_names()) > 1 for each in (one, other)):
+                    return
+                time.sleep(_LOOK_PERIOD_S)
+    except rclpy_implementation.RCLError as error:
+        why = " ".join(str(error).split())
+    given = (f"{n}={v}" for n, v in sorted(os.environ.items()) if n.startswith(_VARIABLES))
+    raise InputError(f"expected two nodes to meet here, but {why}, with {', '.join(given)}")
 
 
 def refuse_neighbours(domain: int, expected: Collection[str] = ()) -> None:

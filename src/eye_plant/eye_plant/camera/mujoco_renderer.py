@@ -1,6 +1,8 @@
 """Both eyes' pictures by MuJoCo's own renderer, through OpenGL: the oracle of the ray caster."""
 
+import os
 from collections.abc import Sequence
+from typing import ClassVar
 
 import mujoco
 import numpy as np
@@ -24,8 +26,10 @@ class MujocoRenderer:
 
     MuJoCo loads the OpenGL that the environment variable MUJOCO_GL names (egl, osmesa or glfw) when
     it is imported. A context is made at the first draw, in the process and thread that draw; copies
-    make one of their own.
+    make one of their own. What OpenGL has begun in a process does not work in its forks.
     """
+
+    _processes: ClassVar[set[int]] = set()  # that have drawn, or are forks of one that has
 
     def __init__(
         self, config: CameraConfig, eye_height_m: float, stimuli: Sequence[np.ndarray]
@@ -79,6 +83,13 @@ class MujocoRenderer:
 
     def _make_renderer(self, i_stimuli: tuple[int, int]) -> mujoco.Renderer:
         width_px, height_px = self._config.width_px, self._config.height_px
+        self._processes.add(os.getpid())
+        if len(self._processes) > 1:
+            raise InputError(
+                "camera.renderer mujoco: expected a process of its own, got a fork of one that has"
+                " drawn, in which OpenGL would hang; start processes by spawn or forkserver, or use"
+                " camera.renderer plane"
+            )
         model = self._scene(i_stimuli).compile()
         try:
             return mujoco.Renderer(model, height_px, width_px)

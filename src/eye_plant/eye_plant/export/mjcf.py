@@ -9,6 +9,9 @@ from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import SIDES
 
 KEYFRAME = "tonic"
+# Off, as it is without being named. Only MuJoCo 4 knows it, so that older ones refuse the file:
+# their tendons wrap the long way round the globe, and eyes turn tens of degrees too far.
+_GUARD = 'speculative="disable"'
 _WHITE, _PUPIL, _MUSCLE = (0.95, 0.95, 0.92, 1.0), (0.1, 0.15, 0.3, 1.0), (0.8, 0.25, 0.2, 1.0)
 _SEEN, _HIDDEN = 0, 4
 _PUPIL_RADIUS_M = 0.004
@@ -20,7 +23,8 @@ def mjcf(parameter_set: str) -> str:
     """Return the MJCF of both eyes, healthy, with the numbers of a parameter set.
 
     Mechanics are those of `build_spec`, to the six digits that MuJoCo writes. Added are colours, a
-    pupil and a camera per eye, a light, and the keyframe of the equilibrium at tonic activations.
+    pupil and a camera per eye, a light, the keyframe of the equilibrium at tonic activations, and a
+    flag that MuJoCo before 4.0 refuses.
     """
     config = MechanicsConfig(parameter_set=parameter_set)
     spec = build_spec(config)
@@ -33,7 +37,8 @@ def mjcf(parameter_set: str) -> str:
     eyes = Oculomotor(config)
     spec.add_key(name=KEYFRAME, qpos=eyes.data.qpos, act=eyes.data.act, ctrl=eyes.data.ctrl)
     spec.compile()
-    return str(spec.to_xml())
+    before, flag, after = spec.to_xml().partition("<flag ")
+    return f"{before}{flag}{_GUARD} {after}"
 
 
 def _make_visible(spec: mujoco.MjSpec) -> None:

@@ -25,6 +25,9 @@ Array = NDArray[np.float64]
 # where both look together, to the right and up.
 GAZE_ANGLES = ("horizontal", "vertical", "torsional", "version", "elevation")
 ERRORS = GAZE_ANGLES[:3]
+# Where the left camera looks, to the right and up: another way to say version and elevation.
+LEFT_SIGHT = ("left azimuth", "left elevation")
+_ANGLES = (*GAZE_ANGLES, *LEFT_SIGHT)
 # Those that a command space turns.
 TURNED_ANGLES = {
     HORIZONTAL_RECTI: ("horizontal", "version"),
@@ -55,8 +58,8 @@ def _inverse_of(slopes: Array) -> Array:
 
 
 def _held(names: Sequence[str], wanted_deg: Mapping[str, float]) -> tuple[list[int], Array]:
-    """Return the positions of angles among GAZE_ANGLES, and what is wanted of them."""
-    positions = [GAZE_ANGLES.index(name) for name in names]
+    """Return the positions of angles among _ANGLES, and what is wanted of them."""
+    positions = [_ANGLES.index(name) for name in names]
     return positions, np.array([wanted_deg[name] for name in names])
 
 
@@ -99,8 +102,7 @@ class GazeInverse:
 
     def gaze_deg(self, activations: Array, distance_m: float) -> Array:
         """Return GAZE_ANGLES (5,) of eyes at rest with activations (12,) before a plane."""
-        self._eyes.rest(activations)
-        return self._present_deg(distance_m)
+        return self._settled_deg(activations, distance_m)[: len(GAZE_ANGLES)]
 
     def left_gaze_deg(self, activations: Array) -> tuple[float, float]:
         """Return azimuth (to the right) and elevation of the left eye at rest."""
@@ -116,14 +118,14 @@ class GazeInverse:
     def activations(
         self, wanted_deg: Mapping[str, float], distance_m: float, aside: Array
     ) -> Array:
-        """Return activations (12,) of eyes with the wanted angles, by names of GAZE_ANGLES.
+        """Return activations (12,) of eyes with the wanted angles, of GAZE_ANGLES or LEFT_SIGHT.
 
         aside: (n_muscles,) change from the tonic level, of which the part that hardly moves the
         wanted angles says which of all activations with that gaze these are near. Where the limits
         leave no such gaze there, half of it, half of that, and in the end none of it counts.
         Raises InputError, naming the first angle that cannot be had with those before it.
         """
-        names = [name for name in GAZE_ANGLES if name in wanted_deg]
+        names = [name for name in _ANGLES if name in wanted_deg]
         nowhere = np.zeros_like(aside)
         nearer = [aside / 2.0**k for k in range(_MOST_HALVINGS)] if aside.any() else []
         for place in (*nearer, nowhere):
@@ -150,7 +152,7 @@ class GazeInverse:
         inverse = _inverse_of(slopes)
         start = aside - inverse @ (slopes @ aside)
         values = np.clip(self._tonic[self._space.indices] + start, self._lowest, self._highest)
-        missed = wanted - self.gaze_deg(self._with(values), distance_m)[held]
+        missed = wanted - self._settled_deg(self._with(values), distance_m)[held]
         for step in range(_MAX_STEPS):
             if np.abs(missed).max() < _TOLERANCE_DEG:
                 return self._with(values)
@@ -162,21 +164,27 @@ class GazeInverse:
         return None
 
     def least(
-        self, wanted_deg: Mapping[str, float], distance_m: float, near: LeastCost | None = None
+        self,
+        wanted_deg: Mapping[str, float],
+        distance_m: float,
+        near: LeastCost | None = None,
+        dear: Sequence[str] | None = None,
     ) -> LeastCost:
         """Return the least cost of the commanded muscles with the wanted angles, others being free.
 
         The rate grows more slowly the more a muscle is driven already, so that few muscles hold a
         gaze more cheaply than many: the least of a weighted sum of activations, again and again,
         each weight the slope of the muscle's rate where it was last (Candes, Wakin & Boyd 2008),
-        from several first weights. near: the least of a gaze near by, to begin with, sooner.
+        from several first weights: all alike, and one muscle dear. near: the least of a gaze near
+        by, to begin with, sooner; dear: the muscles that are dear in turn, all unless given.
         Raises InputError for a gaze that the muscles do not reach.
         """
-        n = len(self._space.indices)
+        n, names = len(self._space.indices), self._space.muscle_names
         first = self.activations(wanted_deg, distance_m, np.zeros(n))
         weights = [np.ones(n)]
         if near is None:
-            weights += [*(1.0 + 9.0 * np.eye(n))]
+            chosen = [names.index(name) for name in (names if dear is None else dear)]
+            weights += [*(1.0 + 9.0 * np.eye(n))[chosen]]
         else:
             weights += [self._price_slopes(near.activations[self._space.indices])]
         found = [self._cheaper(first, w, wanted_deg, distance_m) for w in weights]
@@ -190,7 +198,8 @@ class GazeInverse:
         values = activations[self._space.indices]
         for _ in range(_MAX_ROUNDS):
             slopes = self._slopes_at(self._with(values), distance_m)[held]
-            aimed = wanted - self.gaze_deg(self._with(values), distance_m)[held] + slopes @ values
+            now = self._settled_deg(self._with(values), distance_m)[held]
+            aimed = wanted - now + slopes @ values
             bounds = np.stack(
                 [
                     np.maximum(values - _LARGEST_CHANGE, self._lowest),
@@ -206,7 +215,7 @@ class GazeInverse:
             if change < _SETTLED:
                 break
             weights = self._price_slopes(values)
-        now = self.gaze_deg(self._with(values), distance_m)[held]
+        now = self._settled_deg(self._with(values), distance_m)[held]
         if np.abs(now - wanted).max() > _ACCEPTED_DEG:
             return LeastCost(activations, math.inf)
         rates_w = self._eyes.settled_metabolic_rate_w()
@@ -224,11 +233,11 @@ class GazeInverse:
 
     @cached_property
     def _slopes(self) -> Array:
-        """Degrees of each of GAZE_ANGLES per unit of each activation, (5, n), at tonic level."""
+        """Degrees of each of _ANGLES per unit of each activation, (7, n), at tonic level."""
         return self._slopes_at(self._tonic, _REFERENCE_M)
 
     def _slopes_at(self, activations: Array, distance_m: float) -> Array:
-        base = self.gaze_deg(activations, distance_m)
+        base = self._settled_deg(activations, distance_m)
         columns = []
         for i in self._space.indices:
             probed = activations.copy()
@@ -258,6 +267,10 @@ class GazeInverse:
         activations[self._space.indices] = values
         return activations
 
+    def _settled_deg(self, activations: Array, distance_m: float) -> Array:
+        self._eyes.rest(activations)
+        return self._present_deg(distance_m)
+
     def _continued_deg(self, values: Array, distance_m: float) -> Array:
         self._eyes.rest(self._with(values), self._eyes.data.qpos.copy())
         return self._present_deg(distance_m)
@@ -266,6 +279,7 @@ class GazeInverse:
         seeing = turned(self._eyes.eye_rotations(), self._turns_deg)
         error = gaze_error(self._eyes.eye_positions_m(), seeing, distance_m)
         left, right = np.degrees(self._eyes.data.qpos).reshape(2, 3)
+        forward, to_left, up = seeing[0, :, 0].tolist()
         return np.array(
             [
                 error.horizontal_deg,
@@ -273,5 +287,7 @@ class GazeInverse:
                 error.torsional_deg,
                 (left[0] - right[0]) / 2.0,
                 (left[1] + right[1]) / 2.0,
+                math.degrees(math.atan2(-to_left, forward)),
+                math.degrees(math.atan2(up, math.hypot(forward, to_left))),
             ]
         )

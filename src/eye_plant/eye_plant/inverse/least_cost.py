@@ -1,11 +1,11 @@
-"""C*: the least metabolic rate with which the commanded muscles hold correct vergence (K17)."""
+"""C*: the least metabolic rate with which the commanded muscles hold correct gaze (K17)."""
 
 import math
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
-from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES, GazeInverse, LeastCost
+from eye_plant.inverse.gaze import ERRORS, LEFT_SIGHT, TURNED_ANGLES, GazeInverse, LeastCost
 from eye_plant.inverse.pair import Inverse, Limits, pair_limits
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.turns import NO_TURNS_DEG, TurnsDeg
@@ -14,6 +14,12 @@ from lockstep import COMMAND_SPACES, PAIR, InputError
 
 # Vergences from 10 m to 0.3 m with the eyes of K17; in between the rate is nearly straight.
 _VERGENCES_DEG = np.linspace(0.32, 10.72, 27)
+# At 150 random targets no other first weights found less than these two and equal ones.
+_DEAR = ("left_medial_rectus", "right_medial_rectus")
+# Targets whose costs are kept: those of a whole test, which are the same in the next one.
+_MOST_KEPT = 1 << 14
+
+TargetDeg = tuple[float, float]
 
 
 class PairCost:
@@ -23,16 +29,20 @@ class PairCost:
         """limits: ((lowest, highest) medial, (lowest, highest) lateral)."""
         self._inverse, self._limits = Inverse(mechanics), limits
 
-    def least_w(self, vergence_deg: float) -> float:
-        """Return the least metabolic rate with a vergence; InputError where no pair gives it."""
+    def least_w(self, vergence_deg: float, target_deg: TargetDeg | None = None) -> float:
+        """Return the least metabolic rate with a vergence; InputError where no pair gives it.
+
+        target_deg: ignored, since a pair does not turn both eyes the same way.
+        """
         return self._inverse.optimal(vergence_deg, self._limits).metabolic_rate_w
 
 
 class MuscleCost:
     """The least rate of muscles that have a command each.
 
-    Held are the errors that the muscles can turn, horizontal, vertical and torsional; version is
-    free. The eyes look at a plane straight ahead at the distance of the vergence.
+    Held are the errors that the muscles can turn, horizontal, vertical and torsional, and the left
+    camera's line of sight where there is a target for it; what is not held is free. The eyes look
+    at a plane straight ahead at the distance of the vergence.
     """
 
     def __init__(
@@ -44,19 +54,44 @@ class MuscleCost:
     ) -> None:
         """lowest: least activation of each muscle of the space; turns_deg: as GazeInverse's."""
         self._table = mechanics, space, lowest, turns_deg
+        self._at_targets_w: dict[tuple[float, TargetDeg], float] = {}
 
-    def least_w(self, vergence_deg: float) -> float:
-        """Return the least metabolic rate with a vergence, between those of a table.
+    def least_w(self, vergence_deg: float, target_deg: TargetDeg | None = None) -> float:
+        """Return the least metabolic rate with a vergence.
 
-        Raises InputError for one that the muscles do not reach, or beyond the table.
+        target_deg: azimuth (right) and elevation from the left eye of what it looks at; NaN where
+        the muscles do not reach that gaze. Without a target version is free, and the rate lies
+        between those of a table; raises InputError for a vergence that the muscles do not reach,
+        or beyond the table.
         """
         check_tabled(vergence_deg)
+        if target_deg is not None:
+            return self._least_at_w(vergence_deg, target_deg)
         found = float(np.interp(vergence_deg, _VERGENCES_DEG, _least_rates_w(*self._table)))
         if not np.isfinite(found):
             raise InputError(
                 f"no activations of these muscles give a vergence of {vergence_deg:g} deg"
             )
         return found
+
+    def _least_at_w(self, vergence_deg: float, target_deg: TargetDeg) -> float:
+        place, known = (vergence_deg, target_deg), self._at_targets_w
+        if place not in known:
+            mechanics, space, *_ = self._table
+            wanted_deg = _fused_deg(space) | dict(zip(LEFT_SIGHT, target_deg, strict=True))
+            distance_m = fixation_distance_m(vergence_deg, mechanics.baseline_m)
+            try:
+                rate_w = self._inverse.least(wanted_deg, distance_m, dear=_DEAR).metabolic_rate_w
+            except InputError:
+                rate_w = math.nan
+            if len(known) >= _MOST_KEPT:
+                known.clear()
+            known[place] = rate_w if math.isfinite(rate_w) else math.nan
+        return known[place]
+
+    @cached_property
+    def _inverse(self) -> GazeInverse:
+        return _inverse_of(*self._table)
 
 
 CostOfVergence = PairCost | MuscleCost
@@ -87,14 +122,22 @@ def cost_of_vergence(
     return MuscleCost(mechanics, space, lowest, turns_deg)
 
 
+def _fused_deg(space: str) -> dict[str, float]:
+    return {name: 0.0 for name in ERRORS if name in TURNED_ANGLES[space]}
+
+
+def _inverse_of(
+    mechanics: MechanicsConfig, space: str, lowest: tuple[float, ...], turns_deg: TurnsDeg
+) -> GazeInverse:
+    return GazeInverse(mechanics, COMMAND_SPACES[space], lowest, np.ones(len(lowest)), turns_deg)
+
+
 @lru_cache(maxsize=16)
 def _least_rates_w(
     mechanics: MechanicsConfig, space: str, lowest: tuple[float, ...], turns_deg: TurnsDeg
 ) -> tuple[float, ...]:
     """Return the least rate at each of _VERGENCES_DEG, infinite where the muscles do not reach."""
-    highest = np.ones(len(lowest))
-    inverse = GazeInverse(mechanics, COMMAND_SPACES[space], lowest, highest, turns_deg)
-    wanted_deg = {name: 0.0 for name in ERRORS if name in TURNED_ANGLES[space]}
+    inverse, wanted_deg = _inverse_of(mechanics, space, lowest, turns_deg), _fused_deg(space)
     rates_w: list[float] = []
     near: LeastCost | None = None
     for vergence_deg in _VERGENCES_DEG:

@@ -4,7 +4,7 @@ model and data are addresses, as MjModel and MjData give them; arrays are views 
 in data, and change with it.
 """
 
-from pathlib import Path
+import ctypes
 
 import mujoco
 import numpy as np
@@ -22,13 +22,14 @@ _NEAR_RAD = 0.02
 _CONVERGED_RAD = 1e-13
 _MAX_ITERATIONS = 100
 
-# The library that the Python package has loaded, so that compiled code finds the same functions.
-(_LIBRARY,) = Path(mujoco.__file__).parent.glob("libmujoco.so*")
-binding.load_library_permanently(str(_LIBRARY))
+# Whose functions are those of the library that it was loaded with, wherever its file lies.
+_BINDINGS = ctypes.CDLL(mujoco._functions.__file__)
 _ADDRESSES = types.UniTuple(types.uintp, 2)
 
 
 def _function(name: str) -> types.ExternalFunction:
+    address = ctypes.cast(getattr(_BINDINGS, name), ctypes.c_void_p).value
+    binding.add_symbol(name, address)  # so that compiled code finds the same functions
     return types.ExternalFunction(name, void(types.uintp, types.uintp))
 
 

@@ -3,6 +3,8 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -60,32 +62,38 @@ class Oculomotor:
 
     def __init__(self, config: MechanicsConfig) -> None:
         """Build the eyes, at rest at tonic activations."""
-        self.model = build_spec(config).compile()
-        self.config = config
-        self.musculature = Musculature(config)
-        self.data = mujoco.MjData(self.model)
-        self._addresses = addresses_of(self.model, self.data)
-        # Views, kept: each look-up takes time.
-        self._live = (
-            self.data.act,
-            self.data.actuator_length,
-            self.data.actuator_velocity,
-            self.data.actuator_force,
-        )
-        self._angles, self._velocities = self.data.qpos, self.data.qvel
-        self._forces = self.data.qfrc_passive, self.data.qfrc_actuator
-        self._muscles = self.data.ctrl, self.data.act
-        self._at_rest = self.data.qvel, self.data.qacc_warmstart, self.data.actuator_velocity
-        self._i_eyes = [self.model.body(f"{side}_eye").id for side in SIDES]
-        self._positions_m, self._rotations = self.data.xpos, self.data.xmat
-        parameters = config.parameters
-        period_s = config.period_s
-        self._timestep_s = config.timestep_s or parameters.timestep_s
-        self._n_substeps = max(1, round(period_s / self._timestep_s))
-        self._n_simulated = 0 if config.moves == "at_once" else self._n_substeps
-        self.model.opt.timestep = period_s / self._n_substeps
+        self._take(config, build_spec(config).compile())
+        self.model.opt.timestep = config.period_s / self._n_substeps
         self._forget_trace()
         self.settle(self.tonic_activations)
+
+    def _take(
+        self, config: MechanicsConfig, model: mujoco.MjModel, data: mujoco.MjData | None = None
+    ) -> None:
+        self.config, self.model = config, model
+        self.data = data = mujoco.MjData(model) if data is None else data
+        self.musculature = Musculature(config)
+        self._addresses = addresses_of(model, data)
+        # Views, kept: each look-up takes time.
+        self._live = (data.act, data.actuator_length, data.actuator_velocity, data.actuator_force)
+        self._angles, self._velocities = data.qpos, data.qvel
+        self._forces = data.qfrc_passive, data.qfrc_actuator
+        self._muscles = data.ctrl, data.act
+        self._at_rest = data.qvel, data.qacc_warmstart, data.actuator_velocity
+        self._i_eyes = [model.body(f"{side}_eye").id for side in SIDES]
+        self._positions_m, self._rotations = data.xpos, data.xmat
+        self._timestep_s = config.timestep_s or config.parameters.timestep_s
+        self._n_substeps = max(1, round(config.period_s / self._timestep_s))
+        self._n_simulated = 0 if config.moves == "at_once" else self._n_substeps
+
+    def __getstate__(self) -> tuple[Any, ...]:
+        """Copy and pickle without addresses and views, which are of one simulation."""
+        return self.config, self.model, self.data, self._trace, self._excitations
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        """Look into the simulation of the copy."""
+        *simulation, self._trace, self._excitations = state
+        self._take(*simulation)
 
     @property
     def tonic_activations(self) -> Array:
@@ -143,7 +151,6 @@ class Oculomotor:
         """Copies of the present state."""
         activations, lengths_m, velocities_m_s, forces_n = self._live
         settled_w = self.settled_metabolic_rate_w()
-        trace, excitations = self._trace, self._excitations
         return OculomotorState(
             eye_angles_rad=self._angles.reshape(len(SIDES), len(AXES)).copy(),
             eye_velocities_rad_s=self._velocities.reshape(len(SIDES), len(AXES)).copy(),
@@ -152,10 +159,8 @@ class Oculomotor:
             velocities_m_s=velocities_m_s.copy(),
             forces_n=-forces_n,
             metabolic_rate_w=settled_w,
-            compute_mean_rate_w=lambda: (
-                self._metabolic_terms(trace, excitations).total_w.mean(axis=0)
-                if len(trace)
-                else settled_w
+            compute_mean_rate_w=partial(
+                _mean_rate_w, self.musculature, self._trace, self._excitations, settled_w
             ),
         )
 
@@ -184,13 +189,7 @@ class Oculomotor:
 
     def metabolic_trace(self) -> MetabolicTerms:
         """Umberger's terms, (n, 12) each, over the n substeps of the last control period."""
-        return self._metabolic_terms(self._trace, self._excitations)
-
-    def _metabolic_terms(self, trace: Array, excitations: Array) -> MetabolicTerms:
-        activations, lengths_m, velocities_m_s, forces_n = trace.swapaxes(0, 1)
-        return self.musculature.metabolic_terms(
-            excitations, activations, lengths_m, velocities_m_s, -forces_n
-        )
+        return _metabolic_terms(self.musculature, self._trace, self._excitations)
 
     def _forget_trace(self) -> None:
         self._trace = np.empty((0, len(self._live), N_MUSCLES))
@@ -203,6 +202,18 @@ class Oculomotor:
     def eye_rotations(self) -> Array:
         """Rotation matrices of the eyes, (2, 3, 3): columns are forward, left and up of an eye."""
         return self._rotations[self._i_eyes].reshape(len(SIDES), 3, 3)
+
+
+def _metabolic_terms(muscles: Musculature, trace: Array, excitations: Array) -> MetabolicTerms:
+    activations, lengths_m, velocities_m_s, forces_n = trace.swapaxes(0, 1)
+    return muscles.metabolic_terms(excitations, activations, lengths_m, velocities_m_s, -forces_n)
+
+
+def _mean_rate_w(muscles: Musculature, trace: Array, excitations: Array, settled_w: Array) -> Array:
+    """Return the mean rate (12,) over a trace, the settled one where nothing was simulated."""
+    if not len(trace):
+        return settled_w
+    return _metabolic_terms(muscles, trace, excitations).total_w.mean(axis=0)
 
 
 def check_activations(activations: Array) -> Array:

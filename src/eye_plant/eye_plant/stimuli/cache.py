@@ -1,5 +1,6 @@
 """Generated stimuli on disk: drawn once, afterwards mapped into memory as they are."""
 
+import math
 import os
 import threading
 from functools import partial
@@ -9,12 +10,19 @@ import numpy as np
 
 from eye_plant.stimuli import generator as stimulus_generator
 from lockstep import InputError
+from lockstep.machine.mapped_files import map_bytes
 from lockstep.machine.threads import map_in_threads
 from lockstep.paths import written_path
 
 # Of the generated pictures. Another one when the generator, or a library that it uses, gives other
 # bytes: a test knows what version 1 gives.
 _VERSION = 1
+
+
+class FileArray(np.ndarray):
+    """The array of a file; path: the file's, None of what is made out of the array."""
+
+    path: Path | None = None
 
 
 def load_generated(
@@ -33,15 +41,13 @@ def load_generated(
         # NumPy and OpenCV let other threads run meanwhile.
         return tuple(map_in_threads(load, range(n)))
     except OSError as error:
-        raise InputError(
-            f"stimuli.cache_directory: expected a directory to write to, got {directory} ({error})"
-        ) from error
+        raise _unusable(directory, error) from error
 
 
 def n_missing(cache_directory: str, seed: int, role: str, n: int, size_px: int) -> int:
     """Return how many pictures `load_generated` would have to draw."""
     directory = _set_directory(cache_directory, seed, size_px)
-    return sum(not _path(directory, role, number).exists() for number in range(n))
+    return sum(not os.path.exists(_path(directory, role, number)) for number in range(n))
 
 
 def _path(directory: Path, role: str, number: int) -> Path:
@@ -49,13 +55,19 @@ def _path(directory: Path, role: str, number: int) -> Path:
 
 
 def _set_directory(cache_directory: str, seed: int, size_px: int) -> Path:
-    """Return the directory of one set."""
-    if cache_directory:
-        root = written_path(cache_directory)
-    else:
-        user_cache = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-        root = written_path(user_cache) / "active_binocular_vision" / "stimuli"
+    """Return the directory of one set; InputError for ~ where nobody knows the home directory."""
+    user_cache = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    root = written_path(cache_directory or f"{user_cache}/active_binocular_vision/stimuli")
+    if root.parts[:1] == ("~",):
+        raise _unusable(root, "this user has no home directory")
     return root / f"v{_VERSION}-seed{seed}-{size_px}px"
+
+
+def _unusable(directory: Path, reason: object) -> InputError:
+    return InputError(
+        f"stimuli.cache_directory: expected a directory to write to, got {directory} ({reason}); "
+        "XDG_CACHE_HOME=DIR or --set eye_plant.stimuli.cache_directory=DIR names another one"
+    )
 
 
 def _load_one(directory: Path, seed: int, role: str, number: int, size_px: int) -> np.ndarray:
@@ -70,14 +82,23 @@ def _load_one(directory: Path, seed: int, role: str, number: int, size_px: int) 
 def map_array(path: Path, shape: tuple[int, ...]) -> np.ndarray | None:
     """Return the array of uint8 in a file, mapped; None when there is none of that shape in it."""
     try:
-        array = np.load(path, mmap_mode="r")
-    except (OSError, ValueError, EOFError):
+        with path.open("rb") as file:
+            if np.lib.format.read_magic(file) != (1, 0):
+                return None
+            found, is_by_column, kind = np.lib.format.read_array_header_1_0(file)
+            first = file.tell()
+            texels = map_bytes(file)[first:]
+    except (OSError, ValueError):
         return None
-    return array if array.shape == shape and array.dtype == np.uint8 else None
+    if found != shape or is_by_column or kind != np.uint8 or texels.size != math.prod(shape):
+        return None
+    array = texels.reshape(shape).view(FileArray)
+    array.path = path
+    return array
 
 
 def write_array(path: Path, array: np.ndarray) -> np.ndarray:
-    """Write the file by one rename, so that nobody finds a part of it, and return it mapped.
+    """Write an array of uint8 by one rename, so that nobody finds a part, and return it mapped.
 
     Raises OSError.
     """
@@ -90,5 +111,5 @@ def write_array(path: Path, array: np.ndarray) -> np.ndarray:
     except OSError:
         part.unlink(missing_ok=True)
         raise
-    mapped: np.ndarray = np.load(path, mmap_mode="r")
-    return mapped
+    mapped = map_array(path, array.shape)
+    return array if mapped is None else mapped

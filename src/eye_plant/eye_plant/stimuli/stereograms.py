@@ -1,11 +1,14 @@
 """Stimuli that are not the same for both eyes: a texture per eye on the plane."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from eye_plant.stimuli.directory import choose_test_files, read_picture, size_of_picture
+from eye_plant.stimuli.directory import choose_test_files
+from eye_plant.stimuli.picture_file import read_each, read_picture, size_of_picture
 from lockstep import SIDES, InputError, generator
 
 # ours: at 6 m, where the plane of 3 m is 128 camera pixels wide, a dot is still 1.6 px.
@@ -60,7 +63,7 @@ def read_stereograms(
     """Return up to n_most stereograms of a directory: NAME_left and NAME_right of each, any suffix.
 
     Whether they show what is before or behind the plane is not known: the plane's own distance
-    counts. Raises InputError naming a file that has no partner or one of another size.
+    counts. Raises InputError naming a file that has no partner, or all that cannot be used.
     """
     pairs: dict[str, dict[str, Path]] = {}
     for path in choose_test_files(directory, seed):
@@ -68,19 +71,23 @@ def read_stereograms(
         if side not in SIDES or not name:
             raise InputError(f"{path}: expected a name that ends in _left or _right")
         pairs.setdefault(name, {})[side] = path
-    found = []
-    for name, pair in list(pairs.items())[:n_most]:
+    chosen = dict(list(pairs.items())[:n_most])
+    for name, pair in chosen.items():
         if missing := set(SIDES) - set(pair):
             raise InputError(f"{directory}: expected {name}_{missing.pop()} beside the other eye's")
-        sizes_px = {side: size_of_picture(path) for side, path in pair.items()}
-        if sizes_px["left"] != sizes_px["right"]:
-            raise InputError(
-                f"{pair['right']}: expected a picture of {_size(sizes_px['left'])} px, as the left "
-                f"eye's, got {_size(sizes_px['right'])} px"
-            )
-        left, right = (read_picture(pair[side], size_px, smallest_px) for side in SIDES)
-        found.append(Stereogram(left, right))
-    return tuple(found)
+    read = partial(_read_pair, size_px=size_px, smallest_px=smallest_px)
+    return tuple(read_each(read, [*chosen.values()]))
+
+
+def _read_pair(pair: Mapping[str, Path], size_px: int, smallest_px: int) -> Stereogram:
+    sizes_px = {side: size_of_picture(pair[side]) for side in SIDES}
+    if sizes_px["left"] != sizes_px["right"]:
+        raise InputError(
+            f"{pair['right']}: expected a picture of {_size(sizes_px['left'])} px, as the left "
+            f"eye's, got {_size(sizes_px['right'])} px"
+        )
+    left, right = (read_picture(pair[side], size_px, smallest_px) for side in SIDES)
+    return Stereogram(left, right)
 
 
 def _size(shape: tuple[int, ...]) -> str:

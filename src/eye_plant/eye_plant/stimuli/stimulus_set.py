@@ -4,13 +4,17 @@ The set has a seed of its own, independent of the run's. Training and test pictu
 Everywhere a stimulus is counted through: training pictures first, then test pictures.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from eye_plant.stimuli.cache import load_generated, n_missing
-from eye_plant.stimuli.directory import choose_files, choose_test_files, read_picture
+from eye_plant.stimuli.directory import choose_files, choose_test_files
+from eye_plant.stimuli.picture_file import read_each, read_picture
 from eye_plant.stimuli.stereograms import Stereogram
 from lockstep import check_settings, setting
 
@@ -41,11 +45,25 @@ class StimuliConfig:
 
 @dataclass(frozen=True)
 class StimulusSet:
-    """Grey pictures (size, size) uint8, row 0 on top; and pairs of them. All are read only."""
+    """Grey pictures (size, size) uint8, row 0 on top; and pairs of them. All are read only.
+
+    generated: what they were generated from, None for others.
+    """
 
     training: tuple[np.ndarray, ...]
     test: tuple[np.ndarray, ...]
     stereograms: tuple[Stereogram, ...] = ()
+    generated: StimuliConfig | None = None
+
+    def __deepcopy__(self, memo: object) -> "StimulusSet":
+        """Share what nobody changes; files are mapped once."""
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle generated pictures as how to load them: they are half a gigabyte."""
+        if self.generated is not None:
+            return load_stimuli, (self.generated,)
+        return StimulusSet, (self.training, self.test, self.stereograms)
 
     @property
     def all(self) -> tuple[np.ndarray, ...]:
@@ -64,23 +82,23 @@ class StimulusSet:
 def load_stimuli(config: StimuliConfig) -> StimulusSet:
     """Return the set, generated (and kept for the next time) or read from the directory.
 
-    Raises InputError naming the directory or file that is missing, empty, broken or too small.
+    Raises InputError naming the directory that is missing or empty, or all files that cannot be
+    used.
     """
     if not config.directory:
         training, test = (load_generated(*arguments) for arguments in _generated(config))
-        return StimulusSet(training, test)
-    training, test = (
-        tuple(read_picture(path, config.size_px, SMALLEST_PX) for path in paths)
-        for paths in _choose(config)
-    )
-    return StimulusSet(training, test)
+        return StimulusSet(training, test, generated=config)
+    training_files, test_files = _choose(config)
+    pictures = _read(training_files + test_files, config)
+    return StimulusSet(pictures[: len(training_files)], pictures[len(training_files) :])
 
 
-def count_missing(config: StimuliConfig) -> int:
-    """Return how many pictures load_stimuli would have to generate, since the cache lacks them."""
+def announcement(config: StimuliConfig) -> str:
+    """Return what load_stimuli will take long with, "" if the cache has all pictures."""
     if config.directory:
-        return 0
-    return sum(n_missing(*arguments) for arguments in _generated(config))
+        return ""
+    n = sum(n_missing(*arguments) for arguments in _generated(config))
+    return f"generating {n:,} stimuli, once (on two cores 140 take about a minute)" if n else ""
 
 
 def load_unseen_stimuli(
@@ -91,10 +109,7 @@ def load_unseen_stimuli(
     Its subdirectory test if it has one, else all its pictures; in an order of config.seed, and of
     config.size_px. Raises InputError naming the directory or file that cannot be used.
     """
-    return tuple(
-        read_picture(path, config.size_px, SMALLEST_PX)
-        for path in choose_test_files(directory, config.seed)[:n_most]
-    )
+    return _read(choose_test_files(directory, config.seed)[:n_most], config)
 
 
 def count_stimuli(config: StimuliConfig) -> tuple[int, int]:
@@ -110,6 +125,11 @@ def count_stimuli(config: StimuliConfig) -> tuple[int, int]:
 
 def _choose(config: StimuliConfig) -> tuple[tuple[Path, ...], tuple[Path, ...]]:
     return choose_files(config.directory, config.seed, config.n_training, config.n_test)
+
+
+def _read(files: Sequence[Path], config: StimuliConfig) -> tuple[np.ndarray, ...]:
+    read = partial(read_picture, size_px=config.size_px, smallest_px=SMALLEST_PX)
+    return tuple(read_each(read, files))
 
 
 def _generated(config: StimuliConfig) -> list[tuple[str, int, str, int, int]]:

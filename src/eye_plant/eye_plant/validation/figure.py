@@ -4,6 +4,7 @@ from pathlib import Path
 from string import ascii_lowercase
 
 import matplotlib as mpl
+import matplotlib.style
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -36,7 +37,7 @@ _LEVELS_DEG = np.arange(-35.0, 36.0, 5.0)
 
 def draw(path: Path) -> None:
     """Write the figure as PNG; OpenEyeSim's own lines and points only where its maps are there."""
-    with mpl.rc_context(_STYLE):
+    with mpl.style.context(("default", _STYLE)):
         figure = Figure(figsize=(8.0, 8.7), layout="constrained")
         panels = figure.subplots(3, 2).ravel()
         gaze, cost, directions, trace, duration, velocity = panels

@@ -7,6 +7,7 @@ they interrupt whoever is at work on that core, some thirty times in an iteratio
 """
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 _N_CORES = 2
@@ -18,15 +19,16 @@ def share_two_cores(i_core: int, *, gives_way: bool) -> None:
 
     gives_way: its threads wait for a free core rather than interrupt another thread (SCHED_BATCH);
     their share of a busy machine stays the same. Threads that start later follow the one that
-    starts them. Does nothing where this process may use another number of cores than two.
+    starts them. Does nothing where this process may use another number of cores than two, and
+    leaves out what a sandbox or a container does not allow.
     """
     cores = sorted(os.sched_getaffinity(0))
-    if len(cores) != _N_CORES:
+    if len(cores) != _N_CORES or not _TASKS.is_dir():
         return
-    for task in _TASKS.iterdir():
-        try:
-            os.sched_setaffinity(int(task.name), {cores[i_core]})
-            if gives_way and os.sched_getscheduler(int(task.name)) == os.SCHED_OTHER:
-                os.sched_setscheduler(int(task.name), os.SCHED_BATCH, os.sched_param(0))
-        except ProcessLookupError:
-            continue  # it has ended meanwhile
+    for number in [int(task.name) for task in _TASKS.iterdir()]:
+        # It only makes a run quicker; besides, a thread may have ended meanwhile.
+        with suppress(OSError):
+            os.sched_setaffinity(number, {cores[i_core]})
+        with suppress(OSError):
+            if gives_way and os.sched_getscheduler(number) == os.SCHED_OTHER:
+                os.sched_setscheduler(number, os.SCHED_BATCH, os.sched_param(0))

@@ -4,9 +4,11 @@ Ctrl-C: whoever makes a run counts here how often it was asked to stop. How a si
 is in `lockstep.node.process`.
 """
 
+import os
 import signal
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from types import FrameType
 
 
@@ -29,9 +31,19 @@ class Interrupts:
         self.count += 1
         self._then()
         if self.count == 1:
-            print("\nstopping after this episode, with a checkpoint", file=sys.stderr)
+            _say("\nstopping after this episode, with a checkpoint\n")
 
     def _hang_up(self, number: int, frame: FrameType | None) -> None:
         # A terminal that is closed says so more than once, a person who wants to stop at once not.
         if not self.count:
             self._interrupt(number, frame)
+
+
+def _say(text: str) -> None:
+    """Write to standard error, where it is open.
+
+    A signal may come while the stream itself is being written, which takes no second text then.
+    """
+    with suppress(OSError):
+        if sys.stderr is not None:
+            os.write(sys.stderr.fileno(), text.encode())

@@ -1,8 +1,9 @@
 """A node as a process: start, spin, stop, and one clear line when it cannot start."""
 
+import os
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import FrameType
 
 import rclpy
@@ -16,13 +17,22 @@ from rclpy.utilities import remove_ros_args
 from lockstep.errors import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, FAULT_TEXT
 from lockstep.machine.cores import share_two_cores
-from lockstep.machine.domain import given_domain
+from lockstep.machine.domain import enter_environment
 from lockstep.node.executor import LockstepExecutor
 from lockstep.node.parameter_files import check_arguments
 
 # Bad input, by phase: what reading the arguments raises, and names and parameters of the node.
 _OF_ARGUMENTS = (InputError, _rclpy.RCLInvalidROSArgsError, _rclpy.UnknownROSArgsError)
 _OF_NAMES_AND_PARAMETERS = (InputError, NameValidationException, ParameterException)
+
+
+def with_log_files_where_asked(arguments: Sequence[str]) -> list[str]:
+    """Return arguments with which ROS writes log files into ROS_LOG_DIR, or none without it.
+
+    Else it would write a copy of what is printed into the home, and fail where it cannot.
+    """
+    none = [] if os.environ.get("ROS_LOG_DIR") else ["--ros-args", "--disable-external-lib-logs"]
+    return [*none, "--", *arguments]
 
 
 def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) -> int:
@@ -40,8 +50,9 @@ def run_node(make_node: Callable[[], Node], arguments: list[str] | None = None) 
         _read_arguments(arguments)
     except _OF_ARGUMENTS as error:
         return _refused(error)
+    words = with_log_files_where_asked(sys.argv if arguments is None else arguments)
     try:
-        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+        rclpy.init(args=words, signal_handler_options=SignalHandlerOptions.NO)
         node = make_node()
     except BaseException as error:
         rclpy.try_shutdown()
@@ -85,9 +96,8 @@ def _spin(node: Node) -> int:
 
 def _read_arguments(arguments: list[str] | None) -> None:
     """Raise one of _OF_ARGUMENTS when they are not what ROS and this process take."""
-    given_domain()
-    words = sys.argv if arguments is None else arguments
-    check_arguments(words)
+    enter_environment()
+    check_arguments(sys.argv if arguments is None else arguments)
     unknown = remove_ros_args(arguments)[0 if arguments is not None else 1 :]
     if unknown:
         raise InputError(

@@ -24,6 +24,8 @@ START_RUN = "start_run"
 END_RUN = "end_run"
 # Of the plant: its arguments are settings that hold from the next episode on.
 RECONFIGURE = "reconfigure"
+# How a node that belongs to no run refuses whatever else it is asked.
+NOT_STARTED = f"expected {START_RUN} first"
 
 Arguments = dict[str, Any]
 Handler = Callable[[Arguments], None]
@@ -82,7 +84,7 @@ class RequestServer:
         if self._run_id and run_id != self._run_id:
             raise InputError(f"expected a request of run {self._run_id}, got one of run {run_id}")
         if not self._run_id and kind != START_RUN:
-            raise InputError(f"expected {START_RUN} first, got {kind} of run {run_id}")
+            raise InputError(f"{NOT_STARTED}, got {kind} of run {run_id}")
         values = {k: v for k, v in arguments.items() if k not in ("run_id", "request")}
         if values and kind in (START_RUN, END_RUN):
             raise InputError(f"{kind}: expected no arguments, got {', '.join(values)}")

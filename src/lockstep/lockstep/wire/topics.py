@@ -38,6 +38,8 @@ GROUND_TRUTH_NAMES = (
     "optimal_metabolic_rate_w",
     *TARGET_NAMES,
 )
+# NaN where they are not known.
+UNSURE_TRUTH_NAMES = ("optimal_metabolic_rate_w",)
 EYE_STATE_NAMES = tuple(
     f"{side}_{angle}" for side in SIDES for angle in ("adduction", "elevation", "torsion")
 )

@@ -4,7 +4,8 @@ JointState is the one standard message that names its numbers, and every plottin
 """
 
 import array
-from collections.abc import Sequence
+import math
+from collections.abc import Collection, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -86,14 +87,14 @@ def values_of(
     topic: str,
     field: str = "position",
     *,
-    may_lack: bool = False,
+    may_lack: Collection[str] = (),
 ) -> np.ndarray:
     """Return the finite values (n_names,) of a message, in the order of names.
 
     field: "position", "velocity" or "effort". Further names in the message are ignored, so that a
-    foreign publisher may add its own; may_lack: whether NaN may stand for what there is not. Raises
-    InputError for a missing or doubled name, a length that differs from that of the names (other
-    fields may be empty), or a value that is not finite.
+    foreign publisher may add its own; may_lack: names of which NaN may say that there is nothing.
+    Raises InputError for a missing or doubled name, a length that differs from that of the names
+    (other fields may be empty), or a value that is not finite.
     """
     values = np.array(getattr(message, field), dtype=np.float64)
     n_names = len(message.name)
@@ -108,9 +109,24 @@ def values_of(
         )
     if message.name != list(names):
         values = values[_indices(tuple(message.name), tuple(names), topic)]
-    if np.isinf(values).any() if may_lack else not np.isfinite(values).all():
-        raise InputError(f"{topic}: expected finite values, got {field} {values.tolist()}")
+    check_finite(values, names, topic, may_lack)
     return values
+
+
+def check_finite(
+    values: np.ndarray, names: Sequence[str], topic: str, may_lack: Collection[str] = ()
+) -> None:
+    """Raise InputError, naming them, for values that are not finite, except NaN of may_lack."""
+    if np.isfinite(values).all():
+        return
+    wrong = {
+        name: value
+        for name, value in zip(names, values.tolist(), strict=True)
+        if not (math.isfinite(value) or (math.isnan(value) and name in may_lack))
+    }
+    if wrong:
+        got = ", ".join(f"{name} {value}" for name, value in wrong.items())
+        raise InputError(f"{topic}: expected finite values, got {got}")
 
 
 def whole_values_of(message: JointState, names: Sequence[str], topic: str) -> list[int]:

@@ -38,7 +38,7 @@ class Turns:
     """Measures the turns of one episode after another, without saccades (D23)."""
 
     def __init__(self, focal_length_px: float) -> None:
-        """focal_length_px: of both cameras."""
+        """focal_length_px: of both cameras, whose magnification an eye does not know."""
         self._focal_length_px = focal_length_px
         self._before: Pictures | None = None
 

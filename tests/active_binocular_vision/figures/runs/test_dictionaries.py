@@ -28,6 +28,7 @@ def test_both_scales_show_the_atoms_that_prefer_a_disparity_first() -> None:
         np.testing.assert_allclose(np.divide(middles, px_per_pixel), [-1.0, 0.5, 2.0], atol=0.15)
 
 
+@pytest.mark.filterwarnings("error")
 def test_each_atom_becomes_one_tile() -> None:
     atoms = np.zeros((2, 20, 128), np.float32)
     atoms[0, 7, :64] = 2.0

@@ -62,10 +62,9 @@ def test_a_bag_without_a_test_is_left_out_and_named(runs: list[FinishedRun]) -> 
     found = {drawing.name: drawing for drawing in drawings(groups_of(runs))}
     encoding, anaglyphs = found["encoding"], found["anaglyphs_0_M"]
     assert encoding.draw() is None
-    names = f"{runs[0].name}, {runs[1].name}"
-    assert encoding.absence == f"Not drawn without a test in a bag: {names}."
+    assert encoding.left_out == [run.name for run in runs]
     assert anaglyphs.draw() is None
-    assert anaglyphs.absence.startswith("Not drawn without a bag with pictures")
+    assert anaglyphs.lack.startswith("Not drawn without a bag with pictures")
 
 
 def test_an_anaglyph_is_red_for_the_left_eye_and_cyan_for_the_right() -> None:

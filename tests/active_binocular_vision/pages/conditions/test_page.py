@@ -2,7 +2,6 @@
 
 import json
 import math
-import re
 import shutil
 import sys
 from contextlib import redirect_stdout
@@ -15,14 +14,12 @@ import pytest
 from active_binocular_vision.commands.report import main
 from active_binocular_vision.commands.run_experiment import main as run_experiment
 from active_binocular_vision.pages.conditions.page import (
-    conditions_table,
-    left_out,
+    condition_rows,
+    unreached,
 )
 from active_binocular_vision.runs.conditions import conditions_of
 from active_binocular_vision.runs.examined_run import BIRTH, END
 from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE
-from active_binocular_vision.runs.results_folder import finished_runs
-from lockstep import InputError
 from tests.active_binocular_vision.made_examined import column, examined, reared, summaries
 from tests.command_lines import set_words
 from tests.kept_tests import kept_tests
@@ -124,7 +121,7 @@ def test_an_age_without_a_checkpoint_has_its_test_alone(run: Path, tmp_path: Pat
     assert (tmp_path / "conditions.html").read_text().count("<td>birth</td>") == 1
 
 
-def test_the_table_has_a_line_for_each_age() -> None:
+def test_the_table_has_a_row_for_each_age() -> None:
     runs = [
         examined(
             seed=seed,
@@ -137,44 +134,27 @@ def test_the_table_has_a_line_for_each_age() -> None:
     ]
     names = "cover.horizontal_deviation_pd", "cover.share_fused", "stereo.threshold_deg"
     columns = [*map(column, names), column("acuity.left_acuity_cycles_per_deg")]
-    text = conditions_table(conditions_of(runs), columns)
-    assert re.findall(r"<th>(.*?)</th>", text)[3:5] == ["horizontal deviation/PD", "fused / %"]
-    cells = re.findall(r"<td>(.*?)</td>", text)
-    assert cells[:4] == ["healthy", "2", "birth", "0.5 (0.5 to 0.5)"]
-    assert cells[6] == "-"
-    assert cells[7:13] == [
-        "healthy",
-        "2",
-        "end",
-        "1.0 (-1.0 to 3.0)",
-        "50 (50 to 50)",
-        "0.500 (1 of 2)",
-    ]
+    birth, end = condition_rows(conditions_of(runs), columns)
+    assert [*birth][3:5] == ["horizontal deviation/PD", "fused / %"]
+    assert [*birth.values()][:4] == ["healthy", "2", "birth", "0.5 (0.5 to 0.5)"]
+    assert [*birth.values()][6] == "-"
+    expected = ["healthy", "2", "end", "1.0 (-1.0 to 3.0)", "50 (50 to 50)", "0.500 (1 of 2)"]
+    assert [*end.values()][:6] == expected
+
+
+def test_columns_of_one_heading_are_told_apart() -> None:
+    scales = [column(f"{name}.left_share_in_code") for name in ("landscape", "acuity")]
+    (row, *_) = condition_rows(conditions_of([examined()]), scales)
+    assert len(row) == 3 + len(scales)
 
 
 def test_what_is_published_stands_beside_a_condition() -> None:
-    conditions = conditions_of([reared("normal"), reared("other")])
-    cells = re.findall(r"<td>(.*?)</td>", conditions_table(conditions, [column("test.error_deg")]))
-    assert cells[3:5] == ["0.100", cells[4]]
-    assert "0.12 +- 0.17 deg" in cells[4]
-    assert cells[-1] == ""
+    rows = condition_rows(conditions_of([reared("normal"), reared("other")]), [])
+    assert "0.12 +- 0.17 deg" in rows[0]["published"]
+    assert "published" not in rows[1]
 
 
 def test_vergence_errors_without_a_place_in_the_landscape_are_named() -> None:
     whole, broken = reared("normal"), reared("weak", valley=(np.nan, 0.1, np.nan))
-    assert left_out(conditions_of([whole])) == ""
-    text = left_out(conditions_of([whole, replace(broken, seed=2)]))
-    assert text.endswith("elsewhere with them: weak at -1, 1 deg.")
-
-
-def test_a_sweep_stands_for_its_finished_runs_in_its_order(tmp_path) -> None:
-    (tmp_path / "sweep.yaml").write_text("axes: {seed: [2, 3, 1], profile: [paper]}")
-    with pytest.raises(InputError, match="expected a sweep with a finished run"):
-        finished_runs(tmp_path)
-    first, unfinished, last = (tmp_path / f"seed_{i}-profile_paper" for i in (2, 3, 1))
-    for run in (first, unfinished, last, tmp_path / "logs"):
-        run.mkdir()
-    for run in (first, last):
-        (run / "results.json").touch()
-    assert [run.directory for run in finished_runs(tmp_path)] == [first, last]
-    assert [run.directory for run in finished_runs(last)] == [last]
+    assert unreached(conditions_of([whole])) == []
+    assert unreached(conditions_of([whole, replace(broken, seed=2)])) == ["weak at -1 and 1 deg"]

@@ -17,6 +17,7 @@ from active_binocular_vision.figures.runs.motor_space import (
     MotorSpace,
     motor_space_figure,
 )
+from active_binocular_vision.figures.runs.pictures import encoding_figure
 from active_binocular_vision.pages.report.drawings import drawings
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import groups_of
@@ -45,10 +46,12 @@ def test_long_names_of_groups_are_not_cut_off(runs: list[FinishedRun]) -> None:
     ):
         figure.draw_without_rendering()
         assert all(_is_inside(text, figure) for text in figure.legends[0].get_texts())
-    figure = conditions_figure(groups)
-    titles = [text for text in drawn_texts(figure) if "long setting" in text.get_text()]
-    left, right = (title.get_window_extent() for title in titles)
-    assert left.x1 < right.x0
+    for of_panels in (conditions_figure(groups), encoding_figure(groups)):
+        assert of_panels is not None
+        texts = [text for text in drawn_texts(of_panels) if "long setting" in text.get_text()]
+        # The titles come before the legend, if there is one.
+        left, right = (title.get_window_extent() for title in texts[:2])
+        assert left.x1 < right.x0
 
 
 @pytest.mark.filterwarnings("error:constrained_layout")

@@ -1,7 +1,5 @@
 """Figures and tables of runs whose muscles have commands of their own."""
 
-import re
-from html import unescape
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +10,7 @@ from active_binocular_vision.figures.runs.activations import activations_figure
 from active_binocular_vision.figures.runs.errors import errors_figure
 from active_binocular_vision.figures.runs.price import over_prices, price_figure
 from active_binocular_vision.pages.report.drawings import drawings
-from active_binocular_vision.pages.report.tables import antagonists_table, comparison_table
+from active_binocular_vision.pages.report.tables import antagonist_rows, comparison_rows
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group, groups_of
 from experiment_manager.measures.trials import ERROR_NAMES
@@ -78,45 +76,41 @@ def test_prices_show_the_errors_about_all_axes(tmp_path: Path) -> None:
         expected = np.median(np.abs(groups[0].last_trials.column(name)[:, -1]))
         assert np.allclose(medians, expected)
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels == ["horizontal error", "vertical error", "cyclovergence error"]
+    assert labels == ["horizontal (vergence)", "vertical", "torsional (cyclovergence)"]
 
 
-def _rows(table: str) -> list[list[str]]:
-    rows = re.findall(r"<tr>(.*?)</tr>", unescape(table))
-    return [re.findall(r"<t[hd]>(.*?)</t[hd]>", row) for row in rows]
-
-
-def test_a_line_for_each_two_antagonists(group: Group) -> None:
-    header, *rows = _rows(antagonists_table([group]))
-    assert header[-3:] == ["at 0.5 m", "at 3 m", "at 6 m"]
+def test_a_row_for_each_two_antagonists(group: Group) -> None:
+    rows = antagonist_rows([group])
+    assert [*rows[0]][-3:] == ["at 0.5 m", "at 3 m", "at 6 m"]
     assert len(rows) == len(group.last_trials.space.names) // 2
-    assert rows[0][2:4] == ["left", "medial rectus and lateral rectus"]
+    assert rows[0]["eye"] == "left"
+    assert rows[0]["antagonists"] == "medial rectus and lateral rectus"
     both = [group.last_trials.column(f"left_{m}_rectus")[:, -1] for m in ("medial", "lateral")]
-    assert rows[0][4] == f"{np.median(np.minimum(*both)):.3f}"
+    assert rows[0]["co-contraction"] == f"{np.median(np.minimum(*both)):.3f}"
+
+
+def _columns(groups: list[Group]) -> tuple[list[str], dict[str, list[str]]]:
+    rows = comparison_rows(groups)
+    return [*rows[0]], {name: cells for name, *cells in map(dict.values, rows)}
 
 
 def test_the_paper_stands_beside_the_pair_alone(group: Group, tmp_path: Path) -> None:
-    header, *rows = _rows(comparison_table([group]))
+    header, cells = _columns([group])
     assert header == ["measure", "ours, M"]
-    names = [name for name, _ in rows]
-    assert "our test set: median |vertical error| / deg" in names
-    assert not [name for name in names if "authors" in name]
+    assert "our test set: median |vertical error| / deg" in cells
+    assert not [name for name in cells if "authors" in name]
 
     pair = FinishedRun(write_run(tmp_path / "pair", PAIR))
-    of_pair, of_others = groups_of([pair, *group.runs])
-    if not of_pair.is_of_pair:
-        of_pair, of_others = of_others, of_pair
-    header, *rows = _rows(comparison_table([of_others, of_pair]))
+    of_pair, of_others = sorted(groups_of([pair, *group.runs]), key=lambda g: not g.is_of_pair)
+    header, cells = _columns([of_others, of_pair])
     assert [name.partition(",")[0] for name in header] == ["measure", "ours", "paper", "ours"]
-    cells = {name: of_name for name, *of_name in rows}
     assert cells["authors' test set: median |vergence error| / deg"][:2] == ["-", "0.07"]
     assert cells["our test set: median |vertical error| / deg"][1:] == ["-", "-"]
-    header, *rows = _rows(comparison_table([of_pair]))
-    assert not [name for name, *_ in rows if "vertical" in name]
+    assert not [name for name in _columns([of_pair])[1] if "vertical" in name]
 
 
 def test_the_plane_of_two_activations_is_left_out(group: Group) -> None:
     found = {drawing.name: drawing for drawing in drawings([group])}
     assert found["motor_space"].draw() is None
-    assert found["motor_space"].absence.endswith("both eyes alike: run.")
+    assert found["motor_space"].left_out == ["run"]
     assert {"errors", "activations_0_M"} < set(found)

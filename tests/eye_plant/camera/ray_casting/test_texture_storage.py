@@ -8,6 +8,7 @@ import pytest
 
 from eye_plant.camera.mipmaps import mipmap_levels, reduced
 from eye_plant.camera.ray_casting.texture_storage import Texture, texture_of, textures_of
+from eye_plant.stimuli.cache import write_array
 
 SHAPES = [(37, 50), (64, 64), (1, 9), (1, 1)]
 
@@ -17,8 +18,7 @@ def picture_of(shape: tuple[int, ...]) -> np.ndarray:
 
 
 def mapped(path: Path) -> np.ndarray:
-    np.save(path, picture_of((37, 50)))
-    return np.load(path, mmap_mode="r")
+    return write_array(path, picture_of((37, 50)))
 
 
 def levels_in(texture: Texture) -> list[np.ndarray]:

@@ -86,6 +86,5 @@ def _draw(axes: Axes, condition: Condition, i: int, column: Column) -> None:
         if found is None:
             continue
         y = i + _OFFSETS[age]
-        spread = (column.factor * found.least, column.factor * found.greatest)
-        axes.plot(spread, (y, y), color=_STYLES[age]["color"], lw=1.0)
-        axes.plot(column.factor * found.median, y, ls="", ms=_SIZE_PT, **_STYLES[age])
+        axes.plot((found.least, found.greatest), (y, y), color=_STYLES[age]["color"], lw=1.0)
+        axes.plot(found.median, y, ls="", ms=_SIZE_PT, **_STYLES[age])

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -41,18 +41,7 @@ _MARGIN_SHARE = 0.2
 _ROW_IN, _OTHER_IN = 1.15, 1.0
 # Of life, between the marks of two courses at the same age.
 _ASIDE_PERCENT = 4.0
-
-
-class _Kind(NamedTuple):
-    condition: str
-    model: str
-    iterations: int
-    final_learning_rate: float
-
-    @property
-    def label(self) -> str:
-        dictionaries = "plastic" if self.final_learning_rate else "resting"
-        return f"{self.model}, {dictionaries} dictionaries"
+_CODE = {True: "plastic", False: "resting"}
 
 
 @dataclass(frozen=True)
@@ -75,24 +64,24 @@ def courses_of(conditions: Sequence[Condition]) -> list[Course]:
 
     Conditions of one age that differ in anything else, such as lambda, are in no course.
     """
-    of_kind: dict[_Kind, dict[int | None, list[Condition]]] = {}
+    # By condition and learners, then by age.
+    found: dict[tuple[Any, ...], dict[int | None, list[Condition]]] = {}
     for condition in conditions:
-        first = condition.runs[0]
-        kind = _Kind(first.condition, first.model, first.iterations, first.final_learning_rate)
-        of_kind.setdefault(kind, {}).setdefault(next(iter(first.changed_at), None), []).append(
-            condition
-        )
+        run = condition.runs[0]
+        kind = (run.condition, run.model, run.iterations, run.final_learning_rate)
+        age = next(iter(run.changed_at), None)
+        found.setdefault(kind, {}).setdefault(age, []).append(condition)
     courses = []
-    for kind, by_age in of_kind.items():
+    for (treatment, *learners), by_age in found.items():
         ages = sorted(age for age, alike in by_age.items() if age is not None and len(alike) == 1)
-        if kind.condition in TREATED and len(ages) > 1:
-            without = kind._replace(condition=TREATED[kind.condition])
-            untreated = of_kind.get(without, {}).get(None, [])
+        if treatment in TREATED and len(ages) > 1:
+            model, iterations, final_learning_rate = learners
+            untreated = found.get((TREATED[treatment], *learners), {}).get(None, [])
             courses.append(
                 Course(
-                    treatment=kind.condition,
-                    label=kind.label,
-                    ages_percent=tuple(100.0 * age / kind.iterations for age in ages),
+                    treatment=treatment,
+                    label=f"{model}, {_CODE[final_learning_rate > 0]} dictionaries",
+                    ages_percent=tuple(100.0 * age / iterations for age in ages),
                     conditions=tuple(by_age[age][0] for age in ages),
                     untreated=untreated[0] if len(untreated) == 1 else None,
                 )
@@ -137,16 +126,15 @@ def _draw(axes: Axes, course: Course, column: Column, aside: float, colour: str)
     medians = []
     for age, condition in zip(ages, course.conditions, strict=True):
         end, before = (condition.over_seeds(when, column) for when in (END, BEFORE))
-        medians.append(math.nan if end is None else column.factor * end.median)
+        medians.append(math.nan if end is None else end.median)
         if end is not None:
-            spread = (column.factor * end.least, column.factor * end.greatest)
-            axes.plot((age, age), spread, color=colour, lw=1.0)
+            axes.plot((age, age), (end.least, end.greatest), color=colour, lw=1.0)
         if before is not None:
-            axes.plot(age, column.factor * before.median, color=colour, **_BEFORE)
+            axes.plot(age, before.median, color=colour, **_BEFORE)
     axes.plot(ages, medians, color=colour, **_END)
     without = course.untreated and course.untreated.over_seeds(END, column)
     if without:
-        axes.axhline(column.factor * without.median, color=colour, **_UNTREATED)
+        axes.axhline(without.median, color=colour, **_UNTREATED)
 
 
 def _handles(colours: Mapping[str, str]) -> list[Line2D]:

@@ -1,6 +1,5 @@
 """Test performance by what a trial starts from: where learning succeeded, and where it did not."""
 
-import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,7 +8,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from active_binocular_vision.figures.quartiles import px_deg_of
+from active_binocular_vision.figures.quartiles import px_deg_of, title_of
 from active_binocular_vision.figures.style import LIGHT_GREY, SMALLEST_PT, panel_grid, title_panels
 from active_binocular_vision.runs.groups import Group
 
@@ -17,7 +16,6 @@ from active_binocular_vision.runs.groups import Group
 _REACH = 16.0
 _DARK = 6.0
 _N_COLUMNS = 2
-_LONGEST_TITLE_LINE = 44  # characters
 
 
 def conditions_figure(groups: Sequence[Group]) -> Figure:
@@ -29,7 +27,7 @@ def conditions_figure(groups: Sequence[Group]) -> Figure:
     px_deg = px_deg_of(groups)
     for axes, group in zip(panels, groups, strict=True):
         image = _draw(axes, group, px_deg)
-    title_panels(panels, [textwrap.fill(group.label, _LONGEST_TITLE_LINE) for group in groups])
+    title_panels(panels, [title_of(group) for group in groups])
     colours = figure.colorbar(
         image, ax=panels, label="median |vergence error| / deg", shrink=0.8, extend="both"
     )

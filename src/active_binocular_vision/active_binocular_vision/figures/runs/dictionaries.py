@@ -39,6 +39,8 @@ def dictionary_figure(atoms: np.ndarray) -> Figure:
         reach = (LARGEST_SHIFT_PX + 0.5) * PX_PER_PIXEL[i]
         histograms[i].hist(known_px, bins=np.linspace(-reach, reach, _N_BINS + 1), color=GREY)
         # Nearly all prefer no disparity; the few others must show, too.
+        if not len(known_px):
+            histograms[i].set_ylim(0.7, 10.0)
         histograms[i].set_yscale("log")
         histograms[i].yaxis.set_major_formatter(FormatStrFormatter("%g"))
         histograms[i].set(xlabel="preferred disparity / px", xlim=(-reach, reach), ylim=(0.7, None))

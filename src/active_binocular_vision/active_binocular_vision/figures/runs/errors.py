@@ -1,6 +1,7 @@
 """The three errors of eyes whose muscles have commands of their own."""
 
 from collections.abc import Sequence
+from functools import partial
 
 import matplotlib as mpl
 import numpy as np
@@ -8,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from active_binocular_vision.figures.quartiles import (
+    ERRORS,
     colour_of,
     draw_band,
     draw_quartiles,
@@ -15,18 +17,13 @@ from active_binocular_vision.figures.quartiles import (
     group_handle,
     marker_of,
     offset_of,
+    over_training,
     px_deg_of,
     scale_errors,
 )
 from active_binocular_vision.figures.style import WIDTH_IN, legend_below, new_figure, title_panels
 from active_binocular_vision.runs.groups import Group
 from experiment_manager.measures.metrics import QUARTILES, REPORTED_ITERATIONS
-
-_ERRORS = {
-    "vergence_error_deg": "horizontal (vergence)",
-    "vertical_error_deg": "vertical",
-    "cyclovergence_error_deg": "torsional (cyclovergence)",
-}
 
 
 def errors_figure(groups: Sequence[Group]) -> Figure:
@@ -36,24 +33,25 @@ def errors_figure(groups: Sequence[Group]) -> Figure:
     over training. Median and quartiles of the absolute error.
     """
     figure = new_figure(WIDTH_IN, 5.2)
-    rows = figure.subplots(2, len(_ERRORS), sharex="row", sharey="all")
-    for during, over, name in zip(*rows, _ERRORS, strict=True):
+    rows = figure.subplots(2, len(ERRORS), sharex="row", sharey="all")
+    for during, over, name in zip(*rows, ERRORS, strict=True):
         for i, group in enumerate(groups):
             draw_band(
                 during, *_over_a_trial(group, name), colour_of(group), marker=marker_of(group), ms=3
             )
-            draw_quartiles(over, *_over_training(group, name), group, offset_of(i, groups))
+            finals = partial(final_errors_deg, name=name)
+            draw_quartiles(over, over_training(group, finals), group, offset_of(i, groups))
         during.set_xlabel("iteration of the trial")
         over.set_xlabel("training iterations")
         over.xaxis.set_major_formatter(mpl.ticker.EngFormatter(sep=""))
-    for axes, name in zip(rows.ravel(), [*_ERRORS, *_ERRORS], strict=True):
+    for axes, name in zip(rows.ravel(), [*ERRORS, *ERRORS], strict=True):
         # Pixels do not measure torsion.
         is_of_pixels = name != "cyclovergence_error_deg"
         scale_errors(axes, px_deg_of(groups), has_pixel=is_of_pixels)
     for axes in rows[:, 0]:
         axes.set_ylabel("|error| / deg")
     _scale_trial(rows[0, 0])
-    title_panels(rows.ravel(), [*_ERRORS.values(), *_ERRORS.values()])
+    title_panels(rows.ravel(), [*ERRORS.values(), *ERRORS.values()])
     legend_below(figure, [group_handle(group) for group in groups])
     return figure
 
@@ -72,9 +70,3 @@ def _over_a_trial(group: Group, name: str) -> tuple[np.ndarray, np.ndarray]:
     errors_deg = np.abs(group.last_trials.column(name))
     kept = np.flatnonzero(~np.isnan(errors_deg).all(axis=0))
     return kept, np.nanquantile(errors_deg[:, kept], QUARTILES, axis=0)
-
-
-def _over_training(group: Group, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return training iterations (n,) and quartiles of the absolute error (3, n)."""
-    errors_deg = [final_errors_deg(group.trials_at(n), name) for n in group.iterations]
-    return np.array(group.iterations), np.nanquantile(errors_deg, QUARTILES, axis=1)

@@ -20,23 +20,23 @@ from active_binocular_vision.figures.quartiles import (
     final_errors_deg,
     group_handle,
     offset_of,
+    over_training,
     px_deg_of,
     scale_errors,
 )
 from active_binocular_vision.figures.style import (
     FIGURES,
     GREY,
-    STYLE,
     legend_below,
     mark_level,
     new_figure,
+    own_style,
     save,
     title_panels,
 )
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group, groups_of
 from active_binocular_vision.runs.recorded import TrainingCurve
-from experiment_manager.measures.metrics import QUARTILES
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import Trials
 
@@ -44,7 +44,7 @@ from experiment_manager.measures.trials import Trials
 def learning_curve(directory: Path) -> Path:
     """Draw how a run learned, from its bag, into figures/learning_curve.png; return that path."""
     run = FinishedRun(directory)
-    with mpl.rc_context(STYLE):
+    with own_style():
         return save(learning_curve_figure(run), Path(directory) / FIGURES / "learning_curve.png")
 
 
@@ -102,12 +102,10 @@ def _draw_tests(
     seeds = _of_seeds(group, measure)
     quartiles = np.tile(np.median(seeds, axis=0), (3, 1))
     if group.has_trials:
-        tests = [values(group.trials_at(n)) for n in group.iterations]
-        quartiles = np.array([np.quantile(of_test, QUARTILES) for of_test in tests]).T
-    at = np.array(group.iterations, dtype=float)
-    draw_quartiles(axes, at, quartiles, group, offset)
-    for of_seed in seeds if len(seeds) > 1 and len(at) >= LEAST_JOINED else ():
-        axes.plot(at, of_seed, color=colour_of(group), lw=0.6, alpha=0.7, zorder=1)
+        quartiles = over_training(group, values)
+    draw_quartiles(axes, quartiles, group, offset)
+    for of_seed in seeds if len(seeds) > 1 and len(group.iterations) >= LEAST_JOINED else ():
+        axes.plot(group.iterations, of_seed, color=colour_of(group), lw=0.6, alpha=0.7, zorder=1)
 
 
 def _of_seeds(group: Group, measure: Callable[[Summary], float | None]) -> np.ndarray:

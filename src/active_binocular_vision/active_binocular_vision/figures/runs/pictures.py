@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from active_binocular_vision.figures.quartiles import colour_of, draw_band
+from active_binocular_vision.figures.quartiles import colour_of, draw_band, title_of
 from active_binocular_vision.figures.style import (
     GREY,
     label_decades,
@@ -51,7 +51,7 @@ def encoding_figure(groups: Sequence[Group]) -> Figure | None:
         axes.set_xlabel("vergence error / deg")
     if not is_drawn:
         return None
-    title_panels(panels, [group.label for group in groups])
+    title_panels(panels, [title_of(group) for group in groups])
     # Before and after learning E differs by an order of magnitude; its dip must show in both.
     panels[0].set(ylabel="reconstruction error $E$", xlim=(-_RANGE_DEG, _RANGE_DEG))
     label_decades(panels[0])

@@ -9,9 +9,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.transforms import Bbox
 
 from active_binocular_vision.figures.quartiles import (
     ERROR_LABEL,
+    ERRORS,
     draw_bars,
     final_errors_deg,
     px_deg_of,
@@ -34,22 +36,14 @@ from experiment_manager.measures.metrics import QUARTILES
 from experiment_manager.measures.trials import Trials
 
 _LEAST_PRICES = 3
-_ERRORS = {
-    "vergence_error_deg": "horizontal error",
-    "vertical_error_deg": "vertical error",
-    "cyclovergence_error_deg": "cyclovergence error",
-}
 _LOOKS = ((VERMILION, "o"), (BLUE, "s"), (GREEN, "^"))
 # Lambda 0 has a place on a logarithmic axis so many times below the least price.
 _ZERO_BELOW = 3.0
-# Of the panel of error against rate, roughly: its size, and the width of a character.
-_TRADE_PT, _CHARACTER_PT = (128.0, 182.0), 4.8
-_LABEL_OFFSETS_PT = tuple(
-    (dx, dy) for dy in (3.0, -3.0, 11.0, -11.0, 19.0, -19.0) for dx in (3.0, -3.0)
-)
+_CLEARANCE_PX = 2.0
+# Of the name of a point from it, the best first.
+_OFFSETS_PT = tuple((dx, dy) for dy in (3.0, -3.0, 11.0, -11.0, 19.0, -19.0) for dx in (3.0, -3.0))
 
 Values = Callable[[Trials], np.ndarray]
-Box = tuple[float, float, float, float]
 
 
 def _reductions_percent(trials: Trials) -> np.ndarray:
@@ -91,17 +85,17 @@ def price_figure(groups: Sequence[Group]) -> Figure:
     mark_level(reduction, 100.0, "all")
     reduction.set_ylabel("$c$ / %")
     _draw_trade(trade, groups)
-    trade.set(xlabel="metabolic rate $C$ / W", ylabel=ERROR_LABEL)
     title_panels(
         (error, reduction, trade), ("accuracy", "energy saved", r"trade-off, by $\lambda$ in 1/W")
     )
+    _name_points(figure, trade, [f"{group.common.weight:g}" for group in groups])
     return figure
 
 
 def _draw_errors(figure: Figure, axes: Axes, groups: Sequence[Group]) -> None:
     """Draw the errors about all axes, each with its colour, and name them below the figure."""
     handles = []
-    for (name, label), (colour, marker) in zip(_ERRORS.items(), _LOOKS, strict=True):
+    for (name, label), (colour, marker) in zip(ERRORS.items(), _LOOKS, strict=True):
         _draw(axes, groups, partial(final_errors_deg, name=name), colour, marker=marker)
         handles.append(Line2D([], [], color=colour, marker=marker, ms=4, label=label))
     axes.set_ylabel("|error| / deg")
@@ -153,49 +147,31 @@ def _draw_trade(axes: Axes, groups: Sequence[Group]) -> None:
     axes.margins(x=0.12)
     axes.plot(rate_w, error_deg, color=VERMILION, marker="o", ms=4, lw=0.8)
     scale_errors(axes, px_deg_of(groups))
-    weights = [group.common.weight for group in groups]
-    places = _label_places(axes, weights, rate_w, error_deg)
-    for weight, w, deg, (dx, dy) in zip(weights, rate_w, error_deg, places, strict=True):
-        axes.annotate(
-            f"{weight:g}",
-            (w, deg),
-            (dx, dy),
-            textcoords="offset points",
-            ha="left" if dx > 0 else "right",
-            va="bottom" if dy > 0 else "top",
-            fontsize=SMALLEST_PT,
-        )
+    axes.set(xlabel="metabolic rate $C$ / W", ylabel=ERROR_LABEL)
 
 
-def _label_places(
-    axes: Axes, weights: Sequence[float], rate_w: Sequence[float], error_deg: Sequence[float]
-) -> list[tuple[float, float]]:
-    """Return for each point the offset of its label in pt: the first that covers nothing."""
-    low, high = np.log(axes.get_ylim())
-    left, right = axes.get_xlim()
-    x_pt = (np.asarray(rate_w) - left) / (right - left) * _TRADE_PT[0]
-    y_pt = (np.log(error_deg) - low) / (high - low) * _TRADE_PT[1]
-    along = np.linspace(0.0, len(weights) - 1.0, 50 * len(weights))
-    line = np.column_stack([np.interp(along, range(len(weights)), pt) for pt in (x_pt, y_pt)])
-    covered = [(x - 1.5, y - 1.5, x + 1.5, y + 1.5) for x, y in line]
-    chosen = []
-    for weight, x, y in zip(weights, x_pt, y_pt, strict=True):
-        width = _CHARACTER_PT * len(f"{weight:g}")
-        boxes = {
-            (dx, dy): (
-                x + dx - (width if dx < 0 else 0),
-                y + dy - (SMALLEST_PT if dy < 0 else 0),
-                x + dx + (width if dx > 0 else 0),
-                y + dy + (SMALLEST_PT if dy > 0 else 0),
+def _name_points(figure: Figure, axes: Axes, names: Sequence[str]) -> None:
+    """Write a name beside each point of a line, where it covers neither the line nor a name."""
+    figure.draw_without_rendering()  # so that the places are known
+    line = axes.lines[0]
+    course = line.get_transform().transform_path(line.get_path())
+    boxes: list[Bbox] = []
+    for name, point in zip(names, np.asarray(line.get_xydata()), strict=True):
+        label = None
+        for dx, dy in _OFFSETS_PT:
+            if label is not None:
+                label.remove()
+            label = axes.annotate(
+                name,
+                point,
+                (dx, dy),
+                textcoords="offset points",
+                ha="left" if dx > 0 else "right",
+                va="bottom" if dy > 0 else "top",
+                fontsize=SMALLEST_PT,
             )
-            for dx, dy in _LABEL_OFFSETS_PT
-        }
-        free = [place for place, box in boxes.items() if not _covers(box, covered)]
-        chosen.append(free[0] if free else _LABEL_OFFSETS_PT[0])
-        covered.append(boxes[chosen[-1]])
-    return chosen
-
-
-def _covers(box: Box, others: Sequence[Box]) -> bool:
-    left, low, right, high = box
-    return any(x0 < right and left < x1 and y0 < high and low < y1 for x0, y0, x1, y1 in others)
+            box = label.get_window_extent().padded(_CLEARANCE_PX)
+            covers = course.intersects_bbox(box, filled=False) or box.count_overlaps(boxes)
+            if not covers and box.x0 > axes.bbox.x0:
+                break
+        boxes.append(box)

@@ -2,12 +2,11 @@
 
 import io
 import sys
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import redirect_stderr
 from functools import partial
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -20,16 +19,17 @@ from active_binocular_vision.figures.conditions.rearing import (
 )
 from active_binocular_vision.figures.conditions.sheet import MOST_COLUMNS, sheet_figure
 from active_binocular_vision.figures.conditions.treatments import courses_of, treatments_figure
-from active_binocular_vision.figures.style import FIGURES, STYLE, save
+from active_binocular_vision.figures.style import own_style
+from active_binocular_vision.pages import html
 from active_binocular_vision.pages.conditions.published import PUBLISHED
-from active_binocular_vision.pages.report import page as report_page
+from active_binocular_vision.pages.html import Drawing
 from active_binocular_vision.runs.ages import AGES
 from active_binocular_vision.runs.conditions import Column, Condition, conditions_of
 from active_binocular_vision.runs.examined_run import TEST, ExaminedRun, examined_run
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Common, common_of
 from active_binocular_vision.runs.one_a_core import of_each_run
-from active_binocular_vision.runs.results_folder import finished_runs
+from active_binocular_vision.runs.results_folder import runs_with_tests
 from lockstep import InputError
 from lockstep.durable_files import replace_file
 
@@ -52,6 +52,10 @@ _TREATMENTS_CAPTION = (
     "A row for each treatment that began at several ages. Diamonds: medians over seeds at the end; "
     "lines: from the least to the greatest seed. Circles: right before the treatment. Dotted: at "
     "the end, without a treatment, where such runs are among those of the page."
+)
+_UNREACHED = (
+    "Left out, since no activations of the muscles give the vergence, or the eyes may rest "
+    "elsewhere with them"
 )
 _Draw = Callable[[Sequence[Condition]], Figure | None]
 # Of an examination: name, title, caption.
@@ -107,126 +111,84 @@ def write_conditions_page(
     examinations.json. What cannot be examined is left out, with a line on standard error. Raises
     InputError, with the first reason, when nothing is left.
     """
-    runs, reasons = _examined(directories, {column.examination for column in columns}, ages)
-    if not runs:
+    runs, reasons = runs_with_tests(directories)
+    names = sorted({column.examination for column in columns} - {TEST})
+    work = partial(_examined_or_why, names, tuple(ages))
+    unread = [run.unread() for run in runs]
+    results = of_each_run(work, list(zip(unread, common_of(runs), strict=True)), "examining")
+    reasons += [result for result in results if isinstance(result, str)]
+    examined = [result for result in results if isinstance(result, ExaminedRun)]
+    if not examined:
         raise InputError(reasons[0])
     for reason in reasons:
         print(f"left out: {reason}", file=sys.stderr)
-    conditions = conditions_of(runs)
-    with mpl.rc_context(STYLE):
-        parts = [
-            report_page.heading("Conditions"),
-            conditions_table(conditions, columns),
-            report_page.paragraph(_ABOUT),
-            *_sheets(conditions, columns, out),
-            *_figures(conditions, columns, out),
-        ]
-    replace_file(out / CONDITIONS_FILE, report_page.page("Conditions", parts).encode())
+    conditions = conditions_of(examined)
+    with own_style():
+        drawn = [part for of in drawings(conditions, columns) for part in of.parts(out)]
+    table = html.section("Conditions", _ABOUT, condition_rows(conditions, columns))
+    replace_file(out / CONDITIONS_FILE, html.page("Conditions", [*table, *drawn]).encode())
     return out / CONDITIONS_FILE
 
 
-def conditions_table(conditions: Sequence[Condition], columns: Sequence[Column]) -> str:
-    """Return the table: a line for each condition and age."""
-    published = [PUBLISHED.get(condition.runs[0].condition, "") for condition in conditions]
-    header = ["condition", "seeds", "age", *(column.heading for column in columns)]
-    lines = []
-    for condition, of_others in zip(conditions, published, strict=True):
+def _examined_or_why(
+    names: Sequence[str], ages: Sequence[str], of: tuple[FinishedRun, Common]
+) -> ExaminedRun | str:
+    run, common = of
+    try:
+        # Each examination has a progress bar of its own.
+        with redirect_stderr(io.StringIO()):
+            return examined_run(run, common, names, ages)
+    except (InputError, OSError) as error:
+        text = str(error)
+        return text if str(run.directory) in text else f"{run.directory}: {text}"
+
+
+def condition_rows(
+    conditions: Sequence[Condition], columns: Sequence[Column]
+) -> list[dict[str, str]]:
+    """Return a row of texts by heading for each condition and age."""
+    headings = [column.heading for column in columns]
+    rows = []
+    for condition in conditions:
+        published = PUBLISHED.get(condition.runs[0].condition, "")
         for age in AGES:
             n_seeds = sum(age in run.found for run in condition.runs)
             if n_seeds:
-                cells = [
-                    column.cell(condition.over_seeds(age, column), n_seeds) for column in columns
-                ]
-                line = [condition.name, str(n_seeds), age, *cells]
-                lines.append(line + [of_others] * any(published))
-    return report_page.table(header + ["published"] * any(published), lines)
+                row = {"condition": condition.name, "seeds": str(n_seeds), "age": age}
+                for column, name in zip(columns, headings, strict=True):
+                    other = f"{name}, {column.examination}.{column.measure}"
+                    cell = column.cell(condition.over_seeds(age, column), n_seeds)
+                    row[name if headings.count(name) == 1 else other] = cell
+                rows.append(row | ({"published": published} if published else {}))
+    return rows
 
 
-def _sheets(conditions: Sequence[Condition], columns: Sequence[Column], out: Path) -> list[str]:
-    """Draw all columns, as many at once as fit beside one another."""
-    parts = []
+def drawings(conditions: Sequence[Condition], columns: Sequence[Column]) -> Iterator[Drawing]:
+    """Yield all columns, as many at once as fit beside one another, and more of examinations."""
     courses = courses_of(conditions)
     for i in range(0, len(columns), MOST_COLUMNS):
         some = columns[i : i + MOST_COLUMNS]
         number = f"_{1 + i // MOST_COLUMNS}" if i else ""
-        figure = sheet_figure(conditions, some)
-        save(figure, out / FIGURES / f"conditions{number}.png")
-        parts.append(report_page.picture(figure, _SHEET_CAPTION))
+        yield Drawing(
+            f"conditions{number}", "", _SHEET_CAPTION, partial(sheet_figure, conditions, some)
+        )
         if courses:
-            figure = treatments_figure(courses, some)
-            save(figure, out / FIGURES / f"treatments{number}.png")
-            parts.append(report_page.picture(figure, _TREATMENTS_CAPTION))
-    return parts
+            draw = partial(treatments_figure, courses, some)
+            yield Drawing(f"treatments{number}", "", _TREATMENTS_CAPTION, draw)
+    examined = {column.examination for column in columns}
+    for examination, name, title, caption, draw_all in _FIGURES:
+        if examination in examined:
+            lack = (_UNREACHED, unreached(conditions)) if name == "landscapes" else ("", ())
+            yield Drawing(name, title, caption, partial(draw_all, conditions), *lack)
 
 
-def _figures(conditions: Sequence[Condition], columns: Sequence[Column], out: Path) -> list[str]:
-    parts = []
-    names = {column.examination for column in columns}
-    for examination, name, title, caption, draw in _FIGURES:
-        figure = draw(conditions) if examination in names else None
-        if figure is None:
-            continue
-        save(figure, out / FIGURES / f"{name}.png")
-        parts += [report_page.heading(title), report_page.picture(figure, caption)]
-        if name == "landscapes" and (missing := left_out(conditions)):
-            parts.append(report_page.paragraph(missing))
-    return parts
-
-
-def left_out(conditions: Sequence[Condition]) -> str:
-    """Say which vergence errors a landscape does not have for want of a pair, "" for none."""
+def unreached(conditions: Sequence[Condition]) -> list[str]:
+    """Name the vergence errors that landscapes do not have for want of activations."""
     missing = []
     for condition in conditions:
         of_seeds = landscapes(condition.runs)
         is_missing = np.isnan([total for _, total in of_seeds]).any(axis=0)
         if is_missing.any():
-            errors_deg = ", ".join(f"{error_deg:g}" for error_deg in of_seeds[0][0][is_missing])
+            errors_deg = " and ".join(f"{error_deg:g}" for error_deg in of_seeds[0][0][is_missing])
             missing.append(f"{condition.name} at {errors_deg} deg")
-    if not missing:
-        return ""
-    return (
-        "Left out, since no activations of the muscles give the vergence, or the eyes may rest "
-        f"elsewhere with them: {'; '.join(missing)}."
-    )
-
-
-def _examined(
-    directories: Sequence[Path], names: Collection[str], ages: Collection[str]
-) -> tuple[list[ExaminedRun], list[str]]:
-    """Return the examined runs, and why others are left out."""
-    found: list[FinishedRun] = []
-    reasons: list[str] = []
-    for directory in directories:
-        try:
-            runs = finished_runs(directory)
-        except InputError as error:
-            reasons.append(str(error))
-            continue
-        for run in runs:
-            try:
-                run.about  # noqa: B018 (read here, so that an error leaves out this run alone)
-            except InputError as error:
-                reasons.append(str(error))
-            else:
-                found.append(run)
-    if not found:
-        return [], reasons
-    common = {str(run.directory): key for run, key in zip(found, common_of(found), strict=True)}
-    work = partial(_examined_or_why, common, sorted({*names} - {TEST}), tuple(ages))
-    results = of_each_run(work, found, "examining")
-    return (
-        [result for result in results if isinstance(result, ExaminedRun)],
-        reasons + [result for result in results if isinstance(result, str)],
-    )
-
-
-def _examined_or_why(
-    common: dict[str, Common], names: Sequence[str], ages: Sequence[str], run: FinishedRun
-) -> ExaminedRun | str:
-    try:
-        # Each examination has a progress bar of its own.
-        with redirect_stderr(io.StringIO()):
-            return examined_run(run, common[str(run.directory)], names, ages)
-    except (InputError, OSError) as error:
-        text = str(error)
-        return text if str(run.directory) in text else f"{run.directory}: {text}"
+    return missing

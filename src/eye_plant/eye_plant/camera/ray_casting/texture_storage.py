@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from eye_plant.camera.mipmaps import level_shapes, mipmap_levels, reduced, reduced_shape
-from eye_plant.stimuli.cache import map_array, write_array
+from eye_plant.stimuli.cache import FileArray, map_array, write_array
 from lockstep.machine.threads import map_in_threads
 
 # One picture and its successive halves, read only: texels of level 0; those of all other levels,
@@ -64,9 +64,9 @@ def _smaller_copies(picture: np.ndarray, n_texels: int) -> np.ndarray:
 
 def _file_beside(picture: np.ndarray) -> Path | None:
     """Return the file for a mapped picture's smaller copies."""
-    if not isinstance(picture, np.memmap) or picture.filename is None:
+    if not isinstance(picture, FileArray) or picture.path is None:
         return None
-    return Path(picture.filename).with_suffix(f".v{_VERSION}.levels")
+    return picture.path.with_suffix(f".v{_VERSION}.levels")
 
 
 def _texture(

@@ -1,0 +1,34 @@
+"""One thread for BLAS: the coder's matrices are too small to share out, and threads wait busily."""
+
+import threading
+from contextlib import ContextDecorator
+from functools import cached_property
+from typing import Any
+
+from threadpoolctl import ThreadpoolController
+
+
+class OneThread(ContextDecorator):
+    """Limits BLAS while code within is under way, in any thread; then it is as it was."""
+
+    def __init__(self) -> None:
+        """Begin outside."""
+        self._lock, self._n_inside = threading.Lock(), 0
+
+    @cached_property
+    def _blas(self) -> ThreadpoolController:
+        return ThreadpoolController().select(user_api="blas")
+
+    def __enter__(self) -> None:
+        """Limit BLAS, unless another thread is inside already."""
+        with self._lock:
+            if not self._n_inside:
+                self._limit = self._blas.limit(limits=1)
+            self._n_inside += 1
+
+    def __exit__(self, *_: Any) -> None:
+        """Let BLAS be as before, when the last thread leaves."""
+        with self._lock:
+            self._n_inside -= 1
+            if not self._n_inside:
+                self._limit.restore_original_limits()
