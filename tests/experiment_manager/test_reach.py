@@ -62,7 +62,7 @@ def test_a_paralysed_muscle_is_allowed_where_the_protocol_can_be_met() -> None:
 )
 def test_what_own_commands_cannot_meet_is_refused(settings: tuple[str, ...], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        _check(f"{_PROTOCOL}.start_centre_deg=[0.0, 0.0, 0.0]", *settings, profile="twelve")
+        _check(*settings, profile="twelve")
 
 
 def test_anatomical_eyes_meet_the_protocol() -> None:

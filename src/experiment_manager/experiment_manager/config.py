@@ -75,9 +75,9 @@ class ProtocolConfig(TaskConfig):
         n_entries=3,
     )
     start_centre_deg: tuple[float, ...] = setting(
-        (1.5, 0.75, 2.0),
+        (0.0, 0.0, 0.0),
         "with a command for each muscle: how far from 0 those errors are centred, at most; drawn"
-        " once per run, on the other side in tests, so that the starts do not tell the right"
+        " once per run, on the other side in tests; about 0 the mean of the starts tells the right"
         " posture",
         "deg",
         least=0,
@@ -91,11 +91,6 @@ class ProtocolConfig(TaskConfig):
         " begins with drawn errors",
         least=0,
         most=1,
-    )
-    starts_follow_changes: bool = setting(
-        False,
-        "with a command for each muscle: whether training after a change of the eyes begins with"
-        " errors of the changed eyes; otherwise with the activations that it began with before",
     )
     start_version_deg: tuple[float, ...] = setting(
         (5.0, 5.0),

@@ -11,7 +11,7 @@ CONTROLS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         # Nothing of pictures or energy in the reward.
         "random_reward": {"sparse_coder.random_reward": True},
-        # The right posture lies at the edge of where training begins.
+        # The right posture is at the edge of where training begins.
         "starts_elsewhere": {"experiment_manager.start_centre_deg": [3.0, 1.5, 4.0]},
         # No inverse of the eyes chose where training begins; this turns them by about 2 deg.
         "starts_tonic": {"experiment_manager.tonic_start_spread": 0.005},
