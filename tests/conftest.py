@@ -10,11 +10,14 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+import threadpoolctl
 
 from lockstep.machine.environment import adopt
 from tests.made_once import made_once
 
 adopt()
+# NumPy has read that variable before.
+threadpoolctl.threadpool_limits(1)
 # MuJoCo, when it is imported, loads the OpenGL that this variable names. The tests themselves
 # compare pictures with those of its renderer; what they start needs none.
 os.environ["MUJOCO_GL"] = "egl" if ctypes.util.find_library("EGL") else "disable"

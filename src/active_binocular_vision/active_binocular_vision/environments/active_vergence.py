@@ -36,8 +36,9 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
     that is the least power of two that spans a muscle's limits, so that any activation is one step
     away, and that scaling rounds nothing. Activations are kept within the limits, as the agent's.
     Reward: -E - lambda C of the observation that the action led to (K17 eq. 5).
-    info: "ground_truth", by the names of that topic, from which no agent should learn, since no eye
-    can see it; reconstruction_error_coarse, _fine; "reward" of what is observed, also at the start.
+    info: "ground_truth", by the names of that topic that have a value, from which no agent should
+    learn, since no eye can see it; reconstruction_error_coarse, _fine; "reward" of what is
+    observed, also at the start.
 
     The coder learns from each observation of a training episode but the last, which in the graph
     is not drawn. `reset(seed=)` starts the experiment of that seed from nothing, the coder too.
@@ -193,11 +194,12 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         observed["activations"] = self._activations.copy()
         if self._experiment.has_targets:
             observed["gaze_target"] = np.array(observation.truth.target_deg)
-        truth = observation.ground_truth_values()
+        truth = zip(GROUND_TRUTH_NAMES, observation.ground_truth_values(), strict=True)
         coarse, fine = percept.encoding.reconstruction_error
         info = {
             # Apart from the rest: wrappers of others have an "episode" of their own.
-            "ground_truth": dict(zip(GROUND_TRUTH_NAMES, truth, strict=True)),
+            # C* where it is not known is left out: NaN is not equal to itself.
+            "ground_truth": {name: value for name, value in truth if not math.isnan(value)},
             "reconstruction_error_coarse": float(coarse),
             "reconstruction_error_fine": float(fine),
             "reward": percept.reward,
