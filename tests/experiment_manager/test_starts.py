@@ -14,13 +14,16 @@ from experiment_manager.starts import (
     draw_angles_deg,
     drawn_targets_deg,
     gaze_inverse,
+    start_centre_deg,
 )
 from eye_plant.camera.config import CameraConfig
 from eye_plant.inverse.gaze import GAZE_ANGLES
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
+from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import ALL_MUSCLES, HORIZONTAL_RECTI, InputError, build, flatten
 from lockstep.wire.topics import TEST
 
+CENTRE_DEG = (1.5, 0.75, 2.0)
 MECHANICS = MechanicsConfig(parameter_set="anatomical")
 LARGEST_DEG = {"horizontal": 3, "vertical": 1.5, "torsional": 4, "version": 5, "elevation": 5}
 
@@ -31,8 +34,7 @@ def _config(space: str = ALL_MUSCLES, **settings: Any) -> ExperimentManagerConfi
     )
 
 
-def test_training_begins_anywhere_within_the_ranges() -> None:
-    config = _config()
+def _training_gazes_deg(config: ExperimentManagerConfig) -> np.ndarray:
     starts, draw = GazeStarts(config, MECHANICS), np.random.default_rng(1)
     inverse = gaze_inverse(config, MECHANICS)
     gazes_deg = []
@@ -40,10 +42,40 @@ def test_training_begins_anywhere_within_the_ranges() -> None:
         distance_m, activations = starts.training(draw)
         assert 0.5 <= distance_m <= 6.0
         gazes_deg.append(inverse.gaze_deg(np.array(activations), distance_m))
+    return np.array(gazes_deg)
+
+
+@pytest.mark.parametrize("centre_deg", [(0.0, 0.0, 0.0), CENTRE_DEG])
+def test_training_begins_anywhere_within_the_ranges_about_the_centre(centre_deg) -> None:
+    config = _config(start_centre_deg=centre_deg)
+    centre_deg = [start_centre_deg(config).get(name, 0.0) for name in GAZE_ANGLES]
     largest_deg = np.array([LARGEST_DEG[name] for name in GAZE_ANGLES])
-    reached = np.abs(gazes_deg).max(axis=0) / largest_deg
+    reached = np.abs(_training_gazes_deg(config) - centre_deg).max(axis=0) / largest_deg
     assert (reached <= 1.0 + 1e-6).all()
     assert (reached > 0.8).all()
+
+
+def test_the_centre_is_aside_elsewhere_in_each_run_and_on_the_other_side_in_tests() -> None:
+    configs = [_config(seed=seed, start_centre_deg=CENTRE_DEG) for seed in range(20)]
+    of_seeds = [
+        [list(start_centre_deg(config, of_tests=t).values()) for t in (False, True)]
+        for config in configs
+    ]
+    shares = np.array(of_seeds) / CENTRE_DEG
+    assert (np.abs(shares) >= 0.75).all()
+    assert (np.abs(shares) <= 1.0).all()
+    assert (shares[:, 0] * shares[:, 1] < 0.0).all()
+    assert (np.abs(np.sign(shares[:, 0]).mean(axis=0)) < 1.0).all()
+
+
+def test_training_about_the_tonic_level_needs_no_inverse() -> None:
+    config = _config(tonic_start_spread=0.005)
+    tonic = Oculomotor(MECHANICS).tonic_activations
+    at_tonic_deg = gaze_inverse(config, MECHANICS).gaze_deg(tonic, 1.0)
+    gazes_deg = _training_gazes_deg(config)
+    # Up and aside they lie about the tonic gaze, whatever the plane's distance.
+    np.testing.assert_allclose(gazes_deg[:, 3:].mean(axis=0), at_tonic_deg[3:], atol=1.0)
+    assert gazes_deg[:, 3:].std(axis=0).max() < 3.0
 
 
 def test_a_test_has_the_same_starts_for_all_seeds_and_pictures() -> None:

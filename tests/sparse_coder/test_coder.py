@@ -191,3 +191,14 @@ def test_a_bad_state_is_refused_and_changes_nothing(change, message) -> None:
 def test_bad_settings_are_refused(settings: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         SparseCoderConfig(**settings)
+
+
+def test_a_random_reward_knows_nothing_of_pictures_and_rates(stereo_pair: Pair) -> None:
+    coder = SparseCoder(dataclasses.replace(SMALL, random_reward=True, metabolic_cost_weight=0.5))
+    left, right = stereo_pair
+    one = coder.perceive(left, right, np.full(4, 0.1), iteration=3)
+    other = coder.perceive(right[::-1], left, np.full(4, 0.3), iteration=3)
+    assert one.encoding.reconstruction_error.sum() != other.encoding.reconstruction_error.sum()
+    assert (one.reward, one.energy_penalty) == (other.reward, other.energy_penalty)
+    coder.learn(one.encoding)
+    assert coder.perceive(left, right, np.full(4, 0.1), iteration=3).reward != one.reward

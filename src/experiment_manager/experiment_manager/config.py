@@ -74,6 +74,24 @@ class ProtocolConfig(TaskConfig):
         most=20,
         n_entries=3,
     )
+    start_centre_deg: tuple[float, ...] = setting(
+        (0.0, 0.0, 0.0),
+        "with a command for each muscle: how far from 0 those errors are centred, at most; drawn"
+        " once per run, on the other side in tests; about 0 the mean of the starts tells the right"
+        " posture",
+        "deg",
+        least=0,
+        most=10,
+        n_entries=3,
+    )
+    tonic_start_spread: float = setting(
+        0.0,
+        "with a command for each muscle: standard deviation about the tonic level of the"
+        " activations with which training begins, for which no inverse of the eyes is needed; 0: it"
+        " begins with drawn errors",
+        least=0,
+        most=1,
+    )
     start_version_deg: tuple[float, ...] = setting(
         (5.0, 5.0),
         "with a command for each muscle: largest version and elevation at the start of an episode",

@@ -2,7 +2,9 @@
 
 Eyes that one command turns alike begin as K17's, looking straight ahead at another distance than
 the plane's. Eyes with a command for each muscle begin with errors of their own about all axes that
-the commands turn, and look aside; those that make saccades have gaze targets.
+the commands turn, and look aside; those that make saccades have gaze targets. These errors may be
+centred aside of 0, so that the mean of all starts is not the right posture: elsewhere in each run,
+and on the other side in its tests.
 """
 
 import functools
@@ -25,6 +27,8 @@ ActivationsOfVergence = Callable[[float, float], Activations]
 
 # Tests of all runs start alike, so that they compare.
 _SEED_OF_TESTS = 0
+# Of the largest offset that the centre of a run's first errors has at least.
+_LEAST_CENTRE_SHARE = 0.75
 _MOST_DRAWS = 1000
 
 
@@ -50,7 +54,7 @@ def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ..
     if config.command_space != PAIR:
         planes_m = np.repeat(config.test_distances_m, config.n_starts_per_distance).tolist()
         return tuple(
-            Condition(distance_m, draw_angles_deg(config, _draw_of(start))["horizontal"], start)
+            Condition(distance_m, _first_error_deg(config, start), start)
             for start, distance_m in enumerate(planes_m)
         )
     return tuple(
@@ -61,6 +65,10 @@ def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ..
             math.floor(desired_vergence_deg(distance_m, baseline_m)) + 1,
         )
     )
+
+
+def _first_error_deg(config: ProtocolConfig, start: int) -> float:
+    return draw_angles_deg(config, _draw_of(start), of_tests=True)["horizontal"]
 
 
 class PairStarts:
@@ -96,7 +104,7 @@ class PairStarts:
 
 
 class GazeStarts:
-    """Errors about all axes that the commands turn, and version, each drawn uniformly."""
+    """Errors about all axes that the commands turn, and version, drawn uniformly about a centre."""
 
     def __init__(
         self,
@@ -109,20 +117,29 @@ class GazeStarts:
         self._inverse = gaze_inverse(config, mechanics, turns_deg)
 
     def training(self, draw: np.random.Generator) -> tuple[float, Activations]:
-        """Draw the plane's distance in m, and activations with a gaze."""
-        ends_m = self._config.object_distance_m
-        distance_m = drawn_distance_m(self._config, draw, ends_m, self.baseline_m)
-        return distance_m, self._activations(distance_m, draw)
-
-    def trial(self, condition: Condition, draw: np.random.Generator) -> Activations:
-        """Return activations with the condition's gaze."""
-        return self._activations(condition.object_distance_m, _draw_of(condition.start))
-
-    def _activations(self, distance_m: float, draw: np.random.Generator) -> Activations:
+        """Draw the plane's distance in m, and activations: with a gaze, or near the tonic level."""
         config = self._config
-        angles_deg = draw_angles_deg(config, draw)
-        aside = draw.normal(0.0, config.start_spread, len(config.space.names))
+        ends_m = config.object_distance_m
+        distance_m = drawn_distance_m(config, draw, ends_m, self.baseline_m)
+        if config.tonic_start_spread:
+            aside = self._aside(config.tonic_start_spread, draw)
+            return distance_m, tuple(self._inverse.near_tonic(aside).tolist())
+        return distance_m, self._activations(draw_angles_deg(config, draw), distance_m, draw)
+
+    def trial(self, condition: Condition, _: np.random.Generator) -> Activations:
+        """Return activations with the condition's gaze."""
+        draw = _draw_of(condition.start)
+        angles_deg = draw_angles_deg(self._config, draw, of_tests=True)
+        return self._activations(angles_deg, condition.object_distance_m, draw)
+
+    def _activations(
+        self, angles_deg: dict[str, float], distance_m: float, draw: np.random.Generator
+    ) -> Activations:
+        aside = self._aside(self._config.start_spread, draw)
         return tuple(self._inverse.activations(angles_deg, distance_m, aside).tolist())
+
+    def _aside(self, spread: float, draw: np.random.Generator) -> np.ndarray:
+        return draw.normal(0.0, spread, len(self._config.space.names))
 
     def targets_deg(
         self, activations: Activations, n_iterations: int, draw: np.random.Generator
@@ -163,18 +180,45 @@ def gaze_inverse(
     return GazeInverse(mechanics, config.space, limits.lowest, limits.highest, turns_deg)
 
 
-def draw_angles_deg(config: ProtocolConfig, draw: np.random.Generator) -> dict[str, float]:
-    """Draw a gaze, by names of GAZE_ANGLES that the command space turns."""
-    largest_deg = largest_angles_deg(config)
+def draw_angles_deg(
+    config: ProtocolConfig, draw: np.random.Generator, *, of_tests: bool = False
+) -> dict[str, float]:
+    """Draw a gaze, by names of GAZE_ANGLES that the command space turns.
+
+    of_tests: about the centre of the run's tests instead of that of its training.
+    """
+    centre_deg, largest_deg = start_centre_deg(config, of_tests=of_tests), _half_widths_deg(config)
     drawn = draw.uniform(-1.0, 1.0, len(largest_deg))
     return {
-        name: float(most * share)
+        name: float(centre_deg.get(name, 0.0) + most * share)
         for (name, most), share in zip(largest_deg.items(), drawn, strict=True)
     }
 
 
+def start_centre_deg(config: ProtocolConfig, *, of_tests: bool = False) -> dict[str, float]:
+    """Return the centre of first errors, by names of ERRORS: drawn once per run, and not near 0.
+
+    Eyes that have learned only where episodes begin are wrong by as much; tests, which begin on the
+    other side of 0, show it.
+    """
+    draw = generator(config.seed, "start centre", int(of_tests))
+    shares = draw.uniform(_LEAST_CENTRE_SHARE, 1.0, len(ERRORS))
+    signs = generator(config.seed, "side of starts", 0).choice((-1.0, 1.0), len(ERRORS))
+    centre_deg = (-signs if of_tests else signs) * shares * config.start_centre_deg
+    return dict(zip(ERRORS, centre_deg.tolist(), strict=True))
+
+
 def largest_angles_deg(config: ProtocolConfig) -> dict[str, float]:
     """Return the largest errors and version with which episodes begin, by names of GAZE_ANGLES."""
+    most_aside_deg = dict(zip(ERRORS, config.start_centre_deg, strict=True))
+    return {
+        name: width_deg + most_aside_deg.get(name, 0.0)
+        for name, width_deg in _half_widths_deg(config).items()
+    }
+
+
+def _half_widths_deg(config: ProtocolConfig) -> dict[str, float]:
+    """Return how far first gazes are drawn about their centre, by names of GAZE_ANGLES."""
     largest = dict(zip(ERRORS, config.start_error_deg, strict=True)) | dict(
         zip(("version", "elevation"), config.start_version_deg, strict=True)
     )

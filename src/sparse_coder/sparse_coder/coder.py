@@ -23,7 +23,7 @@ from sparse_coder.patches import (
     fine_window,
 )
 from sparse_coder.percept import NOWHERE_DEG, Encoding, Percept
-from sparse_coder.reward import price_of_energy, reconstruction_error, reward
+from sparse_coder.reward import price_of_energy, random_reward, reconstruction_error, reward
 
 SCALES = ("coarse", "fine")
 _LARGEST_NORM_ERROR = 1e-4
@@ -79,6 +79,8 @@ class SparseCoder:
         encoding = self.encode(left, right)
         rate_w = float(metabolic_rates_w.sum())
         earned = reward(encoding.reconstruction_error, rate_w, self.price_of_energy)
+        if self.config.random_reward:
+            earned = random_reward(self.config.seed, self.learning_steps, iteration)
         watch = self._watch
         gaze = watch.step(iteration, (left, right), encoding, given_deg) if watch else None
         return Percept(

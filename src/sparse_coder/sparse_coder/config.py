@@ -26,6 +26,11 @@ class SparseCoderConfig(TaskConfig):
         above=0,
         most=1,
     )
+    random_reward: bool = setting(
+        False,
+        "whether the reward is a random number, uniform in [-1, 0], that says nothing of pictures"
+        " or energy: what is learned nevertheless, the reward has not taught",
+    )
     camera: OpticsConfig = field(default_factory=OpticsConfig)
 
     def __post_init__(self) -> None:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep import InputError
+from lockstep import InputError, generator
 from sparse_coder.matching_pursuit import Selections, energy
 
 
@@ -65,3 +65,12 @@ def reward(reconstruction_errors: NDArray[np.float64], rate_w: float, price: flo
     error = float(np.sum(reconstruction_errors))
     loss = error + price * rate_w
     return Reward(-loss, loss - error)
+
+
+def random_reward(seed: int, learning_steps: int, iteration: int) -> Reward:
+    """Return a number, uniform in [-1, 0], that knows nothing of the eyes, and takes no energy.
+
+    A function of the seed and the time: learning_steps of the coder, iteration in the episode.
+    """
+    draw = generator(seed, f"reward {iteration}", learning_steps)
+    return Reward(-float(draw.random()), 0.0)

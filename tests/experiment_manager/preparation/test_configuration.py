@@ -9,6 +9,7 @@ import yaml
 from active_binocular_vision.commands.command_line import arguments
 from active_binocular_vision.commands.run_experiment import main as run_experiment
 from experiment_manager.plant_changes import read_schedule
+from experiment_manager.preparation.controls import CONTROLS
 from experiment_manager.run.config_file import configuration_text, read_configuration
 from experiment_manager.sections import CONFIG_CLASSES, DEFAULTS, config_of
 from lockstep import InputError
@@ -249,3 +250,12 @@ def test_a_profile_s_schedule_may_be_put_off() -> None:
         (25_500, {"eyes.camera.left_occluded": True}),
         (28_000, {"eyes.camera.left_occluded": False}),
     ]
+
+
+def test_each_control_withholds_something_and_none_nothing() -> None:
+    plain = configured("--profile", "twelve")
+    controlled = [configured("--profile", "twelve", "--control", name) for name in CONTROLS]
+    assert plain not in controlled
+    assert all(controlled.count(one) == 1 for one in controlled)
+    with pytest.raises(InputError, match="--control starts_tonic: with command_space pair expect"):
+        configured("--profile", "precise", "--control", "starts_tonic")

@@ -7,6 +7,7 @@ from typing import TypeVar
 from active_binocular_vision.command_lines.start import start
 from experiment_manager.live.address import Address
 from experiment_manager.nodes import MOVABLE_NODES
+from experiment_manager.preparation.controls import CONTROLS
 from experiment_manager.preparation.profile_files import profile_files
 from experiment_manager.preparation.written_values import whole_number, whole_numbers
 from lockstep import InputError
@@ -58,6 +59,13 @@ def _add_settings(line: argparse.ArgumentParser) -> None:
         type=_argument(whole_number),
         metavar="N",
         help="training iterations by which the profile's schedule is delayed",
+    )
+    group.add_argument(
+        "--control",
+        choices=CONTROLS,
+        help="withhold something, to see what it is worth: a reward that says something, training"
+        " that begins about the right posture, starts from an inverse of the eyes, features, or"
+        " felt activations",
     )
     group.add_argument("--seed", type=_argument(whole_number), metavar="S", help="default: 1")
     group.add_argument(

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from experiment_manager.plant_changes import Schedule
+from experiment_manager.preparation.controls import check_control
 from experiment_manager.preparation.profiles import Profile, read_profile
 from experiment_manager.preparation.request import (
     ITERATIONS,
@@ -82,6 +83,7 @@ def configuration_with(settings: Mapping[str, Any], request: RunRequest) -> Conf
     except InputError as error:
         raise _in_words_of_request(error, given) from error
     _check_price(configuration, request, given)
+    check_control(request.control, request.by("control"), configuration["task"]["command_space"])
     check_reach(configuration)
     return configuration
 

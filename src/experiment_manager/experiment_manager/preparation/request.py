@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from experiment_manager.preparation.controls import CONTROLS
 from experiment_manager.sections import DEFAULTS, SECTIONS
 from lockstep import InputError
-from lockstep.nearest import did_you_mean
+from lockstep.nearest import did_you_mean, unknown
 from lockstep.task import MODELS
 
 # Keys, SECTION.NAME, of what has a name of its own in a request.
@@ -40,6 +41,7 @@ OPTIONS = {
     "tests": "tests",
     "test_stimuli": "test-stimuli",
     "schedule_delay": "schedule-delay",
+    "control": "control",
 }
 
 
@@ -72,7 +74,7 @@ class RunRequest:
     demonstration's; model: M or M_C; iterations: of training; stimuli: directory of images, "" for
     generated ones; metabolic_cost_weight: lambda, 1/W; tests: training iterations before each test;
     test_stimuli: how many a test shows; schedule_delay: training iterations by which the profile's
-    schedule is put off; overrides: {SECTION.NAME: value}.
+    schedule is put off; control: a name of CONTROLS; overrides: {SECTION.NAME: value}.
     names: how errors name a field or a key of the overrides, where not by itself.
     Raises InputError for an unknown model or node, and a value that no parameter can have.
     """
@@ -86,6 +88,7 @@ class RunRequest:
     tests: tuple[int, ...] | None = None
     test_stimuli: int | None = None
     schedule_delay: int | None = None
+    control: str | None = None
     overrides: Mapping[str, Any] = field(default_factory=dict)
     names: Mapping[str, str] = field(default_factory=dict)
 
@@ -95,6 +98,8 @@ class RunRequest:
             raise InputError(
                 f"{self.by('model')}: expected {' or '.join(MODELS)}, got {self.model!r}"
             )
+        if self.control is not None and self.control not in CONTROLS:
+            raise InputError(f"{self.by('control')}: {unknown(self.control, CONTROLS)}")
         for key in self.overrides:
             check_key(key, self.by(key))
         plain = {key: self._plain(key, value) for key, value in self.overrides.items()}
@@ -122,6 +127,8 @@ class RunRequest:
             if value is not None:
                 value = list(value) if isinstance(value, tuple) else value
                 yield key, Given(value, self.by(name))
+        for key, value in CONTROLS[self.control].items() if self.control else ():
+            yield key, Given(value, self.by("control"))
         for key, value in self.overrides.items():
             yield key, Given(value, self.by(key))
 

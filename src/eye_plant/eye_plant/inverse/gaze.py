@@ -110,6 +110,11 @@ class GazeInverse:
         azimuth_deg, elevation_deg = np.degrees(self._eyes.data.qpos[:2]).tolist()
         return azimuth_deg, elevation_deg
 
+    def near_tonic(self, aside: Array) -> Array:
+        """Return activations (12,) off the tonic level by aside (n_muscles,), within the limits."""
+        values = self._tonic[self._space.indices] + aside
+        return self._with(np.clip(values, self._lowest, self._highest))
+
     def activations(
         self, wanted_deg: Mapping[str, float], distance_m: float, aside: Array
     ) -> Array:

@@ -1,0 +1,32 @@
+"""Controls: runs that lack something, beside which it shows what that something is worth."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from lockstep import PAIR, InputError
+
+# The settings of each control, by key.
+CONTROLS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        # Nothing of pictures or energy in the reward.
+        "random_reward": {"sparse_coder.random_reward": True},
+        # The right posture is at the edge of where training begins.
+        "starts_elsewhere": {"experiment_manager.start_centre_deg": [3.0, 1.5, 4.0]},
+        # No inverse of the eyes chose where training begins; this turns them by about 2 deg.
+        "starts_tonic": {"experiment_manager.tonic_start_spread": 0.005},
+        "without_features": {"vergence_rl.state_entries": "activations"},
+        "without_activations": {"vergence_rl.state_entries": "features"},
+    }
+)
+_OF_STARTS = ("starts_elsewhere", "starts_tonic")
+
+
+def check_control(control: str | None, by: str, command_space: str) -> None:
+    """Raise InputError for a control that changes nothing; by: how errors name it.
+
+    Where the pair begins does not depend on the object.
+    """
+    if control in _OF_STARTS and command_space == PAIR:
+        others = ", ".join(name for name in CONTROLS if name not in _OF_STARTS)
+        raise InputError(f"{by}: with command_space {PAIR} expected {others}, got {control!r}")
