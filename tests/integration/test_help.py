@@ -27,7 +27,7 @@ finally:
 
 
 def _started(module: str, *words: str) -> "subprocess.CompletedProcess[str]":
-    command = [sys.executable, "-c", START, ROOT, module, *words]
+    command = [sys.executable, "-c", START, str(ROOT), module, *words]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
