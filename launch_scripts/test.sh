@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Check formatting, lint and types, then run all tests. Fails when one of them fails.
 #
-# The tests are distributed over all cores, each module on one. -n 0 runs them one after the other, as --pdb requires.
+# The tests are distributed over one process more than there are cores, as those of the graph also wait; each module
+# stays in one. -n 0 runs them one after the other, as --pdb requires.
 #
 # usage: launch_scripts/test.sh [pytest arguments, for example tests/sparse_coder -k pursuit -x]
 set -euo pipefail
@@ -22,5 +23,6 @@ status=0
 "$python" -m ruff check || status=1
 "$python" -m mypy || status=1
 ((status == 0)) || echo "test.sh: formatter, linter or type checker failed (above); the tests follow" >&2
-"$python" -m pytest -n logical --maxprocesses 8 --dist loadscope --no-loadscope-reorder "$@" || status=$?
+n_cores=$(env -u OMP_NUM_THREADS nproc) # which takes that variable for the number of cores
+"$python" -m pytest -n "$((n_cores + 1))" --maxprocesses 8 --dist loadscope --no-loadscope-reorder "$@" || status=$?
 exit "$status"

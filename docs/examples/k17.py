@@ -39,8 +39,9 @@ from vergence_rl.cacla.actor import (
     actor_step,
     n_updates,
 )
+from vergence_rl.cacla.critic import bounded_rate, critic_step, td_error, value
+from vergence_rl.learning_rule import td_variance
 from vergence_rl.normalizer import empty_statistics, normalized, updated_statistics
-from vergence_rl.td import bounded_rate, critic_step, td_error, td_variance, value
 
 Floats = NDArray[np.float64]
 

@@ -236,7 +236,7 @@ def test_every_check_counts_and_pytest_has_the_last_word(ready, environment, sta
     tested = ready.start("test", "-n", "0", "-x", code=status, **environment)
     call = tested.stdout.splitlines()[-1]
     # Of two options of a name the last one holds.
-    assert call.startswith("-n logical ")
+    assert call.startswith(f"-n {len(os.sched_getaffinity(0)) + 1} ")
     assert call.endswith(" -n 0 -x")
 
 

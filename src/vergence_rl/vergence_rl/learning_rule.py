@@ -124,3 +124,8 @@ class LearningRule(Protocol):
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from what state returned, with the next episode."""
+
+
+def td_variance(variance_tm1: float, delta_t: float, rate: float) -> float:
+    """Return the running variance (1 - rate) var_tm1 + rate delta_t^2 (K17 II, rate = zeta)."""
+    return (1.0 - rate) * variance_tm1 + rate * delta_t**2

@@ -7,7 +7,7 @@ import pytest
 
 from experiment_manager.loop import make_loop
 from experiment_manager.plant_changes import Change, Schedule
-from experiment_manager.preparation.profile_files import profile_files
+from experiment_manager.preparation.profile_paths import profile_files
 from experiment_manager.preparation.profiles import (
     Profile,
     parse_profile,

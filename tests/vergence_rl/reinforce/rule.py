@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tests.vergence_rl.reinforce.config import ReinforceConfig
-from vergence_rl.learning_rule import Decision, Floats, Task, TimeStep
-from vergence_rl.td import td_variance
+from vergence_rl.learning_rule import Decision, Floats, Task, TimeStep, td_variance
 
 
 class ReinforceRule:

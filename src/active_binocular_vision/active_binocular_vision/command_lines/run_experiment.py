@@ -8,7 +8,7 @@ from active_binocular_vision.command_lines.start import start
 from experiment_manager.live.address import Address
 from experiment_manager.nodes import MOVABLE_NODES
 from experiment_manager.preparation.controls import CONTROLS
-from experiment_manager.preparation.profile_files import profile_files
+from experiment_manager.preparation.profile_paths import profile_files
 from experiment_manager.preparation.written_values import whole_number, whole_numbers
 from lockstep import InputError
 from lockstep.command_line import CommandLine

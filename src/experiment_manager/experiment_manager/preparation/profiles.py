@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from experiment_manager.plant_changes import Schedule, parse_schedule
-from experiment_manager.preparation.profile_files import profile_files
+from experiment_manager.preparation.profile_paths import profile_files
 from lockstep import InputError
 from lockstep.nearest import unknown
 from lockstep.yaml_text import load_yaml

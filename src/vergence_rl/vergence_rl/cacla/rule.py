@@ -18,8 +18,8 @@ from vergence_rl.cacla.actor import (
     n_updates,
 )
 from vergence_rl.cacla.config import CaclaConfig
-from vergence_rl.learning_rule import Decision, Floats, Task, TimeStep
-from vergence_rl.td import bounded_rate, critic_step, td_error, td_variance, value
+from vergence_rl.cacla.critic import bounded_rate, critic_step, td_error, value
+from vergence_rl.learning_rule import Decision, Floats, Task, TimeStep, td_variance
 
 
 @dataclass(frozen=True)

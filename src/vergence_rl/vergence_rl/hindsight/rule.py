@@ -19,8 +19,7 @@ from vergence_rl.hindsight.regression import (
     residual_covariance,
     weights_of_ranks,
 )
-from vergence_rl.learning_rule import Decision, Floats, Task, TimeStep
-from vergence_rl.td import td_variance
+from vergence_rl.learning_rule import Decision, Floats, Task, TimeStep, td_variance
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from active_binocular_vision.figures.conditions.rearing import (
 )
 from active_binocular_vision.runs.conditions import Condition, conditions_of
 from active_binocular_vision.runs.examined_run import ExaminedRun
-from experiment_manager.preparation.profile_files import profile_files
+from experiment_manager.preparation.profile_paths import profile_files
 from tests.active_binocular_vision.made_examined import examined, reared
 from tests.readable import assert_readable
 

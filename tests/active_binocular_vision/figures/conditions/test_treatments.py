@@ -13,7 +13,7 @@ from active_binocular_vision.figures.conditions.treatments import (
 )
 from active_binocular_vision.runs.conditions import Condition, conditions_of
 from active_binocular_vision.runs.examined_run import BEFORE, END, ExaminedRun
-from experiment_manager.preparation.profile_files import profile_files
+from experiment_manager.preparation.profile_paths import profile_files
 from experiment_manager.preparation.profiles import read_profile
 from tests.active_binocular_vision.made_examined import column, examined, summaries
 from tests.readable import assert_readable

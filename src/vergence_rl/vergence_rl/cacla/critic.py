@@ -1,4 +1,4 @@
-"""Temporal-difference learning of a linear value function, rule by rule.
+"""The critic: temporal-difference learning of a linear value function, rule by rule.
 
 Time is in the names: _t is now, _tm1 the observation before; the reward r_t is measured in the
 state that the action a_tm1 led to.
@@ -14,11 +14,6 @@ def td_error(r_t: float, discount: float, v_t: float, v_tm1: float) -> float:
     K17 II, with the reward's index shifted by one (ours: the reward belongs to the state reached).
     """
     return r_t + discount * v_t - v_tm1
-
-
-def td_variance(variance_tm1: float, delta_t: float, rate: float) -> float:
-    """Return the running variance (1 - rate) var_tm1 + rate delta_t^2 (K17 II, rate = zeta)."""
-    return (1.0 - rate) * variance_tm1 + rate * delta_t**2
 
 
 def value(weights: NDArray[np.float64], state: NDArray[np.float64]) -> float:

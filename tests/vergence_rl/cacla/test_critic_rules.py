@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from vergence_rl.td import bounded_rate, critic_step, td_error, td_variance, value
+from vergence_rl.cacla.critic import bounded_rate, critic_step, td_error, value
+from vergence_rl.learning_rule import td_variance
 
 
 def test_the_rules_by_hand() -> None:
