@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from active_binocular_vision.commands.command_line import arguments, request_of
-from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager import configuration_of
 from experiment_manager.run.config_file import Configuration
 
 

@@ -4,10 +4,8 @@ import threading
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from experiment_manager.bag.reader import Bag, VectorTable
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager import Bag, ExperimentManagerConfig, VectorTable, make_protocol
 from experiment_manager.loop import Step, make_loop
-from experiment_manager.protocol import make_protocol
 from experiment_manager.run.config_file import Configuration, configuration_text
 from experiment_manager.sections import config_of
 from eye_plant import Episode

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from experiment_manager import Trials
 from experiment_manager.measures.kept_trials import read_kept
-from experiment_manager.measures.trials import Trials
 
 
 def kept_tests(directory: Path) -> list[Trials]:

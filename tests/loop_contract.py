@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiment_manager.bag.reader import Bag
+from experiment_manager import Bag
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration

@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 import psutil
 
-from experiment_manager.bag.reader import Bag
+from experiment_manager import Bag
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.nodes import NODES
 from experiment_manager.run import checkpoint

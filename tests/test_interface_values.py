@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
 
-from experiment_manager.loop import make_loop
+from experiment_manager import make_loop
 from experiment_manager.sections import config_of
 from experiment_manager.step_messages import StepMessages
 from eye_plant import Episode, EyePlantConfig

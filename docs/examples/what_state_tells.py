@@ -16,8 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from experiment_manager.loop import make_loop
-from experiment_manager.protocol import protocol_of
+from experiment_manager import make_loop, protocol_of
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from lockstep import read_state

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from active_binocular_vision.runs.finished_run import FinishedRun
-from experiment_manager.measures.trials import Trials
+from active_binocular_vision import FinishedRun
+from experiment_manager import Trials
 
 
 def with_errors(test: Trials, errors_deg: np.ndarray) -> Trials:

@@ -5,11 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from active_binocular_vision import FinishedRun, FrozenLearners
 from active_binocular_vision.figures.style import own_style
-from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import Session, session_of
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
-from active_binocular_vision.runs.finished_run import FinishedRun
 
 
 @pytest.fixture(autouse=True)

@@ -4,11 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from experiment_manager.measures.criteria import EvaluationSettings
+from experiment_manager import EvaluationSettings, Trials, summary_of
 from experiment_manager.measures.kept_trials import with_test, write_trials
-from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import CostShares, Results, write_document
-from experiment_manager.measures.trials import Trials
 from experiment_manager.run.config_file import parameters_in
 from lockstep.command_space import COMMAND_SPACES
 from tests.made_runs import config_text

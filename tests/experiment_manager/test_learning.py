@@ -5,9 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.loop import make_loop
-from experiment_manager.protocol import Protocol, make_protocol
+from experiment_manager import ExperimentManagerConfig, Protocol, make_loop, make_protocol
 from eye_plant import StimulusSet
 from eye_plant.stimuli.noise import octaves_noise
 from lockstep import generator

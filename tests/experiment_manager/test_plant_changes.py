@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import pytest
 
+from experiment_manager import Protocol, make_protocol
 from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.plant_changes import (
     Change,
@@ -9,7 +10,6 @@ from experiment_manager.plant_changes import (
     parse_schedule,
     read_schedule,
 )
-from experiment_manager.protocol import Protocol, make_protocol
 from experiment_manager.starts import PairStarts
 from eye_plant import EyePlantConfig
 from eye_plant.mechanics.mujoco_model import N_MUSCLES

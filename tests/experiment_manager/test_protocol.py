@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from experiment_manager import Protocol, make_protocol
 from experiment_manager.config import (
     PAPER_TEST_ITERATIONS,
     ExperimentManagerConfig,
     ProtocolConfig,
 )
 from experiment_manager.plant_changes import Schedule
-from experiment_manager.protocol import Protocol, make_protocol
 from experiment_manager.starts import PairStarts, conditions
 from eye_plant import Episode
 from lockstep import InputError

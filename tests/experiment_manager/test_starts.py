@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from experiment_manager import make_protocol
 from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
-from experiment_manager.protocol import make_protocol
 from experiment_manager.starts import (
     GazeStarts,
     conditions,

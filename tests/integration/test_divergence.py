@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from experiment_manager.bag.reader import Bag
+from experiment_manager import Bag
 from tests.graph_harness import small_run
 from tests.supervised_run import SupervisedRun, is_intact
 

@@ -17,7 +17,7 @@ from active_binocular_vision.command_lines import (
 )
 from active_binocular_vision.commands.command_line import request_of
 from active_binocular_vision.runs.results_folder import runs_at
-from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager import configuration_of
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *(p for d in ("docs", "results") for p in (ROOT / d).rglob("*.md"))]

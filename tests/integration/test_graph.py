@@ -19,7 +19,7 @@ from mcap.reader import make_reader
 from mcap_ros2.reader import read_ros2_messages
 from rosbags.highlevel import AnyReader
 
-from experiment_manager.bag.reader import Bag
+from experiment_manager import Bag
 from experiment_manager.measures.results import RESULTS_FILE, read_results
 from lockstep import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI
 from lockstep.wire.topics import TEST, TOPIC_TYPES

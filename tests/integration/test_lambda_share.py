@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from experiment_manager.loop import make_loop
-from experiment_manager.protocol import protocol_of
+from experiment_manager import make_loop, protocol_of
 from tests.command_lines import configured, set_words
 
 SCRIPT = Path(__file__).parents[2] / "sweeps" / "lambda_share.py"

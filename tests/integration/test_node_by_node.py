@@ -8,10 +8,10 @@ import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import Image, JointState
 
+from active_binocular_vision import FinishedRun
 from active_binocular_vision.commands.evaluate import main as evaluate
 from active_binocular_vision.commands.report import main as report
-from active_binocular_vision.runs.finished_run import FinishedRun
-from experiment_manager.run.config_file import read_configuration
+from experiment_manager import read_configuration
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.topics import LEARNER_VECTORS
 from lockstep.wire.vectors import VectorPublisher, vector_message

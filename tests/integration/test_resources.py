@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from experiment_manager.bag.reader import Bag
+from experiment_manager import Bag
 from tests.graph_harness import write_configuration
 from tests.loop_contract import assert_as_the_loop, run_line
 from tests.patience import PATIENCE_S

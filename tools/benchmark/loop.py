@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from experiment_manager import protocol_of
 from experiment_manager.loop import Step, make_loop
-from experiment_manager.protocol import protocol_of
 from experiment_manager.run.config_file import Configuration
 from eye_plant import Observation
 

@@ -13,9 +13,8 @@ from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import Image, JointState
 
-from experiment_manager.loop import InProcessLoop, make_loop
+from experiment_manager import InProcessLoop, make_loop, protocol_of
 from experiment_manager.nodes import MOVABLE_NODES
-from experiment_manager.protocol import protocol_of
 from experiment_manager.run.config_file import configuration_text, read_configuration
 from eye_plant import Episode
 from lockstep import InputError, read_state

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from active_binocular_vision.commands.command_line import arguments, plant_settings, request_of
-from experiment_manager.preparation.request import RunRequest
+from experiment_manager import RunRequest
 from lockstep import InputError
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from active_binocular_vision import FinishedRun
 from active_binocular_vision.commands.evaluate import main
-from active_binocular_vision.runs.finished_run import FinishedRun
-from experiment_manager.bag.reader import Bag
+from experiment_manager import Bag
 from experiment_manager.measures.results import write_document
 
 

@@ -12,8 +12,8 @@ import yaml
 from rosbags.highlevel import AnyReader
 
 from active_binocular_vision.commands.inspect_bag import main
+from experiment_manager import Bag
 from experiment_manager.bag.mcap_file import McapFile
-from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.writer import BagWriter
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, TEST
 from tests.config_text import config_text

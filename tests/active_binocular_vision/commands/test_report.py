@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from active_binocular_vision import FinishedRun
 from active_binocular_vision.commands import run_experiment
 from active_binocular_vision.commands.report import main
 from active_binocular_vision.figures.runs.learning_curve import performance_figure
-from active_binocular_vision.runs.finished_run import FinishedRun
 from experiment_manager.measures.kept_trials import with_test, write_trials
 from experiment_manager.measures.results import write_document
 from experiment_manager.measures.tables import percent

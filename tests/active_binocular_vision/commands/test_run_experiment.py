@@ -5,7 +5,7 @@ import shutil
 import pytest
 
 from active_binocular_vision.commands.run_experiment import concluded, main
-from experiment_manager.preparation.request import RunRequest
+from experiment_manager import RunRequest
 from lockstep import InputError
 from lockstep.exit_codes import EXIT_DIVERGED, EXIT_FAULT, EXIT_INTERRUPTED
 
@@ -64,7 +64,7 @@ def test_how_to_go_on_is_said_where_that_helps(tmp_path, capsys, code, expected,
 
 
 def test_a_profile_that_is_meant() -> None:
-    from experiment_manager.preparation.configuration import configuration_of
+    from experiment_manager import configuration_of
 
     with pytest.raises(InputError, match=r"^profile: got 'precice'; did you mean precise or "):
         configuration_of(RunRequest(profile="precice"), commit="")

@@ -3,7 +3,7 @@
 import pytest
 
 from active_binocular_vision.commands.sweep import main
-from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager import configuration_of
 from experiment_manager.run.config_file import configuration_text
 from experiment_manager.sweep.sweep_file import read_sweep
 from tests.sweep_harness import write_sweep

@@ -7,7 +7,7 @@ import pytest
 
 from active_binocular_vision.commands import run_experiment
 from active_binocular_vision.commands.run_experiment import prepare_new, source_commit
-from experiment_manager.preparation.request import RunRequest
+from experiment_manager import RunRequest
 from lockstep import InputError
 
 

@@ -17,9 +17,7 @@ from gymnasium.utils.env_checker import check_env
 import active_binocular_vision.environments  # noqa: F401 (registers them)
 from active_binocular_vision.commands.command_line import arguments, request_of
 from active_binocular_vision.environments.active_vergence import VergenceEnvironment
-from experiment_manager.loop import make_loop
-from experiment_manager.preparation.configuration import configuration_of
-from experiment_manager.protocol import protocol_of
+from experiment_manager import configuration_of, make_loop, protocol_of
 from experiment_manager.run.config_file import Configuration
 from experiment_manager.sections import config_of
 from lockstep import InputError, write_state

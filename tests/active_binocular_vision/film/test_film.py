@@ -19,7 +19,7 @@ from active_binocular_vision.film.frames import (
     shown_part,
 )
 from active_binocular_vision.film.scenes import Scene, scenes
-from experiment_manager.bag.reader import Bag
+from experiment_manager import Bag
 from experiment_manager.bag.writer import BagWriter
 from lockstep.command_space import MUSCLE_NAMES
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TEST, TRAINING

@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
+from active_binocular_vision import FinishedRun
 from active_binocular_vision.figures.quartiles import colour_of
-from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import groups_of, held_back
 from lockstep.errors import InputError
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from active_binocular_vision.runs.resting_places import resting_places
-from experiment_manager.measures.trials import Trials
+from experiment_manager import Trials
 from tests.pair import PAIR_SPACE
 
 

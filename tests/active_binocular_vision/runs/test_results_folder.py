@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from active_binocular_vision import FinishedRun, groups_of
 from active_binocular_vision.commands.report import main
-from active_binocular_vision.runs.finished_run import FinishedRun
-from active_binocular_vision.runs.groups import groups_of
 from active_binocular_vision.runs.results_folder import keep, runs_at, runs_with_tests
 from experiment_manager.measures.tables import summaries_table
 from lockstep.command_space import ALL_MUSCLES, PAIR

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from mcap.records import ChunkIndex
 
+from experiment_manager import Bag
 from experiment_manager.bag.mcap_file import McapFile
-from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.writer import BagWriter
 from lockstep import InputError
 

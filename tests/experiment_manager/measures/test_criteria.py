@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from experiment_manager.measures.criteria import EvaluationSettings
+from experiment_manager import EvaluationSettings
 from experiment_manager.sections import DEFAULTS, Configuration
 from lockstep.errors import InputError
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from experiment_manager import Trials
 from experiment_manager.measures.fixations import fixation_measures
 from experiment_manager.measures.results import Spread
-from experiment_manager.measures.trials import Trials
 from lockstep import ALL_MUSCLES, COMMAND_SPACES
 
 SPACE = COMMAND_SPACES[ALL_MUSCLES]

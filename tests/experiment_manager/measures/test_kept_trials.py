@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from msgspec.structs import asdict
 
+from experiment_manager import Trials
 from experiment_manager.measures import metrics
 from experiment_manager.measures.criteria import criteria_of
 from experiment_manager.measures.kept_trials import (
@@ -18,7 +19,6 @@ from experiment_manager.measures.kept_trials import (
     write_trials,
 )
 from experiment_manager.measures.results import Measures, Summary
-from experiment_manager.measures.trials import Trials
 from eye_plant.config import EyePlantConfig
 from lockstep.errors import InputError
 from tests.kept_tests import kept_tests

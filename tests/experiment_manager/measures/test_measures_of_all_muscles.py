@@ -7,10 +7,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from experiment_manager.measures.criteria import Criteria
+from experiment_manager import Criteria, Summary, summary_of
 from experiment_manager.measures.kept_trials import with_test, write_trials
-from experiment_manager.measures.metrics import summary_of
-from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import Trials, TrialTable, only_test, trial_names
 from experiment_manager.measures.yoked import shared_change, yoked_pairs
 from lockstep import ALL_MUSCLES, COMMAND_SPACES, PAIR

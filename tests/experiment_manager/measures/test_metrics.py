@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from msgspec import to_builtins
 
+from experiment_manager import Criteria, Summary
 from experiment_manager.measures import metrics
-from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.metrics import cost_share
-from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import (
     Trials,
     TrialTable,

@@ -12,7 +12,7 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image, JointState
 
-from experiment_manager.bag.reader import Bag
+from experiment_manager import Bag
 from experiment_manager.node import presence
 from experiment_manager.node import requests as node_requests
 from experiment_manager.node.manager_node import ExperimentManagerNode

@@ -7,8 +7,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from sensor_msgs.msg import Image, JointState
 
-from experiment_manager.bag.reader import Bag
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager import Bag, ExperimentManagerConfig
 from experiment_manager.node.recorder import Recorder
 from experiment_manager.run.run_directory import Run
 from lockstep.wire.stamps import NS_PER_S, period_ns

@@ -11,15 +11,14 @@ import numpy as np
 import pytest
 import yaml
 
+from active_binocular_vision import FinishedRun
 from active_binocular_vision.commands.command_line import arguments, request_of
 from active_binocular_vision.commands.evaluate import main as evaluate
 from active_binocular_vision.commands.run_experiment import main as run_experiment
-from active_binocular_vision.runs.finished_run import FinishedRun
+from experiment_manager import configuration_of, read_configuration
 from experiment_manager.preparation import continuation
-from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.continuation import check_settings
 from experiment_manager.run import checkpoint
-from experiment_manager.run.config_file import read_configuration
 from lockstep import InputError
 from tests.graph_harness import OracleRun, vectors
 

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from experiment_manager.loop import make_loop
+from experiment_manager import make_loop, protocol_of
 from experiment_manager.plant_changes import Change, Schedule
 from experiment_manager.preparation.profile_paths import profile_files
 from experiment_manager.preparation.profiles import (
@@ -13,7 +13,6 @@ from experiment_manager.preparation.profiles import (
     parse_profile,
     read_profile,
 )
-from experiment_manager.protocol import protocol_of
 from experiment_manager.sections import config_of
 from eye_plant import EyePlantConfig
 from eye_plant.mechanics.oculomotor import Oculomotor

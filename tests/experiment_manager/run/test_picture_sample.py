@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager import ExperimentManagerConfig
 from experiment_manager.run.picture_sample import takes_pictures
 from eye_plant import Episode
 from lockstep.wire.topics import TEST, TRAINING

@@ -4,9 +4,9 @@ import msgspec
 import numpy as np
 import pytest
 
+from experiment_manager import Summary
 from experiment_manager.measures.criteria import criteria_of
 from experiment_manager.measures.kept_trials import arrays_of
-from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import TrialTable, trial_names
 from experiment_manager.run.progress import Progress, ProgressState
 from eye_plant.config import EyePlantConfig

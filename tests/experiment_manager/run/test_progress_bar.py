@@ -4,8 +4,7 @@ import io
 
 import pytest
 
-from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.protocol import make_protocol
+from experiment_manager import ExperimentManagerConfig, make_protocol
 from experiment_manager.run import progress_bar
 from experiment_manager.run.progress_bar import ProgressBar
 

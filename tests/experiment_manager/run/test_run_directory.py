@@ -12,12 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from active_binocular_vision import FinishedRun
 from active_binocular_vision.commands.evaluate import main as evaluate
 from active_binocular_vision.commands.run_experiment import main as run_experiment
 from active_binocular_vision.figures.runs.learning_curve import learning_curve
-from active_binocular_vision.runs.finished_run import FinishedRun
-from experiment_manager.bag.reader import Bag
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager import Bag, ExperimentManagerConfig
 from experiment_manager.run.config_file import configuration_text
 from experiment_manager.run.run_directory import Run
 from experiment_manager.sections import DEFAULTS, sections_of_nodes

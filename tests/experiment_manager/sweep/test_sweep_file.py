@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from active_binocular_vision.command_lines.run_experiment import parser
-from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager import configuration_of
 from experiment_manager.preparation.request import OPTIONS
 from experiment_manager.sweep.sweep_file import Sweep, read_sweep
 from lockstep import InputError

@@ -9,8 +9,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from experiment_manager.preparation.configuration import configuration_of
-from experiment_manager.preparation.request import RunRequest
+from experiment_manager import RunRequest, configuration_of
 from experiment_manager.run.checkpoint import Manifest
 from experiment_manager.run.config_file import configuration_text
 from experiment_manager.run.progress import ProgressState, Sums

@@ -10,7 +10,7 @@ from rcl_interfaces.msg import ParameterDescriptor, ParameterType
 from rcl_interfaces.srv import DescribeParameters
 from rclpy.node import Node
 
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager import ExperimentManagerConfig
 from eye_plant import EyePlantConfig
 from lockstep import check_settings, flatten, setting
 from lockstep.node.ros_parameters import declare_config

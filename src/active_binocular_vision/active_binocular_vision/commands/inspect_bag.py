@@ -11,10 +11,9 @@ import numpy as np
 from active_binocular_vision.command_lines.inspect_bag import parser
 from active_binocular_vision.film.film import film
 from active_binocular_vision.runs.recorded import evaluation_settings_of, trial_table
+from experiment_manager import Bag, summary_of
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT, RUN_METADATA
-from experiment_manager.bag.reader import Bag
 from experiment_manager.bag.repair import repair_bag
-from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.tables import summaries_table, text_table
 from experiment_manager.measures.trials import split_tests
 from lockstep import InputError

@@ -9,12 +9,11 @@ from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
 from active_binocular_vision.commands.command_line import arguments, request_of
+from experiment_manager import EvaluationSettings, RunRequest, configuration_of, protocol_of
 from experiment_manager.live.address import Address
 from experiment_manager.live.server import why_unavailable
-from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.results import RESULTS_FILE, Results, read_results
 from experiment_manager.measures.tables import in_words, summaries_table
-from experiment_manager.preparation.configuration import configuration_of
 from experiment_manager.preparation.continuation import (
     Branch,
     branch,
@@ -23,8 +22,6 @@ from experiment_manager.preparation.continuation import (
     contradiction,
     extend,
 )
-from experiment_manager.preparation.request import RunRequest
-from experiment_manager.protocol import protocol_of
 from experiment_manager.run.config_file import (
     CONFIG_FILE,
     Configuration,

@@ -10,9 +10,8 @@ from pathlib import Path
 
 from active_binocular_vision.command_lines.sweep import parser
 from active_binocular_vision.commands.run_experiment import source_commit
-from experiment_manager.preparation.configuration import configuration_of
+from experiment_manager import RunRequest, configuration_of
 from experiment_manager.preparation.continuation import check_settings
-from experiment_manager.preparation.request import RunRequest
 from experiment_manager.run.config_file import (
     CONFIG_FILE,
     Configuration,

@@ -13,7 +13,7 @@ from active_binocular_vision.commands.run_experiment import (
     in_one_process,
     prepare_new,
 )
-from experiment_manager.preparation.request import RunRequest
+from experiment_manager import RunRequest
 from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
 from lockstep.machine.lasting_output import ignore_broken_pipes

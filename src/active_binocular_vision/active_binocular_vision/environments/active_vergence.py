@@ -16,8 +16,8 @@ from gymnasium.spaces import Box, Dict, Space
 
 from active_binocular_vision.environments.experiment import Experiment
 from active_binocular_vision.environments.one_thread import OneThread
+from experiment_manager import RunRequest
 from experiment_manager.anaglyph import anaglyph
-from experiment_manager.preparation.request import RunRequest
 from eye_plant import Episode, Observation
 from lockstep import InputError
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, TRAINING

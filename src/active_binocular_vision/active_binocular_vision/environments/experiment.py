@@ -9,10 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.preparation.configuration import configuration_of
-from experiment_manager.preparation.request import RunRequest
-from experiment_manager.protocol import make_protocol
+from experiment_manager import ExperimentManagerConfig, RunRequest, configuration_of, make_protocol
 from experiment_manager.sections import config_of
 from eye_plant import Episode, EyePlant, EyePlantConfig
 from eye_plant.stimuli.stimulus_set import announcement

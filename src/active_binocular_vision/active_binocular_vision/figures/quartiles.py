@@ -19,8 +19,8 @@ from active_binocular_vision.figures.style import (
     scale_by_decades,
 )
 from active_binocular_vision.runs.groups import Group
+from experiment_manager import Trials
 from experiment_manager.measures.metrics import QUARTILES
-from experiment_manager.measures.trials import Trials
 
 # One name for each, in figures as in tables.
 ERROR_LABEL = "|vergence error| / deg"

@@ -9,7 +9,7 @@ from PIL import Image
 
 from active_binocular_vision.film.frames import Frame, frames
 from active_binocular_vision.film.scenes import scenes
-from experiment_manager.bag.reader import Bag
+from experiment_manager import Bag
 from lockstep import InputError
 
 _ITERATIONS_PER_S = 5

@@ -11,7 +11,7 @@ from active_binocular_vision.runs.recorded import (
     evaluation_settings_of,
     pictured_episodes,
 )
-from experiment_manager.bag.reader import Bag, VectorTable
+from experiment_manager import Bag, VectorTable
 from lockstep import PAIR
 from lockstep.wire.topics import PICTURES, TARGET_NAMES, TEST
 

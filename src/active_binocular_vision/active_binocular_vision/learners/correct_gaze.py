@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from experiment_manager.config import ExperimentManagerConfig
+from experiment_manager import ExperimentManagerConfig
 from experiment_manager.starts import Activations, gaze_inverse
 from eye_plant import Inverse, desired_vergence_deg
 from eye_plant.inverse.gaze import ERRORS, LEFT_SIGHT, TURNED_ANGLES, LeastCost

@@ -10,13 +10,16 @@ import numpy as np
 
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
-from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.loop import InProcessLoop
+from experiment_manager import (
+    ExperimentManagerConfig,
+    InProcessLoop,
+    Protocol,
+    Summary,
+    make_protocol,
+    summary_of,
+)
 from experiment_manager.measures.criteria import criteria_of
-from experiment_manager.measures.metrics import summary_of
-from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import TrialTable, only_test
-from experiment_manager.protocol import Protocol, make_protocol
 from eye_plant import Episode
 from lockstep import PAIR, InputError
 from lockstep.machine.progress_lines import progress

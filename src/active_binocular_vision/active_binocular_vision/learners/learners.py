@@ -12,10 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_binocular_vision.learners.basis_functions import Tuning, tunings
-from experiment_manager.config import ExperimentManagerConfig
-from experiment_manager.loop import InProcessLoop, make_loop
+from experiment_manager import ExperimentManagerConfig, InProcessLoop, make_loop, protocol_of
 from experiment_manager.plant_changes import read_schedule
-from experiment_manager.protocol import protocol_of
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.sections import Configuration, config_of

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from active_binocular_vision.learners.correct_gaze import AHEAD_DEG, CheapestPair, CorrectGaze
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
-from experiment_manager.loop import InProcessLoop
+from experiment_manager import InProcessLoop
 from eye_plant import Episode, Observation, StimulusSet
 from eye_plant.gaze_error import gaze_error
 from eye_plant.turns import eye_rotations, turned

@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from active_binocular_vision.runs.recorded import Measured, measured
+from experiment_manager import Bag, EvaluationSettings, Trials, summary_of
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
-from experiment_manager.bag.reader import Bag
-from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.kept_trials import KeptTrials, read_kept
-from experiment_manager.measures.metrics import summary_of
 from experiment_manager.measures.results import (
     RESULTS_FILE,
     CostShares,
@@ -20,7 +18,6 @@ from experiment_manager.measures.results import (
     read_results,
     read_tests,
 )
-from experiment_manager.measures.trials import Trials
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, about_in, parameters_in
 from experiment_manager.sections import Configuration

@@ -9,9 +9,7 @@ from pathlib import Path
 
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.recorded import RecordedTest
-from experiment_manager.measures.criteria import Criteria
-from experiment_manager.measures.metrics import summary_of
-from experiment_manager.measures.results import Summary
+from experiment_manager import Criteria, Summary, summary_of
 from experiment_manager.measures.trials import Trials, pooled
 from experiment_manager.preparation.profiles import read_profile
 from experiment_manager.run.config_file import FREE_TO_CHANGE, RUN_SECTION

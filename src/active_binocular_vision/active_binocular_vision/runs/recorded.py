@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from experiment_manager import Bag, EvaluationSettings, VectorTable
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
-from experiment_manager.bag.reader import Bag, VectorTable
-from experiment_manager.measures.criteria import EvaluationSettings
 from experiment_manager.measures.metrics import QUARTILES, SHARE_ITERATIONS, cost_share
 from experiment_manager.measures.trials import Trials, TrialTable, split_tests
 from experiment_manager.run.config_file import parameters_in

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from experiment_manager import Trials
 from experiment_manager.measures.metrics import ARRIVED_DEG
-from experiment_manager.measures.trials import Trials
 
 # Distances to the resting place over which the approach is measured: above restlessness, and below
 # one pixel of the coarse scale.

@@ -2,8 +2,8 @@
 
 import pytest
 
+from active_binocular_vision import FrozenLearners
 from active_binocular_vision.examinations.clinic.acuity import ACUITY
-from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from lockstep import SIDES
 

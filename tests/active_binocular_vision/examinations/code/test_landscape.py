@@ -9,7 +9,7 @@ import pytest
 from active_binocular_vision.examinations.code.landscape import depth_of, reward_landscape
 from active_binocular_vision.learners.basis_functions import left_share
 from active_binocular_vision.learners.session import Session
-from experiment_manager.loop import InProcessLoop
+from experiment_manager import InProcessLoop
 from eye_plant import EyePlant, EyePlantConfig, StimulusSet
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from lockstep import read_state

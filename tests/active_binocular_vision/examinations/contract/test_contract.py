@@ -8,12 +8,12 @@ import cv2
 import numpy as np
 import pytest
 
+from active_binocular_vision import FrozenLearners
 from active_binocular_vision.commands.evaluate import main
 from active_binocular_vision.examinations.contract.declared import DECLARED
 from active_binocular_vision.examinations.contract.measure import columns_of
 from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.figures.examinations.registry import FIGURES
-from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from lockstep import flatten
 from lockstep.settings import declarations

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from active_binocular_vision import FrozenLearners
 from active_binocular_vision.examinations.nine_positions.examination import NINE_POSITIONS
 from active_binocular_vision.examinations.nine_positions.looking import (
     NINE_POSITIONS_DEG,
@@ -19,7 +20,6 @@ from active_binocular_vision.examinations.nine_positions.measures import (
 )
 from active_binocular_vision.figures.examinations.nine_positions import listing_figure
 from active_binocular_vision.learners.correct_gaze import wanted_gaze_deg
-from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from lockstep import MUSCLE_NAMES, SIDES
 from tests.active_binocular_vision.moved_eyes import moved_eyes

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from active_binocular_vision import FrozenLearners
 from active_binocular_vision.examinations.saccades import main_sequence
 from active_binocular_vision.examinations.saccades.main_sequence import MAIN_SEQUENCE, place_deg
-from active_binocular_vision.learners.learners import FrozenLearners
 from eye_plant.gaze_error import target_place_deg
 from lockstep import InputError
 from tests.active_binocular_vision.moved_eyes import moved_eyes

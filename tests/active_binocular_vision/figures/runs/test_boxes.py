@@ -2,9 +2,8 @@
 
 import numpy as np
 
+from active_binocular_vision import FinishedRun, groups_of
 from active_binocular_vision.figures.runs.boxes import box_figure
-from active_binocular_vision.runs.finished_run import FinishedRun
-from active_binocular_vision.runs.groups import groups_of
 
 
 def test_fig_3_has_a_box_per_model_and_iteration(runs: list[FinishedRun]) -> None:

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
+from active_binocular_vision import FinishedRun, groups_of
 from active_binocular_vision.figures.runs.conditions import conditions_figure
-from active_binocular_vision.runs.finished_run import FinishedRun
-from active_binocular_vision.runs.groups import groups_of
 
 
 def test_conditions_show_the_median_of_their_trials(runs: list[FinishedRun]) -> None:

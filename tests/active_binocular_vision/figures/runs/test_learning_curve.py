@@ -7,14 +7,13 @@ import pytest
 from matplotlib.axes import Axes
 from msgspec.structs import replace
 
+from active_binocular_vision import FinishedRun, groups_of
 from active_binocular_vision.figures.runs.learning_curve import (
     learning_curve,
     learning_curve_figure,
     performance_figure,
 )
-from active_binocular_vision.runs.finished_run import FinishedRun
-from active_binocular_vision.runs.groups import groups_of
-from experiment_manager.measures.metrics import summary_of
+from experiment_manager import summary_of
 from tests.active_binocular_vision.changed_runs import priced, with_errors
 
 

@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
+from active_binocular_vision import FinishedRun, groups_of
 from active_binocular_vision.figures.runs.motor_space import (
     MotorSpace,
     motor_space,
     motor_space_figure,
 )
-from active_binocular_vision.runs.finished_run import FinishedRun
-from active_binocular_vision.runs.groups import groups_of
 from eye_plant.inverse.pair import Inverse
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 

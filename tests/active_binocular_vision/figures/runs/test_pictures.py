@@ -6,13 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from active_binocular_vision import FinishedRun, groups_of
 from active_binocular_vision.figures.runs.pictures import (
     anaglyph_figure,
     encoding_figure,
 )
 from active_binocular_vision.pages.report.drawings import drawings
-from active_binocular_vision.runs.finished_run import FinishedRun
-from active_binocular_vision.runs.groups import groups_of
 from experiment_manager.anaglyph import anaglyph
 
 

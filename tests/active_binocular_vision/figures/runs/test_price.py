@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
+from active_binocular_vision import FinishedRun, groups_of
 from active_binocular_vision.figures.runs.price import over_prices, price_figure
-from active_binocular_vision.runs.finished_run import FinishedRun
-from active_binocular_vision.runs.groups import groups_of
 from tests.active_binocular_vision.changed_runs import priced
 
 

@@ -8,6 +8,7 @@ import yaml
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from active_binocular_vision import FinishedRun, groups_of
 from active_binocular_vision.figures.runs.boxes import box_figure
 from active_binocular_vision.figures.runs.conditions import conditions_figure
 from active_binocular_vision.figures.runs.learning_curve import (
@@ -19,8 +20,6 @@ from active_binocular_vision.figures.runs.motor_space import (
 )
 from active_binocular_vision.figures.runs.pictures import encoding_figure
 from active_binocular_vision.pages.report.drawings import drawings
-from active_binocular_vision.runs.finished_run import FinishedRun
-from active_binocular_vision.runs.groups import groups_of
 from experiment_manager.plant_changes import read_schedule
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from tests.active_binocular_vision.changed_runs import priced

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
+from active_binocular_vision import FinishedRun
 from active_binocular_vision.figures.runs.activations import activations_figure
 from active_binocular_vision.figures.runs.errors import errors_figure
 from active_binocular_vision.figures.runs.price import over_prices, price_figure
 from active_binocular_vision.pages.report.drawings import drawings
 from active_binocular_vision.pages.report.tables import antagonist_rows, comparison_rows
-from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group, groups_of
 from experiment_manager.measures.trials import ERROR_NAMES
 from lockstep import ALL_MUSCLES, HORIZONTAL_RECTI, PAIR

@@ -37,8 +37,7 @@ from active_binocular_vision.figures.style import (
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group, groups_of
 from active_binocular_vision.runs.recorded import TrainingCurve
-from experiment_manager.measures.results import Summary
-from experiment_manager.measures.trials import Trials
+from experiment_manager import Summary, Trials
 
 
 def learning_curve(directory: Path) -> Path:

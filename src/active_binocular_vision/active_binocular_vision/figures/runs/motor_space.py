@@ -20,8 +20,7 @@ from active_binocular_vision.figures.style import (
     title_panels,
 )
 from active_binocular_vision.runs.groups import Group
-from experiment_manager.measures.criteria import Criteria
-from experiment_manager.measures.trials import Trials
+from experiment_manager import Criteria, Trials
 from eye_plant import desired_vergence_deg
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor

@@ -20,8 +20,8 @@ from active_binocular_vision.figures.style import (
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group
 from active_binocular_vision.runs.recorded import RecordedTest
+from experiment_manager import Bag
 from experiment_manager.anaglyph import anaglyph
-from experiment_manager.bag.reader import Bag
 from experiment_manager.measures.metrics import QUARTILES
 from lockstep.wire.topics import PICTURES
 from sparse_coder.patches import COARSE_WINDOW_PX

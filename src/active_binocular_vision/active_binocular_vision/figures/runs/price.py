@@ -32,8 +32,8 @@ from active_binocular_vision.figures.style import (
     title_panels,
 )
 from active_binocular_vision.runs.groups import Group
+from experiment_manager import Trials
 from experiment_manager.measures.metrics import QUARTILES
-from experiment_manager.measures.trials import Trials
 
 _LEAST_PRICES = 3
 _LOOKS = ((VERMILION, "o"), (BLUE, "s"), (GREEN, "^"))
