@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Check formatting, lint and types, then run all tests. Fails when one of them fails.
 #
-# The tests are distributed over one process more than there are cores, as those of the graph also wait; each module
+# The tests are distributed over one process more than there are cores (8 at most), as those of the graph also wait; each module
 # stays in one. -n 0 runs them one after the other, as --pdb requires.
 #
 # usage: launch_scripts/test.sh [pytest arguments, for example tests/sparse_coder -k pursuit -x]

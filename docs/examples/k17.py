@@ -55,8 +55,7 @@ ITERATIONS_PER_EPISODE, ITERATIONS_PER_TRIAL = 10, 20
 DISTANCES_M, TEST_DISTANCES_M = (0.5, 6.0), (0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
 LEAST_START_ERROR_DEG = -3
 
-# Medial and lateral rectus, of both eyes alike.
-RECTI = COMMAND_SPACES["pair"]
+RECTI = COMMAND_SPACES["pair"]  # medial and lateral rectus, of both eyes alike
 LOWEST, HIGHEST = np.zeros(2), np.array([0.2, 0.1])
 N_STATE = 2 * N_BASES + 2 + 1  # features, activations, bias
 

@@ -90,7 +90,7 @@ def test_a_schedule_comes_back_from_its_text():
         ),
         (
             [entry(**{"vergence_rl.cacla.discount": 0.1})],
-            "a setting of the eyes that may change",
+            "expected a setting of the eyes that may change",
         ),
         ([entry(**{"eyes.camera.width_px": 64})], "got 'eyes.camera.width_px'"),
         ([entry(**{"eyes.mechanics.parameter_set": "k17"})], "that may change"),

@@ -65,10 +65,11 @@ def test_the_centre_is_aside_elsewhere_in_each_run_and_on_the_other_side_in_test
     assert (np.abs(shares) >= 0.75).all()
     assert (np.abs(shares) <= 1.0).all()
     assert (shares[:, 0] * shares[:, 1] < 0.0).all()
-    assert (np.abs(np.sign(shares[:, 0]).mean(axis=0)) < 1.0).all()
+    assert (np.abs(np.sign(shares[:, 0]).mean(axis=0)) < 0.7).all()
 
 
-def test_training_about_the_tonic_level_needs_no_inverse() -> None:
+def test_training_about_the_tonic_level_needs_no_inverse(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr("eye_plant.inverse.gaze.GazeInverse.activations")
     config = _config(tonic_start_spread=0.005)
     tonic = Oculomotor(MECHANICS).tonic_activations
     at_tonic_deg = gaze_inverse(config, MECHANICS).gaze_deg(tonic, 1.0)
@@ -76,6 +77,7 @@ def test_training_about_the_tonic_level_needs_no_inverse() -> None:
     # Up and aside they lie about the tonic gaze, whatever the plane's distance.
     np.testing.assert_allclose(gazes_deg[:, 3:].mean(axis=0), at_tonic_deg[3:], atol=1.0)
     assert gazes_deg[:, 3:].std(axis=0).max() < 3.0
+    assert gazes_deg[:, 3:].std(axis=0).min() > 0.5
 
 
 def test_a_test_has_the_same_starts_for_all_seeds_and_pictures() -> None:

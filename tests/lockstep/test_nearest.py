@@ -30,7 +30,8 @@ def test_a_name_that_was_begun() -> None:
 
 
 def test_what_an_error_says_of_an_unknown_name() -> None:
-    assert unknown("discont", KNOWN) == "got 'discont'; did you mean discount?"
+    hint = "expected a known name, got 'discont'; did you mean discount?"
+    assert unknown("discont", KNOWN) == hint
     assert unknown("zzz", ("b", "a")) == "expected one of b, a, got 'zzz'"
     many = ("paper", *(f"rearing/{i}" for i in range(100)))
-    assert unknown("zzz", many) == "expected one of paper, rearing/..., got 'zzz'"
+    assert unknown("zzz", many) == "expected one of paper, rearing/*, got 'zzz'"

@@ -77,8 +77,8 @@ class ProtocolConfig(TaskConfig):
     start_centre_deg: tuple[float, ...] = setting(
         (0.0, 0.0, 0.0),
         "with a command for each muscle: how far from 0 those errors are centred, at most; drawn"
-        " once per run, on the other side in tests; about 0 the mean of the starts tells the right"
-        " posture",
+        " once per run, on the other side in tests; centred on 0, the mean of the starts would give"
+        " the right posture away",
         "deg",
         least=0,
         most=10,
@@ -86,9 +86,9 @@ class ProtocolConfig(TaskConfig):
     )
     tonic_start_spread: float = setting(
         0.0,
-        "with a command for each muscle: standard deviation about the tonic level of the"
-        " activations with which training begins, for which no inverse of the eyes is needed; 0: it"
-        " begins with drawn errors",
+        "with a command for each muscle: standard deviation of the first activations of training"
+        " episodes about the tonic level, drawn without an inverse of the eyes; 0: episodes begin"
+        " with drawn errors",
         least=0,
         most=1,
     )

@@ -14,7 +14,7 @@ from typing import Any
 from eye_plant import EyePlantConfig
 from eye_plant.config import changeable_parameters, changed
 from lockstep import InputError, build, flatten
-from lockstep.nearest import unknown
+from lockstep.nearest import did_you_mean
 from lockstep.wire.topics import TRAINING
 from lockstep.yaml_text import load_yaml
 
@@ -135,8 +135,8 @@ def _change(entry: Any) -> Change:
     for name in settings:
         if name not in known:
             raise InputError(
-                f"schedule, at {at}: a setting of the eyes that may change in the course of a "
-                f"run: {unknown(str(name), known)}"
+                f"schedule, at {at}: expected a setting of the eyes that may change during a run, "
+                f"got {str(name)!r}{did_you_mean(str(name), known)}"
             )
     return Change(at, {name: _typed(at, name, value) for name, value in settings.items()})
 

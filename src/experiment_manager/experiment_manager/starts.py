@@ -25,7 +25,7 @@ from lockstep import PAIR, generator
 Activations = tuple[float, ...]
 ActivationsOfVergence = Callable[[float, float], Activations]
 
-# Tests of all runs start alike, so that they compare.
+# Tests of all runs start alike, so that they compare, unless they are centred aside.
 _SEED_OF_TESTS = 0
 # Of the largest offset that the centre of a run's first errors has at least.
 _LEAST_CENTRE_SHARE = 0.75

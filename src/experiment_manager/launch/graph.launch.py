@@ -21,10 +21,8 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
+from experiment_manager.nodes import MANAGER, NODES
 from lockstep.machine.environment import changes
-
-MANAGER = "experiment_manager"
-PACKAGES = ("eye_plant", "sparse_coder", "vergence_rl", MANAGER)
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -56,7 +54,7 @@ def _graph(context: LaunchContext) -> list[Node | RegisterEventHandler]:
         name: LaunchConfiguration(name).perform(context)
         for name in ("namespace", "run_directory", "params_file")
     }
-    nodes = {package: _node(package, given) for package in PACKAGES}
+    nodes = {package: _node(package, given) for package in NODES}
     end = OnProcessExit(
         target_action=nodes[MANAGER], on_exit=[Shutdown(reason="the run has ended")]
     )

@@ -200,7 +200,7 @@ class EyePlant:
             return {None: self._cost.least_w(desired_deg)}
         targets = set(zip(episode.targets_deg[::2], episode.targets_deg[1::2], strict=True))
         if episode.phase == TRAINING:
-            # Others may come by the topic gaze_target, and nothing is measured of training.
+            # Others may come by the topic gaze_target, and tests alone compare with C*.
             return dict.fromkeys(targets, math.nan)
         return {target: self._cost.least_w(desired_deg, target) for target in targets}
 

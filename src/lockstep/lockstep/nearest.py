@@ -30,14 +30,18 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 def unknown(name: str, known: Collection[str]) -> str:
     """Return what an error says of an unknown name: the nearest ones, all if none is near."""
     hint = did_you_mean(name, known)
-    return f"got {name!r}{hint}" if hint else f"expected one of {listed(known)}, got {name!r}"
+    return (
+        f"expected a known name, got {name!r}{hint}"
+        if hint
+        else f"expected one of {listed(known)}, got {name!r}"
+    )
 
 
 def listed(known: Collection[str]) -> str:
     """Return the names, of very many those in folders (or dotted ones) by their folders alone."""
     if len(text := ", ".join(known)) <= _LONGEST_LIST:
         return text
-    return ", ".join(dict.fromkeys(re.sub(r"([./]).*", r"\1...", name) for name in known))
+    return ", ".join(dict.fromkeys(re.sub(r"([./]).*", r"\1*", name) for name in known))
 
 
 def _likeness(name: str, other: str) -> float:

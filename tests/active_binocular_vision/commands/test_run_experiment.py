@@ -66,5 +66,8 @@ def test_how_to_go_on_is_said_where_that_helps(tmp_path, capsys, code, expected,
 def test_a_profile_that_is_meant() -> None:
     from experiment_manager import configuration_of
 
-    with pytest.raises(InputError, match=r"^profile: got 'precice'; did you mean precise or "):
+    with pytest.raises(
+        InputError,
+        match=r"^profile: expected a known name, got 'precice'; did you mean precise or ",
+    ):
         configuration_of(RunRequest(profile="precice"), commit="")

@@ -1,5 +1,8 @@
 """What a terminal shows of tests."""
 
+from msgspec.structs import replace
+
+from experiment_manager.measures.results import Spread
 from experiment_manager.measures.tables import in_words, summaries_table, summary_line
 from tests.experiment_manager.summaries import summary
 
@@ -40,6 +43,21 @@ def test_no_saving_is_told_of_eyes_that_look_elsewhere() -> None:
         median_abs_vergence_error_deg=1.4, share_within_1_px=0.12, median_cost_reduction=1.0
     )
     assert "100.0 %" not in in_words(test, px_deg=0.2)
-    assert "what energy they save is not told" in in_words(test, px_deg=0.2)
+    assert "the energy saved is not reported" in in_words(test, px_deg=0.2)
     assert "c - (0 trials)" in summary_line(test)
     assert summaries_table([test]).splitlines()[1].split()[-4:-2] == ["-", "-"]
+
+
+def test_no_saving_is_told_of_eyes_that_fuse_but_miss_their_targets() -> None:
+    verging = summary(share_within_1_px=0.98, median_cost_reduction=1.2)
+    there = {"after_1": Spread(0.5), "after_2": Spread(0.1)}
+    missed = {"after_1": Spread(8.0), "after_2": Spread(7.9)}
+    assert replace(verging, saccade_error_deg=there).saving == 1.2
+    assert replace(verging, saccade_error_deg=missed).saving is None
+
+
+def test_a_saving_that_nobody_knows_has_its_own_reason() -> None:
+    test = summary(
+        median_abs_vergence_error_deg=0.02, share_within_1_px=1.0, median_cost_reduction=None
+    )
+    assert "the energy saved is not known" in in_words(test, px_deg=0.2)

@@ -184,6 +184,20 @@ def test_of_a_node_that_was_killed_and_started_again_the_first_is_waited_out(
     assert len(Bag(tmp_path / "run" / "bag").stamps_ns("episode")) == N_OBSERVATIONS
 
 
+def test_a_node_that_is_started_again_later_goes_on_from_the_newest_checkpoint(
+    graph, nodes, tmp_path, capfd
+) -> None:
+    plant, dead, _ = nodes
+    dead.is_mute = True
+    manager = _start(graph, tmp_path / "run")
+    graph.spin_until(lambda: plant.episodes, "the first episode")
+    graph.remove(dead)
+    _spin_until_said(graph, capfd, "waiting for reward")
+    coder = graph.add(ScriptedCoder)
+    assert _finished(graph, manager) == 0
+    assert coder.asked[:3] == ["start_run", "load", "save"]
+
+
 def _is_held(manager: ExperimentManagerNode) -> bool:
     record = manager._recorder.record
     return record is not None and record.is_complete

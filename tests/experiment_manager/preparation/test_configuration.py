@@ -163,8 +163,11 @@ def test_values_are_read_as_yaml_1_2(setting: str, expected: object) -> None:
             ("--profile", "clinic/glasses", "--schedule-delay", "-20"),
             "--schedule-delay -20: expected 0 training iterations or more, got -20",
         ),
-        (("--profile", "precice"), "profile: got 'precice'; did you mean precise"),
-        (("--profile", "zzz"), "profile: expected one of ablation/..., clinic/..., demonstr"),
+        (
+            ("--profile", "precice"),
+            "profile: expected a known name, got 'precice'; did you mean precise",
+        ),
+        (("--profile", "zzz"), "profile: expected one of ablation/*, clinic/*, demonstr"),
         (("--stimuli", "/nowhere"), "stimuli.directory: expected a directory of pictures"),
         (
             ("--set", "vergence_rl.cacla.discount=0.5", "--set", "vergence_rl.cacla.discount=0.4"),

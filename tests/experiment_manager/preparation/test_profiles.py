@@ -31,7 +31,10 @@ def test_the_names_of_the_package() -> None:
         ("papper", r"got 'papper'; did you mean paper\?$"),
         ("zzz", r"expected one of .*, got 'zzz'$"),
         # A name is no path.
-        ("../profiles/paper", "profile: got '../profiles/paper'; did you mean paper"),
+        (
+            "../profiles/paper",
+            "profile: expected a known name, got '../profiles/paper'; did you mean paper",
+        ),
         ("", "profile: expected one of"),
     ],
 )

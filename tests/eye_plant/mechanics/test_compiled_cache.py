@@ -34,7 +34,9 @@ def test_each_function_in_the_cache_goes_with_others_compiled_later(tmp_path: Pa
     whole = tmp_path / "whole"
     said = _said(whole, CODE)
     functions = {path.name.split(".py")[0] for path in whole.rglob("*.nbi")}
-    energetics = {name for name in functions if name.startswith(("metabolics.", "muscles."))}
+    energetics = {
+        name for name in functions if name.startswith(("compiled.", "metabolics.", "muscles."))
+    }
     assert "metabolics._fill_terms_w" in {name.rpartition("-")[0] for name in energetics}
     for kept in energetics:
         compiled_later = [f"{name}.py*" for name in energetics - {kept}]

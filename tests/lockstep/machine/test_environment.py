@@ -113,8 +113,8 @@ def test_opengl_that_is_not_there_is_not_asked_for(monkeypatch, given, taken) ->
 
 def test_a_loopback_that_is_down_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     class Down(socket.socket):
-        def connect(self, address: Any) -> None:
-            raise OSError(101, "Network is unreachable")
+        def bind(self, address: Any) -> None:
+            raise OSError(99, "Cannot assign requested address")
 
     monkeypatch.setattr(environment.socket, "socket", Down)
     adopt()

@@ -28,3 +28,9 @@ def test_without_locks_all_get_them_and_one_warning(tmp_path, monkeypatch, capsy
     said = capsys.readouterr().err
     assert said.count("warning: ") == 1
     assert f"warning: {tmp_path}: no locks on this file system (flock: " in said
+
+
+def test_a_file_system_that_fails_gives_no_lock(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(locks.fcntl, "flock", refusing(errno.EIO))
+    with (tmp_path / "a").open("w") as file, pytest.raises(OSError, match=f"Errno {errno.EIO}"):
+        locks.takes_lock(file)

@@ -62,10 +62,8 @@ def _add_settings(line: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--control",
-        choices=CONTROLS,
-        help="withhold something, to see what it is worth: a reward that says something, training"
-        " that begins about the right posture, starts from an inverse of the eyes, features, or"
-        " felt activations",
+        metavar="NAME",
+        help="leave one thing out, to compare: " + ", ".join(CONTROLS),
     )
     group.add_argument("--seed", type=_argument(whole_number), metavar="S", help="default: 1")
     group.add_argument(

@@ -82,7 +82,13 @@ def title_of(group: Group) -> str:
 def over_training(group: Group, values: Callable[[Trials], np.ndarray]) -> np.ndarray:
     """Return the quartiles (3, n) of a value of trials in each test of a group."""
     tests = [values(group.trials_at(iteration)) for iteration in group.iterations]
-    return np.array([np.nanquantile(of_test, QUARTILES) for of_test in tests]).T
+    return np.array([quartiles_of(of_test) for of_test in tests]).T
+
+
+def quartiles_of(values: np.ndarray) -> np.ndarray:
+    """Return the quartiles (3,) of those values that are known; NaN where none is."""
+    known = values[~np.isnan(values)]
+    return np.quantile(known, QUARTILES) if known.size else np.full(3, np.nan)
 
 
 def group_handle(group: Group) -> Line2D:

@@ -19,6 +19,7 @@ from active_binocular_vision.learners.shown import OWN_TEST_STIMULI
 from active_binocular_vision.runs.ages import AGES, BEFORE, BIRTH, END
 from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE, FinishedRun
 from active_binocular_vision.runs.groups import Common
+from experiment_manager import Summary
 from experiment_manager.plant_changes import read_schedule
 from experiment_manager.sections import config_of
 from lockstep import InputError, build, flatten
@@ -34,9 +35,9 @@ OPTIONS: Mapping[str, Mapping[str, Any]] = {"cover": {"distances_m": (2.0,), "at
 Document = Mapping[str, Any]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class OwnTest:
-    """Of the trials of the run's own test, after the last iteration: its summary's _OF_TEST."""
+    """Of the trials of the run's own test, after the last iteration."""
 
     error_deg: float | None = measure("deg", "|vergence error|")
     iqr_deg: float | None = measure("deg", "IQR")
@@ -45,12 +46,17 @@ class OwnTest:
     delta_cost_w: float | None = measure("W", "delta C")
     metabolic_rate_w: float | None = measure("W", "C")
 
-
-# Measures of a test, in the order of OwnTest.
-_OF_TEST = (
-    *("median_abs_vergence_error_deg", "iqr_abs_vergence_error_deg", "share_within_1_px"),
-    *("saving", "median_delta_cost_w", "median_metabolic_rate_w"),
-)
+    @classmethod
+    def of(cls, test: Summary) -> "OwnTest":
+        """Return the measures of a test; c of eyes that verge alone."""
+        return cls(
+            error_deg=test.median_abs_vergence_error_deg,
+            iqr_deg=test.iqr_abs_vergence_error_deg,
+            share_within_1_px=test.share_within_1_px,
+            cost_reduction=test.saving,
+            delta_cost_w=test.median_delta_cost_w,
+            metabolic_rate_w=test.median_metabolic_rate_w,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,8 +114,7 @@ def examined_run(
     reasons: list[str] = []
     for age, iteration in ages_of([*tests], changed_at[0] if changed_at else None).items():
         if age in ages:
-            values = [getattr(tests[iteration], name) for name in _OF_TEST]
-            found[age] = {TEST: {"summary": record(OwnTest(*values))}}
+            found[age] = {TEST: {"summary": record(OwnTest.of(tests[iteration]))}}
             try:
                 found[age] |= _at(run, iteration, names, documents)
             except InputError as error:

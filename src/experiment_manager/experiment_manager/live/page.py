@@ -1,5 +1,6 @@
 """A page on this machine with the links that open the view, and the layout to import."""
 
+import functools
 import ipaddress
 import socket
 import threading
@@ -79,7 +80,7 @@ class Page:
 class _Server(ThreadingHTTPServer):
     def __init__(self, host: str, port: int, handler: partial["_Handler"]) -> None:
         self.address_family, *_, place = resolved(host, port)
-        super().__init__(place[:2], handler)
+        super().__init__(place, handler)
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -133,14 +134,17 @@ class _Handler(BaseHTTPRequestHandler):
         self.end_headers()
 
     def _refuses(self) -> bool:
-        """Refuse requests that a page of somebody else sends, and return whether this is one.
+        """Refuse requests from other web pages, and return whether this is one.
 
         Its browser names that page as Origin; or, where a name was given the address of this
         machine while the page was open (DNS rebinding), that name as Host.
         """
         host, origin = self.headers.get("Host", ""), self.headers.get("Origin")
         if host and not _names_this_machine(host, self._host):
-            reason = f"expected {self._host} or this machine as Host, got {host[:80]}"
+            reason = (
+                f"expected {self._host} or this machine as Host, got {host[:80]}; open the page by"
+                " the machine's address, or give this name to --live"
+            )
         elif origin is not None and origin.partition("://")[2].lower() != host.lower():
             reason = f"expected requests of this page, got one of {origin[:80]}"
         else:
@@ -150,6 +154,11 @@ class _Handler(BaseHTTPRequestHandler):
 
     def log_message(self, *arguments: object) -> None:
         """Say nothing."""
+
+
+@functools.cache
+def _full_name() -> str:
+    return socket.getfqdn().lower()
 
 
 def _names_this_machine(host: str, configured: str) -> bool:
@@ -162,7 +171,7 @@ def _names_this_machine(host: str, configured: str) -> bool:
     except ValueError:
         return False
     own = socket.gethostname().lower()
-    if name in (configured.lower(), "localhost", own, f"{own}.local"):
+    if name in (configured.lower(), "localhost", own, f"{own}.local", _full_name()):
         return True
     try:
         ipaddress.ip_address(name)

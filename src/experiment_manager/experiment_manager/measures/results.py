@@ -11,8 +11,10 @@ from lockstep import InputError
 from lockstep.durable_files import replace_file
 
 RESULTS_FILE = "results.json"
-# Eyes verge when so many trials end within one pixel.
+# Eyes verge when at least this share of trials ends within one pixel, and look at targets when the
+# median error after their last saccade is at most this.
 _VERGING_SHARE = 0.5
+_LOOKING_THERE_DEG = 1.0
 
 
 class Measures(msgspec.Struct, kw_only=True, frozen=True, omit_defaults=True):
@@ -35,10 +37,14 @@ class Measures(msgspec.Struct, kw_only=True, frozen=True, omit_defaults=True):
     iqr_abs_cyclovergence_error_deg: float | None = None
 
     @property
+    def verges(self) -> bool:
+        """Whether half of the trials or more end within one pixel."""
+        return (self.share_within_1_px or 0.0) >= _VERGING_SHARE
+
+    @property
     def saving(self) -> float | None:
         """Median c of eyes that verge, None of others: to look elsewhere may cost less than C*."""
-        within = self.share_within_1_px
-        return None if within is None or within < _VERGING_SHARE else self.median_cost_reduction
+        return self.median_cost_reduction if self.verges else None
 
 
 class AntagonistPair(msgspec.Struct, kw_only=True, frozen=True):
@@ -115,6 +121,14 @@ class Summary(SetSummary, kw_only=True, frozen=True, omit_defaults=True):
     fixated_vertical_error_deg: Spread | None = None
     fixated_cyclovergence_error_deg: Spread | None = None
     share_fixated_within_1_px: float | None = None
+
+    @property
+    def verges(self) -> bool:
+        """Whether the eyes verge and, of those that make saccades, look at their targets."""
+        within = self.share_within_1_px or 0.0
+        saccades = [*self.saccade_error_deg.values()]
+        looks_there = not saccades or saccades[-1].median <= _LOOKING_THERE_DEG
+        return within >= _VERGING_SHARE and looks_there
 
     @property
     def fixation_spreads(self) -> tuple[Spread, ...]:

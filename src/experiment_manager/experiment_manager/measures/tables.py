@@ -69,10 +69,10 @@ def in_words(test: Summary, px_deg: float) -> str:
 
 def _saving_in_words(test: Summary) -> str:
     """Return what the eyes save, if they verge: others may spend less than correct gaze takes."""
+    if not test.verges:
+        return "the energy saved is not reported, because too few trials end that close;"
     if test.saving is None:
-        return (
-            "what energy they save is not told, since less than half of the trials are that near;"
-        )
+        return "the energy saved is not known: C* is unknown, or the trials begin with it;"
     return (
         f"the eyes spend {number(test.median_cost_ratio, 2)} times the least energy with which "
         f"they could look there, and save {percent(test.saving)} of what they could save (medians);"

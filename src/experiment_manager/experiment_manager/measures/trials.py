@@ -133,7 +133,7 @@ class Trials:
 
     @property
     def optimal_metabolic_rate_w(self) -> np.ndarray:
-        """C*, the least C of correct gaze (n_trials, n_iterations + 1), at the target of then."""
+        """C*, the least C of correct gaze at the time's target, (n_trials, n_iterations + 1)."""
         return self.column("optimal_metabolic_rate_w")
 
     def delta_cost_w(self, iteration: int) -> np.ndarray:

@@ -267,6 +267,8 @@ class ExperimentManagerNode(Node):
         if self._recorder.silent_s <= gap_s:
             return
         absent, silent_s = self._presence.absent_topics(), self._recorder.unheard_s
+        # Whoever comes back may have begun anew.
+        self._was_doubted |= bool(absent)
         found = of_silence(gap_s, missing, absent, silent_s, supervised=supervised)
         if isinstance(found, Fault):
             self._fault(found)

@@ -25,7 +25,7 @@ from lockstep.wire.vectors import check_finite
 
 
 def run_in_process(directory: Path) -> int:
-    """Bring a run to its end; return the exit code: 0 done, 3 a fault, 6 one of learning itself.
+    """Bring a run to its end; return the exit code: 0 done, 3 a fault, 6 one that recurs.
 
     Interrupted, it is 130.
     directory: holds config.yaml, and whatever the run has done so far. What is wrong here would be

@@ -83,8 +83,7 @@ class MujocoRenderer:
 
     def _make_renderer(self, i_stimuli: tuple[int, int]) -> mujoco.Renderer:
         width_px, height_px = self._config.width_px, self._config.height_px
-        self._processes.add(os.getpid())
-        if len(self._processes) > 1:
+        if self._processes - {os.getpid()}:
             raise InputError(
                 "camera.renderer mujoco: expected a process of its own, got a fork of one that has"
                 " drawn, in which OpenGL would hang; start processes by spawn or forkserver, or use"
@@ -92,13 +91,15 @@ class MujocoRenderer:
             )
         model = self._scene(i_stimuli).compile()
         try:
-            return mujoco.Renderer(model, height_px, width_px)
+            made = mujoco.Renderer(model, height_px, width_px)
         except Exception as error:  # the backends' failures have no common class
             raise InputError(
                 f"camera.renderer mujoco: OpenGL cannot draw {width_px} x {height_px} pixels here"
                 f" ({type(error).__name__}: {error}); set MUJOCO_GL=egl and install, for instance,"
                 " libegl1 and libgl1-mesa-dri, or use camera.renderer plane, which needs no OpenGL"
             ) from error
+        self._processes.add(os.getpid())
+        return made
 
     def _scene(self, i_stimuli: tuple[int, int]) -> mujoco.MjSpec:
         """Return the plane, the landscape and a camera per eye; nothing but the textures shines.

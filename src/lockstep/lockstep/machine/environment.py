@@ -133,7 +133,7 @@ def why_refused() -> str:
     if _stays_here():
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:
-                probe.connect(("127.0.0.1", 9))
+                probe.bind(("127.0.0.1", 0))
             except OSError as error:
                 return f"expected a loopback interface (ip link set lo up), got none: {error}"
     return ""

@@ -44,6 +44,6 @@ def _say(text: str) -> None:
 
     A signal may come while the stream itself is being written, which takes no second text then.
     """
-    with suppress(OSError):
+    with suppress(OSError, ValueError):
         if sys.stderr is not None:
             os.write(sys.stderr.fileno(), text.encode())

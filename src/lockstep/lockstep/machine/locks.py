@@ -1,10 +1,20 @@
 """Locks on files, which the kernel releases with the last process that has the file open."""
 
+import errno
 import fcntl
 import sys
 from functools import cache
 from pathlib import Path
 from typing import IO
+
+_NO_LOCKS = {
+    errno.EACCES,
+    errno.EINVAL,
+    errno.ENOLCK,
+    errno.ENOSYS,
+    errno.EOPNOTSUPP,
+    errno.EPERM,
+}
 
 
 def takes_lock(file: IO[bytes] | IO[str], *, shared: bool = False) -> bool:
@@ -18,6 +28,8 @@ def takes_lock(file: IO[bytes] | IO[str], *, shared: bool = False) -> bool:
     except BlockingIOError:
         return False
     except OSError as error:
+        if error.errno not in _NO_LOCKS:
+            raise
         _warn(Path(file.name).parent, error.strerror)
     return True
 

@@ -63,7 +63,8 @@ def performance_figure(groups: Sequence[Group], training: TrainingCurve | None =
     handles: list[Any] = [group_handle(group) for group in groups]
     if training is not None:
         for axes, quartiles in ((errors, training.quartiles_deg), (deltas, training.quartiles_w)):
-            draw_band(axes, training.iteration, quartiles, GREY, lw=1.0)
+            if not np.isnan(quartiles).all():  # C* is not known in training with gaze targets
+                draw_band(axes, training.iteration, quartiles, GREY, lw=1.0)
         handles.append(Line2D([], [], color=GREY, lw=1.0, label="ends of training episodes"))
     for i, group in enumerate(groups):
         offset = offset_of(i, groups)

@@ -17,6 +17,7 @@ from active_binocular_vision.figures.quartiles import (
     draw_bars,
     final_errors_deg,
     px_deg_of,
+    quartiles_of,
     scale_errors,
 )
 from active_binocular_vision.figures.style import (
@@ -33,7 +34,6 @@ from active_binocular_vision.figures.style import (
 )
 from active_binocular_vision.runs.groups import Group
 from experiment_manager import Trials
-from experiment_manager.measures.metrics import QUARTILES
 
 _LEAST_PRICES = 3
 _LOOKS = ((VERMILION, "o"), (BLUE, "s"), (GREEN, "^"))
@@ -111,7 +111,7 @@ def _draw(
 ) -> None:
     weights = np.array([group.common.weight for group in groups])
     zero = weights[weights > 0].min() / _ZERO_BELOW
-    quartiles = np.array([np.quantile(values(g.last_trials), QUARTILES) for g in groups]).T
+    quartiles = np.array([quartiles_of(values(g.last_trials)) for g in groups]).T
     places = np.maximum(weights, zero)
     draw_bars(axes, places, quartiles, colour, **style)
     paid = weights > 0
