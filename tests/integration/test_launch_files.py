@@ -120,7 +120,7 @@ def test_the_graph_has_four_nodes_and_ends_with_the_manager() -> None:
     context = {"namespace": "lab", "run_directory": "runs/x #1", "params_file": "config.yaml"}
     made = graph.options["function"](context)
     nodes = _of_kind(made, "Node")
-    for node, package in zip(nodes, module.PACKAGES, strict=True):
+    for node, package in zip(nodes, module.NODES, strict=True):
         _check_node(node, package)
         assert node.options["namespace"] == "lab"
         assert node.options["parameters"][0] == "config.yaml"

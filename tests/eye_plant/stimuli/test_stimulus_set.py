@@ -181,6 +181,13 @@ def test_the_user_cache_is_the_default(tmp_path: Path, monkeypatch: pytest.Monke
     assert list((tmp_path / "xdg").rglob("training_0000.npy"))
 
 
+def test_a_relative_user_cache_is_ignored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("XDG_CACHE_HOME", "relative")
+    load_stimuli(StimuliConfig(n_training=1, n_test=1, size_px=SIZE_PX))
+    assert list((tmp_path / ".cache").rglob("training_0000.npy"))
+
+
 def test_a_cache_that_cannot_be_written_is_named_with_what_sets_it(tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("")

@@ -56,7 +56,9 @@ def _path(directory: Path, role: str, number: int) -> Path:
 
 def _set_directory(cache_directory: str, seed: int, size_px: int) -> Path:
     """Return the directory of one set; InputError for ~ where nobody knows the home directory."""
-    user_cache = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    user_cache = os.environ.get("XDG_CACHE_HOME", "")
+    if not os.path.isabs(user_cache):  # to be ignored, says the specification
+        user_cache = "~/.cache"
     root = written_path(cache_directory or f"{user_cache}/active_binocular_vision/stimuli")
     if root.parts[:1] == ("~",):
         raise _unusable(root, "this user has no home directory")
