@@ -123,6 +123,7 @@ class Supervisor:
             given["gap_s"] = max(_LEAST_GAP_ELSEWHERE_S, configuration[MANAGER]["gap_s"])
         more = {MANAGER: parameter_arguments(given)}
         directory, packages, network = self._directory, self._packages, Network(addresses())
+        place = self._place()
         with (
             NodeProcesses(directory, domain, more, packages) as processes,
             LiveView(self._live, domain, directory) as live_view,
@@ -134,8 +135,9 @@ class Supervisor:
                 live_view.look()
                 if fault:
                     return EXIT_FAULT, fault
-                # A manager that has said nothing may hang, and has no episode to be waited for.
-                if self._interrupts.count > 0 and MANAGER not in heartbeats.heard:
+                # A manager that has said and saved nothing may hang, and has no episode under way.
+                is_silent = MANAGER not in heartbeats.heard and self._place() == place
+                if self._interrupts.count > 0 and is_silent:
                     return EXIT_INTERRUPTED, None
                 all_began = heartbeats.heard.issuperset(packages)
                 met = self._elsewhere <= heartbeats.heard
