@@ -6,8 +6,8 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from lockstep.command_line import CommandLine
-from lockstep.paths import written_path
+from lockstep.written.command_line import CommandLine
+from lockstep.written.paths import written_path
 
 
 def main(argv: Sequence[str] | None = None) -> int:

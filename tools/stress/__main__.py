@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from lockstep import InputError
-from lockstep.command_line import CommandLine
-from lockstep.paths import written_path
+from lockstep.written.command_line import CommandLine
+from lockstep.written.paths import written_path
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -14,9 +14,9 @@ from typing import Any
 from eye_plant import EyePlantConfig
 from eye_plant.config import changeable_parameters, changed
 from lockstep import InputError, build, flatten
-from lockstep.nearest import did_you_mean
 from lockstep.wire.topics import TRAINING
-from lockstep.yaml_text import load_yaml
+from lockstep.written.nearest import did_you_mean
+from lockstep.written.yaml_text import load_yaml
 
 _EYES = "eyes."
 

@@ -14,9 +14,9 @@ from lockstep.command_space import (
 )
 from lockstep.configuration import build, flatten
 from lockstep.errors import DivergenceError, InputError
+from lockstep.files.state_file import read_state, write_state
 from lockstep.randomness import generator
 from lockstep.settings import check_settings, setting
-from lockstep.state_file import read_state, write_state
 
 __all__ = [
     "ALL_MUSCLES",

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from lockstep.errors import InputError
-from lockstep.nearest import listed, nearest
+from lockstep.written.nearest import listed, nearest
 
 Config = TypeVar("Config")
 

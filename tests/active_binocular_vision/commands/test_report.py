@@ -20,7 +20,7 @@ from experiment_manager.run import checkpoint
 from experiment_manager.run.checkpoint import Manifest
 from experiment_manager.run.progress import Progress
 from lockstep.command_space import ALL_MUSCLES, PAIR
-from lockstep.state_file import write_state
+from lockstep.files.state_file import write_state
 from tests.active_binocular_vision.own_commands import write_run
 from tests.pair import PAIR_SPACE
 

@@ -154,12 +154,18 @@ def test_without_supervision_a_gap_is_waited_out(graph, nodes, tmp_path, capfd) 
     assert len(tables["episode"].stamps_ns) == N_OBSERVATIONS
 
 
-def test_a_second_publisher_is_a_fault(graph, nodes, tmp_path, capfd) -> None:
-    _, coder, learner = nodes
+def _with_a_mute_coder(graph, nodes, directory: Path) -> ExperimentManagerNode:
+    """Start a run up to its first episode, which the coder does not answer."""
+    plant, coder, _ = nodes
     coder.is_mute = True
-    manager = _start(graph, tmp_path / "run")
-    graph.spin_until(lambda: nodes[0].episodes, "the first episode")
-    VectorPublisher(learner, "reward", REWARD_NAMES)
+    manager = _start(graph, directory)
+    graph.spin_until(lambda: plant.episodes, "the first episode")
+    return manager
+
+
+def test_a_second_publisher_is_a_fault(graph, nodes, tmp_path, capfd) -> None:
+    manager = _with_a_mute_coder(graph, nodes, tmp_path / "run")
+    VectorPublisher(nodes[2], "reward", REWARD_NAMES)
     assert _finished(graph, manager) == EXIT_FAULT
     assert "expected one publisher per topic, found more on reward" in capfd.readouterr().err
 
@@ -168,10 +174,8 @@ def test_of_a_node_that_was_killed_and_started_again_the_first_is_waited_out(
     graph, nodes, tmp_path, capfd
 ) -> None:
     """The dead one is in the graph until its lease ends; here it is a mute one that leaves."""
+    manager = _with_a_mute_coder(graph, nodes, tmp_path / "run")
     plant, dead, _ = nodes
-    dead.is_mute = True
-    manager = _start(graph, tmp_path / "run")
-    graph.spin_until(lambda: plant.episodes, "the first episode")
     coder = graph.add(ScriptedCoder)
     # The new one answers, so the episode comes to its end, and is held there.
     _spin_until_said(graph, capfd, "waiting for one of two publishers of reward to go")
@@ -187,11 +191,8 @@ def test_of_a_node_that_was_killed_and_started_again_the_first_is_waited_out(
 def test_a_node_that_is_started_again_later_goes_on_from_the_newest_checkpoint(
     graph, nodes, tmp_path, capfd
 ) -> None:
-    plant, dead, _ = nodes
-    dead.is_mute = True
-    manager = _start(graph, tmp_path / "run")
-    graph.spin_until(lambda: plant.episodes, "the first episode")
-    graph.remove(dead)
+    manager = _with_a_mute_coder(graph, nodes, tmp_path / "run")
+    graph.remove(nodes[1])
     _spin_until_said(graph, capfd, "waiting for reward")
     coder = graph.add(ScriptedCoder)
     assert _finished(graph, manager) == 0
@@ -207,9 +208,7 @@ def test_a_second_node_of_one_name_that_stays_is_a_fault(
     graph, nodes, tmp_path, capfd, monkeypatch
 ) -> None:
     monkeypatch.setattr(presence, "LEASE_S", 0.0)
-    nodes[1].is_mute = True
-    manager = _start(graph, tmp_path / "run")
-    graph.spin_until(lambda: nodes[0].episodes, "the first episode")
+    manager = _with_a_mute_coder(graph, nodes, tmp_path / "run")
     graph.add(ScriptedCoder)
     assert _finished(graph, manager) == EXIT_FAULT
     assert "expected one publisher per topic, found more on reward" in capfd.readouterr().err

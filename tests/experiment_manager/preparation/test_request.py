@@ -49,7 +49,7 @@ def test_what_is_asked_is_settings_of_parameters() -> None:
 def test_a_control_is_settings_that_nobody_may_contradict() -> None:
     key = "experiment_manager.tonic_start_spread"
     names = {"control": "--control"}
-    assert RunRequest(control="starts_tonic").settings()[key].value == 0.005
+    assert RunRequest(control="starts_tonic").settings()[key].value == 0.002
     with pytest.raises(InputError, match=f"--control and {key}: expected one value"):
         RunRequest(control="starts_tonic", overrides={key: 0.1}, names=names).settings()
     with pytest.raises(InputError, match=r"--control: .*did you mean random_reward"):

@@ -24,7 +24,7 @@ from eye_plant.stimuli.stimulus_set import (
     load_unseen_stimuli,
 )
 from lockstep import InputError
-from lockstep.machine import mapped_files
+from lockstep.files import mapped_files
 from tests.refusing import refusing
 
 SIZE_PX = 96

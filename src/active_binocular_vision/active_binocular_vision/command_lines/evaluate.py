@@ -4,9 +4,9 @@ import argparse
 
 from active_binocular_vision.command_lines.start import start
 from active_binocular_vision.examinations.contract.declared import DECLARED, Declared
-from lockstep.command_line import CommandLine
-from lockstep.paths import written_path
 from lockstep.settings import declarations
+from lockstep.written.command_line import CommandLine
+from lockstep.written.paths import written_path
 
 # What asks for a test of frozen learners.
 FROZEN = (

@@ -3,8 +3,8 @@
 import argparse
 
 from active_binocular_vision.command_lines.start import start
-from lockstep.command_line import CommandLine
-from lockstep.paths import written_path
+from lockstep.written.command_line import CommandLine
+from lockstep.written.paths import written_path
 
 
 def parser() -> argparse.ArgumentParser:

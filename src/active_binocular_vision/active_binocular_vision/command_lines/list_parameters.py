@@ -4,8 +4,8 @@ import argparse
 
 from active_binocular_vision.command_lines.start import start
 from experiment_manager.nodes import NODES
-from lockstep.command_line import CommandLine
-from lockstep.nearest import unknown
+from lockstep.written.command_line import CommandLine
+from lockstep.written.nearest import unknown
 
 
 def parser() -> argparse.ArgumentParser:

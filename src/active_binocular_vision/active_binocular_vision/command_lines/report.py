@@ -4,8 +4,8 @@ import argparse
 
 from active_binocular_vision.command_lines.start import start
 from active_binocular_vision.runs.ages import AGES
-from lockstep.command_line import CommandLine
-from lockstep.paths import written_path
+from lockstep.written.command_line import CommandLine
+from lockstep.written.paths import written_path
 
 _COLUMNS = (
     "test.share_within_1_px,test.metabolic_rate_w,cover,acuity,stereo.threshold_arcsec,"

@@ -11,10 +11,10 @@ from experiment_manager.preparation.controls import CONTROLS
 from experiment_manager.preparation.profile_paths import profile_files
 from experiment_manager.preparation.written_values import whole_number, whole_numbers
 from lockstep import InputError
-from lockstep.command_line import CommandLine
-from lockstep.nearest import unknown
-from lockstep.paths import written_path
 from lockstep.task import DEFAULT_METABOLIC_COST_WEIGHTS, MODELS
+from lockstep.written.command_line import CommandLine
+from lockstep.written.nearest import unknown
+from lockstep.written.paths import written_path
 
 Value = TypeVar("Value")
 

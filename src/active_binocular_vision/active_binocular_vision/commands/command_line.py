@@ -8,7 +8,7 @@ from active_binocular_vision.command_lines.run_experiment import parser
 from experiment_manager.preparation.request import OPTIONS, SCHEDULE, RunRequest, check_key
 from experiment_manager.sections import DEFAULTS
 from lockstep import InputError
-from lockstep.yaml_text import load_yaml
+from lockstep.written.yaml_text import load_yaml
 
 
 def arguments(argv: Sequence[str] | None) -> argparse.Namespace:

@@ -11,7 +11,7 @@ from active_binocular_vision.figures.style import own_style, save
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from lockstep import InputError, build
-from lockstep.yaml_text import load_yaml
+from lockstep.written.yaml_text import load_yaml
 
 
 def options_of(examination: Examination, texts: Sequence[str]) -> Any:

@@ -17,8 +17,8 @@ from experiment_manager.bag.repair import repair_bag
 from experiment_manager.measures.tables import summaries_table, text_table
 from experiment_manager.measures.trials import split_tests
 from lockstep import InputError
-from lockstep.durable_files import is_free
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
+from lockstep.files.durable_files import is_free
 from lockstep.wire.topics import PARAMETER_CHANGES
 
 _VECTOR = "sensor_msgs/msg/JointState"

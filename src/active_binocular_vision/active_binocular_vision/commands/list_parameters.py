@@ -9,7 +9,7 @@ from experiment_manager.nodes import NODES
 from experiment_manager.run.config_file import EVERY_NODE
 from experiment_manager.sections import CONFIG_CLASSES, DEFAULTS, SHARED_CLASSES
 from lockstep.settings import Declaration, Setting, declarations
-from lockstep.yaml_text import yaml_line
+from lockstep.written.yaml_text import yaml_line
 
 _WIDTH = 100
 _COMMENT = "    # "

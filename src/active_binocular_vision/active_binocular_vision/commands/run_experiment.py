@@ -36,10 +36,10 @@ from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from eye_plant import EyePlantConfig, load_stimuli
 from eye_plant.stimuli.stimulus_set import announcement
 from lockstep import InputError
-from lockstep.durable_files import is_free, replace_file, why_unwritable
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, EXIT_FAULT, EXIT_INTERRUPTED
+from lockstep.files.durable_files import is_free, replace_file, why_unwritable
 from lockstep.machine.environment import reaches_other_machines
-from lockstep.yaml_text import yaml_line
+from lockstep.written.yaml_text import yaml_line
 
 # After a fault of learning there is nothing to continue: it would come again.
 _TO_CONTINUE = {

@@ -26,8 +26,8 @@ from experiment_manager.sweep.sweep_file import SWEEP_FILE, Sweep, read_sweep
 from experiment_manager.sweep.sweep_run import SweepRun
 from eye_plant import EyePlantConfig, load_stimuli
 from lockstep import InputError
-from lockstep.durable_files import is_free, replace_file
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
+from lockstep.files.durable_files import is_free, replace_file
 
 # Command lines without their last arguments: of a run's process, and of a Slurm task.
 _START_RUN = (sys.executable, "-m", f"{__package__}.sweep_run")

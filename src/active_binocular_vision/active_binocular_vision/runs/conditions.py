@@ -12,7 +12,7 @@ from active_binocular_vision.runs.examined_run import END, TEST, ExaminedRun, Ow
 from active_binocular_vision.runs.groups import Common, differences
 from experiment_manager.measures.tables import number
 from lockstep import InputError
-from lockstep.nearest import did_you_mean
+from lockstep.written.nearest import did_you_mean
 
 # By the name of the profile that has the condition.
 NAMES: Mapping[str, str] = {

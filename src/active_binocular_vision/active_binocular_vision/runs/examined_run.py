@@ -23,7 +23,7 @@ from experiment_manager import Summary
 from experiment_manager.plant_changes import read_schedule
 from experiment_manager.sections import config_of
 from lockstep import InputError, build, flatten
-from lockstep.durable_files import replace_file
+from lockstep.files.durable_files import replace_file
 from sparse_coder import SparseCoderConfig
 
 # The run's own test, a column of pages beside the examinations.

@@ -31,7 +31,7 @@ from experiment_manager.run.config_file import CONFIG_FILE, RUN_SECTION
 from experiment_manager.sections import Configuration, by_key
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
 from lockstep import InputError, read_state, write_state
-from lockstep.durable_files import replace_file
+from lockstep.files.durable_files import replace_file
 
 MEASURES_FILE, RUNS_FILE = "measures.csv", "runs.yaml"
 COLUMNS = (

@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 
 from lockstep import InputError
-from lockstep.durable_files import replace_file
+from lockstep.files.durable_files import replace_file
 
 METADATA_FILE = "metadata.yaml"
 # In each MCAP file: the record that names the run, and the attachment with its configuration.

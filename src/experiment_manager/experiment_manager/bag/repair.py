@@ -12,7 +12,7 @@ from experiment_manager.bag.metadata import (
     write_metadata,
 )
 from experiment_manager.bag.reader import Bag
-from lockstep.durable_files import replacement_of
+from lockstep.files.durable_files import replacement_of
 
 
 def repair_bag(path: Path) -> dict[str, Rewritten]:

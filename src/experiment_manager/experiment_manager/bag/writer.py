@@ -23,7 +23,7 @@ from experiment_manager.bag.metadata import (
 )
 from experiment_manager.bag.reordering import Held, StampBuffer
 from lockstep import InputError
-from lockstep.durable_files import is_free, sync, sync_directory
+from lockstep.files.durable_files import is_free, sync, sync_directory
 
 # Kept whatever their stamps.
 _EXEMPT = frozenset(("/clock", "/diagnostics"))

@@ -5,10 +5,11 @@ import ipaddress
 import re
 import socket
 from dataclasses import dataclass
+from typing import Any
 
 from experiment_manager.live.config import LOCAL_HOST, PORT
 from lockstep import InputError
-from lockstep.yaml_text import yaml_line
+from lockstep.written.yaml_text import yaml_line
 
 # [IPv6]:PORT; PORT; HOST:PORT; each part may be missing.
 _FORMS = re.compile(r"\[(?P<six>[^]]*)\](:(?P<a>.*))?|(?P<b>\d+)|(?P<host>[^:]*)(:(?P<c>[^:]*))?")
@@ -59,13 +60,15 @@ class Address:
         return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
 
 
-def resolved(host: str, port: int) -> tuple[socket.AddressFamily, int, int, str, tuple[str, int]]:
+def resolved(
+    host: str, port: int
+) -> tuple[socket.AddressFamily, socket.SocketKind, int, str, tuple[Any, ...]]:
     """Return family, kind, protocol, name and place of a host to listen on, as getaddrinfo does.
 
     Raises OSError or UnicodeError for one that nobody knows.
     """
     flags = socket.AI_PASSIVE
-    return socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=flags)[0]  # type: ignore[return-value]
+    return socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=flags)[0]
 
 
 def _is_ipv6(text: str) -> bool:

@@ -171,10 +171,10 @@ def _names_this_machine(host: str, configured: str) -> bool:
     except ValueError:
         return False
     own = socket.gethostname().lower()
-    if name in (configured.lower(), "localhost", own, f"{own}.local", _full_name()):
+    if name in (configured.lower(), "localhost", own, f"{own}.local"):
         return True
     try:
         ipaddress.ip_address(name)
     except ValueError:
-        return False
+        return name == _full_name()
     return True

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 
 from lockstep import InputError
-from lockstep.durable_files import replace_file
+from lockstep.files.durable_files import replace_file
 
 RESULTS_FILE = "results.json"
 # Eyes verge when at least this share of trials ends within one pixel, and look at targets when the
@@ -125,10 +125,9 @@ class Summary(SetSummary, kw_only=True, frozen=True, omit_defaults=True):
     @property
     def verges(self) -> bool:
         """Whether the eyes verge and, of those that make saccades, look at their targets."""
-        within = self.share_within_1_px or 0.0
         saccades = [*self.saccade_error_deg.values()]
         looks_there = not saccades or saccades[-1].median <= _LOOKING_THERE_DEG
-        return within >= _VERGING_SHARE and looks_there
+        return super().verges and looks_there
 
     @property
     def fixation_spreads(self) -> tuple[Spread, ...]:

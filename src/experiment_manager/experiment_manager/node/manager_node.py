@@ -54,7 +54,7 @@ class ExperimentManagerNode(Node):
             raise InputError(f"run directory: expected one to write into: {error}") from error
         self._n_awaited = 0
         self._n_interrupts = 0
-        self._is_over = self._was_doubted = False
+        self._is_over = self._may_have_restarted = False
         self._said_waiting = ""
         self.diagnostics = Diagnostics(self, self._state_of_run)
         self._changes = self.create_publisher(JointState, PARAMETER_CHANGES, LOCKSTEP_QOS)
@@ -136,7 +136,10 @@ class ExperimentManagerNode(Node):
         self._next = _nothing
         is_last = self.run.is_over or self._n_interrupts > 0
         # A learner that was started again is found by what it is asked for a checkpoint.
-        is_due, self._was_doubted = self.run.checkpoint_is_due() or self._was_doubted, False
+        is_due, self._may_have_restarted = (
+            self.run.checkpoint_is_due() or self._may_have_restarted,
+            False,
+        )
         if is_last or is_due:
             self._checkpoint(self._finish if is_last else self._request)
         else:
@@ -255,7 +258,7 @@ class ExperimentManagerNode(Node):
             topics = ", ".join(certain)
             self._fault(Fault(f"expected one publisher per topic, found more on {topics}"))
         elif doubtful:
-            self._was_doubted = True
+            self._may_have_restarted = True
             self._say_waiting(
                 f"waiting for one of two publishers of {', '.join(doubtful)} to go: of a node that "
                 "was killed and started again, the first one is counted until its lease ends"
@@ -267,8 +270,8 @@ class ExperimentManagerNode(Node):
         if self._recorder.silent_s <= gap_s:
             return
         absent, silent_s = self._presence.absent_topics(), self._recorder.unheard_s
-        # Whoever comes back may have begun anew.
-        self._was_doubted |= bool(absent)
+        # A node that was away may be another process now.
+        self._may_have_restarted |= bool(absent)
         found = of_silence(gap_s, missing, absent, silent_s, supervised=supervised)
         if isinstance(found, Fault):
             self._fault(found)

@@ -33,8 +33,8 @@ from experiment_manager.sections import (
     config_of,
 )
 from lockstep import InputError, read_state, write_state
-from lockstep.durable_files import replace_file
-from lockstep.paths import written_path
+from lockstep.files.durable_files import replace_file
+from lockstep.written.paths import written_path
 from sparse_coder import SparseCoder
 from vergence_rl import Agent
 

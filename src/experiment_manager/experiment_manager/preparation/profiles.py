@@ -13,8 +13,8 @@ from typing import Any
 from experiment_manager.plant_changes import Schedule, parse_schedule
 from experiment_manager.preparation.profile_paths import profile_files
 from lockstep import InputError
-from lockstep.nearest import unknown
-from lockstep.yaml_text import load_yaml
+from lockstep.written.nearest import unknown
+from lockstep.written.yaml_text import load_yaml
 
 _NEEDED, _KEYS = {"description", "settings"}, {"description", "settings", "base", "schedule"}
 

@@ -11,8 +11,8 @@ import numpy as np
 from experiment_manager.preparation.controls import CONTROLS
 from experiment_manager.sections import DEFAULTS, SECTIONS
 from lockstep import InputError
-from lockstep.nearest import did_you_mean, unknown
 from lockstep.task import MODELS
+from lockstep.written.nearest import did_you_mean, unknown
 
 # Keys, SECTION.NAME, of what has a name of its own in a request.
 MODEL = "experiment_manager.model"

@@ -14,7 +14,7 @@ import msgspec
 
 from experiment_manager.run.progress import ProgressState
 from lockstep import InputError
-from lockstep.durable_files import replace_file
+from lockstep.files.durable_files import replace_file
 
 _VERSION: Literal[3] = 3
 _MANIFEST = "manifest.json"

@@ -15,7 +15,7 @@ from experiment_manager.sections import (
     completed,
 )
 from lockstep import InputError
-from lockstep.yaml_text import dump_yaml, load_yaml
+from lockstep.written.yaml_text import dump_yaml, load_yaml
 
 CONFIG_FILE = "config.yaml"
 # The pseudo-node of config.yaml that says what the run is; no ROS node has this name.

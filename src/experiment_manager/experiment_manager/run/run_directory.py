@@ -44,7 +44,7 @@ from experiment_manager.sections import (
 from eye_plant import Episode
 from eye_plant.config import EyesConfig
 from lockstep import InputError, flatten, read_state, write_state
-from lockstep.durable_files import replace_file
+from lockstep.files.durable_files import replace_file
 from lockstep.wire.stamps import period_ns
 from lockstep.wire.topics import PARAMETER_CHANGES, TOPIC_TYPES
 from lockstep.wire.vectors import VectorBytes

@@ -14,7 +14,7 @@ from experiment_manager.nodes import MANAGER
 from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.run.progress_bar import TERMINAL_VARIABLE
 from lockstep.machine.own_process import die_with
-from lockstep.yaml_text import yaml_line
+from lockstep.written.yaml_text import yaml_line
 
 _POLL_S, _PATIENCE_S = 0.02, 3.0
 

@@ -21,7 +21,6 @@ from experiment_manager.supervision.processes import (
     last_words,
     parameter_arguments,
 )
-from lockstep.durable_files import why_unwritable
 from lockstep.exit_codes import (
     EXIT_BAD_INPUT,
     EXIT_DIVERGED,
@@ -31,6 +30,7 @@ from lockstep.exit_codes import (
     EXIT_UNWRITABLE,
     FAULT_TEXT,
 )
+from lockstep.files.durable_files import why_unwritable
 from lockstep.machine.domain import given_domain
 from lockstep.machine.interrupts import Interrupts
 

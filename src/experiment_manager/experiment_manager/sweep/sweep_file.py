@@ -11,9 +11,9 @@ from experiment_manager.preparation.request import OPTIONS, RunRequest
 from experiment_manager.preparation.written_values import number, whole_number, whole_numbers
 from experiment_manager.sections import SECTIONS
 from lockstep import InputError
-from lockstep.nearest import did_you_mean
-from lockstep.paths import written_path
-from lockstep.yaml_text import dump_yaml, load_yaml
+from lockstep.written.nearest import did_you_mean
+from lockstep.written.paths import written_path
+from lockstep.written.yaml_text import dump_yaml, load_yaml
 
 SWEEP_FILE = "sweep.yaml"
 # By its name in the file, the field of a request; any SECTION.NAME besides.

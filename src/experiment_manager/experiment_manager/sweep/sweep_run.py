@@ -14,7 +14,7 @@ from experiment_manager.measures.results import RESULTS_FILE, read_results
 from experiment_manager.run.config_file import CONFIG_FILE, about_in
 from lockstep import InputError
 from lockstep.exit_codes import EXIT_INTERRUPTED
-from lockstep.machine.locks import takes_lock
+from lockstep.files.locks import takes_lock
 
 # Who only looks whether a log is held holds it for a moment.
 _N_TRIES, _BETWEEN_TRIES_S = 5, 0.1

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from lockstep import InputError
-from lockstep.command_line import CommandLine
-from lockstep.durable_files import is_free
 from lockstep.exit_codes import EXIT_BAD_INPUT
-from lockstep.paths import written_path
+from lockstep.files.durable_files import is_free
+from lockstep.written.command_line import CommandLine
+from lockstep.written.paths import written_path
 
 
 def export(directory: Path) -> None:

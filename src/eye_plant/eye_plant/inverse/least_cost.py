@@ -14,7 +14,8 @@ from lockstep import COMMAND_SPACES, PAIR, InputError
 
 # Vergences from 10 m to 0.3 m with the eyes of K17; in between the rate is nearly straight.
 _VERGENCES_DEG = np.linspace(0.32, 10.72, 27)
-# At 150 random targets no other first weights found less than these two and equal ones.
+# With these and equal first weights. Of 150 random targets within 10 deg (anatomical eyes, seed 0)
+# all twelve muscles in turn found less at one, by 2 %, and take four times as long.
 _DEAR = ("left_medial_rectus", "right_medial_rectus")
 # Targets whose costs are kept: those of a whole test, which are the same in the next one.
 _MOST_KEPT = 1 << 14

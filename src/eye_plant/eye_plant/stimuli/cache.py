@@ -10,9 +10,9 @@ import numpy as np
 
 from eye_plant.stimuli import generator as stimulus_generator
 from lockstep import InputError
-from lockstep.machine.mapped_files import map_bytes
+from lockstep.files.mapped_files import map_bytes
 from lockstep.machine.threads import map_in_threads
-from lockstep.paths import written_path
+from lockstep.written.paths import written_path
 
 # Of the generated pictures. Another one when the generator, or a library that it uses, gives other
 # bytes: a test knows what version 1 gives.

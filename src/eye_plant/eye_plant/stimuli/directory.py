@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 from lockstep import InputError, generator
-from lockstep.paths import written_path
+from lockstep.written.paths import written_path
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 _NOTES = (".md", ".txt")  # may stand beside the pictures

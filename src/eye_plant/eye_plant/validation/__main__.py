@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from eye_plant.validation import MAPS_VARIABLE
-from lockstep.command_line import CommandLine
-from lockstep.paths import written_path
+from lockstep.written.command_line import CommandLine
+from lockstep.written.paths import written_path
 
 JSON_NAME = "plant_validation.json"
 FIGURE_NAME = "plant_validation.png"

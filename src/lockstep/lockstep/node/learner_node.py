@@ -11,11 +11,11 @@ from rclpy.node import Node
 from rclpy.subscription import Subscription
 
 from lockstep.errors import InputError
+from lockstep.files.state_file import read_state, write_state
 from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.gather import Gather
 from lockstep.node.requests import END_RUN, START_RUN, Arguments, RequestServer
 from lockstep.node.ros_parameters import declare_config
-from lockstep.state_file import read_state, write_state
 from lockstep.wire.cdr import stamp_ns_of
 from lockstep.wire.codec import Reader
 from lockstep.wire.qos import LOCKSTEP_QOS

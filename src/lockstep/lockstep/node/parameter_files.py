@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from lockstep.errors import InputError
-from lockstep.yaml_text import load_yaml
+from lockstep.written.yaml_text import load_yaml
 
 
 def check_arguments(words: Sequence[str]) -> None:

@@ -31,7 +31,7 @@ from active_binocular_vision.runs.groups import Common, common_of
 from active_binocular_vision.runs.one_a_core import of_each_run
 from active_binocular_vision.runs.results_folder import runs_with_tests
 from lockstep import InputError
-from lockstep.durable_files import replace_file
+from lockstep.files.durable_files import replace_file
 
 CONDITIONS_FILE = "conditions.html"
 

@@ -22,7 +22,7 @@ from active_binocular_vision.pages.report.tables import (
 )
 from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group, groups_of
-from lockstep.durable_files import replace_file
+from lockstep.files.durable_files import replace_file
 
 REPORT_FILE = "report.html"
 _RUNS = (

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from lockstep import durable_files
-from lockstep.durable_files import replace_file, replacement_of, why_unwritable
+from lockstep.files import durable_files
+from lockstep.files.durable_files import replace_file, replacement_of, why_unwritable
 from tests.refusing import refusing
 
 

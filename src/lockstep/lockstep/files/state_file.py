@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from lockstep.durable_files import replace_file
 from lockstep.errors import InputError
+from lockstep.files.durable_files import replace_file
 
 _VERSION = 1
 _KIND, _FORMAT = "__kind__", "__version__"

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from lockstep.paths import written_path
+from lockstep.written.paths import written_path
 
 
 @pytest.mark.parametrize(

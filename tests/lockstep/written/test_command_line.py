@@ -2,7 +2,7 @@
 
 import pytest
 
-from lockstep.command_line import CommandLine
+from lockstep.written.command_line import CommandLine
 
 
 def error_of(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:

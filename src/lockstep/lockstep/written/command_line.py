@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from lockstep.exit_codes import EXIT_BAD_INPUT
-from lockstep.nearest import did_you_mean
+from lockstep.written.nearest import did_you_mean
 
 
 class CommandLine(argparse.ArgumentParser):

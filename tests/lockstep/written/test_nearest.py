@@ -1,6 +1,6 @@
 """Names like a mistyped one."""
 
-from lockstep.nearest import did_you_mean, nearest, unknown
+from lockstep.written.nearest import did_you_mean, nearest, unknown
 
 KNOWN = ("camera.width_px", "camera.height_px", "discount", "seed", "rearing/monocular")
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from lockstep.machine import locks
+from lockstep.files import locks
 from tests.refusing import refusing
 
 

@@ -1,0 +1,1 @@
+"""What people write: command lines, names, paths and YAML."""
