@@ -14,7 +14,8 @@ from lockstep import InputError
 
 _ITERATIONS_PER_S = 5
 _NS_PER_S = 1e9
-_GIF_COLOURS = 96
+# As many as a GIF may have: with fewer, red and cyan of an anaglyph become orange and blue.
+_GIF_COLOURS = 256
 
 Frames = Iterable[Frame]
 

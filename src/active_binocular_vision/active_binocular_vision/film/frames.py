@@ -1,7 +1,6 @@
-"""The frames of a film: both eyes' pictures, their anaglyph, and curves up to now."""
+"""The frames of a film: both eyes' pictures, their anaglyph, the eyes drawn, errors up to now."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import cv2
 import numpy as np
@@ -12,31 +11,18 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from active_binocular_vision.figures.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    LIGHT_GREY,
-    VERMILION,
-    own_style,
-)
+from active_binocular_vision.figures.eyes import DrawnEyes
+from active_binocular_vision.figures.style import BLUE, GREY, LIGHT_GREY, VERMILION, own_style
 from active_binocular_vision.film.scenes import ERRORS, Scene
 from experiment_manager.anaglyph import anaglyph
-from lockstep import SIDES
-from lockstep.command_space import MUSCLES
 
 _DPI = 100
 # Three panels side by side: a page shows such a frame as it is, with text of 9 pt.
 PANEL_WIDTH_PX, _MOST_HEIGHT_PX = 240, 180
 HEADER_PX = 46
-_CURVES_PX, _LEGEND_PX = 180, 46
-_TITLES = ("left eye", "right eye", "left in red, right in cyan")
+_BELOW_PX = 240
+_TITLES = ("left eye's image", "right eye's image", "left in red, right in cyan")
 
-_PAIR_LABELS = ("medial rectus", "lateral rectus")
-# Antagonists share colour and marker; the second of them is dashed. The few colours of a GIF keep
-# these apart.
-_MUSCLE_COLOURS, _MUSCLE_MARKERS = ("black", VERMILION, BLUE), "os^"
-_MUSCLE_STYLES: tuple[dict[str, Any], ...] = ({"ls": "-"}, {"ls": "--", "mfc": "white"})
 _TARGET_COLOUR = tuple(round(255 * part) for part in to_rgb(VERMILION))
 _TARGET_RADIUS_PX = 7
 _ERROR_STYLES = ((BLUE, "-"), ("black", "--"), (VERMILION, "-."))
@@ -75,16 +61,14 @@ def _times(picture: np.ndarray) -> int:
 
 
 class Page:
-    """Header, room for the pictures, and curves of a scene up to an iteration.
+    """Header, room for the images, the eyes, and the errors of a scene up to an iteration.
 
     figure: one for all scenes, drawn again and again.
     """
 
     def __init__(self, scenes: Sequence[Scene]) -> None:
         """scenes: of one command space; axes have room for all of them."""
-        is_of_pair = scenes[0].errors_deg.shape[1] == 1
-        below_px = 0 if is_of_pair else _LEGEND_PX
-        height_px = HEADER_PX + len(shown_part(scenes[0].pictures[0, 0])) + _CURVES_PX + below_px
+        height_px = HEADER_PX + len(shown_part(scenes[0].pictures[0, 0])) + _BELOW_PX
         width_px = len(_TITLES) * PANEL_WIDTH_PX
         self.figure = Figure(figsize=(width_px / _DPI, height_px / _DPI), dpi=_DPI)
         self._canvas = FigureCanvasAgg(self.figure)
@@ -92,25 +76,23 @@ class Page:
         for i, title in enumerate(_TITLES):
             x, y = (i + 0.5) / len(_TITLES), 1 - 35 / height_px
             self.figure.text(x, y, title, ha="center", va="center")
-        panels = self.figure.subplots(1, len(_TITLES))
-        draw = _pair_lines if is_of_pair else _muscle_lines
-        self._lines = draw(panels, scenes)
-        n_iterations = max(len(scene.errors_deg) for scene in scenes)
-        for axes in panels:
-            axes.set_xlim(-0.3, n_iterations - 0.7)
-            axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
-            axes.set_xlabel("iteration")
-        top = (_CURVES_PX + below_px) / height_px
-        self.figure.tight_layout(rect=(0.0, below_px / height_px, 1.0, top), w_pad=0.5)
+        below = _BELOW_PX / height_px
+        eyes = self.figure.add_axes((0.0, 0.0, 2 / 3, below))
+        highest = max(float(scene.activations.max()) for scene in scenes)
+        self._eyes = DrawnEyes(eyes, scenes[0].mechanics, highest)
+        self._eyes.describe()
+        self._lines = _error_lines(
+            self.figure.add_axes((0.75, 0.2 * below, 0.24, 0.75 * below)), scenes
+        )
 
     def draw(self, scene: Scene, iteration: int) -> np.ndarray:
         """Return the frame (height_px, width_px, 3) uint8."""
-        values = np.column_stack([scene.activations, scene.errors_deg, scene.metabolic_rate_w])
-        shown = values[: iteration + 1].T[: len(self._lines)]
-        for line, of_line in zip(self._lines, shown, strict=True):
-            line.set_data(np.arange(len(of_line)), of_line)
+        for line, errors_deg in zip(self._lines, scene.errors_deg[: iteration + 1].T, strict=True):
+            line.set_data(np.arange(len(errors_deg)), errors_deg)
+        self._eyes.show(scene.eye_angles_rad[iteration], scene.activations[iteration])
         self._caption.set_text(
-            f"{scene.caption}, iteration {iteration}: {_errors(scene, iteration)}"
+            f"{scene.caption}: {_errors(scene, iteration)},"
+            f" metabolic rate {scene.metabolic_rate_w[iteration]:.2f} W"
         )
         self._canvas.draw()
         frame = np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
@@ -136,52 +118,7 @@ def _errors(scene: Scene, iteration: int) -> str:
     if not others_deg:
         return f"vergence error {error_deg:+.2f} deg ({error_deg / scene.px_deg:+.1f} px)"
     named = zip(ERRORS, (error_deg, *others_deg), strict=True)
-    return ", ".join(f"{name} {of_name:+.2f}" for name, of_name in named) + " deg"
-
-
-def _pair_lines(panels: Sequence[Axes], scenes: Sequence[Scene]) -> list[Line2D]:
-    """Return the lines of both activations of the pair, of the error and of the metabolic rate."""
-    activation, error, rate = panels
-    colours = (BLUE, VERMILION)
-    lines = [
-        activation.plot([], [], marker=".", color=colour, label=label)[0]
-        for colour, label in zip(colours, _PAIR_LABELS, strict=True)
-    ]
-    activation.set(ylabel="activation", ylim=(-0.005, 1.5 * _highest(scenes)))
-    activation.legend(loc="upper center", borderaxespad=0.1)
-    lines += _error_lines(error, scenes)
-    lines += rate.plot([], [], marker=".", color=GREEN)
-    highest_w = max(float(scene.metabolic_rate_w.max()) for scene in scenes)
-    rate.set(ylabel="metabolic\nrate / W", ylim=(0.0, 1.1 * highest_w or 1.0))
-    return lines
-
-
-def _highest(scenes: Sequence[Scene]) -> float:
-    return max(float(scene.activations.max()) for scene in scenes)
-
-
-def _muscle_lines(panels: Sequence[Axes], scenes: Sequence[Scene]) -> list[Line2D]:
-    """Return a line for each muscle, in the panel of its eye, and for each error."""
-    *eyes, error = panels
-    lines = []
-    for name in scenes[0].names:
-        side, _, muscle = name.partition("_")
-        i_pair, i_antagonist = divmod(MUSCLES.index(muscle), 2)
-        style = {
-            "label": muscle.replace("_", " "),
-            "color": _MUSCLE_COLOURS[i_pair],
-            "marker": _MUSCLE_MARKERS[i_pair],
-            "ms": 3,
-            **_MUSCLE_STYLES[i_antagonist],
-        }
-        lines += eyes[SIDES.index(side)].plot([], [], **style)
-    for axes, side in zip(eyes, SIDES, strict=True):
-        axes.set(ylabel=f"activation, {side} eye", ylim=(-0.005, 1.05 * _highest(scenes) + 0.005))
-    shown = eyes[0].get_lines()
-    eyes[0].figure.legend(handles=shown, loc="lower left", ncols=-(-len(shown) // 2))
-    lines += _error_lines(error, scenes)
-    eyes[0].figure.legend(handles=error.get_lines(), loc="lower right", ncols=2)
-    return lines
+    return "error " + ", ".join(f"{name} {of_name:+.2f}" for name, of_name in named) + " deg"
 
 
 def _error_lines(axes: Axes, scenes: Sequence[Scene]) -> list[Line2D]:
@@ -194,8 +131,12 @@ def _error_lines(axes: Axes, scenes: Sequence[Scene]) -> list[Line2D]:
     ]
     # NaN: the left eye does not look towards the plane.
     limit_deg = 1.1 * max(float(np.nanmax(np.abs(s.errors_deg))) for s in scenes) + px_deg
-    axes.set(ylabel="error / deg")
+    axes.set(xlabel="iteration", ylabel="vergence error / deg" if n_errors == 1 else "error / deg")
+    axes.set_xlim(-0.3, max(len(scene.errors_deg) for scene in scenes) - 0.7)
     axes.set_ylim(-limit_deg, limit_deg)
+    axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
     corner = axes.transAxes
-    axes.text(1.0, 1.0, "grey: ±1 px", transform=corner, ha="right", va="top", color=GREY)
+    axes.text(1.0, 0.0, "grey: ±1 px", transform=corner, ha="right", va="bottom", color=GREY)
+    if n_errors > 1:
+        axes.legend(loc="upper right", borderaxespad=0.0)
     return lines

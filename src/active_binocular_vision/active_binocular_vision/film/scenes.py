@@ -1,19 +1,19 @@
 """Which recorded episodes a film shows, and what is needed of them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from active_binocular_vision.runs.recorded import (
     PicturedEpisodes,
-    commanded,
     evaluation_settings_of,
     pictured_episodes,
 )
 from experiment_manager import Bag, VectorTable
-from lockstep import PAIR
-from lockstep.wire.topics import PICTURES, TARGET_NAMES, TEST
+from eye_plant.mechanics.mujoco_model import MechanicsConfig
+from lockstep import MUSCLE_NAMES, PAIR
+from lockstep.wire.topics import EYE_STATE_NAMES, PICTURES, TARGET_NAMES, TEST
 
 SCENES_PER_STAGE = 3
 ERRORS = ("vergence", "vertical", "cyclovergence")
@@ -27,17 +27,19 @@ class Scene:
     """The first iterations of an episode, n of them.
 
     pictures: (n, 2, height, width) uint8; errors_deg: (n, 3) vergence, vertical and cyclovergence
-    error, of the pair (n, 1) the first; metabolic_rate_w: (n,) of both eyes; activations: (n,
-    n_commands) what commands set, with their names; px_deg: visual angle of a pixel; targets_deg:
-    (n, 2) gaze target, to the right and up of the left picture's centre, None where none is given.
+    error, of the pair (n, 1) the first; metabolic_rate_w: (n,) of both eyes; eye_angles_rad:
+    (n, 6) adduction, elevation and intorsion, left eye first; activations: (n, 12) of all muscles;
+    mechanics: whose eyes; px_deg: visual angle of a pixel; targets_deg: (n, 2) gaze target, to the
+    right and up of the left picture's centre, None where none is given.
     """
 
     caption: str
     pictures: np.ndarray
     errors_deg: np.ndarray
     metabolic_rate_w: np.ndarray
+    eye_angles_rad: np.ndarray
     activations: np.ndarray
-    names: tuple[str, ...]
+    mechanics: MechanicsConfig
     px_deg: float
     targets_deg: np.ndarray | None = None
 
@@ -59,10 +61,10 @@ def scenes(bag: Bag) -> list[Scene]:
     Raises InputError for a bag without pictures.
     """
     pictured = pictured_episodes(bag)
-    muscles = bag.vectors("muscle_activations")["muscle_activations"]
+    eyes = bag.vectors("eye_states", "muscle_activations")
     stages = chosen_stages(_episodes(pictured))
     return [
-        _scene(bag, pictured, muscles, episode, caption)
+        _scene(bag, pictured, eyes, episode, caption)
         for caption, episodes in stages
         for episode in episodes
     ]
@@ -130,7 +132,7 @@ def _spread(episodes: Sequence[RecordedEpisode]) -> list[RecordedEpisode]:
 def _scene(
     bag: Bag,
     pictured: PicturedEpisodes,
-    muscles: VectorTable,
+    eyes: Mapping[str, VectorTable],
     episode: RecordedEpisode,
     caption: str,
 ) -> Scene:
@@ -148,10 +150,17 @@ def _scene(
         np.stack([[pair[s] for pair in pairs] for s in stamps_ns]),
         np.stack([truth.column(f"{name}_error_deg")[rows] for name in errors], axis=1),
         truth.column("metabolic_rate_w")[rows],
-        commanded(muscles, settings.plant.space)[muscles.at(np.array(stamps_ns))],
-        settings.plant.space.names,
+        _at(eyes["eye_states"], EYE_STATE_NAMES, stamps_ns),
+        _at(eyes["muscle_activations"], MUSCLE_NAMES, stamps_ns),
+        settings.tested_plant(episode.training_iteration).mechanics,
         settings.criteria(episode.training_iteration).px_deg,
         np.stack([truth.column(name)[rows] for name in TARGET_NAMES], axis=1)
         if has_targets
         else None,
     )
+
+
+def _at(table: VectorTable, names: Sequence[str], stamps_ns: Sequence[int]) -> np.ndarray:
+    """Return columns (n, n_names) of a table at stamps (n,)."""
+    rows = table.at(np.array(stamps_ns))
+    return np.stack([table.column(name)[rows] for name in names], axis=1)
