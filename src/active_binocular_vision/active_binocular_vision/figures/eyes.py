@@ -136,10 +136,10 @@ class DrawnEyes:
         iris, pupil = ring(_IRIS_MM), ring(_PUPIL_MM)
         rays = np.stack([0.25 * iris + 0.75 * pupil, 0.8 * iris + 0.2 * pupil], axis=1)[::4]
         self._add(Polygon(iris, fc=_IRIS, ec=_LIMBUS, lw=1.2, zorder=1.2))
-        self._add(LineCollection(rays, colors=_RAY, linewidths=0.5, zorder=1.3))
+        self._add(LineCollection(list(rays), colors=_RAY, linewidths=0.5, zorder=1.3))
         self._add(Polygon(pupil, fc=_PUPIL, ec="none", zorder=1.4))
 
-    def _draw_muscle(self, i_muscle: int, path_mm: np.ndarray, colour: tuple[float, ...]) -> None:
+    def _draw_muscle(self, i_muscle: int, path_mm: np.ndarray, colour: np.ndarray) -> None:
         """Draw a path (n, 3) in pieces, thicker in the middle of the muscle."""
         along = np.linspace(0.0, 1.0, len(path_mm))[1:]
         thick_mm = _END_MM + (_BELLY_MM - _END_MM) * np.sin(np.pi * along**0.8) ** 2
