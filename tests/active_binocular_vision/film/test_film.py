@@ -95,7 +95,7 @@ def _write(
                 writer.write("ground_truth", truth, stamp_ns)
                 activations = vector_bytes(MUSCLE_NAMES, ACTIVATIONS, stamp_ns)
                 writer.write("muscle_activations", activations, stamp_ns)
-                eyes = vector_bytes(EYE_STATE_NAMES, EYE_ANGLES_RAD, stamp_ns)
+                eyes = vector_bytes(EYE_STATE_NAMES[:4], EYE_ANGLES_RAD[:4], stamp_ns)
                 writer.write("eye_states", eyes, stamp_ns)
                 for side, topic in enumerate(PICTURES):
                     picture = np.full((HEIGHT, WIDTH), _grey(episode, iteration, side), np.uint8)

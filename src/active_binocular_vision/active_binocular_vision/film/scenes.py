@@ -12,6 +12,7 @@ from active_binocular_vision.runs.recorded import (
 )
 from experiment_manager import Bag, VectorTable
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
+from eye_plant.mechanics.muscle_energetics import Musculature
 from lockstep import MUSCLE_NAMES, PAIR
 from lockstep.wire.topics import EYE_STATE_NAMES, PICTURES, TARGET_NAMES, TEST
 
@@ -144,15 +145,17 @@ def _scene(
     stamps_ns = [s for s in wanted.tolist() if all(s in pair for pair in pairs)][:most]
     rows = truth.at(np.array(stamps_ns))
     has_targets = fixation and (episode.is_trial or settings.gives_targets)
+    mechanics = settings.tested_plant(episode.training_iteration).mechanics
+    tonic = Musculature(mechanics).tonic_activation
     errors = ERRORS[: 1 if settings.plant.command_space == PAIR else None]
     return Scene(
         caption,
         np.stack([[pair[s] for pair in pairs] for s in stamps_ns]),
         np.stack([truth.column(f"{name}_error_deg")[rows] for name in errors], axis=1),
         truth.column("metabolic_rate_w")[rows],
-        _at(eyes["eye_states"], EYE_STATE_NAMES, stamps_ns),
-        _at(eyes["muscle_activations"], MUSCLE_NAMES, stamps_ns),
-        settings.tested_plant(episode.training_iteration).mechanics,
+        _at(eyes["eye_states"], EYE_STATE_NAMES, stamps_ns, np.zeros(len(EYE_STATE_NAMES))),
+        _at(eyes["muscle_activations"], MUSCLE_NAMES, stamps_ns, tonic),
+        mechanics,
         settings.criteria(episode.training_iteration).px_deg,
         np.stack([truth.column(name)[rows] for name in TARGET_NAMES], axis=1)
         if has_targets
@@ -160,7 +163,13 @@ def _scene(
     )
 
 
-def _at(table: VectorTable, names: Sequence[str], stamps_ns: Sequence[int]) -> np.ndarray:
-    """Return columns (n, n_names) of a table at stamps (n,)."""
+def _at(
+    table: VectorTable, names: Sequence[str], stamps_ns: Sequence[int], otherwise: np.ndarray
+) -> np.ndarray:
+    """Return columns (n, n_names) of a table at stamps (n,); a plant may leave out what rests."""
     rows = table.at(np.array(stamps_ns))
-    return np.stack([table.column(name)[rows] for name in names], axis=1)
+    columns = [
+        table.column(name)[rows] if name in table.names else np.full(len(rows), resting)
+        for name, resting in zip(names, otherwise, strict=True)
+    ]
+    return np.stack(columns, axis=1)
