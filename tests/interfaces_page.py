@@ -1,4 +1,4 @@
-"""What docs/interfaces.md says, for the tests that hold it against the code."""
+"""What docs/reference/topics.md says, for the tests that hold it against the code."""
 
 import re
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 from lockstep.wire import topics
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
 
-PAGE = (Path(__file__).parents[1] / "docs" / "interfaces.md").read_text()
+PAGE = (Path(__file__).parents[1] / "docs" / "reference" / "topics.md").read_text()
 VECTORS = {
     "episode": topics.EPISODE_NAMES,
     "ground_truth": topics.GROUND_TRUTH_NAMES[len(topics.EPISODE_NAMES) :],

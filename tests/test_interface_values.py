@@ -1,4 +1,4 @@
-"""docs/interfaces.md against what is sent: fields, units, ranges, periods."""
+"""docs/reference/topics.md against what is sent: fields, units, ranges, periods."""
 
 import dataclasses
 import importlib.util

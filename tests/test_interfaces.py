@@ -1,4 +1,4 @@
-"""docs/interfaces.md against the code: topics, types, names, requests."""
+"""docs/reference/topics.md against the code: topics, types, names, requests."""
 
 import re
 from functools import partial

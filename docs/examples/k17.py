@@ -45,7 +45,7 @@ from vergence_rl.normalizer import empty_statistics, normalized, updated_statist
 
 Floats = NDArray[np.float64]
 
-# K17 II, or as docs/deviations.md numbers them (D5, D11, D13, D14).
+# K17 II, or as docs/model/deviations.md numbers them (D5, D11, D13, D14).
 N_BASES, N_SELECTIONS, DICTIONARY_RATE = 400, 10, 0.2
 STATE_SD, BIAS_INPUT = 0.02, 0.02
 DISCOUNT, CRITIC_RATE, CRITIC_STEP_LIMIT = 0.3, 0.75, 1.0

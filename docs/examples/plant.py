@@ -1,6 +1,6 @@
 """An example plant: eyes that jump to their angles, in front of noise that moves with them.
 
-It publishes all that a plant publishes, and answers the requests; docs/interfaces.md says why.
+It publishes all that a plant publishes, and answers the requests (docs/reference/topics.md).
 """
 
 import math

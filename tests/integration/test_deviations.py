@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-_PAGE = ROOT / "docs" / "deviations.md"
+_PAGE = ROOT / "docs" / "model" / "deviations.md"
 
 
 def _listed() -> set[str]:

@@ -9,7 +9,7 @@ _MOST_WORDS = 60
 
 
 def test_each_word_of_the_glossary_stands_in_the_code() -> None:
-    page = (ROOT / "docs/glossary.md").read_text()
+    page = (ROOT / "docs/reference/glossary.md").read_text()
     rows = _ROW.findall(page)
     n_lines = sum(line.startswith("| ") and "**" not in line for line in page.splitlines())
     assert len(rows) == n_lines - 1, "every row but the head is a word, its meaning and a name"

@@ -1,4 +1,4 @@
-"""docs/bags.md does what it says."""
+"""docs/how_to/bags.md does what it says."""
 
 import json
 import re
@@ -11,7 +11,7 @@ import pytest
 
 from active_binocular_vision.commands import inspect_bag
 
-DOCS = Path(__file__).parents[3] / "docs"
+DOCS = Path(__file__).parents[3] / "docs" / "how_to"
 
 
 def _blocks(language: str) -> list[str]:

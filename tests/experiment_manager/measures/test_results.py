@@ -90,7 +90,7 @@ def test_a_damaged_measure_is_refused(measure: str, tmp_path: Path) -> None:
 
 
 def test_every_key_of_a_result_is_in_the_document() -> None:
-    text = (Path(__file__).parents[3] / "docs" / "measures.md").read_text()
+    text = (Path(__file__).parents[3] / "docs" / "reference" / "measures.md").read_text()
     keys = _keys(to_builtins(RUN))
     assert {"share_antagonist_silent", "first_5000"} < keys
     assert not keys - set(re.findall(r"`([a-z_A-Z0-9]+)`", text)) - {"0.5", "6"}

@@ -153,7 +153,7 @@ def _add_ways_to_run(line: argparse.ArgumentParser) -> None:
         type=_nodes,
         metavar="NODE,...",
         help="nodes that you start yourself on another machine, any of "
-        f"{', '.join(MOVABLE_NODES)}; see docs/reliability.md",
+        f"{', '.join(MOVABLE_NODES)}; see docs/dev/reliability.md",
     )
     group.add_argument(
         "--live",

@@ -18,7 +18,7 @@ _LOOKING_THERE_DEG = 1.0
 
 
 class Measures(msgspec.Struct, kw_only=True, frozen=True, omit_defaults=True):
-    """Measures of some trials after one iteration, as in docs/measures.md.
+    """Measures of some trials after one iteration, as in docs/reference/measures.md.
 
     None where no trial counts.
     """
@@ -106,10 +106,11 @@ class Summary(SetSummary, kw_only=True, frozen=True, omit_defaults=True):
     iteration: of training; without_zero_start_error: of the trials that do not start with correct
     vergence; authors_test_set: of those that the authors' code has, too.
 
-    Of eyes that make saccades the measures of fixations, as in docs/measures.md. saccade_error_deg:
-    angle between line of sight and target after each of the saccades; gaze_drift_deg: how far the
-    line of sight moves over some iterations of vergence; what comes next: errors about all axes
-    after those, and the share of fixations within one pixel, sideways and up.
+    Of eyes that make saccades the measures of fixations, as in docs/reference/measures.md.
+    saccade_error_deg: angle between line of sight and target after each of the saccades;
+    gaze_drift_deg: how far the line of sight moves over some iterations of vergence; what comes
+    next: errors about all axes after those, and the share of fixations within one pixel, sideways
+    and up.
     """
 
     iteration: int

@@ -72,8 +72,8 @@ class Requests:
                 return absent
             raise InputError(
                 f"expected a plant with the service {service_name(PLANT)}, which takes the requests"
-                f" for episodes, found none in {PLANT_WAIT_S:g} s; docs/interfaces.md lists the"
-                " requests that your own plant must answer"
+                f" for episodes, found none in {PLANT_WAIT_S:g} s; docs/reference/topics.md lists"
+                " the requests that your own plant must answer"
             )
         for name in absent:
             self._node.get_logger().warning(

@@ -39,9 +39,9 @@ _ABOUT = (
     "Medians over seeds; in brackets the least and the greatest seed, and how many have a value if "
     "not all. Before: before the first change of the schedule. Test: the run's own, after the last "
     "iteration of a trial. In the cover test the eyes begin at rest and look at 2 m; deviations "
-    "are those of the covered right eye, above 0 where it is turned in, or higher. docs/clinic.md "
-    "and docs/rearing.md define all columns. Published: Klimmasch et al. (2021), after 500,000 "
-    "iterations, mean and standard deviation."
+    "are those of the covered right eye, above 0 where it is turned in, or higher. "
+    "docs/model/clinic.md and docs/model/rearing.md define all columns. Published: Klimmasch et "
+    "al. (2021), after 500,000 iterations, mean and standard deviation."
 )
 _SHEET_CAPTION = (
     "A row for each condition. Marks: medians over seeds at birth, before the first change of the "
