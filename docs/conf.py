@@ -21,7 +21,6 @@ html_additional_pages = {"index": "redirect.html"}
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 
-nb_custom_formats = {".py": ["jupytext.reads", {"fmt": "py:percent"}]}
 nb_execution_mode = "cache"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 180
