@@ -74,15 +74,13 @@ class ProtocolConfig(TaskConfig):
         most=20,
         n_entries=3,
     )
-    start_centre_deg: tuple[float, ...] = setting(
-        (0.0, 0.0, 0.0),
-        "with a command for each muscle: how far from 0 those errors are centred, at most; drawn"
-        " once per run, on the other side in tests; centred on 0, the mean of the starts would give"
-        " the right posture away",
-        "deg",
+    start_mean_share: float = setting(
+        0.5,
+        "with a command for each muscle: how far the mean of those errors is off 0, as a share of"
+        " the largest, at most; drawn once per run, on the other side in tests, so that the starts"
+        " do not tell the right posture",
         least=0,
-        most=10,
-        n_entries=3,
+        most=0.95,
     )
     tonic_start_spread: float = setting(
         0.0,
@@ -91,6 +89,11 @@ class ProtocolConfig(TaskConfig):
         " with drawn errors",
         least=0,
         most=1,
+    )
+    starts_follow_changes: bool = setting(
+        False,
+        "with a command for each muscle: whether training after a change of the eyes begins with"
+        " errors of the changed eyes; otherwise with the activations that it began with before",
     )
     start_version_deg: tuple[float, ...] = setting(
         (5.0, 5.0),

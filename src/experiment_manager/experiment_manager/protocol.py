@@ -14,7 +14,7 @@ from experiment_manager.plant_changes import Change, Schedule, read_schedule
 from experiment_manager.sections import config_of
 from experiment_manager.starts import Starts, conditions, starts
 from eye_plant import Episode
-from lockstep import InputError, generator
+from lockstep import PAIR, InputError, generator
 from lockstep.wire.topics import TEST, TRAINING
 
 _N_KEPT = 4
@@ -53,6 +53,7 @@ class Protocol:
         self._schedule = schedule
         self._seed = seed
         self._starts = tuple(starts_of_stages)
+        self._follows_changes = config.starts_follow_changes or config.command_space == PAIR
         self.conditions = conditions(config, self._starts[0].baseline_m)
         self.n_trials = config.n_stimuli_per_test * len(self.conditions)
         self.segments = self._segments()
@@ -189,7 +190,8 @@ class Protocol:
         draw = generator(self._seed, "episode", number)
         stimulus = int(draw.integers(config.n_training_stimuli))
         of_stage = self._starts[segment.stage]
-        object_distance_m, activations = of_stage.training(draw)
+        begins = of_stage if self._follows_changes else self._starts[0]
+        object_distance_m, activations = begins.training(draw)
         return Episode(
             phase=TRAINING,
             test=-1,

@@ -2,9 +2,9 @@
 
 Eyes that one command turns alike begin as K17's, looking straight ahead at another distance than
 the plane's. Eyes with a command for each muscle begin with errors of their own about all axes that
-the commands turn, and look aside; those that make saccades have gaze targets. These errors may be
-centred aside of 0, so that the mean of all starts is not the right posture: elsewhere in each run,
-and on the other side in its tests.
+the commands turn, and look aside; those that make saccades have gaze targets. The mean of these
+errors is off 0, elsewhere in each run and on the other side in its tests: were it the right
+posture, eyes would learn that without a reward.
 """
 
 import functools
@@ -25,10 +25,8 @@ from lockstep import PAIR, generator
 Activations = tuple[float, ...]
 ActivationsOfVergence = Callable[[float, float], Activations]
 
-# Tests of all runs start alike, so that they compare, unless they are centred aside.
-_SEED_OF_TESTS = 0
-# Of the largest offset that the centre of a run's first errors has at least.
-_LEAST_CENTRE_SHARE = 0.75
+# Of the largest mean that a run's first errors have at least.
+_LEAST_MEAN_SHARE = 0.75
 _MOST_DRAWS = 1000
 
 
@@ -68,7 +66,7 @@ def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ..
 
 
 def _first_error_deg(config: ProtocolConfig, start: int) -> float:
-    return draw_angles_deg(config, _draw_of(start), of_tests=True)["horizontal"]
+    return draw_angles_deg(config, _draw_of(config, start), of_tests=True)["horizontal"]
 
 
 class PairStarts:
@@ -104,7 +102,7 @@ class PairStarts:
 
 
 class GazeStarts:
-    """Errors about all axes that the commands turn, and version, drawn uniformly about a centre."""
+    """Errors about all axes that the commands turn, and version, drawn from ranges."""
 
     def __init__(
         self,
@@ -128,7 +126,7 @@ class GazeStarts:
 
     def trial(self, condition: Condition, _: np.random.Generator) -> Activations:
         """Return activations with the condition's gaze."""
-        draw = _draw_of(condition.start)
+        draw = _draw_of(self._config, condition.start)
         angles_deg = draw_angles_deg(self._config, draw, of_tests=True)
         return self._activations(angles_deg, condition.object_distance_m, draw)
 
@@ -185,48 +183,41 @@ def draw_angles_deg(
 ) -> dict[str, float]:
     """Draw a gaze, by names of GAZE_ANGLES that the command space turns.
 
-    of_tests: about the centre of the run's tests instead of that of its training.
+    Errors are drawn from beta distributions over their ranges, with the means of `start_means`
+    (of_tests: those of the run's tests) and uniform for a mean of 0; version and elevation
+    uniformly.
     """
-    centre_deg, largest_deg = start_centre_deg(config, of_tests=of_tests), _half_widths_deg(config)
-    drawn = draw.uniform(-1.0, 1.0, len(largest_deg))
+    means = start_means(config, of_tests=of_tests)
     return {
-        name: float(centre_deg.get(name, 0.0) + most * share)
-        for (name, most), share in zip(largest_deg.items(), drawn, strict=True)
+        name: float(most * (2.0 * draw.beta(1.0 + mean, 1.0 - mean) - 1.0))
+        for name, most in largest_angles_deg(config).items()
+        for mean in (means.get(name, 0.0),)
     }
 
 
-def start_centre_deg(config: ProtocolConfig, *, of_tests: bool = False) -> dict[str, float]:
-    """Return the centre of first errors, by names of ERRORS: drawn once per run, and not near 0.
+def start_means(config: ProtocolConfig, *, of_tests: bool = False) -> dict[str, float]:
+    """Return the means of first errors as shares of the largest, by names of ERRORS.
 
-    Eyes that have learned only where episodes begin are wrong by as much; tests, which begin on the
-    other side of 0, show it.
+    They are drawn once per run, not near 0. Eyes that have learned only where episodes begin are
+    wrong by as much; tests, which begin on the other side of 0, show it.
     """
-    draw = generator(config.seed, "start centre", int(of_tests))
-    shares = draw.uniform(_LEAST_CENTRE_SHARE, 1.0, len(ERRORS))
+    draw = generator(config.seed, "mean of starts", int(of_tests))
+    shares = draw.uniform(_LEAST_MEAN_SHARE, 1.0, len(ERRORS))
     signs = generator(config.seed, "side of starts", 0).choice((-1.0, 1.0), len(ERRORS))
-    centre_deg = (-signs if of_tests else signs) * shares * config.start_centre_deg
-    return dict(zip(ERRORS, centre_deg.tolist(), strict=True))
+    means = (-signs if of_tests else signs) * shares * config.start_mean_share
+    return dict(zip(ERRORS, means.tolist(), strict=True))
 
 
 def largest_angles_deg(config: ProtocolConfig) -> dict[str, float]:
     """Return the largest errors and version with which episodes begin, by names of GAZE_ANGLES."""
-    most_aside_deg = dict(zip(ERRORS, config.start_centre_deg, strict=True))
-    return {
-        name: width_deg + most_aside_deg.get(name, 0.0)
-        for name, width_deg in _half_widths_deg(config).items()
-    }
-
-
-def _half_widths_deg(config: ProtocolConfig) -> dict[str, float]:
-    """Return how far first gazes are drawn about their centre, by names of GAZE_ANGLES."""
     largest = dict(zip(ERRORS, config.start_error_deg, strict=True)) | dict(
         zip(("version", "elevation"), config.start_version_deg, strict=True)
     )
     return {name: largest[name] for name in TURNED_ANGLES[config.command_space]}
 
 
-def _draw_of(start: int) -> np.random.Generator:
-    return generator(_SEED_OF_TESTS, "start", start)
+def _draw_of(config: ProtocolConfig, start: int) -> np.random.Generator:
+    return generator(config.seed, "start of trial", start)
 
 
 def drawn_targets_deg(

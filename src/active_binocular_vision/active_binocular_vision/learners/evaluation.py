@@ -82,16 +82,11 @@ def _with_starts(protocol: ExperimentManagerConfig, start_scale: float) -> Exper
             "start_scale: expected a run with a command for each muscle, whose first errors "
             "are drawn from ranges; those of the pair are whole degrees"
         )
-    largest_deg = (protocol.start_centre_deg, protocol.start_error_deg, protocol.start_version_deg)
-    centre_deg, error_deg, version_deg = (
-        tuple(start_scale * most for most in angles_deg) for angles_deg in largest_deg
+    error_deg, version_deg = (
+        tuple(start_scale * most for most in largest_deg)
+        for largest_deg in (protocol.start_error_deg, protocol.start_version_deg)
     )
-    return dataclasses.replace(
-        protocol,
-        start_centre_deg=centre_deg,
-        start_error_deg=error_deg,
-        start_version_deg=version_deg,
-    )
+    return dataclasses.replace(protocol, start_error_deg=error_deg, start_version_deg=version_deg)
 
 
 def _test_protocol(config: ExperimentManagerConfig, trained: int, n_stimuli: int) -> Protocol:
