@@ -14,7 +14,7 @@ from experiment_manager.starts import (
     draw_angles_deg,
     drawn_targets_deg,
     gaze_inverse,
-    start_centre_deg,
+    start_means,
 )
 from eye_plant.camera.config import CameraConfig
 from eye_plant.inverse.gaze import GAZE_ANGLES
@@ -23,7 +23,6 @@ from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import ALL_MUSCLES, HORIZONTAL_RECTI, InputError, build, flatten
 from lockstep.wire.topics import TEST
 
-CENTRE_DEG = (1.5, 0.75, 2.0)
 MECHANICS = MechanicsConfig(parameter_set="anatomical")
 LARGEST_DEG = {"horizontal": 3, "vertical": 1.5, "torsional": 4, "version": 5, "elevation": 5}
 
@@ -45,23 +44,36 @@ def _training_gazes_deg(config: ExperimentManagerConfig) -> np.ndarray:
     return np.array(gazes_deg)
 
 
-@pytest.mark.parametrize("centre_deg", [(0.0, 0.0, 0.0), CENTRE_DEG])
-def test_training_begins_anywhere_within_the_ranges_about_the_centre(centre_deg) -> None:
-    config = _config(start_centre_deg=centre_deg)
-    centre_deg = [start_centre_deg(config).get(name, 0.0) for name in GAZE_ANGLES]
+def test_training_begins_anywhere_within_the_ranges() -> None:
     largest_deg = np.array([LARGEST_DEG[name] for name in GAZE_ANGLES])
-    reached = np.abs(_training_gazes_deg(config) - centre_deg).max(axis=0) / largest_deg
+    reached = np.abs(_training_gazes_deg(_config())).max(axis=0) / largest_deg
     assert (reached <= 1.0 + 1e-6).all()
     assert (reached > 0.8).all()
 
 
-def test_the_centre_is_aside_elsewhere_in_each_run_and_on_the_other_side_in_tests() -> None:
-    configs = [_config(seed=seed, start_centre_deg=CENTRE_DEG) for seed in range(20)]
+@pytest.mark.parametrize("of_tests", [False, True])
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_first_errors_have_the_means_of_the_run_and_cover_their_ranges(share, of_tests) -> None:
+    config, draw = _config(start_mean_share=share), np.random.default_rng(1)
+    means = start_means(config, of_tests=of_tests)
+    drawn = [draw_angles_deg(config, draw, of_tests=of_tests) for _ in range(2000)]
+    for name, most_deg in LARGEST_DEG.items():
+        shares = np.array([angles_deg[name] for angles_deg in drawn]) / most_deg
+        assert shares.mean() == pytest.approx(means.get(name, 0.0), abs=0.05)
+        # The density of a beta distribution on [0, 1] is highest or lowest at its ends.
+        assert 0.03 < (shares < -0.5).mean() < 0.6
+        assert 0.03 < (shares > 0.5).mean() < 0.6
+        # A uniform one has a variance of 1 / 3; Var = (1 - mean^2) / 3 for parameters that add to 2.
+        assert shares.var() == pytest.approx((1.0 - means.get(name, 0.0) ** 2) / 3.0, abs=0.03)
+
+
+def test_the_mean_is_aside_elsewhere_in_each_run_and_on_the_other_side_in_tests() -> None:
+    configs = [_config(seed=seed, start_mean_share=0.4) for seed in range(20)]
     of_seeds = [
-        [list(start_centre_deg(config, of_tests=t).values()) for t in (False, True)]
+        [list(start_means(config, of_tests=t).values()) for t in (False, True)]
         for config in configs
     ]
-    shares = np.array(of_seeds) / CENTRE_DEG
+    shares = np.array(of_seeds) / 0.4
     assert (np.abs(shares) >= 0.75).all()
     assert (np.abs(shares) <= 1.0).all()
     assert (shares[:, 0] * shares[:, 1] < 0.0).all()
@@ -80,7 +92,7 @@ def test_training_about_the_tonic_level_needs_no_inverse(monkeypatch: pytest.Mon
     assert gazes_deg[:, 3:].std(axis=0).min() > 0.5
 
 
-def test_a_test_has_the_same_starts_for_all_seeds_and_pictures() -> None:
+def test_a_test_has_the_same_starts_for_all_pictures_and_others_for_each_seed() -> None:
     config = _config()
     found = conditions(config, MECHANICS.baseline_m)
     assert len(found) == 7 * 6
@@ -91,6 +103,27 @@ def test_a_test_has_the_same_starts_for_all_seeds_and_pictures() -> None:
     inverse = gaze_inverse(config, MECHANICS)
     gaze_deg = inverse.gaze_deg(np.array(one), found[5].object_distance_m)
     assert gaze_deg[0] == pytest.approx(found[5].start_error_deg, abs=1e-5)
+    elsewhere = conditions(_config(seed=2), MECHANICS.baseline_m)
+    assert not {c.start_error_deg for c in found} & {c.start_error_deg for c in elsewhere}
+
+
+def _begins_after_change(schedule: str, *, follows: bool) -> tuple[float, ...]:
+    config = _config(
+        n_training_iterations=20,
+        test_iterations=(),
+        mechanics=MECHANICS,
+        schedule=schedule,
+        starts_follow_changes=follows,
+    )
+    sequence = make_protocol(config)
+    return sequence.episode(sequence.place_after(10)).activations
+
+
+def test_training_after_a_change_begins_as_before_unless_it_follows() -> None:
+    change = "[{at: 10, set: {eyes.camera.right_rotation_deg: -5.0}}]"
+    before = _begins_after_change("", follows=False)
+    assert _begins_after_change(change, follows=False) == before
+    assert _begins_after_change(change, follows=True) != before
 
 
 def test_eyes_behind_a_prism_begin_with_the_errors_that_they_see() -> None:
