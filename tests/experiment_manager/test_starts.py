@@ -11,10 +11,10 @@ from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.starts import (
     GazeStarts,
     conditions,
+    corner,
     draw_angles_deg,
     drawn_targets_deg,
     gaze_inverse,
-    start_means,
 )
 from eye_plant.camera.config import CameraConfig
 from eye_plant.inverse.gaze import GAZE_ANGLES
@@ -53,31 +53,27 @@ def test_training_begins_anywhere_within_the_ranges() -> None:
 
 @pytest.mark.parametrize("of_tests", [False, True])
 @pytest.mark.parametrize("share", [0.0, 0.5])
-def test_first_errors_have_the_means_of_the_run_and_cover_their_ranges(share, of_tests) -> None:
-    config, draw = _config(start_mean_share=share), np.random.default_rng(1)
-    means = start_means(config, of_tests=of_tests)
+def test_episodes_begin_anywhere_and_some_in_the_corner(share, of_tests) -> None:
+    config, draw = _config(aside_share=share), np.random.default_rng(1)
+    sides = [*corner(config, of_tests=of_tests), 0.0, 0.0]
     drawn = [draw_angles_deg(config, draw, of_tests=of_tests) for _ in range(2000)]
-    for name, most_deg in LARGEST_DEG.items():
-        shares = np.array([angles_deg[name] for angles_deg in drawn]) / most_deg
-        assert shares.mean() == pytest.approx(means.get(name, 0.0), abs=0.05)
-        # The density of a beta distribution on [0, 1] is highest or lowest at its ends.
-        assert 0.03 < (shares < -0.5).mean() < 0.6
-        assert 0.03 < (shares > 0.5).mean() < 0.6
-        # A uniform one has a variance of 1 / 3; Var = (1 - mean^2) / 3 for parameters that add to 2.
-        assert shares.var() == pytest.approx((1.0 - means.get(name, 0.0) ** 2) / 3.0, abs=0.03)
+    shares = np.array([[*angles_deg.values()] for angles_deg in drawn]) / [*LARGEST_DEG.values()]
+    assert list(drawn[0]) == list(LARGEST_DEG)
+    # Half of a uniform variable's mean, 0, and half of one's in [0.7, 1] on the corner's side.
+    np.testing.assert_allclose(shares.mean(axis=0), share * 0.85 * np.array(sides), atol=0.05)
+    # Nothing is left out on the other side.
+    for quarter in np.linspace(-1.0, 0.5, 4):
+        within = ((shares >= quarter) & (shares < quarter + 0.5)).mean(axis=0)
+        assert (within > 0.2 * (1.0 - share)).all()
 
 
-def test_the_mean_is_aside_elsewhere_in_each_run_and_on_the_other_side_in_tests() -> None:
-    configs = [_config(seed=seed, start_mean_share=0.4) for seed in range(20)]
-    of_seeds = [
-        [list(start_means(config, of_tests=t).values()) for t in (False, True)]
-        for config in configs
-    ]
-    shares = np.array(of_seeds) / 0.4
-    assert (np.abs(shares) >= 0.75).all()
-    assert (np.abs(shares) <= 1.0).all()
-    assert (shares[:, 0] * shares[:, 1] < 0.0).all()
-    assert (np.abs(np.sign(shares[:, 0]).mean(axis=0)) < 0.7).all()
+def test_the_corner_is_another_one_in_each_run_and_the_opposite_in_tests() -> None:
+    corners = np.array(
+        [[corner(_config(seed=seed), of_tests=t) for t in (False, True)] for seed in range(20)]
+    )
+    np.testing.assert_array_equal(corners[:, 0], -corners[:, 1])
+    assert set(np.abs(corners).ravel()) == {1.0}
+    assert (np.abs(corners[:, 0].mean(axis=0)) < 0.7).all()
 
 
 def test_training_about_the_tonic_level_needs_no_inverse(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -74,13 +74,13 @@ class ProtocolConfig(TaskConfig):
         most=20,
         n_entries=3,
     )
-    start_mean_share: float = setting(
+    aside_share: float = setting(
         0.5,
-        "with a command for each muscle: how far the mean of those errors is off 0, as a share of"
-        " the largest, at most; drawn once per run, on the other side in tests, so that the starts"
-        " do not tell the right posture",
+        "with a command for each muscle: share of the episodes that begin with errors near the"
+        " largest, on sides drawn once per run, and on the opposite ones in tests; so the mean of"
+        " the starts does not tell the right posture",
         least=0,
-        most=0.95,
+        most=1,
     )
     tonic_start_spread: float = setting(
         0.0,

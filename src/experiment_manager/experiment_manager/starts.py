@@ -2,9 +2,9 @@
 
 Eyes that one command turns alike begin as K17's, looking straight ahead at another distance than
 the plane's. Eyes with a command for each muscle begin with errors of their own about all axes that
-the commands turn, and look aside; those that make saccades have gaze targets. The mean of these
-errors is off 0, elsewhere in each run and on the other side in its tests: were it the right
-posture, eyes would learn that without a reward.
+the commands turn, and look aside; those that make saccades have gaze targets. Some of them begin
+with errors in one corner of the ranges, another one in each run, and its opposite in tests: were
+the mean of all starts the right posture, eyes would learn that without a reward.
 """
 
 import functools
@@ -25,8 +25,8 @@ from lockstep import PAIR, generator
 Activations = tuple[float, ...]
 ActivationsOfVergence = Callable[[float, float], Activations]
 
-# Of the largest mean that a run's first errors have at least.
-_LEAST_MEAN_SHARE = 0.75
+# Of the largest errors, those with which episodes begin in the corner.
+_CORNER = (0.7, 1.0)
 _MOST_DRAWS = 1000
 
 
@@ -183,29 +183,25 @@ def draw_angles_deg(
 ) -> dict[str, float]:
     """Draw a gaze, by names of GAZE_ANGLES that the command space turns.
 
-    Errors are drawn from beta distributions over their ranges, with the means of `start_means`
-    (of_tests: those of the run's tests) and uniform for a mean of 0; version and elevation
-    uniformly.
+    Errors lie anywhere within their ranges, or in the corner where the run's training begins more
+    often (of_tests: its tests); version and elevation anywhere.
     """
-    means = start_means(config, of_tests=of_tests)
+    largest_deg, sides = largest_angles_deg(config), corner(config, of_tests=of_tests)
+    shares = draw.uniform(-1.0, 1.0, len(largest_deg))
+    in_corner = draw.uniform(*_CORNER, len(ERRORS)) * sides
+    if draw.random() < config.aside_share:
+        n = sum(name in ERRORS for name in largest_deg)
+        shares[:n] = in_corner[:n]
     return {
-        name: float(most * (2.0 * draw.beta(1.0 + mean, 1.0 - mean) - 1.0))
-        for name, most in largest_angles_deg(config).items()
-        for mean in (means.get(name, 0.0),)
+        name: float(most * share)
+        for (name, most), share in zip(largest_deg.items(), shares, strict=True)
     }
 
 
-def start_means(config: ProtocolConfig, *, of_tests: bool = False) -> dict[str, float]:
-    """Return the means of first errors as shares of the largest, by names of ERRORS.
-
-    They are drawn once per run, not near 0. Eyes that have learned only where episodes begin are
-    wrong by as much; tests, which begin on the other side of 0, show it.
-    """
-    draw = generator(config.seed, "mean of starts", int(of_tests))
-    shares = draw.uniform(_LEAST_MEAN_SHARE, 1.0, len(ERRORS))
-    signs = generator(config.seed, "side of starts", 0).choice((-1.0, 1.0), len(ERRORS))
-    means = (-signs if of_tests else signs) * shares * config.start_mean_share
-    return dict(zip(ERRORS, means.tolist(), strict=True))
+def corner(config: ProtocolConfig, *, of_tests: bool = False) -> np.ndarray:
+    """Return the signs (3,) of ERRORS in the corner of the ranges where more episodes begin."""
+    sides = generator(config.seed, "corner of starts", 0).choice((-1.0, 1.0), len(ERRORS))
+    return -sides if of_tests else sides
 
 
 def largest_angles_deg(config: ProtocolConfig) -> dict[str, float]:
