@@ -40,10 +40,11 @@ def main() -> None:
     cycles, angle_deg = np.hypot(column, row), np.degrees(np.arctan2(row, column)) % 180.0
     is_fitted = (cycles >= FITTED[0]) & (cycles <= FITTED[1])
     ring = np.rint(cycles).astype(int)
+    n_of_rings = np.maximum(np.bincount(ring[is_fitted]), 1)
     spectra, upright = [], []
     for stimulus in stimuli:
         a = amplitude(stimulus)
-        spectra.append(np.bincount(ring[is_fitted], a[is_fitted]) / np.bincount(ring[is_fitted]))
+        spectra.append(np.bincount(ring[is_fitted], a[is_fitted]) / n_of_rings)
         is_upright = np.minimum(angle_deg % 90.0, 90.0 - angle_deg % 90.0) < 11.25
         power = a[is_fitted] ** 2 * cycles[is_fitted]  # as if the spectrum were flat
         upright.append(power[is_upright[is_fitted]].sum() / power.sum())

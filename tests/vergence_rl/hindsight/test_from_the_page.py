@@ -33,7 +33,8 @@ SETTINGS = {
 @pytest.fixture(scope="module")
 def page() -> ModuleType:
     spec = importlib.util.spec_from_file_location("hindsight_from_the_page", FILE)
-    assert spec is not None and spec.loader is not None
+    assert spec
+    assert spec.loader
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # dataclasses look there
     spec.loader.exec_module(module)
@@ -81,7 +82,7 @@ def test_it_gives_the_commands_of_a_run_of_the_profile_precise(
     line = small_run(pictures, n_iterations)
     oracle = OracleRun(configured("--profile", "precise", *line[2:]))
     rule = _rule(page, oracle.agent.config)
-    indices = oracle.agent.config.space.indices
+    space = oracle.agent.config.space
     largest = 0.0
     for episode, step in oracle.steps():
         seen, answer = step.observation, step.answer
@@ -89,7 +90,7 @@ def test_it_gives_the_commands_of_a_run_of_the_profile_precise(
             continue
         command = rule.step(
             answer.percept.encoding.features.ravel(),
-            seen.state.activations[indices].reshape(2, -1)[0],
+            space.from_all(seen.state.activations),
             answer.percept.reward,
             seen.iteration,
             seen.training_iteration,
