@@ -212,7 +212,7 @@ def _draw_above(axes: Axes) -> None:
     axes.text(
         reach_m,
         -2.5,
-        f"landscape {camera.landscape_distance_m:g} m\nbehind the plane",
+        f"landscape,\n{camera.landscape_distance_m:g} m away",
         ha="right",
         fontsize=8,
     )
