@@ -16,7 +16,8 @@ class Observation:
     """Observation `iteration` of an episode, 0 to n_iterations.
 
     pictures: (2, roi_height_px, roi_width_px) uint8, left then right, valid until the next
-    observation is made; None in the last observation, which nobody answers.
+    observation is made; None in the last observation, which nobody answers. felt: (12,) activations
+    as they are felt.
     """
 
     episode: Episode
@@ -24,6 +25,7 @@ class Observation:
     pictures: np.ndarray | None
     state: OculomotorState
     truth: GroundTruth
+    felt: np.ndarray
 
     @property
     def number(self) -> int:

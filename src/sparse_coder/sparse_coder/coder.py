@@ -65,6 +65,7 @@ class SparseCoder:
         metabolic_rates_w: NDArray[np.float64],
         *,
         iteration: int = 0,
+        number: int = 0,
         given_deg: NDArray[np.float64] = NOWHERE_DEG,
     ) -> Percept:
         """Return what an observation is worth, and what it says of gaze; the atoms stay.
@@ -72,6 +73,7 @@ class SparseCoder:
         left, right: grey uint8 pictures (height_px, width_px).
         metabolic_rates_w: (n_muscles,) settled rates of the muscles that are charged.
         iteration: within the episode; turns of the eyes are followed from 0 on.
+        number: of the observation, from which noise of measured turns is drawn.
         given_deg: (2,) place to look at when a fixation begins, NaN where the eyes choose.
 
         Raises InputError for unsuitable pictures or rates.
@@ -82,7 +84,9 @@ class SparseCoder:
         if self.config.random_reward:
             earned = random_reward(self.config.seed, self.learning_steps, iteration)
         watch = self._watch
-        gaze = watch.step(iteration, (left, right), encoding, given_deg) if watch else None
+        gaze = None
+        if watch:
+            gaze = watch.step(iteration, (left, right), encoding, given_deg, number)
         return Percept(
             encoding, rate_w, earned.energy_penalty, earned.value, self.learning_steps, gaze
         )
