@@ -100,14 +100,7 @@ class InProcessLoop:
         left, right = seen.pictures
         rates_w = seen.state.metabolic_rate_w[self._space.indices]
         given_deg = np.array(seen.given_target_deg)
-        return self.coder.perceive(
-            left,
-            right,
-            rates_w,
-            iteration=seen.iteration,
-            number=seen.number,
-            given_deg=given_deg,
-        )
+        return self.coder.perceive(left, right, rates_w, moment=seen.moment, given_deg=given_deg)
 
     def _decide(
         self, seen: Observation, percept: Percept, *, learning: bool, exploration: bool

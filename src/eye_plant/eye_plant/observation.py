@@ -8,7 +8,7 @@ import numpy as np
 from eye_plant.episode import Episode
 from eye_plant.ground_truth import GroundTruth
 from eye_plant.mechanics.oculomotor import OculomotorState
-from lockstep.wire.topics import TRAINING
+from lockstep.randomness import Moment
 
 
 @dataclass(frozen=True)
@@ -33,10 +33,14 @@ class Observation:
         return self.episode.first_observation + self.iteration
 
     @property
+    def moment(self) -> Moment:
+        """Which observation it is, for what is drawn at random."""
+        return self.episode.moment(self.iteration)
+
+    @property
     def training_iteration(self) -> int:
         """Training iterations of the run before this observation."""
-        in_training = self.episode.phase == TRAINING
-        return self.episode.training_iteration + (self.iteration if in_training else 0)
+        return self.moment.training_iteration
 
     def episode_values(self) -> tuple[float, ...]:
         """Return the values of lockstep.wire.topics.EPISODE_NAMES."""

@@ -194,13 +194,13 @@ class EyePlant:
             target_deg=target_place_deg(seeing[0], *target_deg) if target_deg else (0.0, 0.0),
         )
         pictures = None
-        number = episode.first_observation + self._iteration
+        moment = episode.moment(self._iteration)
         if self.is_waiting:  # the last observation has none
             drawn = self._camera.render(
                 positions_m, rotations, episode.stimulus, episode.object_distance_m
             )
-            pictures = self._senses.pictures(drawn, number)
-        felt = self._senses.felt(state.activations, number)
+            pictures = self._senses.pictures(drawn, moment)
+        felt = self._senses.felt(state.activations, moment)
         return Observation(episode, self._iteration, pictures, state, truth, felt)
 
     def _least_rates_w(

@@ -1,6 +1,6 @@
 """What the senses make of what is there: noise of pictures and of felt activations, and gaps.
 
-Noise is a function of the seed and of the observation's number, so nothing of it is saved. A
+Noise is a function of the seed and of the moment, so nothing of it is saved. A
 picture or an activation that is missing stays as it was last, as a camera repeats a lost frame.
 """
 
@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from eye_plant.camera.config import CameraConfig
-from lockstep import SIDES, generator, setting
+from lockstep import SIDES, setting
 from lockstep.optics import TurnNoiseConfig, share
+from lockstep.randomness import Moment
 
 _N = 2**16
 
@@ -63,15 +64,15 @@ class Senses:
         self._last_pictures: NDArray[np.uint8] | None = None
         self._last_felt: NDArray[np.float64] | None = None
 
-    def pictures(self, drawn: NDArray[np.uint8], number: int) -> NDArray[np.uint8]:
+    def pictures(self, drawn: NDArray[np.uint8], moment: Moment) -> NDArray[np.uint8]:
         """Return both eyes' pictures (2, roi_height_px, roi_width_px) as the cameras give them.
 
-        A pixel's noise does not depend on the region of interest. number: of the observation.
+        A pixel's noise does not depend on the region of interest.
         """
         noise = self._noise
         if not noise.picture_sd and not noise.missing_pictures:
             return drawn
-        draw = generator(self.seed, "pictures", number)
+        draw = moment.generator(self.seed, "pictures")
         seen = drawn
         if noise.picture_sd:
             noisy = drawn + _central(self._grey_levels(draw), drawn.shape[1:])
@@ -82,12 +83,12 @@ class Senses:
         self._last_pictures = seen
         return seen.copy()
 
-    def felt(self, activations: NDArray[np.float64], number: int) -> NDArray[np.float64]:
-        """Return activations (n_muscles,) as they are felt, in [0, 1]; number: as above."""
+    def felt(self, activations: NDArray[np.float64], moment: Moment) -> NDArray[np.float64]:
+        """Return activations (n_muscles,) as they are felt, in [0, 1]."""
         noise = self._noise
         if not noise.is_of_activations:
             return activations
-        draw = generator(self.seed, "felt activations", number)
+        draw = moment.generator(self.seed, "felt activations")
         errors = draw.normal(0.0, noise.activation_sd, activations.shape)
         felt = np.clip(activations + errors, 0.0, 1.0)
         if self._last_felt is not None:

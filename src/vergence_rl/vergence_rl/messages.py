@@ -42,7 +42,7 @@ def activations_of(message: JointState, space: CommandSpace) -> np.ndarray:
     Where they are felt with noise, the message has them as velocity. Raises InputError as
     `values_of`, and for an activation out of [0, 1].
     """
-    field = "velocity" if message.velocity else "position"
+    field = "velocity" if len(message.velocity) else "position"
     values = values_of(message, space.muscle_names, "muscle_activations", field)
     if not ((values >= 0.0) & (values <= 1.0)).all():
         raise InputError(

@@ -12,8 +12,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep import generator
 from lockstep.optics import TurnNoiseConfig
+from lockstep.randomness import Moment
 from lockstep.wire.topics import N_SACCADES
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.gaze.movement import movement, rotation, swing_deg
@@ -49,25 +49,21 @@ class Turns:
         self._before: Pictures | None = None
 
     def step(
-        self,
-        iteration: int,
-        pictures: Pictures,
-        encoding: Encoding,
-        given_deg: Floats,
-        number: int = 0,
+        self, moment: Moment, pictures: Pictures, encoding: Encoding, given_deg: Floats
     ) -> Gaze:
         """Return what an observation says of gaze: turns, and never a target."""
-        turns_deg = self._turns_deg(pictures, number) if iteration in _MEASURED else UNSEEN_DEG
+        iteration = moment.iteration
+        turns_deg = self._turns_deg(pictures, moment) if iteration in _MEASURED else UNSEEN_DEG
         self._before = _kept(pictures) if iteration + 1 in _MEASURED else None
         return Gaze(NOWHERE_DEG, turns_deg)
 
-    def _turns_deg(self, pictures: Pictures, number: int) -> Floats:
+    def _turns_deg(self, pictures: Pictures, moment: Moment) -> Floats:
         """Return how each eye turned since the pictures that were kept, (2, 3) as Gaze has them."""
         if self._before is None:
             return UNSEEN_DEG
         pairs = zip(self._before, pictures, strict=True)
         turns_deg = np.array([movement(*pair, self._focal_length_px) for pair in pairs])
-        return with_noise(turns_deg, self._noise, self._seed, number)
+        return with_noise(turns_deg, self._noise, self._seed, moment)
 
 
 class Fixations(Turns):
@@ -88,18 +84,14 @@ class Fixations(Turns):
         self._visited: list[Floats] = []
 
     def step(
-        self,
-        iteration: int,
-        pictures: Pictures,
-        encoding: Encoding,
-        given_deg: Floats,
-        number: int = 0,
+        self, moment: Moment, pictures: Pictures, encoding: Encoding, given_deg: Floats
     ) -> Gaze:
         """Return what an observation says of gaze.
 
-        iteration: within the episode; given_deg: (2,) the target that a fixation begins with, NaN
-        where the eyes choose; number: of the observation in the run.
+        given_deg: (2,) the target that a fixation begins with, NaN
+        where the eyes choose.
         """
+        iteration = moment.iteration
         if iteration == 0:
             self._visited = []
         of_fixation = iteration % self._n_iterations
@@ -111,14 +103,14 @@ class Fixations(Turns):
             self._ahead = rotation(np.append(target_deg, 0.0))[:, 2]
             return Gaze(target_deg, UNSEEN_DEG)
         if of_fixation == 1 and self._before is not None:
-            return self._corrected(pictures, number)
+            return self._corrected(pictures, moment)
         is_measured = (of_fixation - N_SACCADES) % _MEASURED_EVERY == 1
-        turns_deg = self._turns_deg(pictures, number) if is_measured else UNSEEN_DEG
+        turns_deg = self._turns_deg(pictures, moment) if is_measured else UNSEEN_DEG
         self._before = None if is_measured else _kept(pictures)
         return Gaze(NOWHERE_DEG, turns_deg)
 
-    def _corrected(self, pictures: Pictures, number: int) -> Gaze:
-        turns_deg = self._turns_deg(pictures, number)
+    def _corrected(self, pictures: Pictures, moment: Moment) -> Gaze:
+        turns_deg = self._turns_deg(pictures, moment)
         self._before = None
         if np.isnan(turns_deg[0]).any():
             self._visited = []  # where those places are now is not known
@@ -157,11 +149,11 @@ def gaze_watch(config: SparseCoderConfig) -> Fixations | Turns | None:
     return Turns(*measured) if config.measures_turns else None
 
 
-def with_noise(turns_deg: Floats, noise: TurnNoiseConfig, seed: int, number: int) -> Floats:
-    """Return turns (2, 3) with noise, NaN where one is missing; number: of the observation."""
+def with_noise(turns_deg: Floats, noise: TurnNoiseConfig, seed: int, moment: Moment) -> Floats:
+    """Return turns (2, 3) as they are measured with noise, NaN where one is missing."""
     if noise == NO_NOISE:
         return turns_deg
-    draw = generator(seed, "turns", number)
+    draw = moment.generator(seed, "turns")
     errors_deg = draw.normal(0.0, noise.turn_sd_deg, turns_deg.shape)
     is_missing = draw.random(len(turns_deg)) < noise.missing_turns
     return np.where(is_missing[:, None], math.nan, turns_deg + errors_deg)
