@@ -39,7 +39,9 @@ SETTINGS = (
     "task.schedule=["
     "{at: 90, set: {eyes.mechanics.rest_adduction_deg: [0.0, 1.5],"
     " eyes.camera.left_blur_px: 2.5, eyes.camera.left_magnification: 1.1}},"
-    "{at: 180, set: {eyes.camera.left_blur_px: 0.0, eyes.camera.left_occluded: true}}]",
+    "{at: 180, set: {eyes.camera.left_blur_px: 0.0, eyes.camera.left_occluded: true,"
+    " eyes.noise.picture_sd: 4.0, eyes.noise.missing_pictures: 0.2,"
+    " eyes.noise.activation_sd: 0.004, eyes.noise.missing_activations: 0.2}}]",
 )
 _SAMPLED = (*PICTURES, *CAMERA_INFOS, "features")
 _Messages = Mapping[str, Mapping[int, bytes]]

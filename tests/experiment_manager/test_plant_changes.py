@@ -94,6 +94,8 @@ def test_a_schedule_comes_back_from_its_text():
         ),
         ([entry(**{"eyes.camera.width_px": 64})], "got 'eyes.camera.width_px'"),
         ([entry(**{"eyes.mechanics.parameter_set": "k17"})], "that may change"),
+        # The coder measures turns, and is not told of changes.
+        ([entry(**{"eyes.noise.turn_sd_deg": 0.1})], "that may change"),
     ],
 )
 def test_what_is_no_schedule_is_refused(entries, message):

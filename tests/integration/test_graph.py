@@ -173,6 +173,7 @@ def test_eyes_that_make_saccades_are_recorded_as_the_loop_has_them(pictures, tmp
         "vergence_rl.products_of_activations=true",
         "vergence_rl.hindsight.n_best=2",
         "experiment_manager.gives_targets=false",
+        "eyes.noise.turn_sd_deg=0.1",
     )
     directory = _with_own_commands(pictures, tmp_path / "run", *_TWELVE, *settings)
     gaze, truth = Bag(directory / "bag").vectors("gaze", "ground_truth").values()

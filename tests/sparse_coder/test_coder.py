@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from lockstep import InputError
+from lockstep.randomness import Moment
 from sparse_coder import SparseCoder, SparseCoderConfig
 from sparse_coder.dictionary import learned_atoms
 from tests.sparse_coder.slow import slow_patches, slow_pursuit
@@ -196,9 +197,12 @@ def test_bad_settings_are_refused(settings: dict[str, Any], message: str) -> Non
 def test_a_random_reward_knows_nothing_of_pictures_and_rates(stereo_pair: Pair) -> None:
     coder = SparseCoder(dataclasses.replace(SMALL, random_reward=True, metabolic_cost_weight=0.5))
     left, right = stereo_pair
-    one = coder.perceive(left, right, np.full(4, 0.1), iteration=3)
-    other = coder.perceive(right[::-1], left, np.full(4, 0.3), iteration=3)
+    one = coder.perceive(left, right, np.full(4, 0.1), moment=Moment(iteration=3))
+    other = coder.perceive(right[::-1], left, np.full(4, 0.3), moment=Moment(iteration=3))
     assert one.encoding.reconstruction_error.sum() != other.encoding.reconstruction_error.sum()
     assert (one.reward, one.energy_penalty) == (other.reward, other.energy_penalty)
     coder.learn(one.encoding)
-    assert coder.perceive(left, right, np.full(4, 0.1), iteration=3).reward != one.reward
+    assert (
+        coder.perceive(left, right, np.full(4, 0.1), moment=Moment(iteration=3)).reward
+        != one.reward
+    )

@@ -110,7 +110,7 @@ REFUSED = [
     (_of_size(242, 320), "images: expected one size for both eyes"),
     (
         changed("episode", position=array.array("d", [0.5] * 7)),
-        "episode: expected whole numbers from 0 to 2^53 as phase, got [0.5]",
+        "episode: expected whole numbers from 0 to 2^53 as phase, iteration, ",
     ),
     (
         changed("muscle_activations", effort=_NAN_RATE),

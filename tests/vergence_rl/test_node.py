@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
 
-from lockstep import build
+from lockstep import COMMAND_SPACES, PAIR, build
 from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import EPISODE_NAMES, REWARD_NAMES, TEST, TRAINING
 from lockstep.wire.vectors import vector_message
@@ -22,7 +22,7 @@ from tests.learner_contract import (
 from tests.node_harness import Graph
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES, HORIZONTAL_RECTI
 from vergence_rl import Agent, Decision, VergenceRlConfig
-from vergence_rl.messages import actor_critic_values
+from vergence_rl.messages import activations_of, actor_critic_values
 from vergence_rl.node import INPUTS, VergenceRlNode
 
 N_BASES = 8
@@ -99,6 +99,12 @@ def test_commands_and_thoughts_are_the_agents(bench: LearnerBench) -> None:
         )
     # Four observations of an episode are three TD updates.
     assert bench.node.learner.learning_steps == agent.learning_steps == 3
+
+
+def test_activations_are_as_they_are_felt_where_that_differs() -> None:
+    felt = (0.1, 0.2, 0.3, 0.4)
+    message = vector_message(0, HORIZONTAL_RECTI, ACTIVATIONS, velocity=felt)
+    np.testing.assert_allclose(activations_of(message, COMMAND_SPACES[PAIR]), [0.2, 0.3])
 
 
 def test_thoughts_are_in_the_order_of_their_names() -> None:

@@ -100,9 +100,7 @@ class InProcessLoop:
         left, right = seen.pictures
         rates_w = seen.state.metabolic_rate_w[self._space.indices]
         given_deg = np.array(seen.given_target_deg)
-        return self.coder.perceive(
-            left, right, rates_w, iteration=seen.iteration, given_deg=given_deg
-        )
+        return self.coder.perceive(left, right, rates_w, moment=seen.moment, given_deg=given_deg)
 
     def _decide(
         self, seen: Observation, percept: Percept, *, learning: bool, exploration: bool
@@ -111,7 +109,7 @@ class InProcessLoop:
         gaze = percept.gaze or NO_GAZE
         return self.agent.observe(
             percept.encoding.features,
-            self._space.from_all(seen.state.activations),
+            self._space.from_all(seen.felt),
             percept.reward,
             seen.iteration,
             seen.training_iteration,

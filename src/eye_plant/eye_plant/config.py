@@ -7,6 +7,7 @@ from typing import Any
 from eye_plant.camera.config import CameraConfig
 from eye_plant.inverse.least_cost import CostOfVergence, cost_of_vergence
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
+from eye_plant.senses import NoiseConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig
 from eye_plant.turns import TurnsDeg
 from lockstep import InputError, build, check_settings, flatten, setting
@@ -35,10 +36,11 @@ class FreeRunningConfig:
 
 @dataclass(frozen=True)
 class EyesConfig:
-    """The eyes: what moves them, and their cameras with what stands before them."""
+    """The eyes: what moves them, their cameras with what stands before them, and their noise."""
 
     mechanics: MechanicsConfig = field(default_factory=MechanicsConfig)
     camera: CameraConfig = field(default_factory=CameraConfig)
+    noise: NoiseConfig = field(default_factory=NoiseConfig)
 
 
 @dataclass(frozen=True)
@@ -73,17 +75,22 @@ _FIXED = (
     "camera.roi_height_px",
 )
 
+# Where turns are measured, which is never told of a change.
+_OF_CODER = ("noise.turn_sd_deg", "noise.missing_turns")
+
 
 def changeable_parameters() -> tuple[str, ...]:
     """Return the names of the parameters that may change between two episodes of a run."""
-    return tuple(name for name in flatten(EyesConfig()) if name not in _FIXED)
+    return tuple(name for name in flatten(EyesConfig()) if name not in (*_FIXED, *_OF_CODER))
 
 
 def changed(config: EyePlantConfig, settings: Mapping[str, Any]) -> EyePlantConfig:
-    """Return a configuration with other values, by dotted name, of parameters that may change.
+    """Return a configuration with other values, by dotted name.
 
-    Raises InputError for others, and as `build` does.
+    Of parameters that may change, or of noise of turns, for a test. Raises InputError for others,
+    and as `build` does.
     """
-    if fixed := sorted(set(settings) & set(flatten(config)) - set(changeable_parameters())):
+    allowed = {*changeable_parameters(), *_OF_CODER}
+    if fixed := sorted(set(settings) & set(flatten(config)) - allowed):
         raise InputError(f"{fixed[0]}: expected the same for a whole run, got a change")
     return build(EyePlantConfig, flatten(config) | dict(settings))

@@ -8,6 +8,7 @@ from typing import Any
 
 from lockstep import MUSCLE_NAMES, InputError, check_settings, setting
 from lockstep.configuration import typed
+from lockstep.randomness import Moment
 from lockstep.settings import REQUIRED
 from lockstep.wire.topics import TEST, TRAINING
 
@@ -82,6 +83,11 @@ class Episode:
             first_observation=0,
             targets_deg=tuple(targets_deg),
         )
+
+    def moment(self, iteration: int) -> Moment:
+        """Return which observation of the run that of an iteration is."""
+        since = iteration if self.phase == TRAINING else 0
+        return Moment(self.trial, iteration, self.training_iteration + since)
 
     @property
     def n_targets(self) -> int:

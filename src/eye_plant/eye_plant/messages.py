@@ -33,6 +33,7 @@ class ObservationMessages:
         self._episode = VectorBytes(EPISODE_NAMES)
         self._episode_with_target = VectorBytes((*EPISODE_NAMES, *TARGET_NAMES))
         self._muscles = VectorBytes(MUSCLE_NAMES)
+        self._feels_noise = config.noise.is_of_activations
         self._eyes = VectorBytes(EYE_STATE_NAMES)
         self._truth = VectorBytes(GROUND_TRUTH_NAMES)
         self._pictures = [ImageBytes(picture_message(config.camera, i_eye)) for i_eye in range(2)]
@@ -52,9 +53,10 @@ class ObservationMessages:
             yield "episode", self._episode_with_target.of(stamp_ns, values)
         else:
             yield "episode", self._episode.of(stamp_ns, observation.episode_values())
+        felt = observation.felt if self._feels_noise else ()
         yield (
             "muscle_activations",
-            self._muscles.of(stamp_ns, state.activations, effort=state.metabolic_rate_w),
+            self._muscles.of(stamp_ns, state.activations, felt, state.metabolic_rate_w),
         )
         yield "ground_truth", self._truth.of(stamp_ns, observation.ground_truth_values())
         yield (

@@ -8,7 +8,7 @@ import numpy as np
 from eye_plant.episode import Episode
 from eye_plant.ground_truth import GroundTruth
 from eye_plant.mechanics.oculomotor import OculomotorState
-from lockstep.wire.topics import TRAINING
+from lockstep.randomness import Moment
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,8 @@ class Observation:
     """Observation `iteration` of an episode, 0 to n_iterations.
 
     pictures: (2, roi_height_px, roi_width_px) uint8, left then right, valid until the next
-    observation is made; None in the last observation, which nobody answers.
+    observation is made; None in the last observation, which nobody answers. felt: (12,) activations
+    as they are felt.
     """
 
     episode: Episode
@@ -24,6 +25,7 @@ class Observation:
     pictures: np.ndarray | None
     state: OculomotorState
     truth: GroundTruth
+    felt: np.ndarray
 
     @property
     def number(self) -> int:
@@ -31,10 +33,14 @@ class Observation:
         return self.episode.first_observation + self.iteration
 
     @property
+    def moment(self) -> Moment:
+        """Which observation it is, for what is drawn at random."""
+        return self.episode.moment(self.iteration)
+
+    @property
     def training_iteration(self) -> int:
         """Training iterations of the run before this observation."""
-        in_training = self.episode.phase == TRAINING
-        return self.episode.training_iteration + (self.iteration if in_training else 0)
+        return self.moment.training_iteration
 
     def episode_values(self) -> tuple[float, ...]:
         """Return the values of lockstep.wire.topics.EPISODE_NAMES."""

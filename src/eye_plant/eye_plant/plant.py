@@ -14,6 +14,7 @@ from eye_plant.gaze_error import gaze_error, listing_torsion_deg, target_place_d
 from eye_plant.ground_truth import GroundTruth
 from eye_plant.mechanics.oculomotor import Oculomotor, OculomotorState
 from eye_plant.observation import Observation
+from eye_plant.senses import Senses
 from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli
 from eye_plant.turns import turned
@@ -61,6 +62,7 @@ class EyePlant:
             config.mechanics.eye_height_m,
         )
         self.n_stimuli = self._camera.n_stimuli
+        self._senses = Senses(config.noise, config.camera, config.seed)
         self._held_activations = self.oculomotor.tonic_activations
         self._episode: Episode | None = None
         self._iteration = 0
@@ -98,7 +100,12 @@ class EyePlant:
         # Nothing is refused from here on.
         self.oculomotor, self._cost = oculomotor, cost
         self.config, self._settings = config, dict(settings)
+        self._senses = Senses(config.noise, config.camera, self._senses.seed)
         self._episode = None
+
+    def reseed(self, seed: int) -> None:
+        """Draw the noise of the episodes to come from another seed than the configuration's."""
+        self._senses.seed = seed
 
     def begin(self, episode: Episode) -> Observation:
         """Start an episode and return its observation 0.
@@ -117,6 +124,7 @@ class EyePlant:
         self._episode, self._iteration = episode, 0
         self._desired_deg, self._optimal_rates_w = desired_deg, optimal_rates_w
         self._held_activations = np.array(episode.activations)
+        self._senses.begin()
         self.oculomotor.settle(self._held_activations)
         state = self.oculomotor.state()
         self._initial_rate_w = self._charged_rate_w(state)
@@ -186,11 +194,14 @@ class EyePlant:
             target_deg=target_place_deg(seeing[0], *target_deg) if target_deg else (0.0, 0.0),
         )
         pictures = None
+        moment = episode.moment(self._iteration)
         if self.is_waiting:  # the last observation has none
-            pictures = self._camera.render(
+            drawn = self._camera.render(
                 positions_m, rotations, episode.stimulus, episode.object_distance_m
             )
-        return Observation(episode, self._iteration, pictures, state, truth)
+            pictures = self._senses.pictures(drawn, moment)
+        felt = self._senses.felt(state.activations, moment)
+        return Observation(episode, self._iteration, pictures, state, truth, felt)
 
     def _least_rates_w(
         self, episode: Episode, desired_deg: float

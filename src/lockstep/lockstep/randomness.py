@@ -5,6 +5,7 @@ state is ever saved.
 """
 
 import hashlib
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,3 +29,22 @@ def generator(seed: int, role: str, number: int) -> np.random.Generator:
     counter = np.zeros(4, dtype=np.uint64)
     counter[_NUMBER_WORD] = number
     return np.random.Generator(np.random.Philox(key=key, counter=counter))
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Which observation of a run it is, whatever tests the run makes besides.
+
+    trial: of a test, -1 in training; iteration: within the episode; training_iteration: training
+    iterations before it.
+    """
+
+    trial: int = -1
+    iteration: int = 0
+    training_iteration: int = 0
+
+    def generator(self, seed: int, role: str) -> np.random.Generator:
+        """Return the generator of what is drawn for this observation alone."""
+        return generator(
+            seed, f"{role}, trial {self.trial}, {self.iteration}", self.training_iteration
+        )

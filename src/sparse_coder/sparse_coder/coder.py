@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lockstep import InputError, generator
+from lockstep.randomness import Moment
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.dictionary import Dictionary, dictionary_rate, initial_atoms, learned_atoms
 from sparse_coder.gaze.fixations import gaze_watch
@@ -27,6 +28,7 @@ from sparse_coder.reward import price_of_energy, random_reward, reconstruction_e
 
 SCALES = ("coarse", "fine")
 _LARGEST_NORM_ERROR = 1e-4
+_START = Moment()
 
 
 class SparseCoder:
@@ -64,14 +66,14 @@ class SparseCoder:
         right: Image,
         metabolic_rates_w: NDArray[np.float64],
         *,
-        iteration: int = 0,
+        moment: Moment = _START,
         given_deg: NDArray[np.float64] = NOWHERE_DEG,
     ) -> Percept:
         """Return what an observation is worth, and what it says of gaze; the atoms stay.
 
         left, right: grey uint8 pictures (height_px, width_px).
         metabolic_rates_w: (n_muscles,) settled rates of the muscles that are charged.
-        iteration: within the episode; turns of the eyes are followed from 0 on.
+        moment: which observation it is; turns of the eyes are followed from iteration 0 on.
         given_deg: (2,) place to look at when a fixation begins, NaN where the eyes choose.
 
         Raises InputError for unsuitable pictures or rates.
@@ -80,9 +82,11 @@ class SparseCoder:
         rate_w = float(metabolic_rates_w.sum())
         earned = reward(encoding.reconstruction_error, rate_w, self.price_of_energy)
         if self.config.random_reward:
-            earned = random_reward(self.config.seed, self.learning_steps, iteration)
+            earned = random_reward(self.config.seed, self.learning_steps, moment.iteration)
         watch = self._watch
-        gaze = watch.step(iteration, (left, right), encoding, given_deg) if watch else None
+        gaze = None
+        if watch:
+            gaze = watch.step(moment, (left, right), encoding, given_deg)
         return Percept(
             encoding, rate_w, earned.energy_penalty, earned.value, self.learning_steps, gaze
         )

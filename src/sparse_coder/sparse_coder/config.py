@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from lockstep import setting
-from lockstep.optics import OpticsConfig
+from lockstep.optics import OpticsConfig, TurnNoiseConfig
 from lockstep.task import TaskConfig
 
 
@@ -32,6 +32,7 @@ class SparseCoderConfig(TaskConfig):
         " or energy: whatever is still learned does not come from the reward",
     )
     camera: OpticsConfig = field(default_factory=OpticsConfig)
+    noise: TurnNoiseConfig = field(default_factory=TurnNoiseConfig)
 
     def __post_init__(self) -> None:
         """Refuse values out of range, and a task without training."""

@@ -11,6 +11,7 @@ from sensor_msgs.msg import Image, JointState
 from lockstep import InputError
 from lockstep.node.learner_node import LearnerNode
 from lockstep.node.process import run_node
+from lockstep.randomness import Moment
 from lockstep.wire.images import ImagePublisher
 from lockstep.wire.topics import (
     BASIS_FUNCTIONS,
@@ -32,6 +33,7 @@ from sparse_coder.percept import NOWHERE_DEG
 _BASIS_FUNCTIONS_PERIOD_S = 1.0
 _TARGET_DEPTH = 1  # only the last target counts
 
+_EPISODE = ("phase", "iteration", "training_iteration")
 INPUTS = dict.fromkeys(PICTURES, Image) | {"episode": JointState, "muscle_activations": JointState}
 
 
@@ -68,20 +70,23 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
         """Publish features and reward, then let the dictionaries learn while others work."""
         left, right = (picture_of(observation[topic], topic) for topic in PICTURES)
         episode = observation["episode"]
-        (phase,) = whole_values_of(episode, ("phase",), "episode")
+        phase, iteration, training_iteration = whole_values_of(episode, _EPISODE, "episode")
+        (trial,) = values_of(episode, ("trial",), "episode")
         rates_w = values_of(
             observation["muscle_activations"],
             self.config.space.muscle_names,
             "muscle_activations",
             "effort",
         )
-        iteration, given_deg = 0, NOWHERE_DEG
-        if self.config.learns_turns:
-            (iteration,) = whole_values_of(episode, ("iteration",), "episode")
+        given_deg = NOWHERE_DEG
         if self.config.fixation_iterations:
             given_deg = self._given_deg(episode, phase, iteration)
         percept = self.learner.perceive(
-            left, right, rates_w, iteration=iteration, given_deg=given_deg
+            left,
+            right,
+            rates_w,
+            moment=Moment(int(trial), iteration, training_iteration),
+            given_deg=given_deg,
         )
         if given_deg is self._wanted_deg:
             self._wanted_deg = None  # once it is looked at, not when a picture is refused

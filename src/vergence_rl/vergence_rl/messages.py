@@ -37,11 +37,13 @@ def features_of(message: Image) -> np.ndarray:
 
 
 def activations_of(message: JointState, space: CommandSpace) -> np.ndarray:
-    """Return the activations (n_names,) that commands of the space set.
+    """Return the activations (n_names,) that commands of the space set, as they are felt.
 
-    Raises InputError as `values_of`, and for an activation out of [0, 1].
+    Where they are felt with noise, the message has them as velocity. Raises InputError as
+    `values_of`, and for an activation out of [0, 1].
     """
-    values = values_of(message, space.muscle_names, "muscle_activations")
+    field = "velocity" if len(message.velocity) else "position"
+    values = values_of(message, space.muscle_names, "muscle_activations", field)
     if not ((values >= 0.0) & (values <= 1.0)).all():
         raise InputError(
             f"muscle_activations: expected activations in [0, 1], got {values.tolist()}"

@@ -30,7 +30,7 @@ EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "gymnasium_agent.py"
 IDS = ("ActiveVergence-v0", "ActiveVergenceFeatures-v0")
 N_EPISODES = 8
 PRICE = 0.08
-# The left eye is covered in episodes 2 to 4; from 5 on the muscles are weaker.
+# The left eye is covered in episodes 2 to 4; from 5 on the muscles are weaker, and all is noisy.
 SCHEDULE = json.dumps(
     [
         {"at": 20, "set": {"eyes.camera.left_occluded": True}},
@@ -39,6 +39,9 @@ SCHEDULE = json.dumps(
             "set": {
                 "eyes.camera.left_occluded": False,
                 "eyes.mechanics.strength": [0.9] * 12,
+                "eyes.noise.picture_sd": 4.0,
+                "eyes.noise.activation_sd": 0.004,
+                "eyes.noise.missing_pictures": 0.2,
             },
         },
     ]

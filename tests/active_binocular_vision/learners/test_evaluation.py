@@ -109,6 +109,9 @@ def test_a_test_with_altered_input_is_another_one(small_run: Path, run: Path) ->
     blurred = _evaluated(run, settings={"camera.left_blur_px": 40.0})
     assert blurred.learners.settings == {"camera.left_blur_px": 40.0}
     assert blurred.test != same.test
+    # No change of a run, but one for a test: the coder is made with it.
+    noisy = _evaluated(run, settings={"noise.picture_sd": 50.0, "noise.turn_sd_deg": 1.0})
+    assert noisy.test != same.test
 
 
 def test_random_dot_stereograms(run: Path, capsys: pytest.CaptureFixture[str]) -> None:

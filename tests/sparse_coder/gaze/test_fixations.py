@@ -2,8 +2,10 @@ import cv2
 import numpy as np
 import pytest
 
+from lockstep.optics import TurnNoiseConfig
+from lockstep.randomness import Moment
 from sparse_coder import Encoding
-from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations, Turns
+from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations, Turns, with_noise
 from sparse_coder.matching_pursuit import Selections
 
 FOCAL_PX = 250.0
@@ -36,7 +38,7 @@ NOTHING = encoding_with_worst()
 
 def test_a_fixation_is_two_saccades_and_vergence() -> None:
     fixations, still = Fixations(7, FOCAL_PX), (picture(), picture())
-    gazes = [fixations.step(i, still, NOTHING, TARGET_DEG) for i in range(9)]
+    gazes = [fixations.step(Moment(iteration=i), still, NOTHING, TARGET_DEG) for i in range(9)]
     np.testing.assert_array_equal(gazes[0].target_deg, TARGET_DEG)
     np.testing.assert_allclose(gazes[1].target_deg, TARGET_DEG, atol=0.01)
     np.testing.assert_allclose(gazes[1].turns_deg, 0.0, atol=0.01)
@@ -50,7 +52,9 @@ def test_every_second_command_of_vergence_is_measured() -> None:
     fixations, ten_px_deg = Fixations(7, FOCAL_PX), np.degrees(np.arctan(10.0 / FOCAL_PX))
     # The left eye turns to the right with observation 3, back with 5, and to the right with 6.
     gazes = [
-        fixations.step(i, (picture(10.0 * (i in (3, 4, 6))), picture()), NOTHING, TARGET_DEG)
+        fixations.step(
+            Moment(iteration=i), (picture(10.0 * (i in (3, 4, 6))), picture()), NOTHING, TARGET_DEG
+        )
         for i in range(7)
     ]
     np.testing.assert_allclose(gazes[3].turns_deg, [[ten_px_deg, 0, 0], [0, 0, 0]], atol=0.05)
@@ -60,9 +64,11 @@ def test_every_second_command_of_vergence_is_measured() -> None:
 
 def test_the_second_saccade_is_to_what_the_first_has_missed() -> None:
     fixations = Fixations(5, FOCAL_PX)
-    fixations.step(0, (picture(), picture()), NOTHING, TARGET_DEG)
+    fixations.step(Moment(iteration=0), (picture(), picture()), NOTHING, TARGET_DEG)
     # The left eye turns by 10 px to the right, the right one by 4 px up.
-    gaze = fixations.step(1, (picture(10.0), picture(0.0, -4.0)), NOTHING, TARGET_DEG)
+    gaze = fixations.step(
+        Moment(iteration=1), (picture(10.0), picture(0.0, -4.0)), NOTHING, TARGET_DEG
+    )
     ten_px_deg, four_px_deg = np.degrees(np.arctan(np.array([10.0, 4.0]) / FOCAL_PX))
     np.testing.assert_allclose(gaze.turns_deg[0], [ten_px_deg, 0.0, 0.0], atol=0.05)
     np.testing.assert_allclose(gaze.turns_deg[1], [0.0, four_px_deg, 0.0], atol=0.05)
@@ -71,8 +77,8 @@ def test_the_second_saccade_is_to_what_the_first_has_missed() -> None:
 
 def test_after_an_unclear_movement_there_is_no_second_saccade() -> None:
     fixations, flat = Fixations(5, FOCAL_PX), np.full((SIDE_PX, SIDE_PX), 9, np.uint8)
-    fixations.step(0, (picture(), picture()), NOTHING, TARGET_DEG)
-    gaze = fixations.step(1, (flat, picture()), NOTHING, TARGET_DEG)
+    fixations.step(Moment(iteration=0), (picture(), picture()), NOTHING, TARGET_DEG)
+    gaze = fixations.step(Moment(iteration=1), (flat, picture()), NOTHING, TARGET_DEG)
     assert np.isnan(gaze.target_deg).all()
     assert np.isnan(gaze.turns_deg[0]).all()
     assert np.isfinite(gaze.turns_deg[1]).all()
@@ -83,7 +89,7 @@ def test_after_an_unclear_movement_there_is_no_second_saccade() -> None:
 )
 def test_eyes_that_may_choose_look_where_the_code_is_worst(i_patch, right_px, down_px) -> None:
     gaze = Fixations(5, FOCAL_PX).step(
-        0, (picture(), picture()), encoding_with_worst(i_patch), NOWHERE_DEG
+        Moment(iteration=0), (picture(), picture()), encoding_with_worst(i_patch), NOWHERE_DEG
     )
     angle = np.degrees(np.arctan(np.hypot(right_px, down_px) / FOCAL_PX))
     direction = np.array([right_px, -down_px]) / np.hypot(right_px, down_px)
@@ -92,24 +98,56 @@ def test_eyes_that_may_choose_look_where_the_code_is_worst(i_patch, right_px, do
 
 def test_they_do_not_return_to_where_they_have_looked_in_the_episode() -> None:
     fixations, still = Fixations(5, FOCAL_PX), (picture(), picture())
-    first = fixations.step(0, still, encoding_with_worst(27, 24), NOWHERE_DEG)
+    first = fixations.step(Moment(iteration=0), still, encoding_with_worst(27, 24), NOWHERE_DEG)
     assert first.target_deg[0] > 10.0
     # Both saccades lead there: what was 48 px to the right is ahead now, and what was ahead lies
     # 48 px to the left.
-    fixations.step(1, (picture(48.0), picture(48.0)), NOTHING, NOWHERE_DEG)
-    second = fixations.step(5, still, encoding_with_worst(21, 24, 10), NOWHERE_DEG)
+    fixations.step(Moment(iteration=1), (picture(48.0), picture(48.0)), NOTHING, NOWHERE_DEG)
+    second = fixations.step(
+        Moment(iteration=5), still, encoding_with_worst(21, 24, 10), NOWHERE_DEG
+    )
     np.testing.assert_allclose(second.target_deg, np.degrees(np.arctan([0.0, 32.0 / 250.0])))
-    again = fixations.step(0, still, encoding_with_worst(21, 24, 10), NOWHERE_DEG)
+    again = fixations.step(Moment(iteration=0), still, encoding_with_worst(21, 24, 10), NOWHERE_DEG)
     assert again.target_deg[0] < -10.0, "another episode is another scene"
 
 
 def test_without_saccades_the_turns_of_two_commands_are_measured_and_no_target_is_chosen() -> None:
     turns, ten_px_deg = Turns(FOCAL_PX), np.degrees(np.arctan(10.0 / FOCAL_PX))
     gazes = [
-        turns.step(i, (picture(10.0 * (i % 2)), picture()), NOTHING, NOWHERE_DEG) for i in range(8)
+        turns.step(Moment(iteration=i), (picture(10.0 * (i % 2)), picture()), NOTHING, NOWHERE_DEG)
+        for i in range(8)
     ]
     # From observation 0 to 1 the left eye turns to the right, from 5 to 6 back.
     np.testing.assert_allclose(gazes[1].turns_deg, [[ten_px_deg, 0, 0], [0, 0, 0]], atol=0.05)
     np.testing.assert_allclose(gazes[6].turns_deg, [[-ten_px_deg, 0, 0], [0, 0, 0]], atol=0.05)
     assert all(np.isnan(gazes[i].turns_deg).all() for i in (0, 2, 3, 4, 5, 7))
     assert all(np.isnan(gaze.target_deg).all() for gaze in gazes)
+
+
+def test_turns_are_measured_with_noise_of_the_observation() -> None:
+    noise, turns_deg = TurnNoiseConfig(turn_sd_deg=0.5), np.ones((2, 3))
+    assert with_noise(turns_deg, TurnNoiseConfig(), 1, Moment()) is turns_deg
+    errors_deg = np.array([with_noise(turns_deg, noise, 1, Moment(0, i)) - 1.0 for i in range(500)])
+    assert errors_deg.std(axis=0) == pytest.approx(np.full((2, 3), 0.5), rel=0.15)
+    assert errors_deg.mean() == pytest.approx(0.0, abs=0.05)
+    np.testing.assert_array_equal(
+        with_noise(turns_deg, noise, 1, Moment(0, 7)) - 1.0, errors_deg[7]
+    )
+    assert (with_noise(turns_deg, noise, 2, Moment(0, 7)) - 1.0 != errors_deg[7]).all()
+
+
+def test_each_eye_misses_a_share_of_its_turns() -> None:
+    noise = TurnNoiseConfig(missing_turns=0.2)
+    turns_deg = np.array([with_noise(np.ones((2, 3)), noise, 1, Moment(0, i)) for i in range(500)])
+    is_missing = np.isnan(turns_deg)
+    np.testing.assert_array_equal(is_missing.all(axis=2), is_missing.any(axis=2))
+    assert is_missing[:, :, 0].mean(axis=0) == pytest.approx([0.2, 0.2], abs=0.05)
+    assert (is_missing[:, 0, 0] != is_missing[:, 1, 0]).any()
+    assert (turns_deg[~is_missing] == 1.0).all()
+
+
+def test_without_a_measured_turn_there_is_no_second_saccade() -> None:
+    fixations = Fixations(5, FOCAL_PX, TurnNoiseConfig(missing_turns=1.0))
+    fixations.step(Moment(iteration=0), (picture(), picture()), NOTHING, TARGET_DEG)
+    gaze = fixations.step(Moment(iteration=1), (picture(10.0), picture()), NOTHING, TARGET_DEG)
+    assert np.isnan(gaze.target_deg).all()

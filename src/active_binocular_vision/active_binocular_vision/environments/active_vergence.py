@@ -35,6 +35,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
     Action (n_muscles,) in [-1, 1]: change of activation, in units of `action_scale`. By default
     that is the least power of two that spans a muscle's limits, so that any activation is one step
     away, and that scaling rounds nothing. Activations are kept within the limits, as the agent's.
+    They change from what is felt, where noise (`eyes.noise`) makes that differ from what is.
     Reward: -E - lambda C of the observation that the action led to (K17 eq. 5).
     info: "ground_truth", by the names of that topic that have a value, from which no agent should
     learn, since no eye can see it; reconstruction_error_coarse, _fine; "reward" of what is
@@ -102,7 +103,10 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         return copy.deepcopy(self)
 
     def _all_senses(self) -> dict[str, Space[Any]]:
-        activations = Box(self._lowest, self._highest, dtype=np.float64)
+        lowest, highest = self._lowest, self._highest
+        if self._plant.config.noise.is_of_activations:
+            lowest, highest = np.zeros_like(lowest), np.ones_like(highest)
+        activations = Box(lowest, highest, dtype=np.float64)
         senses: dict[str, Space[Any]] = {**self._senses(), "activations": activations}
         if self._experiment.has_targets:
             senses["gaze_target"] = Box(-180.0, 180.0, (2,), np.float64)
@@ -127,6 +131,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
             seed = int(self.np_random.integers(_LARGEST_SEED))
         if seed is not None:
             self._coder = self._experiment.start(seed)
+            self._plant.reseed(seed)
             self._next_episode = 0
         episode = self._chosen(options or {})
         self._episode = episode
@@ -189,7 +194,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         if self._coder_learns and in_training and not self._is_last(observation):
             self._coder.learn(percept.encoding)
         self._pictures = observation.pictures.copy()
-        self._activations = self._space.from_all(observation.state.activations)
+        self._activations = self._space.from_all(observation.felt)
         observed = self._sensed(self._pictures, percept)
         observed["activations"] = self._activations.copy()
         if self._experiment.has_targets:

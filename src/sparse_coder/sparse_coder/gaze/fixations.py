@@ -12,6 +12,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from lockstep.optics import TurnNoiseConfig
+from lockstep.randomness import Moment
 from lockstep.wire.topics import N_SACCADES
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.gaze.movement import movement, rotation, swing_deg
@@ -29,6 +31,7 @@ _MEASURED_EVERY = 2
 # Without saccades: the first command, and one when the eyes have verged and their muscles have
 # relaxed.
 _MEASURED = (1, 6)
+NO_NOISE = TurnNoiseConfig()
 # The scale at which the next place is chosen, and how far looking at a place inhibits return to it.
 _COARSE = 0
 _INHIBITION_DEG = 3.0
@@ -37,46 +40,58 @@ _INHIBITION_DEG = 3.0
 class Turns:
     """Measures the turns of one episode after another, without saccades (D23)."""
 
-    def __init__(self, focal_length_px: float) -> None:
+    def __init__(
+        self, focal_length_px: float, noise: TurnNoiseConfig = NO_NOISE, seed: int = 0
+    ) -> None:
         """focal_length_px: of both cameras, whose magnification an eye does not know."""
         self._focal_length_px = focal_length_px
+        self._noise, self._seed = noise, seed
         self._before: Pictures | None = None
 
     def step(
-        self, iteration: int, pictures: Pictures, encoding: Encoding, given_deg: Floats
+        self, moment: Moment, pictures: Pictures, encoding: Encoding, given_deg: Floats
     ) -> Gaze:
         """Return what an observation says of gaze: turns, and never a target."""
-        turns_deg = self._turns_deg(pictures) if iteration in _MEASURED else UNSEEN_DEG
+        iteration = moment.iteration
+        turns_deg = self._turns_deg(pictures, moment) if iteration in _MEASURED else UNSEEN_DEG
         self._before = _kept(pictures) if iteration + 1 in _MEASURED else None
         return Gaze(NOWHERE_DEG, turns_deg)
 
-    def _turns_deg(self, pictures: Pictures) -> Floats:
+    def _turns_deg(self, pictures: Pictures, moment: Moment) -> Floats:
         """Return how each eye turned since the pictures that were kept, (2, 3) as Gaze has them."""
         if self._before is None:
             return UNSEEN_DEG
         pairs = zip(self._before, pictures, strict=True)
-        return np.array([movement(*pair, self._focal_length_px) for pair in pairs])
+        turns_deg = np.array([movement(*pair, self._focal_length_px) for pair in pairs])
+        return with_noise(turns_deg, self._noise, self._seed, moment)
 
 
 class Fixations(Turns):
     """Follows the fixations of one episode after another."""
 
-    def __init__(self, n_iterations: int, focal_length_px: float) -> None:
-        """n_iterations: of a fixation; focal_length_px: of both cameras."""
-        super().__init__(focal_length_px)
+    def __init__(
+        self,
+        n_iterations: int,
+        focal_length_px: float,
+        noise: TurnNoiseConfig = NO_NOISE,
+        seed: int = 0,
+    ) -> None:
+        """n_iterations: of a fixation; the others: as for Turns."""
+        super().__init__(focal_length_px, noise, seed)
         self._n_iterations = n_iterations
         self._ahead = _AHEAD
         # Directions (3,) of the places looked at in this episode, in the left eye's camera now.
         self._visited: list[Floats] = []
 
     def step(
-        self, iteration: int, pictures: Pictures, encoding: Encoding, given_deg: Floats
+        self, moment: Moment, pictures: Pictures, encoding: Encoding, given_deg: Floats
     ) -> Gaze:
         """Return what an observation says of gaze.
 
-        iteration: within the episode; given_deg: (2,) the target that a fixation begins with, NaN
+        given_deg: (2,) the target that a fixation begins with, NaN
         where the eyes choose.
         """
+        iteration = moment.iteration
         if iteration == 0:
             self._visited = []
         of_fixation = iteration % self._n_iterations
@@ -88,14 +103,14 @@ class Fixations(Turns):
             self._ahead = rotation(np.append(target_deg, 0.0))[:, 2]
             return Gaze(target_deg, UNSEEN_DEG)
         if of_fixation == 1 and self._before is not None:
-            return self._corrected(pictures)
+            return self._corrected(pictures, moment)
         is_measured = (of_fixation - N_SACCADES) % _MEASURED_EVERY == 1
-        turns_deg = self._turns_deg(pictures) if is_measured else UNSEEN_DEG
+        turns_deg = self._turns_deg(pictures, moment) if is_measured else UNSEEN_DEG
         self._before = None if is_measured else _kept(pictures)
         return Gaze(NOWHERE_DEG, turns_deg)
 
-    def _corrected(self, pictures: Pictures) -> Gaze:
-        turns_deg = self._turns_deg(pictures)
+    def _corrected(self, pictures: Pictures, moment: Moment) -> Gaze:
+        turns_deg = self._turns_deg(pictures, moment)
         self._before = None
         if np.isnan(turns_deg[0]).any():
             self._visited = []  # where those places are now is not known
@@ -128,10 +143,20 @@ class Fixations(Turns):
 
 def gaze_watch(config: SparseCoderConfig) -> Fixations | Turns | None:
     """Return what follows the gaze through episodes, None where turns are not measured."""
-    focal_length_px = config.camera.focal_length_px
+    measured = config.camera.focal_length_px, config.noise, config.seed
     if config.fixation_iterations:
-        return Fixations(config.fixation_iterations, focal_length_px)
-    return Turns(focal_length_px) if config.measures_turns else None
+        return Fixations(config.fixation_iterations, *measured)
+    return Turns(*measured) if config.measures_turns else None
+
+
+def with_noise(turns_deg: Floats, noise: TurnNoiseConfig, seed: int, moment: Moment) -> Floats:
+    """Return turns (2, 3) as they are measured with noise, NaN where one is missing."""
+    if noise == NO_NOISE:
+        return turns_deg
+    draw = moment.generator(seed, "turns")
+    errors_deg = draw.normal(0.0, noise.turn_sd_deg, turns_deg.shape)
+    is_missing = draw.random(len(turns_deg)) < noise.missing_turns
+    return np.where(is_missing[:, None], math.nan, turns_deg + errors_deg)
 
 
 def _kept(pictures: Pictures) -> Pictures:
