@@ -24,8 +24,8 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "node = experiment_manager.node.manager_node:main",
-            "live_view = experiment_manager.live.node:main",
+            "experiment_manager_node = experiment_manager.node.manager_node:main",
+            "experiment_manager_live_view = experiment_manager.live.node:main",
         ]
     },
 )

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from active_binocular_vision import FinishedRun
-from active_binocular_vision.commands import run_experiment
+from active_binocular_vision.commands import run
 from active_binocular_vision.commands.report import main
 from active_binocular_vision.figures.runs.learning_curve import performance_figure
 from experiment_manager.measures.kept_trials import with_test, write_trials
@@ -99,7 +99,7 @@ def test_a_figure_that_fails_does_not_cost_the_end_of_a_run(tmp_path, monkeypatc
         raise RuntimeError("latex could not be found")
 
     monkeypatch.setattr(f"{performance_figure.__module__}.learning_curve", without_latex)
-    assert run_experiment.figure_of(tmp_path) is None
+    assert run.figure_of(tmp_path) is None
     assert capsys.readouterr().err == "no learning curve: latex could not be found\n"
 
 

@@ -14,7 +14,7 @@ import yaml
 from active_binocular_vision import FinishedRun
 from active_binocular_vision.commands.command_line import arguments, request_of
 from active_binocular_vision.commands.evaluate import main as evaluate
-from active_binocular_vision.commands.run_experiment import main as run_experiment
+from active_binocular_vision.commands.run import main as run_experiment
 from experiment_manager import configuration_of, read_configuration
 from experiment_manager.preparation import continuation
 from experiment_manager.preparation.continuation import check_settings

@@ -14,7 +14,7 @@ import pytest
 
 from active_binocular_vision import FinishedRun
 from active_binocular_vision.commands.evaluate import main as evaluate
-from active_binocular_vision.commands.run_experiment import main as run_experiment
+from active_binocular_vision.commands.run import main as run_experiment
 from active_binocular_vision.figures.runs.learning_curve import learning_curve
 from experiment_manager import Bag, ExperimentManagerConfig
 from experiment_manager.run.config_file import configuration_text

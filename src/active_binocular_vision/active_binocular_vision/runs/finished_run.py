@@ -182,7 +182,7 @@ class FinishedRun:
 
     @cached_property
     def tests_of_learners(self) -> dict[str, tuple[Summary, ...]]:
-        """The tests that evaluate.sh made of the run's learners, by the names of its files."""
+        """The tests that abv examine made of the run's learners, by the names of its files."""
         files = sorted(self.directory.glob("*.json"))
         found = {path.stem: read_tests(path) for path in files if path.name != RESULTS_FILE}
         return {name: tests for name, tests in found.items() if tests}

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from active_binocular_vision.commands.report import main
-from active_binocular_vision.commands.run_experiment import main as run_experiment
+from active_binocular_vision.commands.run import main as run_experiment
 from active_binocular_vision.pages.conditions.page import (
     condition_rows,
     unreached,
