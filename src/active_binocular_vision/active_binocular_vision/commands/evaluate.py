@@ -10,7 +10,7 @@ from msgspec import to_builtins
 from msgspec.structs import replace
 
 from active_binocular_vision.command_lines.evaluate import parser
-from active_binocular_vision.runs.finished_run import FinishedRun
+from active_binocular_vision.runs.run import Run
 from experiment_manager.measures.results import (
     RESULTS_FILE,
     CostShares,
@@ -36,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _evaluate(directory: Path) -> int:
-    run = FinishedRun(directory)
+    run = Run(directory)
     measured = run.results_of_bag()
     print(_text(measured))
     path = directory / RESULTS_FILE
