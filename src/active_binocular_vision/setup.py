@@ -11,7 +11,6 @@ setup(
     license="Apache-2.0",
     url="https://active-binocular-vision.example",
     packages=find_packages(include=[package, f"{package}.*"]),
-    package_data={package: ["trained/*"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml", "LICENSE", "README.md"]),

@@ -13,7 +13,9 @@ setup(
     license="Apache-2.0",
     url="https://active-binocular-vision.example",
     packages=find_packages(include=[package, f"{package}.*"]),
-    package_data={package: ["profiles/*.yaml", "profiles/*/*.yaml", "live/layout.json"]},
+    package_data={
+        package: ["profiles/*.yaml", "profiles/*/*.yaml", "live/layout.json", "trained/eyes/*"]
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml", "LICENSE", "README.md"]),

@@ -17,7 +17,12 @@ def parser() -> argparse.ArgumentParser:
         " run, or with an examination as in an eye clinic. This needs only config.yaml and"
         " checkpoints/ of the run.",
     )
-    line.add_argument("run", type=written_path, metavar="RUN", help="run directory")
+    line.add_argument(
+        "run",
+        type=written_path,
+        metavar="RUN",
+        help=f"run directory, or a name that {command('trained')} lists",
+    )
     _add_shown(line)
     _add_learners(line)
     _add_examinations(line)

@@ -30,6 +30,7 @@ from experiment_manager.measures.results import (
 from experiment_manager.run.config_file import CONFIG_FILE, RUN_SECTION
 from experiment_manager.sections import Configuration, by_key
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
+from experiment_manager.trained.directory import run_directory
 from lockstep import InputError, read_state, write_state
 from lockstep.files.durable_files import replace_file
 
@@ -166,6 +167,7 @@ def runs_at(path: Path) -> list[Run]:
 
     A run of a folder of results is named as if it were a directory there.
     """
+    path = run_directory(path)
     for folder, name in ((ResultsFolder.at(path), ""), (ResultsFolder.at(path.parent), path.name)):
         if folder is not None:
             return [run for run in folder.runs() if name in ("", run.name)]

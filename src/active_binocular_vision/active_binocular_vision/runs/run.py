@@ -26,6 +26,7 @@ from experiment_manager.measures.results import (
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, about_in, parameters_in
 from experiment_manager.sections import Configuration
+from experiment_manager.trained.directory import run_directory
 from lockstep import PAIR, InputError
 from sparse_coder.patches import PATCH_SIZE_PX
 
@@ -55,8 +56,8 @@ class Run:
     """
 
     def __init__(self, directory: str | Path) -> None:
-        """directory: of the run."""
-        self.directory = Path(directory)
+        """directory: of the run, or the name of trained eyes."""
+        self.directory = run_directory(directory)
         self.name = self.directory.resolve().name
 
     def unread(self) -> "Run":
