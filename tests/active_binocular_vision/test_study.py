@@ -51,7 +51,7 @@ def test_a_run_from_python_is_that_of_the_command_line_and_can_be_stopped_and_re
         raise Stopped(test.iteration)
 
     before = signal.getsignal(signal.SIGINT)
-    with pytest.raises(Stopped, match="^0$"):
+    with pytest.raises(Stopped, match=r"^0$"):
         _run(tmp_path / "run", of_command_line, on_test=stop)
     assert signal.getsignal(signal.SIGINT) is before
     made: list[abv.Run] = []

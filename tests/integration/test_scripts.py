@@ -73,7 +73,12 @@ def test_help_needs_no_set_up(tmp_path: Path) -> None:
 def test_every_script_starts_something_that_exists() -> None:
     call = re.compile(r'^(abv|start) ([\w.-]+) "\$@"$', re.MULTILINE)
     started = {name: call.findall(path.read_text()) for name, path in SCRIPTS.items()}
-    assert [name for name, found in started.items() if not found] == ["abv", "docs", "setup", "test"]
+    assert [name for name, found in started.items() if not found] == [
+        "abv",
+        "docs",
+        "setup",
+        "test",
+    ]
     words = {how: {w for found in started.values() for h, w in found if h == how} for how in CALLS}
     assert words["abv"] == COMMANDS.keys()
     assert [name for name in words["start"] if importlib.util.find_spec(name) is None] == []

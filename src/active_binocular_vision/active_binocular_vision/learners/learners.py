@@ -32,9 +32,10 @@ class FrozenLearners:
     """Which learners, with which eyes.
 
     run: directory with config.yaml and checkpoints/, the bag is not needed, or the name of trained
-    eyes; n_episodes: done at the checkpoint, None is the newest; dictionary, actor: directories of checkpoints, of this run or
-    another, whose dictionary or whose actor, with its critic, takes the place of the checkpoint's
-    own; settings: of the plant, by dotted name, other than they were at that age.
+    eyes; n_episodes: done at the checkpoint, None is the newest; dictionary, actor: directories of
+    checkpoints, of this run or another, whose dictionary or whose actor, with its critic, takes the
+    place of the checkpoint's own; settings: of the plant, by dotted name, other than they were at
+    that age.
     """
 
     run: Path
