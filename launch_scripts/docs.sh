@@ -13,7 +13,7 @@ install_packages() {
   cmp -s requirements-docs.lock "$packages/lock" && return
   echo "docs: installing Sphinx (a minute, once)" >&2
   rm -rf "$packages"
-  pip_install --target "$packages" --no-deps -r requirements-docs.lock
+  pip_install --require-hashes --target "$packages" --no-deps -r requirements-docs.lock
   cp requirements-docs.lock "$packages/lock" # last, so that an interrupted installation is made again
 }
 

@@ -5,7 +5,6 @@ root=$(builtin cd "$(dirname "${BASH_SOURCE[0]}")/.." >/dev/null && pwd -P) # wi
 venv=$root/.venv
 python=$venv/bin/python
 variables=$root/src/lockstep/lockstep/machine/environment.py # what becomes of the environment, and why
-node_domain=42
 
 # What the environment in .venv was made from. Another lock file, set-up script, folder or Python means: make it again.
 fingerprint() {
@@ -36,12 +35,12 @@ export_variables() { # as this Python says
   export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$venv/numba_cache/$(compiled_sources)}
 }
 
-# pip_install ARGUMENTS...: what a lock file names, from where pip's own settings say, whatever else these say.
+# pip_install ARGUMENTS...: install, from where pip's own settings say, whatever else these say.
 pip_install() (
   settings=$(PIP_QUIET=0 PIP_VERBOSE=0 "$python" -m pip config list) &&
     commands=$("$python" -I -S "$variables" pip <<<"$settings") &&
     eval "$commands" &&
-    "$python" -m pip install --quiet --no-input --disable-pip-version-check --require-hashes "$@"
+    "$python" -m pip install --quiet --no-input --disable-pip-version-check "$@"
 )
 
 set_up() {
@@ -49,27 +48,20 @@ set_up() {
   export_variables "$python"
 }
 
-# run_module MODULE ARGUMENTS...: become the entry point, which has a longer help than ours.
-run_module() {
-  if [[ ${2:-} == --help || ${2:-} == -h ]] && ! is_set_up; then
+# start MODULE ARGUMENTS...: become this module. Its help is longer than the script's, once all is set up.
+start() {
+  if [[ ${2:-} == --help || ${2:-} == -h || ${3:-} == --help || ${3:-} == -h ]] && ! is_set_up; then
     show_help
     printf '\nAll options are listed here once launch_scripts/setup.sh has run.\n'
     exit
   fi
   set_up
   [[ $1 != tools.* ]] || export PYTHONPATH=$root # these are not among the packages
+  export ABV_COMMAND=launch_scripts/abv.sh # what messages call it
   exec "$python" -m "$@"
 }
 
-# run_node PACKAGE ARGUMENTS...: become this node.
-run_node() {
-  local package=$1
-  shift
-  if [[ ${1:-} == --help || ${1:-} == -h ]]; then
-    show_help
-    exit
-  fi
-  set_up
-  export ROS_DOMAIN_ID=${ROS_DOMAIN_ID:-$node_domain}
-  exec "$python" -m "$package.node" "$@"
+# abv COMMAND ARGUMENTS...: become this command.
+abv() {
+  start active_binocular_vision "$@"
 }

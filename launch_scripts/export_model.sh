@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Write the eyes of both parameter sets as MJCF, with a README: for mujoco.viewer and other projects.
 #
-# usage: launch_scripts/export_model.sh DIR
+# usage: launch_scripts/export_model.sh [--out DIR]
 set -euo pipefail
 # shellcheck source=launch_scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
-run_module eye_plant.export "$@"
+abv export-model "$@"

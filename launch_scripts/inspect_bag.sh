@@ -6,4 +6,4 @@ set -euo pipefail
 # shellcheck source=launch_scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
-run_module active_binocular_vision.command_lines.inspect_bag "$@"
+abv bag "$@"

@@ -8,10 +8,4 @@ set -euo pipefail
 # shellcheck source=launch_scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
-if [[ ${1:-} == --help || ${1:-} == -h ]]; then
-  show_help
-  exit
-fi
-set_up
-export ROS_DOMAIN_ID=${ROS_DOMAIN_ID:-$node_domain}
-exec "$python" -m experiment_manager.live.node "$@"
+abv live-view "$@"

@@ -81,7 +81,7 @@ clear_environment() {
 }
 
 install_lock() {
-  pip_install --no-compile --no-deps "$@" || fail "pip could not install what requirements.lock names; its message is above."
+  pip_install --require-hashes --no-compile --no-deps "$@" || fail "pip could not install what requirements.lock names; its message is above."
 }
 
 make_environment() {
@@ -96,9 +96,8 @@ make_environment() {
   install_lock --no-build-isolation --use-pep517 -r "$root/requirements.lock"
   say "compiling them"
   "$python" -m compileall -q -j 0 "$venv/lib" >/dev/null || true # only saves time at the first start
-  # From that folder on: Python reads the file in the encoding of the locale, and $root may have an umlaut.
-  printf '../../../../src/%s\n' lockstep eye_plant sparse_coder vergence_rl experiment_manager active_binocular_vision \
-    >"$(echo "$venv"/lib/python3*/site-packages)/active_binocular_vision.pth"
+  # The six packages, imported from src, with the command abv and what Gymnasium finds.
+  pip_install --no-deps --no-build-isolation --editable "$root" || fail "pip could not install this project; its message is above."
 }
 
 require_own_environment() {

@@ -9,4 +9,4 @@ set -euo pipefail
 # shellcheck source=launch_scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
-run_node sparse_coder "$@"
+abv coder "$@"

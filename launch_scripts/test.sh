@@ -18,7 +18,7 @@ cd "$root"
 status=0
 # The live view's server is optional to users, not to its tests.
 "$python" -c 'import foxglove, websockets' 2>/dev/null ||
-  pip_install -r requirements-live.lock
+  pip_install --require-hashes -r requirements-live.lock
 "$python" -m ruff format --check || status=1
 "$python" -m ruff check || status=1
 "$python" -m mypy || status=1

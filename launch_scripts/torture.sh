@@ -7,4 +7,4 @@ set -euo pipefail
 # shellcheck source=launch_scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
-run_module tools.stress "$@"
+start tools.stress "$@"

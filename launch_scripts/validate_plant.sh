@@ -6,4 +6,4 @@ set -euo pipefail
 # shellcheck source=launch_scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
-run_module eye_plant.validation "$@"
+abv validate-plant "$@"

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_typestore
 
-from active_binocular_vision.commands.run_experiment import main as run_experiment
+from active_binocular_vision.commands.run import main as run_experiment
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.run.config_file import text_of_continuation
 from experiment_manager.sections import DEFAULTS

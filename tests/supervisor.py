@@ -56,7 +56,7 @@ def start_supervisor(
             *prefix,
             sys.executable,
             "-m",
-            "active_binocular_vision.command_lines.run_experiment",
+            "active_binocular_vision.command_lines.run",
             *line,
         ],
         variables,

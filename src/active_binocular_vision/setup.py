@@ -20,12 +20,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "run_experiment = active_binocular_vision.command_lines.run_experiment:main",
-            "sweep = active_binocular_vision.command_lines.sweep:main",
-            "evaluate = active_binocular_vision.command_lines.evaluate:main",
-            "report = active_binocular_vision.command_lines.report:main",
-            "list_parameters = active_binocular_vision.command_lines.list_parameters:main",
-            "inspect_bag = active_binocular_vision.command_lines.inspect_bag:main",
+            "abv = active_binocular_vision.command_lines.abv:main",
         ]
     },
 )

@@ -13,7 +13,9 @@ setup(
     license="Apache-2.0",
     url="https://active-binocular-vision.example",
     packages=find_packages(include=[package, f"{package}.*"]),
-    package_data={package: ["profiles/*.yaml", "profiles/*/*.yaml", "live/layout.json"]},
+    package_data={
+        package: ["profiles/*.yaml", "profiles/*/*.yaml", "live/layout.json", "trained/eyes/*"]
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml", "LICENSE", "README.md"]),
@@ -24,8 +26,8 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "node = experiment_manager.node.manager_node:main",
-            "live_view = experiment_manager.live.node:main",
+            "experiment_manager_node = experiment_manager.node.manager_node:main",
+            "experiment_manager_live_view = experiment_manager.live.node:main",
         ]
     },
 )

@@ -24,9 +24,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "node = eye_plant.node.plant_node:main",
-            "export_model = eye_plant.export.__main__:main",
-            "validate_plant = eye_plant.validation.__main__:main",
+            "eye_plant_node = eye_plant.node.plant_node:main",
         ]
     },
 )

@@ -20,7 +20,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "node = sparse_coder.node:main",
+            "sparse_coder_node = sparse_coder.node:main",
         ]
     },
 )

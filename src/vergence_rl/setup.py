@@ -20,7 +20,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "node = vergence_rl.node:main",
+            "vergence_rl_node = vergence_rl.node:main",
         ]
     },
 )

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from active_binocular_vision import FinishedRun, FrozenLearners
+from active_binocular_vision import FrozenLearners, Run
 from active_binocular_vision.figures.style import own_style
 from active_binocular_vision.learners.session import Session, session_of
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
@@ -19,12 +19,12 @@ def style() -> Iterator[None]:
 
 
 @pytest.fixture(scope="package")
-def read_runs(run_directories: dict[str, Path]) -> list[FinishedRun]:
-    return [FinishedRun(directory) for directory in run_directories.values()]
+def read_runs(run_directories: dict[str, Path]) -> list[Run]:
+    return [Run(directory) for directory in run_directories.values()]
 
 
 @pytest.fixture
-def runs(read_runs: list[FinishedRun]) -> list[FinishedRun]:
+def runs(read_runs: list[Run]) -> list[Run]:
     """Runs of M and of M_C, to change at will; what their bags hold is read once for all tests."""
     return [copy.copy(run) for run in read_runs]
 

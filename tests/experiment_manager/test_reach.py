@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from active_binocular_vision.commands.run_experiment import main as run_experiment
+from active_binocular_vision.commands.run import main as run_experiment
 from lockstep import MUSCLE_NAMES, InputError
 from tests.command_lines import configured
 

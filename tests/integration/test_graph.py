@@ -60,7 +60,7 @@ def _interrupted_and_resumed(line: list[str], directory: Path, *, begins_in_proc
         assert run.wait() == 130, run.output()
         assert "stopping after this episode, with a checkpoint" in run.output()
         option = " --in-process" if begins_in_process else ""
-        assert f"run_experiment.sh --resume {directory}{option}\n" in run.output()
+        assert f" run --resume {directory}{option}\n" in run.output()
         stopped_at = run.place()
     assert not (directory / "results.json").exists()
     with SupervisedRun(line, directory, resume=True, in_process=not begins_in_process) as run:

@@ -67,10 +67,11 @@ def _of_kind(entities: list[Any], kind: str) -> list[Call]:
 
 
 def _check_node(node: Call, package: str) -> None:
-    assert (node.options["package"], node.options["executable"]) == (package, "node")
+    executable = f"{package}_node"
+    assert (node.options["package"], node.options["executable"]) == (package, executable)
     assert node.options["name"] == package
     entry_points = (ROOT / f"src/{package}/setup.py").read_text()
-    assert f'"node = {package}.node' in entry_points
+    assert f'"{executable} = {package}.node' in entry_points
     given = [p for p in node.options["parameters"] if isinstance(p, dict)]
     assert {name for parameters in given for name in parameters} <= flatten(
         CONFIG_CLASSES[package]()

@@ -8,7 +8,7 @@ import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import Image, JointState
 
-from active_binocular_vision import FinishedRun
+from active_binocular_vision import Run
 from active_binocular_vision.commands.evaluate import main as evaluate
 from active_binocular_vision.commands.report import main as report
 from experiment_manager import read_configuration
@@ -48,7 +48,7 @@ def test_any_order_and_a_late_learner_give_the_same_numbers(
     expected = read_configuration(config_file)
     expected["experiment_manager"]["run_directory"] = str(run)
     assert read_configuration(run / "config.yaml") == expected
-    assert FinishedRun(run).configuration_text == (run / "config.yaml").read_text()
+    assert Run(run).configuration_text == (run / "config.yaml").read_text()
     assert evaluate([str(run)]) == 0
 
 

@@ -5,17 +5,21 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
+import zipfile
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from active_binocular_vision.command_lines.abv import COMMANDS
 from tests.imported_names import imported_names
 from tests.patience import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
 NODES = ("eye_plant", "sparse_coder", "vergence_rl", "experiment_manager")
 PACKAGES = ("lockstep", *NODES, "active_binocular_vision")
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
 
 def _run(folder: Path, *words: str | Path, code: int = 0, **variables: str) -> str:
@@ -121,13 +125,14 @@ def test_entry_points_lead_into_what_was_installed(workspace: Path, package: str
         # What these do is begun by command_lines.
         if "\ndef main(" in file.read_text() and file.parent.name != "commands"
     }
-    assert set(re.findall("entry point: (.*)", loaded)) == with_main
+    of_abv = {function.partition(":")[0] for function, _ in COMMANDS.values()}
+    assert set(re.findall("entry point: (.*)", loaded)) == with_main - of_abv
 
 
 @pytest.mark.parametrize("package", NODES)
 def test_installed_node_names_an_unknown_parameter(workspace: Path, package: str) -> None:
     # Where ros2 run looks for its executable.
-    executable = workspace / "install" / package / "lib" / package / "node"
+    executable = workspace / "install" / package / "lib" / package / f"{package}_node"
     parameter = ["--ros-args", "-p", "no_such_parameter:=1"]
     said = _run_installed(workspace, executable, *parameter, code=2)
     assert "no_such_parameter" in said.splitlines()[-1]
@@ -159,3 +164,90 @@ def test_manifest_names_what_the_package_imports(package: str) -> None:
     named = set(re.findall("<exec_depend[^>]*>(.*?)</exec_depend>", manifest))
     named |= set(re.findall(r"\w+", comments))  # those from PyPI, which rosdep does not know
     assert {_ROSDEP_KEYS.get(name, name) for name in imported} <= named
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
+    """Return the distribution that `pip install .` installs, built of the files that git has."""
+    source, built = (tmp_path_factory.mktemp(name) for name in ("source", "built"))
+    for name in ("README.md", "LICENSE", "pyproject.toml"):
+        shutil.copy(ROOT / name, source)
+    ignore = shutil.ignore_patterns("__pycache__", "build", "*.egg-info", "MUJOCO_LOG.TXT")
+    shutil.copytree(ROOT / "src", source / "src", ignore=ignore)
+    build = f"from setuptools.build_meta import build_wheel; build_wheel({str(built)!r})"
+    _run(source, sys.executable, "-c", build)
+    (path,) = built.glob("*.whl")
+    return zipfile.ZipFile(path)
+
+
+def test_one_distribution_has_every_file_of_the_six_packages(wheel: zipfile.ZipFile) -> None:
+    folders = [ROOT / "src" / package for package in PACKAGES]
+    files = {
+        file.relative_to(folder).as_posix(): file
+        for folder in folders
+        for file in (folder / folder.name).rglob("*")
+        if file.is_file() and "__pycache__" not in file.parts and file.suffix != ".TXT"
+    }
+    names = {name for name in wheel.namelist() if ".dist-info/" not in name}
+    assert names == files.keys()
+    assert "experiment_manager/profiles/clinic/healthy.yaml" in names
+    for name, file in files.items():
+        assert wheel.read(name) == file.read_bytes()
+
+
+def test_it_installs_one_command(wheel: zipfile.ZipFile) -> None:
+    (entry_points,) = (n for n in wheel.namelist() if n.endswith("/entry_points.txt"))
+    abv = "abv = active_binocular_vision.command_lines.abv:main"
+    assert wheel.read(entry_points).decode().split("\n")[:2] == ["[console_scripts]", abv]
+
+
+def test_the_versions_are_one() -> None:
+    version = PROJECT["version"]
+    for package in PACKAGES:
+        folder = ROOT / "src" / package
+        assert f"<version>{version}</version>" in (folder / "package.xml").read_text()
+        assert f'version="{version}"' in (folder / "setup.py").read_text()
+    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
+
+
+def _named(requirement: str) -> str:
+    return re.split(r"[^\w-]", requirement)[0]
+
+
+# What is imported by another name than that of its distribution.
+_DISTRIBUTIONS = {
+    "cv2": "opencv-python-headless",
+    "llvmlite": "numba",  # which brings it
+    "PIL": "pillow",
+    "yaml": "pyyaml",
+    "foxglove": "foxglove-sdk",
+    "rclpy": "ros-jazzy-rclpy",
+    "rcl_interfaces": "ros-jazzy-rclpy",
+    "builtin_interfaces": "ros-jazzy-rclpy",
+    "rosgraph_msgs": "ros-jazzy-rclpy",
+    "sensor_msgs": "ros-jazzy-common-interfaces",
+    "diagnostic_msgs": "ros-jazzy-common-interfaces",
+}
+
+
+def test_the_distribution_requires_what_its_packages_import() -> None:
+    modules = (m for package in PACKAGES for m in (ROOT / "src" / package / package).rglob("*.py"))
+    imported = set().union(*map(imported_names, modules)) - {*PACKAGES} - sys.stdlib_module_names
+    required = {_named(requirement) for requirement in PROJECT["dependencies"]}
+    of_extras = {
+        _named(name) for extra in PROJECT["optional-dependencies"].values() for name in extra
+    }
+    imported = {_DISTRIBUTIONS.get(name, name) for name in imported}
+    assert required <= imported
+    assert imported <= required | of_extras
+    assert "mujoco>=4" in PROJECT["dependencies"]
+
+
+def test_the_lock_files_pin_what_is_required() -> None:
+    locked = (ROOT / "requirements.lock").read_text()
+    live = (ROOT / "requirements-live.lock").read_text()
+    required = {_named(requirement) for requirement in PROJECT["dependencies"]}
+    assert required <= set(re.findall("^([a-z][a-z0-9-]*)==", locked, re.MULTILINE))
+    assert all(
+        f"\n{_named(name)}==" in f"\n{live}" for name in PROJECT["optional-dependencies"]["live"]
+    )

@@ -11,16 +11,20 @@ import tempfile
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
 
+from active_binocular_vision.command_lines import nodes
+from active_binocular_vision.command_lines.abv import COMMANDS
 from tests.patience import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = {p.stem: p for p in sorted((ROOT / "launch_scripts").glob("*.sh"))}
 del SCRIPTS["environment"]  # what they share
 NOBODY = 65534
+CALLS = ("abv", "start")
 # Shows what a function of environment.sh would become, and its variables.
 SHOW = r"""
 source launch_scripts/environment.sh
@@ -67,31 +71,47 @@ def test_help_needs_no_set_up(tmp_path: Path) -> None:
 
 
 def test_every_script_starts_something_that_exists() -> None:
-    call = re.compile(r'^ *(run_module|run_node|exec "\$python" -m) ([\w.]+) "\$@"$', re.MULTILINE)
+    call = re.compile(r'^(abv|start) ([\w.-]+) "\$@"$', re.MULTILINE)
     started = {name: call.findall(path.read_text()) for name, path in SCRIPTS.items()}
-    modules = [m + ".node" * (how == "run_node") for found in started.values() for how, m in found]
-    assert [name for name, found in started.items() if not found] == ["docs", "setup", "test"]
-    assert [name for name in modules if importlib.util.find_spec(name) is None] == []
+    assert [name for name, found in started.items() if not found] == [
+        "abv",
+        "docs",
+        "setup",
+        "test",
+    ]
+    words = {how: {w for found in started.values() for h, w in found if h == how} for how in CALLS}
+    assert words["abv"] == COMMANDS.keys()
+    assert [name for name in words["start"] if importlib.util.find_spec(name) is None] == []
+    for function, _ in COMMANDS.values():
+        module, _, name = function.partition(":")
+        assert callable(getattr(importlib.import_module(module), name))
 
 
 def test_words_reach_the_entry_point_as_they_are() -> None:
-    assert _started("run_module", "tools.stress", "3 4")[0] == ["-m", "tools.stress", "3 4"]
-    words, _ = _started("run_node", "eye_plant", "--ros-args", "-p", "seed:=2")
-    assert words == ["-m", "eye_plant.node", "--ros-args", "-p", "seed:=2"]
+    assert _started("start", "tools.stress", "3 4")[0] == ["-m", "tools.stress", "3 4"]
+    words = [*_run("bash", "-euc", SHOW, "show", "abv", "plant", "-p", "a b").stdout.split("\0")]
+    assert words[1:6] == ["-m", "active_binocular_vision", "plant", "-p", "a b"]
     shown = _run(SCRIPTS["list_parameters"], "--help").stdout
-    assert shown.startswith("usage: list_parameters.sh [-h]")
+    assert shown.startswith("usage: launch_scripts/abv.sh parameters [-h]")
     assert shown.count("usage: ") == 1
 
 
-def test_nodes_started_one_by_one_meet_in_one_domain() -> None:
-    assert _started("run_node", "eye_plant")[1]["ROS_DOMAIN_ID"] == "42"
-    assert _started("run_node", "eye_plant", ROS_DOMAIN_ID="7")[1]["ROS_DOMAIN_ID"] == "7"
-    assert "ROS_DOMAIN_ID" not in _started("run_module", "x")[1]
+def test_nodes_started_one_by_one_meet_in_one_domain(monkeypatch: pytest.MonkeyPatch) -> None:
+    met = []
+    node = ModuleType("eye_plant.node")
+    node.main = lambda: met.append(os.environ["ROS_DOMAIN_ID"])  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "eye_plant.node", node)
+    monkeypatch.setattr(sys, "argv", ["abv plant"])
+    for domain in ("", "7"):
+        monkeypatch.setenv("ROS_DOMAIN_ID", domain)
+        with pytest.raises(SystemExit):
+            nodes.plant()
+    assert met == ["42", "7"]
 
 
 def test_another_ros_installation_stays_out() -> None:
     _, variables = _started(
-        "run_module",
+        "start",
         "x",
         PYTHONPATH="/opt/ros/jazzy/lib/python3.12/site-packages",
         AMENT_PREFIX_PATH="/opt/ros/jazzy",
@@ -104,7 +124,7 @@ def test_another_ros_installation_stays_out() -> None:
 
 
 def test_defaults_of_the_environment_yield_to_the_user() -> None:
-    _, variables = _started("run_module", "x")
+    _, variables = _started("start", "x")
     assert variables["OPENBLAS_NUM_THREADS"] == "1"
     assert variables["MUJOCO_GL"] == "disable"
     assert Path(variables["FASTRTPS_DEFAULT_PROFILES_FILE"]).is_relative_to(ROOT / "src")
@@ -113,7 +133,7 @@ def test_defaults_of_the_environment_yield_to_the_user() -> None:
         "OPENBLAS_NUM_THREADS": "2",
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET",
     }
-    assert theirs.items() <= _started("run_module", "x", **theirs)[1].items()
+    assert theirs.items() <= _started("start", "x", **theirs)[1].items()
 
 
 # What the lock file of a checkout of its own names: one package of a few modules.
@@ -143,6 +163,32 @@ case "$*" in "-I -m venv"*) exit 1 ;; *) exec {sys.executable} "$@" ;; esac
 """
 
 
+# Builds an editable installation with what Python comes with.
+_PROJECT = """[build-system]
+requires = []
+build-backend = "backend"
+backend-path = ["."]
+"""
+_BACKEND = """
+import zipfile
+
+def build_editable(folder, *_):
+    about = "project-1.dist-info"
+    files = {
+        "project.pth": "".join(f"../../../../src/{name}\\n" for name in PACKAGES),
+        f"{about}/METADATA": "Metadata-Version: 2.1\\nName: project\\nVersion: 1\\n",
+        f"{about}/WHEEL": "Wheel-Version: 1.0\\nRoot-Is-Purelib: true\\nTag: py3-none-any\\n",
+    }
+    files[f"{about}/RECORD"] = "".join(f"{name},,\\n" for name in files)
+    with zipfile.ZipFile(f"{folder}/project-1-py3-none-any.whl", "w") as archive:
+        for name, text in files.items():
+            archive.writestr(name, text)
+    return "project-1-py3-none-any.whl"
+
+PACKAGES = "eye_plant sparse_coder vergence_rl experiment_manager active_binocular_vision".split()
+"""
+
+
 class Checkout:
     """The scripts in a folder of their own, whose lock file names a wheel beside it."""
 
@@ -158,7 +204,9 @@ class Checkout:
         shutil.copy(ROOT / environment, self.root / environment)
         for module in ("eye_plant.plant", "sparse_coder.node", "vergence_rl.node"):
             self.write_module(module, "")
-        self.write_module("eye_plant.node", _NODE)
+        self.write_module("active_binocular_vision.__main__", _NODE)
+        (self.root / "pyproject.toml").write_text(_PROJECT)
+        (self.root / "backend.py").write_text(_BACKEND)
         wheel = folder / "small-1.0-py3-none-any.whl"
         about = "small-1.0.dist-info"
         files = _MODULES | {

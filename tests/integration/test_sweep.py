@@ -84,7 +84,7 @@ def test_a_sweep_that_is_stopped_and_then_killed_goes_on(whole, sweep_file, tmp_
     for run in runs:
         _wait_for(sweep, partial(goes_on_interrupted, run))
     output = finished(sweep, code=130)
-    assert f"to continue: launch_scripts/sweep.sh {directory}\n" in output
+    assert f"to continue: launch_scripts/abv.sh sweep {directory}\n" in output
     assert "1 waiting" in output
     assert not [*directory.glob("*/results.json")]
     status = finished(start_sweep(directory, "--status"))

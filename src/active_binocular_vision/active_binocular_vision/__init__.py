@@ -1,5 +1,11 @@
 """What people import and command: what is done with runs and their learners.
 
+    import active_binocular_vision as abv
+
+    run = abv.run("demonstration", seed=2)   # train and test, in this process
+    run.results                              # the measures of its tests, as a data frame
+    abv.compare([run, abv.Run("runs/other")])
+
 Its modules are imported only when a name of theirs is asked for.
 """
 
@@ -9,18 +15,31 @@ from lockstep.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from active_binocular_vision.learners.learners import FrozenLearners
-    from active_binocular_vision.runs.finished_run import FinishedRun
     from active_binocular_vision.runs.groups import groups_of
+    from active_binocular_vision.runs.run import Run
+    from active_binocular_vision.study import compare, run
+    from eye_plant import EyePlant
+    from sparse_coder import SparseCoder
+    from vergence_rl import Agent
 
 __all__ = [
-    "FinishedRun",
+    "Agent",
+    "EyePlant",
     "FrozenLearners",
+    "Run",
+    "SparseCoder",
+    "compare",
     "groups_of",
+    "run",
 ]
 
 _MODULES = {
     "active_binocular_vision.learners.learners": "FrozenLearners",
-    "active_binocular_vision.runs.finished_run": "FinishedRun",
     "active_binocular_vision.runs.groups": "groups_of",
+    "active_binocular_vision.runs.run": "Run",
+    "active_binocular_vision.study": "compare run",
+    "eye_plant": "EyePlant",
+    "sparse_coder": "SparseCoder",
+    "vergence_rl": "Agent",
 }
 __getattr__ = lazy_names(__name__, _MODULES)

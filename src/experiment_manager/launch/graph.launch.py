@@ -4,7 +4,7 @@ ros2 launch experiment_manager graph.launch.py run_directory:=runs/first
 ros2 launch experiment_manager graph.launch.py run_directory:=runs/first params_file:=config.yaml
 
 params_file may be the config.yaml of any run: it has the parameters of all nodes. Faults are not
-repaired, and nodes not started again: that is run_experiment's.
+repaired, and nodes not started again: `abv run` does that.
 """
 
 from launch import LaunchContext, LaunchDescription
@@ -71,7 +71,7 @@ def _node(package: str, given: dict[str, str]) -> Node:
         parameters.append({"run_directory": directory})
     return Node(
         package=package,
-        executable="node",
+        executable=f"{package}_node",
         name=package,
         namespace=given["namespace"],
         output="screen",

@@ -57,7 +57,7 @@ def _plant(context: LaunchContext) -> list[Node]:
     return [
         Node(
             package="eye_plant",
-            executable="node",
+            executable="eye_plant_node",
             name="eye_plant",
             namespace=given["namespace"],
             output="screen",

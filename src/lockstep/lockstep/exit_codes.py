@@ -1,6 +1,6 @@
 """What the exit codes of nodes and commands mean, and how a node's log gives the reason."""
 
-EXIT_DIFFERENT = 1  # evaluate.sh: results.json is not what the bag says
+EXIT_DIFFERENT = 1  # abv evaluate: results.json is not what the bag says
 EXIT_BAD_INPUT = 2
 EXIT_FAULT = 3
 EXIT_UNWRITABLE = 4  # the disk is full, or may only be read: starting again would not help

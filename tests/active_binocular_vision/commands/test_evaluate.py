@@ -7,25 +7,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from active_binocular_vision import FinishedRun
+from active_binocular_vision import Run
 from active_binocular_vision.commands.evaluate import main
 from experiment_manager import Bag
 from experiment_manager.measures.results import write_document
 
 
 @pytest.fixture
-def run(run_directories: dict[str, Path]) -> FinishedRun:
-    return FinishedRun(run_directories["M_C"])
+def run(run_directories: dict[str, Path]) -> Run:
+    return Run(run_directories["M_C"])
 
 
-def test_a_run_tells_what_it_is(run: FinishedRun) -> None:
+def test_a_run_tells_what_it_is(run: Run) -> None:
     assert (run.name, run.model, run.seed, run.n_iterations) == ("M_C", "M_C", 1, 400)
     assert (run.metabolic_cost_weight, run.commit) == (0.08, "0123abc")
     assert run.versions == ("mujoco 4.0.0", "numpy 2.4.6")
     assert run.configuration["eyes"]["mechanics.baseline_m"] == 0.056
 
 
-def test_the_tests_are_joined_by_stamp(run: FinishedRun) -> None:
+def test_the_tests_are_joined_by_stamp(run: Run) -> None:
     assert [test.trials.training_iteration for test in run.recorded.tests] == [0, 130, 270, 400]
     for test in run.recorded.tests:
         assert test.trials.activations.shape == (39, 21, 2)
@@ -39,7 +39,7 @@ def test_the_tests_are_joined_by_stamp(run: FinishedRun) -> None:
         assert np.isfinite(test.reconstruction_error[:, :20]).all()
 
 
-def test_the_training_curve_is_of_episode_ends(run: FinishedRun) -> None:
+def test_the_training_curve_is_of_episode_ends(run: Run) -> None:
     curve = run.recorded.training_curve
     # 40 episodes make 2 bins of 20; an episode's last observation is 10 iterations in.
     assert curve.iteration.tolist() == [105.0, 305.0]
@@ -68,14 +68,14 @@ def test_the_share_of_the_cost_is_that_of_the_first_and_the_last_training_iterat
             sums[end][1] += row[2]
     first, last = (0.08 * cost_w / (error + 0.08 * cost_w) for error, cost_w in sums.values())
     assert abs(first - last) > 0.001  # so that taking one for the other would be seen
-    assert FinishedRun(run.directory).recorded.cost_shares == (
+    assert Run(run.directory).recorded.cost_shares == (
         pytest.approx(first),
         pytest.approx(last),
     )
     # As if the run had been interrupted an episode before its end.
     for n_share, expected in ((100, (pytest.approx(first), None)), (5000, (None, None))):
         monkeypatch.setattr("active_binocular_vision.runs.recorded.SHARE_ITERATIONS", n_share)
-        interrupted = FinishedRun(run.directory)
+        interrupted = Run(run.directory)
         interrupted.about = {**interrupted.about, "n_training_iterations": 410}
         assert interrupted.recorded.cost_shares == expected
 
@@ -85,7 +85,7 @@ def test_results_from_the_bag_agree_with_themselves(run_directories, tmp_path, c
     path = directory / "results.json"
     assert main([str(directory)]) == 0
     assert "There is no" in capsys.readouterr().out
-    write_document(path, FinishedRun(directory).results_of_bag())
+    write_document(path, Run(directory).results_of_bag())
     assert main([str(directory)]) == 0
     assert f"of {path} follow from the bag" in capsys.readouterr().out
     document = json.loads(path.read_text())
@@ -110,7 +110,7 @@ def test_a_configuration_that_cannot_be_read_is_one_line(
     run_directories: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     directory = Path(shutil.copytree(run_directories["M"], tmp_path / "run"))
-    text = FinishedRun(directory).configuration_text
+    text = Run(directory).configuration_text
     for damaged, told in (
         ("[1", "expected the configuration of a run"),
         (text.replace("    camera.focal_length_px: 257.34\n", ""), "it lacks eyes.camera.focal"),

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from active_binocular_vision import FinishedRun
-from active_binocular_vision.commands import run_experiment
+from active_binocular_vision import Run
+from active_binocular_vision.commands import run
 from active_binocular_vision.commands.report import main
 from active_binocular_vision.figures.runs.learning_curve import performance_figure
 from experiment_manager.measures.kept_trials import with_test, write_trials
@@ -63,7 +63,7 @@ def test_the_report_of_two_models(run_directories, tmp_path, capsys) -> None:
     assert "-0.0 %" not in text
     assert re.search(r"<td>[0-9.]+ % \(all 400\)</td>", text), "there were no 5,000 iterations"
 
-    trials = FinishedRun(runs[0]).recorded.tests[-1].trials
+    trials = Run(runs[0]).recorded.tests[-1].trials
     median_deg = np.median(np.abs(trials.vergence_error_deg[:, 20]))
     cells = _cells(text, "our test set: median |vergence error| / deg")
     assert cells[:3] == ["-", f"{median_deg:.3f}", "-"], "the paper tells the authors' alone"
@@ -99,7 +99,7 @@ def test_a_figure_that_fails_does_not_cost_the_end_of_a_run(tmp_path, monkeypatc
         raise RuntimeError("latex could not be found")
 
     monkeypatch.setattr(f"{performance_figure.__module__}.learning_curve", without_latex)
-    assert run_experiment.figure_of(tmp_path) is None
+    assert run.figure_of(tmp_path) is None
     assert capsys.readouterr().err == "no learning curve: latex could not be found\n"
 
 
@@ -117,7 +117,7 @@ def kept(run_directories: dict[str, Path], tmp_path_factory: pytest.TempPathFact
     sweep = tmp_path_factory.mktemp("kept") / "sweep"
     for model, directory in run_directories.items():
         copy = Path(shutil.copytree(directory, sweep / f"{model}_1"))
-        run = FinishedRun(copy)
+        run = Run(copy)
         (copy / "config.yaml").write_text(run.configuration_text)
         write_document(copy / "results.json", run.results_of_bag())
         kept = None
@@ -157,7 +157,7 @@ def test_a_sweep_without_bags_pools_its_seeds(kept, run_directories, capsys) -> 
         "conditions",
     }
     assert "a test in a bag, with enough observations in a bin: M_1, M_2, M_C_1, M_C_2." in text
-    whole = FinishedRun(run_directories["M"]).summaries[-1]
+    whole = Run(run_directories["M"]).summaries[-1]
     median_deg = whole.median_abs_vergence_error_deg
     assert median_deg is not None
     assert _cells(text, "our test set: trials")[1] == "78", "those of both seeds"

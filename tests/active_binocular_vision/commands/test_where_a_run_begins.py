@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from active_binocular_vision.commands import run_experiment
-from active_binocular_vision.commands.run_experiment import prepare_new, source_commit
+from active_binocular_vision.commands import run
+from active_binocular_vision.commands.run import prepare_new, source_commit
 from experiment_manager import RunRequest
 from lockstep import InputError
 
@@ -24,10 +24,10 @@ def test_the_commit_is_that_of_the_source_in_any_environment(monkeypatch, tmp_pa
     monkeypatch.setenv("GIT_DIR", str(tmp_path / ".git"))  # as in a hook
     monkeypatch.setenv("GIT_WORK_TREE", str(tmp_path))
     assert source_commit() == commit != _git(tmp_path, "rev-parse", "HEAD")
-    copy = tmp_path / "unpacked" / "run_experiment.py"
+    copy = tmp_path / "unpacked" / "run.py"
     copy.parent.mkdir()
     copy.touch()
-    monkeypatch.setattr(run_experiment, "__file__", str(copy))
+    monkeypatch.setattr(run, "__file__", str(copy))
     assert source_commit() == "unknown"  # the repository around a copy is somebody else's
 
 
@@ -37,7 +37,7 @@ def test_of_two_runs_that_begin_at_once_one_has_the_directory(monkeypatch, tmp_p
     def somebody_else_begins(configuration: object) -> None:
         directory.mkdir()
 
-    monkeypatch.setattr(run_experiment, "_prepare_stimuli", somebody_else_begins)
+    monkeypatch.setattr(run, "_prepare_stimuli", somebody_else_begins)
     with pytest.raises(InputError, match=r"cannot be written: .*File exists"):
         prepare_new(RunRequest(), directory)
     assert list(directory.iterdir()) == []

@@ -10,7 +10,7 @@ import pytest
 from matplotlib.colors import to_rgb
 from PIL import Image
 
-from active_binocular_vision.commands.inspect_bag import main
+from active_binocular_vision.commands.bag import main
 from active_binocular_vision.figures.style import VERMILION
 from active_binocular_vision.film.frames import (
     HEADER_PX,

@@ -13,7 +13,7 @@ import pytest
 from msgspec import to_builtins
 
 from active_binocular_vision import FrozenLearners
-from active_binocular_vision.commands.evaluate import main
+from active_binocular_vision.commands.examine import main
 from active_binocular_vision.learners.evaluation import FrozenResults, evaluated
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
 from experiment_manager.measures.results import Summary, read_results

@@ -6,13 +6,13 @@ from typing import Any
 import pytest
 from msgspec.structs import replace
 
-from active_binocular_vision import FinishedRun
+from active_binocular_vision import Run
 from active_binocular_vision.figures.quartiles import colour_of
 from active_binocular_vision.runs.groups import groups_of, held_back
 from lockstep.errors import InputError
 
 
-def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[FinishedRun]) -> None:
+def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[Run]) -> None:
     m, m_c = runs
     groups = groups_of([m_c, m, m])
     assert [group.model for group in groups] == ["M", "M_C"]
@@ -24,12 +24,12 @@ def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[Fini
     assert len(groups[0].trials_at(130).trial) == 2 * 39
 
 
-def test_a_run_goes_to_another_process_without_what_was_read(runs: list[FinishedRun]) -> None:
+def test_a_run_goes_to_another_process_without_what_was_read(runs: list[Run]) -> None:
     assert runs[0].recorded.tests
     assert vars(runs[0].unread()).keys() == {"directory", "name"}
 
 
-def _with(run: FinishedRun, section: str, **changed: Any) -> FinishedRun:
+def _with(run: Run, section: str, **changed: Any) -> Run:
     """The same run as if settings of a section had been others; __ is the dot in a name."""
     other = copy.copy(run)
     named = {name.replace("__", "."): value for name, value in changed.items()}
@@ -37,7 +37,7 @@ def _with(run: FinishedRun, section: str, **changed: Any) -> FinishedRun:
     return other
 
 
-def test_runs_with_other_settings_are_not_pooled(runs: list[FinishedRun]) -> None:
+def test_runs_with_other_settings_are_not_pooled(runs: list[Run]) -> None:
     run = runs[0]
     for section, free in (("task", {"seed": 5}), ("experiment_manager", {"commit": "abc"})):
         assert len(groups_of([run, _with(run, section, **free)])) == 1, free
@@ -50,7 +50,7 @@ def test_runs_with_other_settings_are_not_pooled(runs: list[FinishedRun]) -> Non
     assert (first.rank, second.rank) == ((0, 2), (1, 2))
 
 
-def test_every_setting_in_which_runs_differ_is_named(runs: list[FinishedRun]) -> None:
+def test_every_setting_in_which_runs_differ_is_named(runs: list[Run]) -> None:
     strength = [0.5] * 12
     stimuli = {"stimuli__directory": "/my/photos", "stimuli__n_training": 14}
     other = _with(runs[0], "eye_plant", **stimuli, stimuli__n_test=6)
@@ -62,7 +62,7 @@ def test_every_setting_in_which_runs_differ_is_named(runs: list[FinishedRun]) ->
 
 
 def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(
-    runs: list[FinishedRun],
+    runs: list[Run],
 ) -> None:
     paper = _with(runs[0], "experiment_manager", profile="paper")
     precise = _with(runs[0], "experiment_manager", profile="precise")
@@ -82,7 +82,7 @@ def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(
     ]
 
 
-def test_a_parameter_that_is_lacking_has_its_default(runs: list[FinishedRun]) -> None:
+def test_a_parameter_that_is_lacking_has_its_default(runs: list[Run]) -> None:
     run, name = runs[0], "learning_rate"
     of_coder = dict(run.configuration["sparse_coder"])
     other = copy.copy(run)
@@ -104,16 +104,16 @@ def test_a_run_of_another_course_is_not_pooled(runs, course) -> None:
 def test_a_run_without_its_last_test_does_not_hold_back_finished_ones(runs) -> None:
     run, m_c = runs
     other = copy.copy(run)
-    other.results = replace(run.results, tests=run.summaries[:2])
-    other.trials = {test.iteration: run.trials[test.iteration] for test in other.summaries}
+    other.document = replace(run.document, tests=run.summaries[:2])
+    other.tests = {test.iteration: run.tests[test.iteration] for test in other.summaries}
     assert held_back([run, other, m_c]) == [other]
     assert held_back([other, m_c]) == [], "nothing to be held back"
-    run.results = replace(run.results, tests=run.summaries[2:])
+    run.document = replace(run.document, tests=run.summaries[2:])
     with pytest.raises(InputError, match="expected a test after as many iterations in each"):
         groups_of([run, other])
 
 
-def _group_sizes(run: FinishedRun, seeds: list[tuple[int, int]]) -> list[int]:
+def _group_sizes(run: Run, seeds: list[tuple[int, int]]) -> list[int]:
     """Return the sizes of the groups of runs with the given seeds and seeds of the pictures."""
     runs = []
     for seed, pictures_seed in seeds:
@@ -123,7 +123,7 @@ def _group_sizes(run: FinishedRun, seeds: list[tuple[int, int]]) -> list[int]:
     return [len(group.runs) for group in groups_of(runs)]
 
 
-def test_runs_with_a_seed_and_pictures_of_their_own_are_pooled(runs: list[FinishedRun]) -> None:
+def test_runs_with_a_seed_and_pictures_of_their_own_are_pooled(runs: list[Run]) -> None:
     assert _group_sizes(runs[0], [(1, 11), (2, 12), (3, 13)]) == [3]
     assert _group_sizes(runs[0], [(1, 1), (2, 1), (3, 1)]) == [3], "the same pictures"
     assert _group_sizes(runs[0], [(1, 11), (1, 12)]) == [1, 1], "pictures are compared"

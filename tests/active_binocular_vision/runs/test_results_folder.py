@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from active_binocular_vision import FinishedRun, groups_of
+from active_binocular_vision import Run, groups_of
 from active_binocular_vision.commands.report import main
 from active_binocular_vision.runs.results_folder import keep, runs_at, runs_with_tests
 from experiment_manager.measures.tables import summaries_table
@@ -21,17 +21,17 @@ FOLDERS = sorted(path.parent for path in RESULTS.rglob("runs.yaml"))
 
 
 @pytest.fixture
-def made(tmp_path: Path) -> list[FinishedRun]:
+def made(tmp_path: Path) -> list[Run]:
     """Runs of a pair with and without a price, and of twelve muscles."""
     spaces = {
         "pair": (PAIR, "M", 0.0),
         "priced": (PAIR, "M_C", 0.1),
         "all": (ALL_MUSCLES, "M", 0.0),
     }
-    return [FinishedRun(write_run(tmp_path / name, *of)) for name, of in spaces.items()]
+    return [Run(write_run(tmp_path / name, *of)) for name, of in spaces.items()]
 
 
-def test_kept_runs_have_what_the_runs_had(made: list[FinishedRun], tmp_path: Path) -> None:
+def test_kept_runs_have_what_the_runs_had(made: list[Run], tmp_path: Path) -> None:
     found = {"examined": [{"examination": "cover", "summary": {"share_fused": 1 / 3}}]}
     (made[0].directory / "examinations.json").write_text(json.dumps(found))
     keep(made, tmp_path / "kept")
@@ -41,7 +41,10 @@ def test_kept_runs_have_what_the_runs_had(made: list[FinishedRun], tmp_path: Pat
     for run, of_folder in zip(made, kept, strict=True):
         assert of_folder.about == run.about
         unread = of_folder.unread()
-        assert (unread.results, unread.examinations) == (of_folder.results, of_folder.examinations)
+        assert (unread.document, unread.examinations) == (
+            of_folder.document,
+            of_folder.examinations,
+        )
         assert len(pickle.dumps(unread)) < 0.5 * len(pickle.dumps(of_folder))
         assert of_folder.configuration == run.configuration
         assert summaries_table(of_folder.summaries) == summaries_table(run.summaries)
@@ -51,8 +54,8 @@ def test_kept_runs_have_what_the_runs_had(made: list[FinishedRun], tmp_path: Pat
         )
         if run.is_of_pair:
             assert others.authors_test_set.n_trials == last.authors_test_set.n_trials
-        for at, trials in run.trials.items():
-            errors_deg = of_folder.trials[at].vergence_error_deg
+        for at, trials in run.tests.items():
+            errors_deg = of_folder.tests[at].vergence_error_deg
             np.testing.assert_allclose(errors_deg, trials.vergence_error_deg, rtol=1e-5)
     assert kept[0].examinations["examined"][0]["summary"] == {"share_fused": 0.333333}
     assert kept[1].examinations == {"examined": []}
@@ -61,7 +64,7 @@ def test_kept_runs_have_what_the_runs_had(made: list[FinishedRun], tmp_path: Pat
 def test_a_run_of_a_folder_is_named_as_if_it_were_a_directory(made, tmp_path) -> None:
     keep(made, tmp_path / "kept", with_trials=False)
     (run,) = runs_at(tmp_path / "kept" / "priced")
-    assert (run.name, run.model, run.trials) == ("priced", "M_C", {})
+    assert (run.name, run.model, run.tests) == ("priced", "M_C", {})
     found, _ = runs_with_tests([tmp_path / "kept", tmp_path / "kept" / "all"])
     assert [run.name for run in found] == ["pair", "priced", "all"], "each once"
 
@@ -77,7 +80,7 @@ def test_a_sweep_has_its_runs_in_its_order(tmp_path: Path) -> None:
     assert names == ["seed_2-profile_paper", "seed_1-profile_paper", "another"]
 
 
-def test_measures_are_one_table(made: list[FinishedRun], tmp_path: Path) -> None:
+def test_measures_are_one_table(made: list[Run], tmp_path: Path) -> None:
     keep(made, tmp_path)
     with (tmp_path / "measures.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from active_binocular_vision.commands import inspect_bag
+from active_binocular_vision.commands import bag as bag_command
 
 DOCS = Path(__file__).parents[3] / "docs" / "how_to"
 
@@ -51,5 +51,5 @@ def test_command_lines_of_the_document(here: Path) -> None:
     for line in block.splitlines():
         script, *arguments = shlex.split(line)
         assert script == "launch_scripts/inspect_bag.sh"
-        assert inspect_bag.main(arguments) == 0
+        assert bag_command.main(arguments) == 0
     assert list((here / "pictures" / "left" / "image_raw").glob("*.png"))

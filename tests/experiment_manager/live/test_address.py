@@ -5,7 +5,7 @@ import socket
 
 import pytest
 
-from active_binocular_vision.commands.run_experiment import main
+from active_binocular_vision.commands.run import main
 from experiment_manager.live.address import Address
 from experiment_manager.live.server import ViewServer
 from lockstep import InputError
@@ -71,9 +71,7 @@ def test_a_port_in_use_is_found_before_the_start(offset: int) -> None:
 
 
 def test_without_the_sdk_no_run_begins(monkeypatch, tmp_path, capsys) -> None:
-    monkeypatch.setattr(
-        "active_binocular_vision.commands.run_experiment.why_unavailable", lambda: "no sdk"
-    )
+    monkeypatch.setattr("active_binocular_vision.commands.run.why_unavailable", lambda: "no sdk")
     assert main(["--live", "--out", str(tmp_path / "run")]) == 2
     assert capsys.readouterr().err == "error: --live: no sdk\n"
     assert not (tmp_path / "run").exists()

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from active_binocular_vision.commands.command_line import arguments
-from active_binocular_vision.commands.run_experiment import main as run_experiment
+from active_binocular_vision.commands.run import main as run_experiment
 from experiment_manager.plant_changes import read_schedule
 from experiment_manager.preparation.controls import CONTROLS
 from experiment_manager.run.config_file import configuration_text, read_configuration
@@ -176,7 +176,7 @@ def test_values_are_read_as_yaml_1_2(setting: str, expected: object) -> None:
         ),
         (("--in-process", "--elsewhere", "eye_plant"), "--in-process: expected it without"),
         (("--extend", "10"), "--extend: expected it with --resume"),
-        (("--model", "X"), "run_experiment.sh: error: "),
+        (("--model", "X"), "abv run: error: "),
         (("--iterations", "many"), "--iterations: "),
         (("--iterations", "1.5e0"), "--iterations: "),
         (("--iterations", "inf"), "--iterations: "),

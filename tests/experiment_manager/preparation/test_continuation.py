@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 import yaml
 
-from active_binocular_vision import FinishedRun
+from active_binocular_vision import Run
 from active_binocular_vision.commands.command_line import arguments, request_of
 from active_binocular_vision.commands.evaluate import main as evaluate
-from active_binocular_vision.commands.run_experiment import main as run_experiment
+from active_binocular_vision.commands.run import main as run_experiment
 from experiment_manager import configuration_of, read_configuration
 from experiment_manager.preparation import continuation
 from experiment_manager.preparation.continuation import check_settings
@@ -150,7 +150,7 @@ def test_a_branch_goes_on_from_the_learners_of_another_run(run: Path, tmp_path: 
     oracle.restore(states)
     first = oracle.protocol.place_after(60)
     truth = [s.observation.ground_truth_values() for _, s in oracle.steps(first)]
-    recorded = FinishedRun(out)
+    recorded = Run(out)
     np.testing.assert_array_equal(vectors(out)["ground_truth"].position, truth)
     about = recorded.about
     assert (about["branched_from"], about["branched_at_iteration"]) == (str(run), 60)

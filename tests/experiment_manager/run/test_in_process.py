@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from active_binocular_vision.commands.run_experiment import main
+from active_binocular_vision.commands.run import main
 from experiment_manager import Bag
 from experiment_manager.loop import InProcessLoop, Step
 from eye_plant import Episode

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from active_binocular_vision import FinishedRun
+import active_binocular_vision
 from active_binocular_vision.commands.evaluate import main as evaluate
-from active_binocular_vision.commands.run_experiment import main as run_experiment
+from active_binocular_vision.commands.run import main as run_experiment
 from active_binocular_vision.figures.runs.learning_curve import learning_curve
 from experiment_manager import Bag, ExperimentManagerConfig
 from experiment_manager.run.config_file import configuration_text
@@ -197,7 +197,7 @@ def test_a_copied_checkpoint_is_enough_to_go_on(tmp_path, drive, undisturbed, pl
     observation = second.episode().first_observation
     assert _end(second, drive) == undisturbed
 
-    finished = FinishedRun(directory)
+    finished = active_binocular_vision.Run(directory)
     assert finished.recorded.first_observation == observation
     kept = [test.trials.training_iteration for test in finished.recorded.tests]
     tests = [segment for segment in second.protocol.segments if segment.i_test >= 0]

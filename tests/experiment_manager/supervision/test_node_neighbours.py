@@ -8,7 +8,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from active_binocular_vision.commands.run_experiment import main
+from active_binocular_vision.commands.run import main
 from experiment_manager.supervision import node_neighbours
 from experiment_manager.supervision.domains import NODE_SCRIPTS_DOMAIN, own_domain
 from experiment_manager.supervision.node_neighbours import check_ros, refuse_neighbours

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from active_binocular_vision.commands import run_experiment
+from active_binocular_vision.commands import run
 from experiment_manager.supervision.supervisor import Supervisor
 from lockstep.exit_codes import EXIT_DIVERGED, EXIT_NETWORK, EXIT_UNWRITABLE
 
@@ -142,6 +142,6 @@ def test_ctrl_c_before_the_run_begins(tmp_path, monkeypatch, capsys) -> None:
     def interrupted(argv: object) -> Path:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(run_experiment, "prepare", interrupted)
-    assert run_experiment.main([]) == 130
+    monkeypatch.setattr(run, "prepare", interrupted)
+    assert run.main([]) == 130
     assert "Traceback" not in capsys.readouterr().err

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from active_binocular_vision.command_lines.run_experiment import parser
+from active_binocular_vision.command_lines.run import parser
 from experiment_manager import configuration_of
 from experiment_manager.preparation.request import OPTIONS
 from experiment_manager.sweep.sweep_file import Sweep, read_sweep

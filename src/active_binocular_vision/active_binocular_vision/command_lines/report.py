@@ -1,10 +1,10 @@
-"""The command line of report.sh."""
+"""The command line of `abv report`."""
 
 import argparse
 
 from active_binocular_vision.command_lines.start import start
 from active_binocular_vision.runs.ages import AGES
-from lockstep.written.command_line import CommandLine
+from lockstep.written.command_line import CommandLine, command
 from lockstep.written.paths import written_path
 
 _COLUMNS = (
@@ -14,9 +14,9 @@ _COLUMNS = (
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the command line of report.sh."""
+    """Return the command line of `abv report`."""
     line = CommandLine(
-        prog="report.sh",
+        prog=command("report"),
         description="Draw the paper's figures and tables of runs into one report.html, from "
         "results.json, trials.npz, checkpoints and, where they exist, bags. Runs that differ only "
         "in their seed, or in it and the seed of their pictures, are pooled, as in K17.",

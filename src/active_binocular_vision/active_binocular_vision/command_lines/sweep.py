@@ -1,16 +1,16 @@
-"""The command line of sweep.sh."""
+"""The command line of `abv sweep`."""
 
 import argparse
 
 from active_binocular_vision.command_lines.start import start
-from lockstep.written.command_line import CommandLine
+from lockstep.written.command_line import CommandLine, command
 from lockstep.written.paths import written_path
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the command line of sweep.sh."""
+    """Return the command line of `abv sweep`."""
     line = CommandLine(
-        prog="sweep.sh",
+        prog=command("sweep"),
         description="Make many runs that differ in a few options, several at a time, each in one"
         " process on one core, or as a job array of Slurm. Started again, it continues the"
         " unfinished runs. Ctrl-C stops all runs, with checkpoints. See docs/how_to/sweeps.md",
@@ -31,7 +31,7 @@ def parser() -> argparse.ArgumentParser:
         "--stimuli",
         type=written_path,
         metavar="DIR",
-        help="images for all runs, as in run_experiment.sh",
+        help="images for all runs, as in abv run",
     )
     line.add_argument(
         "--jobs", type=int, metavar="N", help="runs at a time (default: one per core)"

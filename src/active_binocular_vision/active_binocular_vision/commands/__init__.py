@@ -1,4 +1,4 @@
-"""The scripts of launch_scripts that users call, and what these share."""
+"""What the commands of `abv` do, and what these share."""
 
 import os
 

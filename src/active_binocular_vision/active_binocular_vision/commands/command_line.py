@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Sequence
 from typing import Any
 
-from active_binocular_vision.command_lines.run_experiment import parser
+from active_binocular_vision.command_lines.run import parser
 from experiment_manager.preparation.request import OPTIONS, SCHEDULE, RunRequest, check_key
 from experiment_manager.sections import DEFAULTS
 from lockstep import InputError

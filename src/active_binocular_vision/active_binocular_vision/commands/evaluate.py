@@ -1,7 +1,5 @@
-"""Measures a run: from its bag alone, or what its frozen learners do with other pictures."""
+"""Measures a run again, from its bag alone."""
 
-import argparse
-import json
 import math
 import sys
 from collections.abc import Iterator, Sequence
@@ -11,20 +9,13 @@ from typing import Any
 from msgspec import to_builtins
 from msgspec.structs import replace
 
-from active_binocular_vision.command_lines.evaluate import FROZEN, FROZEN_OPTIONS, parser
-from active_binocular_vision.commands.command_line import plant_settings
-from active_binocular_vision.commands.examinations import examined
-from active_binocular_vision.examinations.registry import EXAMINATIONS
-from active_binocular_vision.learners.evaluation import evaluated
-from active_binocular_vision.learners.learners import FrozenLearners
-from active_binocular_vision.learners.shown import Shown
-from active_binocular_vision.runs.finished_run import FinishedRun
+from active_binocular_vision.command_lines.evaluate import parser
+from active_binocular_vision.runs.run import Run
 from experiment_manager.measures.results import (
     RESULTS_FILE,
     CostShares,
     Results,
     read_results,
-    write_document,
 )
 from experiment_manager.measures.tables import number, summaries_table
 from lockstep import InputError
@@ -36,67 +27,16 @@ _RELATIVE_TOLERANCE = 1e-9
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return 0, 1 when the bag has other numbers, 2 for bad input."""
-    line = parser()
-    options = line.parse_args(arguments)
-    is_frozen = any(getattr(options, name) != line.get_default(name) for name in FROZEN)
-    if not is_frozen and (options.test_stimuli is not None or options.json is not None):
-        line.error(f"--test-stimuli and --json: expected with one of {FROZEN_OPTIONS}")
-    for name in ("figure", "option"):
-        if getattr(options, name) and options.examination is None:
-            line.error(
-                f"--{name}: expected with one of {', '.join(f'--{n}' for n in EXAMINATIONS)}"
-            )
-    if options.examination is not None and options.start_scale is not None:
-        line.error("--start-scale: expected without an examination, which has starts of its own")
+    options = parser().parse_args(arguments)
     try:
-        if is_frozen:
-            return _test_frozen(options)
         return _evaluate(options.run)
     except (InputError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
 
 
-def _test_frozen(options: argparse.Namespace) -> int:
-    learners = FrozenLearners(
-        options.run,
-        options.checkpoint,
-        dictionary=options.dictionary,
-        actor=options.actor,
-        settings=plant_settings(options.set),
-    )
-    shown = Shown(
-        options.stimuli,
-        options.stereograms,
-        options.random_dots,
-        options.generated,
-        options.test_stimuli,
-    )
-    if options.examination is not None:
-        document, table = examined(
-            options.examination, learners, shown, options.figure, options.option
-        )
-    else:
-        start_scale = 1.0 if options.start_scale is None else options.start_scale
-        results = evaluated(learners, shown, start_scale)
-        document, table = results.to_json(), summaries_table([results.test])
-    if options.json == Path("-"):
-        print(json.dumps(document, indent=2))
-    else:
-        manager = learners.manager
-        print(
-            f"model {manager.model}, seed {manager.seed}, checkpoint after "
-            f"{learners.place} episodes, {document['n_stimuli']} pictures of "
-            f"{document['stimuli'] or 'its own test stimuli'}\n\n{table}"
-        )
-        if options.json is not None:
-            write_document(options.json, document)
-            print(f"written: {options.json}", file=sys.stderr)
-    return 0
-
-
 def _evaluate(directory: Path) -> int:
-    run = FinishedRun(directory)
+    run = Run(directory)
     measured = run.results_of_bag()
     print(_text(measured))
     path = directory / RESULTS_FILE

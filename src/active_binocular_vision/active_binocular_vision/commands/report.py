@@ -8,9 +8,9 @@ from active_binocular_vision.command_lines.report import parser
 from active_binocular_vision.pages.conditions.page import write_conditions_page
 from active_binocular_vision.pages.report.page import write_report
 from active_binocular_vision.runs.conditions import chosen_columns
-from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import held_back
 from active_binocular_vision.runs.results_folder import keep, runs_with_tests
+from active_binocular_vision.runs.run import Run
 from lockstep import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
 
@@ -35,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _runs(paths: Sequence[Path]) -> list[FinishedRun]:
+def _runs(paths: Sequence[Path]) -> list[Run]:
     """Return the runs at paths, and in the sweeps there; others are left out, with a message."""
     runs, reasons = runs_with_tests(paths)
     for run in held_back(runs):

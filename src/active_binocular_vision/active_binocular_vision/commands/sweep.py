@@ -1,4 +1,4 @@
-"""sweep.sh: many runs that differ in a few options, in one command, on one machine or a cluster."""
+"""Many runs that differ in a few options, in one command, on one machine or a cluster."""
 
 import argparse
 import os
@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from active_binocular_vision.command_lines.sweep import parser
-from active_binocular_vision.commands.run_experiment import source_commit
+from active_binocular_vision.commands.run import source_commit
 from experiment_manager import RunRequest, configuration_of
 from experiment_manager.preparation.continuation import check_settings
 from experiment_manager.run.config_file import (
@@ -28,6 +28,7 @@ from eye_plant import EyePlantConfig, load_stimuli
 from lockstep import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
 from lockstep.files.durable_files import is_free, replace_file
+from lockstep.written.command_line import command
 
 # Command lines without their last arguments: of a run's process, and of a Slurm task.
 _START_RUN = (sys.executable, "-m", f"{__package__}.sweep_run")
@@ -51,7 +52,7 @@ def _opened(options: argparse.Namespace) -> tuple[Path, Sweep]:
     if held.exists() and read_sweep(held) != sweep:
         raise InputError(
             f"{directory}: expected the directory of this sweep, it contains another; "
-            f"sweep.sh {shlex.quote(str(directory))} continues that one"
+            f"{command('sweep')} {shlex.quote(str(directory))} continues that one"
         )
     if not held.exists() and not is_free(directory):
         raise InputError(f"{directory}: expected a new or empty directory, it is not empty")
@@ -129,16 +130,15 @@ def _run(options: argparse.Namespace) -> int:
         array = ",".join(map(str, undone)) + (f"%{options.tasks}" if options.tasks else "")
         task = (*_START_SWEEP, str(directory), "--task")
         job = slurm.submit(directory, array, task, resources)
-        status = f"launch_scripts/sweep.sh {shlex.quote(str(directory))} --status"
+        status = f"{command('sweep')} {shlex.quote(str(directory))} --status"
         print(f"job {job}: {len(undone)} tasks; {status}")
         return 0
     jobs = options.jobs or len(os.sched_getaffinity(0))
     code = Pool(jobs, _START_RUN).run([runs[i] for i in undone])
     print(table(runs))
     if code:
-        print(
-            f"to continue: launch_scripts/sweep.sh {shlex.quote(str(directory))}", file=sys.stderr
-        )
+        line = f"{command('sweep')} {shlex.quote(str(directory))}"
+        print(f"to continue: {line}", file=sys.stderr)
     return code
 
 

@@ -7,7 +7,7 @@ begun; else the sweep's file beside it says what it is.
 import sys
 from pathlib import Path
 
-from active_binocular_vision.commands.run_experiment import (
+from active_binocular_vision.commands.run import (
     check_old,
     concluded,
     in_one_process,

@@ -63,11 +63,11 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
     ) -> None:
         """Set up plant and coder.
 
-        profile: by name, as --profile of run_experiment.sh; model: M, or M_C with a price on
+        profile: by name, as --profile of abv run; model: M, or M_C with a price on
         energy, None for the profile's; settings: {"SECTION.NAME": value}, as its --set;
         coder_state: sparse_coder.npz of a checkpoint, to begin with; action_scale: change of either
         activation that an action of 1 makes.
-        Raises InputError for whatever run_experiment.sh would refuse.
+        Raises InputError for whatever abv run would refuse.
         """
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise InputError(f"render_mode: expected None or rgb_array, got {render_mode!r}")

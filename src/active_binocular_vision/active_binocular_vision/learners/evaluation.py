@@ -43,7 +43,7 @@ class FrozenResults:
     test: Summary
 
     def to_json(self) -> dict[str, Any]:
-        """Return what evaluate.sh writes."""
+        """Return what abv examine writes."""
         return self.learners.said() | {
             "start_scale": self.start_scale,
             "stimuli": self.stimuli,

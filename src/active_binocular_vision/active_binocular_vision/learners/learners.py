@@ -17,6 +17,7 @@ from experiment_manager.plant_changes import read_schedule
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.sections import Configuration, config_of
+from experiment_manager.trained.directory import run_directory
 from eye_plant import EyePlantConfig, StimulusSet
 from eye_plant.config import changed
 from lockstep import InputError, flatten, read_state
@@ -30,10 +31,11 @@ _LEARNERS = ("sparse_coder", "vergence_rl")
 class FrozenLearners:
     """Which learners, with which eyes.
 
-    run: directory with config.yaml and checkpoints/, the bag is not needed; n_episodes: done at the
-    checkpoint, None is the newest; dictionary, actor: directories of checkpoints, of this run or
-    another, whose dictionary or whose actor, with its critic, takes the place of the checkpoint's
-    own; settings: of the plant, by dotted name, other than they were at that age.
+    run: directory with config.yaml and checkpoints/, the bag is not needed, or the name of trained
+    eyes; n_episodes: done at the checkpoint, None is the newest; dictionary, actor: directories of
+    checkpoints, of this run or another, whose dictionary or whose actor, with its critic, takes the
+    place of the checkpoint's own; settings: of the plant, by dotted name, other than they were at
+    that age.
     """
 
     run: Path
@@ -42,12 +44,17 @@ class FrozenLearners:
     actor: Path | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        """Find the directory of trained eyes."""
+        object.__setattr__(self, "run", run_directory(self.run))
+
     @classmethod
     def after(cls, run: Path, iteration: int) -> Self:
         """Return the learners of the checkpoint after so many training iterations of a run.
 
         Raises InputError, naming those that there are, without one.
         """
+        run = run_directory(run)
         protocol = protocol_of(read_configuration(run / CONFIG_FILE))
         places = checkpoint.places(run / "checkpoints")
         trained = {protocol.training_iterations_before(place): place for place in places}

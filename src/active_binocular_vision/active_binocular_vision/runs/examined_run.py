@@ -17,8 +17,8 @@ from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI
 from active_binocular_vision.runs.ages import AGES, BEFORE, BIRTH, END
-from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE, FinishedRun
 from active_binocular_vision.runs.groups import Common
+from active_binocular_vision.runs.run import EXAMINATIONS_FILE, Run
 from experiment_manager import Summary
 from experiment_manager.plant_changes import read_schedule
 from experiment_manager.sections import config_of
@@ -92,7 +92,7 @@ class ExaminedRun:
 
 
 def examined_run(
-    run: FinishedRun, common: Common, names: Collection[str], ages: Collection[str] = AGES
+    run: Run, common: Common, names: Collection[str], ages: Collection[str] = AGES
 ) -> ExaminedRun:
     """Examine the learners of a finished run at ages, or read what was found before.
 
@@ -138,7 +138,7 @@ def examined_run(
     )
 
 
-def _documents(run: FinishedRun) -> list[Document]:
+def _documents(run: Run) -> list[Document]:
     """Return what was found in a run before; InputError for another content."""
     try:
         return [dict(of) for of in run.examinations["examined"]]
@@ -149,7 +149,7 @@ def _documents(run: FinishedRun) -> list[Document]:
 
 
 def _at(
-    run: FinishedRun, iteration: int, names: Collection[str], documents: list[Document]
+    run: Run, iteration: int, names: Collection[str], documents: list[Document]
 ) -> dict[str, Document]:
     """Return examinations after training iterations; those that are made go into documents.
 
@@ -165,7 +165,7 @@ def _at(
 
 
 def _document(
-    run: FinishedRun,
+    run: Run,
     iteration: int,
     examination: Examination,
     learners: FrozenLearners | None,

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.recorded import RecordedTest
+from active_binocular_vision.runs.run import Run
 from experiment_manager import Criteria, Summary, summary_of
 from experiment_manager.measures.trials import Trials, pooled
 from experiment_manager.preparation.profiles import read_profile
@@ -65,7 +65,7 @@ class Group:
     label: str
     rank: tuple[int, int]
     common: Common
-    runs: tuple[FinishedRun, ...]
+    runs: tuple[Run, ...]
 
     @property
     def model(self) -> str:
@@ -82,7 +82,7 @@ class Group:
         """Training iterations before each test that all runs made, in order."""
         made = [{test.iteration for test in run.summaries} for run in self.runs]
         if self.has_trials:
-            made += [set(run.trials) for run in self.runs]
+            made += [set(run.tests) for run in self.runs]
         return sorted(set.intersection(*made))
 
     @property
@@ -93,11 +93,11 @@ class Group:
     @property
     def has_trials(self) -> bool:
         """Whether the trials of all runs are known, and not their measures alone."""
-        return all(run.trials for run in self.runs)
+        return all(run.tests for run in self.runs)
 
     def trials_at(self, iteration: int) -> Trials:
         """Return the trials of all runs after so many training iterations."""
-        return pooled([run.trials[iteration] for run in self.runs])
+        return pooled([run.tests[iteration] for run in self.runs])
 
     @cached_property
     def last_trials(self) -> Trials:
@@ -131,7 +131,7 @@ class Group:
         return [test for test in tests if test.trials.training_iteration == iteration]
 
 
-def groups_of(runs: Sequence[FinishedRun]) -> list[Group]:
+def groups_of(runs: Sequence[Run]) -> list[Group]:
     """Return the runs by what they have in common, M before M_C, then by lambda.
 
     Raises InputError for runs that belong together and have no test in common.
@@ -162,7 +162,7 @@ def _label(key: Common, own: Sequence[str], n_runs: int) -> str:
     return ", ".join(filter(None, [names.get(key.model, key.model), *price, settings, count]))
 
 
-def held_back(runs: Sequence[FinishedRun]) -> list[FinishedRun]:
+def held_back(runs: Sequence[Run]) -> list[Run]:
     """Return the unfinished runs that would be pooled with finished ones.
 
     A group shows the tests that all its runs have made, so they would hold the others back.
@@ -176,7 +176,7 @@ def held_back(runs: Sequence[FinishedRun]) -> list[FinishedRun]:
     ]
 
 
-def common_of(runs: Sequence[FinishedRun]) -> list[Common]:
+def common_of(runs: Sequence[Run]) -> list[Common]:
     """Return what each run has in common: the same for those that differ in their seeds alone.
 
     Runs that each have a seed and pictures of their own are alike. Where a seed has been used with
@@ -204,14 +204,14 @@ def _with_own_pictures(key: Common) -> Common:
     return replace(key, settings=frozenset({*others, (_PICTURES_SEED, _OF_EACH)}))
 
 
-def _by_common(runs: Sequence[FinishedRun]) -> dict[Common, list[FinishedRun]]:
-    found: dict[Common, list[FinishedRun]] = {}
+def _by_common(runs: Sequence[Run]) -> dict[Common, list[Run]]:
+    found: dict[Common, list[Run]] = {}
     for run, key in zip(runs, common_of(runs), strict=True):
         found.setdefault(key, []).append(run)
     return found
 
 
-def _common(run: FinishedRun) -> Common:
+def _common(run: Run) -> Common:
     parameters = run.configuration
     if parameters.keys() >= DEFAULTS.keys():
         # What is not there is the default; the parameters of a replaced node stay as they are.

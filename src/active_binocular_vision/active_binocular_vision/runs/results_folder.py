@@ -18,7 +18,7 @@ import msgspec
 import numpy as np
 import yaml
 
-from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE, FinishedRun
+from active_binocular_vision.runs.run import EXAMINATIONS_FILE, Run
 from experiment_manager.measures.kept_trials import KEPT_FILE, KeptTrials, arrays_of, from_arrays
 from experiment_manager.measures.results import (
     CostShares,
@@ -30,6 +30,7 @@ from experiment_manager.measures.results import (
 from experiment_manager.run.config_file import CONFIG_FILE, RUN_SECTION
 from experiment_manager.sections import Configuration, by_key
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
+from experiment_manager.trained.directory import run_directory
 from lockstep import InputError, read_state, write_state
 from lockstep.files.durable_files import replace_file
 
@@ -58,7 +59,7 @@ _N_BITS = 18
 Row = dict[str, Any]
 
 
-class KeptRun(FinishedRun):
+class KeptRun(Run):
     """A run of a folder of results."""
 
     def __init__(self, folder: "ResultsFolder", name: str) -> None:
@@ -66,9 +67,9 @@ class KeptRun(FinishedRun):
         super().__init__(folder.directory / name)
         self._folder = folder
 
-    def unread(self) -> FinishedRun:
+    def unread(self) -> Run:
         """Return the run without its folder and trials, with what examining needs."""
-        run, names = super().unread(), ("about", "configuration", "results", "examinations")
+        run, names = super().unread(), ("about", "configuration", "document", "examinations")
         vars(run).update({name: getattr(self, name) for name in names})
         return run
 
@@ -89,7 +90,7 @@ class KeptRun(FinishedRun):
         return {name: of for name, of in sections.items() if name != RUN_SECTION}
 
     @cached_property
-    def results(self) -> Results:
+    def document(self) -> Results:
         """What results.json said, as far as it is kept."""
         return _results(self, self._folder.rows.get(self.name, []))
 
@@ -116,7 +117,7 @@ class ResultsFolder:
         """Return the folder, None for another directory."""
         return cls(directory) if (directory / RUNS_FILE).is_file() else None
 
-    def runs(self) -> list[FinishedRun]:
+    def runs(self) -> list[Run]:
         """Return the runs; InputError for a damaged file."""
         return [KeptRun(self, name) for name in self.configurations]
 
@@ -161,30 +162,31 @@ class ResultsFolder:
         return json.loads(path.read_bytes()) if path.is_file() else {}
 
 
-def runs_at(path: Path) -> list[FinishedRun]:
+def runs_at(path: Path) -> list[Run]:
     """Return the runs of a folder of results, or those of a sweep in its order; else the one there.
 
     A run of a folder of results is named as if it were a directory there.
     """
+    path = run_directory(path)
     for folder, name in ((ResultsFolder.at(path), ""), (ResultsFolder.at(path.parent), path.name)):
         if folder is not None:
             return [run for run in folder.runs() if name in ("", run.name)]
     if not (path / SWEEP_FILE).is_file():
-        return [FinishedRun(path)]
+        return [Run(path)]
     runs = {str(file.parent.relative_to(path)): file.parent for file in path.rglob(CONFIG_FILE)}
     in_order: list[str] = []
     with contextlib.suppress(InputError):
         in_order = [*read_sweep(path / SWEEP_FILE).runs()]
     names = dict.fromkeys([*in_order, *sorted(runs)])
-    return [FinishedRun(runs[name]) for name in names if name in runs]
+    return [Run(runs[name]) for name in names if name in runs]
 
 
-def runs_with_tests(paths: Sequence[Path]) -> tuple[list[FinishedRun], list[str]]:
+def runs_with_tests(paths: Sequence[Path]) -> tuple[list[Run], list[str]]:
     """Return the runs at paths, and in the sweeps there, that have a test; why others are left out.
 
     Raises InputError when none has, with what is wrong with the first.
     """
-    runs: dict[Path, FinishedRun] = {}
+    runs: dict[Path, Run] = {}
     reasons: list[str] = []
     for path in paths:
         try:
@@ -202,7 +204,7 @@ def runs_with_tests(paths: Sequence[Path]) -> tuple[list[FinishedRun], list[str]
     return [*runs.values()], reasons
 
 
-def keep(runs: Sequence[FinishedRun], directory: Path, *, with_trials: bool = True) -> None:
+def keep(runs: Sequence[Run], directory: Path, *, with_trials: bool = True) -> None:
     """Write a folder of results; of the trials nothing where with_trials is False.
 
     Raises InputError for a run that is damaged, OSError when the disk refuses.
@@ -278,11 +280,11 @@ def _by_section(values: Mapping[str, Any]) -> Configuration:
 # Rows of measures.csv
 
 
-def _rows(run: FinishedRun) -> Iterator[Row]:
+def _rows(run: Run) -> Iterator[Row]:
     """Yield what is kept of a run's tests: of the last one all measures."""
     about = {"run": run.name, "model": run.model, "profile": run.profile, "seed": run.seed}
     about |= {"commit": run.commit[:7]}
-    shares = msgspec.to_builtins(run.results.cost_shares)
+    shares = msgspec.to_builtins(run.document.cost_shares)
     for end, value in shares.items():
         of = about | {"iteration": run.n_iterations, "trials": "training"}
         yield _row(of, "", f"{_SHARE}/{end}", value)
@@ -293,7 +295,7 @@ def _rows(run: FinishedRun) -> Iterator[Row]:
             yield from _rows_of_test(run, about | {"shown": shown}, test, is_last=True)
 
 
-def _rows_of_test(run: FinishedRun, about: Row, test: Summary, *, is_last: bool) -> Iterator[Row]:
+def _rows_of_test(run: Run, about: Row, test: Summary, *, is_last: bool) -> Iterator[Row]:
     document = msgspec.to_builtins(test)
     about = about | {"iteration": document.pop("iteration")}
     document.pop("without_zero_start_error")
@@ -326,7 +328,7 @@ def _leaves(value: Any, path: str) -> Iterator[tuple[str, Any]]:
             yield from _leaves(inner, f"{path}/{key}")
 
 
-def _results(run: FinishedRun, rows: Sequence[Row]) -> Results:
+def _results(run: Run, rows: Sequence[Row]) -> Results:
     """Return what the rows of a run say."""
     try:
         tests, shares = _parsed(rows)

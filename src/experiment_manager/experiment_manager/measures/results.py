@@ -181,11 +181,11 @@ class _Tests(msgspec.Struct):
 
 
 def read_tests(path: Path) -> tuple[Summary, ...]:
-    """Return the tests in a document of evaluate.sh, none of another; InputError for no JSON."""
+    """Return the tests in a document of abv examine, none of another; InputError for no JSON."""
     try:
         return msgspec.json.decode(path.read_bytes(), type=_Tests).tests
     except (OSError, msgspec.DecodeError) as error:
-        raise InputError(f"{path}: expected what evaluate.sh writes: {error}") from error
+        raise InputError(f"{path}: expected what abv examine writes: {error}") from error
 
 
 def read_results(path: Path) -> Results:

@@ -15,7 +15,7 @@ from experiment_manager.preparation.request import ITERATIONS, TESTS, RunRequest
 from experiment_manager.preparation.written_values import whole_number
 from experiment_manager.protocol import Protocol, protocol_of
 from experiment_manager.run import checkpoint
-from experiment_manager.run.checkpoint import Manifest
+from experiment_manager.run.beginning import write_beginning
 from experiment_manager.run.config_file import (
     CONFIG_FILE,
     check_unchanged,
@@ -32,7 +32,8 @@ from experiment_manager.sections import (
     completed,
     config_of,
 )
-from lockstep import InputError, read_state, write_state
+from experiment_manager.trained.directory import run_directory
+from lockstep import InputError, read_state
 from lockstep.files.durable_files import replace_file
 from lockstep.written.paths import written_path
 from sparse_coder import SparseCoder
@@ -139,27 +140,18 @@ class Branch:
 
         Raises OSError when the disk refuses.
         """
-        protocol = protocol_of(self.configuration)
-        place = protocol.place_after(self.training_iterations)
-        checkpoints = directory / "checkpoints"
-        to = checkpoint.place_directory(checkpoints, place)
-        to.mkdir(parents=True)
-        progress = Progress(protocol.config.n_training_iterations, protocol.config.space)
-        progress.begin_at(self.training_iterations)
-        write_state(to / TRIALS_FILE, TRIALS_KIND, {ROWS: progress.trial_table().rows})
-        for name in _LEARNERS:
-            shutil.copyfile(self.states / f"{name}.npz", to / f"{name}.npz")
         about = {
             "branched_from": str(self.source),
             "branched_at_iteration": self.training_iterations,
         }
         text = text_of_continuation("", self.configuration, about)
-        replace_file(directory / CONFIG_FILE, text.encode())
-        files = sorted(to.iterdir())
-        hashes = {path.name: checkpoint.hash_of(path) for path in files}
-        checkpoint.commit(
-            checkpoints, Manifest(place, self.configuration, (), hashes, progress.state())
+        write_beginning(
+            directory, self.configuration, text, self.training_iterations, self._copy_states
         )
+
+    def _copy_states(self, to: Path) -> None:
+        for name in _LEARNERS:
+            shutil.copyfile(self.states / f"{name}.npz", to / f"{name}.npz")
 
 
 def branch(text: str, request: RunRequest, commit: str) -> Branch:
@@ -201,8 +193,8 @@ def _source(text: str) -> tuple[Path, int | None]:
     except InputError:
         iteration = None
     if iteration is None:
-        return whole, None
-    source = written_path(name).resolve()
+        return run_directory(whole if whole.exists() else text).resolve(), None
+    source = run_directory(written_path(name)).resolve()
     if not (whole / CONFIG_FILE).exists():
         return source, iteration
     if not (source / CONFIG_FILE).exists():

@@ -30,7 +30,7 @@ _KEYS = {
     "test_stimuli": TEST_STIMULI,
     "stimuli": "eye_plant.stimuli.directory",
 }
-# The option of run_experiment.sh for each field, without its dashes; so a sweep's file names it.
+# The option of abv run for each field, without its dashes; so a sweep's file names it.
 OPTIONS = {
     "profile": "profile",
     "model": "model",

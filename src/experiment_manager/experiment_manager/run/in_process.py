@@ -3,12 +3,14 @@
 import contextlib
 import dataclasses
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.loop import Step, make_loop
+from experiment_manager.measures.results import Summary
 from experiment_manager.run.attempt import goes_on
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.picture_sample import takes_pictures
@@ -56,9 +58,17 @@ class InProcessRun:
     """Plant, learners and recorder of one run, driven episode by episode."""
 
     def __init__(
-        self, configuration: Configuration, directory: Path, interrupts: Interrupts, *, resume: bool
+        self,
+        configuration: Configuration,
+        directory: Path,
+        interrupts: Interrupts,
+        *,
+        resume: bool,
+        on_test: Callable[[Summary], object] | None = None,
     ) -> None:
         """directory: of the run, with its config.yaml; resume: go on from its newest checkpoint.
+
+        on_test: called with the measures of each test that was made.
 
         Raises InputError for whatever a node would refuse, OSError when nothing can be written.
         """
@@ -71,6 +81,7 @@ class InProcessRun:
         self._messages = StepMessages(plant, self._loop.coder.config.n_bases)
         self._run = Run(self._config)
         self._interrupts = interrupts
+        self._on_test = on_test
         try:
             self._loop.restore(self._run.states_to_load([*self._loop.learners]))
         except (InputError, OSError):
@@ -122,7 +133,9 @@ class InProcessRun:
                 write(topic, message, run.stamp_ns)
             self._measure(episode, step)
         run.writer.release(run.stamp_ns + 1)
-        run.end_episode()
+        test = run.end_episode()
+        if test is not None and self._on_test is not None:
+            self._on_test(test)
 
     def _measure(self, episode: Episode, step: Step) -> None:
         observation, answer, progress = step.observation, step.answer, self._run.progress

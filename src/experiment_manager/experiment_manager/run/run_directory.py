@@ -18,6 +18,7 @@ from experiment_manager.measures.results import (
     RESULTS_FILE,
     CostShares,
     Results,
+    Summary,
     write_document,
 )
 from experiment_manager.measures.tables import summary_line
@@ -142,16 +143,18 @@ class Run:
         )
         return any(is_sampled(self._config, *self.protocol.kind(place)) for place in places)
 
-    def end_episode(self) -> None:
-        """Go on to the next episode; the last trial of a test closes the test."""
+    def end_episode(self) -> Summary | None:
+        """Go on to the next episode; return the measures of a test whose last trial this was."""
         segment = self.protocol.segment(self.place)
         self.place += 1
+        test = None
         if segment.i_test >= 0 and self.place == segment.first + segment.n_episodes:
             settings = self._evaluation_settings()
             criteria = settings.criteria(segment.training_iteration)
             test = self.progress.end_test(settings.iterations_per_trial, criteria)
             self._bar.say(summary_line(test))
         self._bar.advance(self.progress.running_median_error_deg)
+        return test
 
     def _evaluation_settings(self) -> EvaluationSettings:
         """Return how the run is tested; another plant has these eyes and our cameras."""

@@ -37,7 +37,7 @@ _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9._+-]+")
 class Sweep:
     """options: for all runs, {name: value}; axes: {name: entries}, each entry in a run of its own.
 
-    Names are options of run_experiment.sh without dashes, and SECTION.NAME. An entry is a value,
+    Names are options of abv run without dashes, and SECTION.NAME. An entry is a value,
     or {name: value} for several that belong together, that of the axis among them.
     Raises InputError for an unknown name, one that is set twice, an axis without entries, two runs
     of one name, and a value that cannot be read.

@@ -1,4 +1,4 @@
-"""Write the eyes of both parameter sets as MJCF: python -m eye_plant.export DIR."""
+"""Write the eyes of both parameter sets as MJCF: python -m eye_plant.export --out DIR."""
 
 import shutil
 import sys
@@ -8,7 +8,7 @@ from pathlib import Path
 from lockstep import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
 from lockstep.files.durable_files import is_free
-from lockstep.written.command_line import CommandLine
+from lockstep.written.command_line import CommandLine, command
 from lockstep.written.paths import written_path
 
 
@@ -29,12 +29,17 @@ def export(directory: Path) -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return its exit code."""
     parser = CommandLine(
-        prog="export_model.sh", description="Write the eyes as MJCF, with a README of their own."
+        prog=command("export-model"),
+        description="Write the eyes as MJCF, with a README of their own.",
     )
     parser.add_argument(
-        "directory", type=written_path, metavar="DIR", help="new or empty directory"
+        "--out",
+        type=written_path,
+        default=Path("eyes"),
+        metavar="DIR",
+        help="new or empty directory (default: eyes)",
     )
-    directory: Path = parser.parse_args(arguments).directory
+    directory: Path = parser.parse_args(arguments).out
     try:
         export(directory)
     except (InputError, OSError) as error:

@@ -11,6 +11,7 @@ import numpy as np
 from eye_plant.stimuli import generator as stimulus_generator
 from lockstep import InputError
 from lockstep.files.mapped_files import map_bytes
+from lockstep.files.user_cache import user_cache
 from lockstep.machine.threads import map_in_threads
 from lockstep.written.paths import written_path
 
@@ -56,10 +57,7 @@ def _path(directory: Path, role: str, number: int) -> Path:
 
 def _set_directory(cache_directory: str, seed: int, size_px: int) -> Path:
     """Return the directory of one set; InputError for ~ where nobody knows the home directory."""
-    user_cache = os.environ.get("XDG_CACHE_HOME", "")
-    if not os.path.isabs(user_cache):  # to be ignored, says the specification
-        user_cache = "~/.cache"
-    root = written_path(cache_directory or f"{user_cache}/active_binocular_vision/stimuli")
+    root = written_path(cache_directory) if cache_directory else user_cache() / "stimuli"
     if root.parts[:1] == ("~",):
         raise _unusable(root, "this user has no home directory")
     return root / f"v{_VERSION}-seed{seed}-{size_px}px"

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from eye_plant.validation import MAPS_VARIABLE
-from lockstep.written.command_line import CommandLine
+from lockstep.written.command_line import CommandLine, command
 from lockstep.written.paths import written_path
 
 JSON_NAME = "plant_validation.json"
@@ -17,7 +17,7 @@ _VERDICTS = {True: "ok", False: "FAILS", None: "not measured"}
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure, print, write; return 1 when a bound fails."""
     parser = CommandLine(
-        prog="validate_plant.sh",
+        prog=command("validate-plant"),
         description="Compare the simulated eyes with physiology.",
         epilog=f"{MAPS_VARIABLE} may name OpenEyeSim's maps; the rows that need them are "
         "reported as not measured otherwise.",

@@ -7,6 +7,8 @@ from lockstep.machine.environment import adopt, why_refused
 
 # RTPS 2.2, 9.6.1.1: the last one whose ports exist.
 LAST_DOMAIN = 232
+# Where nodes that people start one by one meet.
+DOMAIN_OF_SINGLE_NODES = 42
 
 
 def enter_environment() -> None:

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from types import FrameType
+from typing import Any
 
 
 class Interrupts:
@@ -18,14 +19,25 @@ class Interrupts:
     The first one asks for a stop after the episode under way, the second for one at once.
     """
 
-    def __init__(self, then: Callable[[], None] = lambda: None) -> None:
-        """then: called at each, from a signal handler."""
+    def __init__(self, then: Callable[[], None] = lambda: None, *, listens: bool = True) -> None:
+        """then: called at each, from a signal handler; listens: not in a thread of its own."""
         self.count = 0
         self._then = then
-        signal.signal(signal.SIGINT, self._interrupt)
-        signal.signal(signal.SIGTERM, self._interrupt)
+        self._before: dict[signal.Signals, Any] = {}
+        if not listens:
+            return
+        self._listen(signal.SIGINT, self._interrupt)
+        self._listen(signal.SIGTERM, self._interrupt)
         if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
-            signal.signal(signal.SIGHUP, self._hang_up)
+            self._listen(signal.SIGHUP, self._hang_up)
+
+    def _listen(self, number: signal.Signals, handler: Any) -> None:
+        self._before[number] = signal.signal(number, handler)
+
+    def stop(self) -> None:
+        """Give the signals back to whoever had them before."""
+        while self._before:
+            signal.signal(*self._before.popitem())
 
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
         self.count += 1

@@ -1,12 +1,28 @@
 """Command lines that suggest the nearest option."""
 
 import argparse
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 from lockstep.exit_codes import EXIT_BAD_INPUT
 from lockstep.written.nearest import did_you_mean
+
+# The scripts of launch_scripts, which set up what `abv` needs, name the one that people start.
+_ABV = os.environ.get("ABV_COMMAND") or "abv"
+
+
+def command(name: str) -> str:
+    """Return how people start a command of `abv`, such as "abv run"."""
+    return f"{_ABV} {name}"
+
+
+class WithLists(argparse.HelpFormatter):
+    """Wraps a description, and leaves the lines of an epilog that lists something as they are."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        return text if "\n" in text else super()._fill_text(text, width, indent)
 
 
 class CommandLine(argparse.ArgumentParser):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from active_binocular_vision import FrozenLearners
-from active_binocular_vision.commands.evaluate import main
+from active_binocular_vision.commands.examine import main
 from active_binocular_vision.examinations.contract.declared import DECLARED
 from active_binocular_vision.examinations.contract.measure import columns_of
 from active_binocular_vision.examinations.registry import EXAMINATIONS

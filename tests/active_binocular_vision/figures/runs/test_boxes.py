@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from active_binocular_vision import FinishedRun, groups_of
+from active_binocular_vision import Run, groups_of
 from active_binocular_vision.figures.runs.boxes import box_figure
 
 
-def test_fig_3_has_a_box_per_model_and_iteration(runs: list[FinishedRun]) -> None:
+def test_fig_3_has_a_box_per_model_and_iteration(runs: list[Run]) -> None:
     figure = box_figure(groups_of(runs))
     upper, lower = figure.axes
     assert upper.get_yscale() == "log"
@@ -16,7 +16,7 @@ def test_fig_3_has_a_box_per_model_and_iteration(runs: list[FinishedRun]) -> Non
         if line.get_color() == "black"
     )
     expected = sorted(
-        float(np.median(np.abs(run.trials[400].vergence_error_deg[:, k])))
+        float(np.median(np.abs(run.tests[400].vergence_error_deg[:, k])))
         for run in runs
         for k in (1, 2, 3, 20)
     )

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.axes import Axes
 from msgspec.structs import replace
 
-from active_binocular_vision import FinishedRun, groups_of
+from active_binocular_vision import Run, groups_of
 from active_binocular_vision.figures.runs.learning_curve import (
     learning_curve,
     learning_curve_figure,
@@ -17,7 +17,7 @@ from experiment_manager import summary_of
 from tests.active_binocular_vision.changed_runs import priced, with_errors
 
 
-def test_fig_2_shows_the_medians_of_the_tests(runs: list[FinishedRun]) -> None:
+def test_fig_2_shows_the_medians_of_the_tests(runs: list[Run]) -> None:
     errors, deltas = performance_figure(groups_of(runs)).axes
     shown = zip(_points(errors), _points(deltas), runs, strict=True)
     for (at, medians_deg), (_, medians_w), run in shown:
@@ -25,9 +25,9 @@ def test_fig_2_shows_the_medians_of_the_tests(runs: list[FinishedRun]) -> None:
         assert np.allclose(at, [0, 130, 270, 400], atol=4)
         assert np.allclose(
             medians_deg,
-            [np.median(np.abs(t.vergence_error_deg[:, 20])) for t in run.trials.values()],
+            [np.median(np.abs(t.vergence_error_deg[:, 20])) for t in run.tests.values()],
         )
-        tests = run.trials.values()
+        tests = run.tests.values()
         assert np.allclose(medians_w, [np.median(test.delta_cost_w(20)) for test in tests])
     assert errors.get_yscale() == "log"
     assert "deg" in errors.get_ylabel()
@@ -40,7 +40,7 @@ def _points(axes: Axes) -> list[tuple[np.ndarray, np.ndarray]]:
     return [(np.asarray(line.get_xdata()), np.asarray(line.get_ydata())) for line in lines]
 
 
-def test_training_is_drawn_behind_the_tests_of_a_run(runs: list[FinishedRun]) -> None:
+def test_training_is_drawn_behind_the_tests_of_a_run(runs: list[Run]) -> None:
     errors, deltas = learning_curve_figure(runs[0]).axes
     curve = runs[0].recorded.training_curve
     for axes, quartiles in ((errors, curve.quartiles_deg), (deltas, curve.quartiles_w)):
@@ -55,33 +55,33 @@ def test_the_learning_curve_is_a_picture_in_the_run(run_directories: dict[str, P
 
 
 def test_many_tests_are_joined_with_each_seed_thin_behind_the_pooled_median(
-    runs: list[FinishedRun], monkeypatch: pytest.MonkeyPatch
+    runs: list[Run], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for module in ("runs.learning_curve", "quartiles"):
         name = f"active_binocular_vision.figures.{module}.LEAST_JOINED"
         monkeypatch.setattr(name, 4)
     worse = priced(runs[0], 0.0, 3.0)
     criteria = worse.evaluation_settings.criteria
-    tests = tuple(summary_of(t, criteria(at)) for at, t in worse.trials.items())
-    worse.results = replace(worse.results, tests=tests)
+    tests = tuple(summary_of(t, criteria(at)) for at, t in worse.tests.items())
+    worse.document = replace(worse.document, tests=tests)
     groups = groups_of([runs[0], worse])
     assert len(groups) == 1
     pooled, *seeds = performance_figure(groups).axes[0].lines[:3]
-    finals_deg = [run.trials[400].vergence_error_deg[:, 20] for run in (runs[0], worse)]
+    finals_deg = [run.tests[400].vergence_error_deg[:, 20] for run in (runs[0], worse)]
     both = np.abs(np.concatenate(finals_deg))
     assert np.asarray(pooled.get_ydata())[-1] == pytest.approx(np.median(both))
     ends = [float(np.asarray(line.get_ydata())[-1]) for line in seeds]
-    single = float(np.median(np.abs(runs[0].trials[400].vergence_error_deg[:, 20])))
+    single = float(np.median(np.abs(runs[0].tests[400].vergence_error_deg[:, 20])))
     assert ends == pytest.approx([single, 3 * single])
     assert all(line.get_linewidth() < pooled.get_linewidth() for line in seeds)
 
 
 @pytest.mark.parametrize("factor", [0.001, 1.0, 1.02])
-def test_fig_2_always_has_two_labelled_ticks_below(runs: list[FinishedRun], factor: float) -> None:
+def test_fig_2_always_has_two_labelled_ticks_below(runs: list[Run], factor: float) -> None:
     # Errors that hardly differ, far from any power of ten.
     flat = priced(runs[0], 0.0, factor)
-    flat.trials = {
-        at: with_errors(test, np.full((39, 21), 0.3 * factor)) for at, test in flat.trials.items()
+    flat.tests = {
+        at: with_errors(test, np.full((39, 21), 0.3 * factor)) for at, test in flat.tests.items()
     }
     lower = performance_figure(groups_of([flat])).axes[0]
     low, high = lower.get_ylim()

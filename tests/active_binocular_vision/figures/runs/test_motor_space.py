@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from active_binocular_vision import FinishedRun, groups_of
+from active_binocular_vision import Run, groups_of
 from active_binocular_vision.figures.runs.motor_space import (
     MotorSpace,
     motor_space,
@@ -26,7 +26,7 @@ def test_the_motor_space_is_that_of_the_plant() -> None:
     assert space.metabolic_rate_w[2, 1] == pytest.approx(law_w, rel=0.02)
 
 
-def test_fig_4_draws_each_trial_to_its_end(runs: list[FinishedRun]) -> None:
+def test_fig_4_draws_each_trial_to_its_end(runs: list[Run]) -> None:
     grid = np.linspace(0, 0.1, 11)
     medial, lateral = np.meshgrid(2 * grid, grid, indexing="ij")
     vergence_deg = 2 * (0.498 + 37.7 * medial - 40.9 * lateral)
@@ -37,21 +37,21 @@ def test_fig_4_draws_each_trial_to_its_end(runs: list[FinishedRun]) -> None:
     for axes, distance_m, starts_deg in ((near, 0.5, (-3, -1, 1, 3)), (far, 6.0, (-3, -1))):
         paths = [line for line in axes.lines if len(np.asarray(line.get_xdata())) == 21]
         assert len(paths) == 2 * len(starts_deg)
-        trials = runs[0].trials[400]
+        trials = runs[0].tests[400]
         for path, start_deg in zip(paths, starts_deg, strict=False):
             (i_trial,) = np.flatnonzero(
                 (trials.object_distance_m == distance_m)
                 & (np.abs(trials.vergence_error_deg[:, 0] - start_deg) < 1e-6)
             )
             found = np.stack([path.get_ydata(), path.get_xdata()], axis=1)
-            assert np.array_equal(found, runs[0].trials[400].activations[i_trial])
+            assert np.array_equal(found, runs[0].tests[400].activations[i_trial])
     assert near.get_title("left").endswith("object at 0.5 m, 4 trials of each model")
     assert far.get_title("left").endswith("object at 6 m, 2 trials of each model")
     figure = motor_space_figure(space, groups_of([runs[0], *runs]))
     assert figure.axes[0].get_title("left").endswith("object at 0.5 m, trials: 8 of M, 4 of M_C")
 
 
-def test_ends_of_both_models_in_one_point_can_be_told_apart(runs: list[FinishedRun]) -> None:
+def test_ends_of_both_models_in_one_point_can_be_told_apart(runs: list[Run]) -> None:
     grid = np.linspace(0, 0.1, 3)
     space = MotorSpace(2 * grid, grid, np.eye(3), np.eye(3), 0.056)
     near = motor_space_figure(space, groups_of(runs)).axes[0]

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from active_binocular_vision import FinishedRun, groups_of
+from active_binocular_vision import Run, groups_of
 from active_binocular_vision.figures.runs.pictures import (
     anaglyph_figure,
     encoding_figure,
@@ -15,7 +15,7 @@ from active_binocular_vision.pages.report.drawings import drawings
 from experiment_manager.anaglyph import anaglyph
 
 
-def test_encoding_is_binned_by_vergence_error(runs: list[FinishedRun]) -> None:
+def test_encoding_is_binned_by_vergence_error(runs: list[Run]) -> None:
     figure = encoding_figure(groups_of(runs[:1]))
     assert figure is not None
     (axes,) = figure.axes
@@ -34,13 +34,13 @@ def test_there_is_no_encoding_of_too_few_observations(runs, monkeypatch) -> None
     assert encoding_figure(groups_of(runs)) is None
 
 
-def _with_a_bag_from_test(run: FinishedRun, i_test: int) -> None:
+def _with_a_bag_from_test(run: Run, i_test: int) -> None:
     """Make it a run that was continued from a copied checkpoint, without the bag before it."""
-    run.results, run.trials = run.results, run.trials  # of results.json and trials.npz
+    run.document, run.tests = run.document, run.tests  # of results.json and trials.npz
     run.recorded = replace(run.recorded, tests=run.recorded.tests[i_test:])
 
 
-def test_a_bag_without_the_first_tests_shows_those_that_it_has(runs: list[FinishedRun]) -> None:
+def test_a_bag_without_the_first_tests_shows_those_that_it_has(runs: list[Run]) -> None:
     whole, other = runs
     _with_a_bag_from_test(other, 2)
     (_, group) = groups = groups_of(runs)
@@ -55,7 +55,7 @@ def test_a_bag_without_the_first_tests_shows_those_that_it_has(runs: list[Finish
         assert value == pytest.approx(np.median(test.reconstruction_error[:, :20][here]))
 
 
-def test_a_bag_without_a_test_is_left_out_and_named(runs: list[FinishedRun]) -> None:
+def test_a_bag_without_a_test_is_left_out_and_named(runs: list[Run]) -> None:
     for run in runs:
         _with_a_bag_from_test(run, 4)
     found = {drawing.name: drawing for drawing in drawings(groups_of(runs))}
@@ -71,7 +71,7 @@ def test_an_anaglyph_is_red_for_the_left_eye_and_cyan_for_the_right() -> None:
     assert anaglyph(left, right)[1, 2].tolist() == [200, 10, 10]
 
 
-def test_anaglyphs_show_a_trial_before_and_after_learning(runs: list[FinishedRun]) -> None:
+def test_anaglyphs_show_a_trial_before_and_after_learning(runs: list[Run]) -> None:
     run = runs[0]
     assert run.bag is not None
     tests = run.recorded.tests

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from active_binocular_vision import FinishedRun, groups_of
+from active_binocular_vision import Run, groups_of
 from active_binocular_vision.figures.runs.price import over_prices, price_figure
 from tests.active_binocular_vision.changed_runs import priced
 
 
-def test_prices_are_compared_where_nothing_else_differs(runs: list[FinishedRun]) -> None:
+def test_prices_are_compared_where_nothing_else_differs(runs: list[Run]) -> None:
     family = [priced(runs[1], weight, factor) for weight, factor in ((0.2, 2), (0.01, 1))]
     assert over_prices(groups_of([runs[1], *family[:1]])) == [], "two prices are no curve"
     groups = over_prices(groups_of([*family, runs[1]]))
@@ -28,7 +28,7 @@ def test_prices_are_compared_where_nothing_else_differs(runs: list[FinishedRun])
     assert np.allclose(trade.lines[0].get_ydata(), medians_deg)
 
 
-def test_a_price_of_0_has_a_place_before_a_break(runs: list[FinishedRun]) -> None:
+def test_a_price_of_0_has_a_place_before_a_break(runs: list[Run]) -> None:
     family = [priced(runs[1], weight, 1) for weight in (0.0, 0.03, 0.3)]
     error, *_ = price_figure(over_prices(groups_of(family))).axes
     assert np.asarray(error.lines[0].get_xdata()) == pytest.approx([0.01, 0.03, 0.3])

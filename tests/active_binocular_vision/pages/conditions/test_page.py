@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 
 from active_binocular_vision.commands.report import main
-from active_binocular_vision.commands.run_experiment import main as run_experiment
+from active_binocular_vision.commands.run import main as run_experiment
 from active_binocular_vision.pages.conditions.page import (
     condition_rows,
     unreached,
 )
 from active_binocular_vision.runs.conditions import conditions_of
 from active_binocular_vision.runs.examined_run import BIRTH, END
-from active_binocular_vision.runs.finished_run import EXAMINATIONS_FILE
+from active_binocular_vision.runs.run import EXAMINATIONS_FILE
 from tests.active_binocular_vision.made_examined import column, examined, reared, summaries
 from tests.command_lines import set_words
 from tests.kept_tests import kept_tests

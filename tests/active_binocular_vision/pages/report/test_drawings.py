@@ -8,7 +8,7 @@ import yaml
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from active_binocular_vision import FinishedRun, groups_of
+from active_binocular_vision import Run, groups_of
 from active_binocular_vision.figures.runs.boxes import box_figure
 from active_binocular_vision.figures.runs.conditions import conditions_figure
 from active_binocular_vision.figures.runs.learning_curve import (
@@ -31,7 +31,7 @@ def _is_inside(text: Text, figure: Figure) -> bool:
     return figure.bbox.x0 <= extent.x0 and extent.x1 <= figure.bbox.x1
 
 
-def test_long_names_of_groups_are_not_cut_off(runs: list[FinishedRun]) -> None:
+def test_long_names_of_groups_are_not_cut_off(runs: list[Run]) -> None:
     groups = [
         replace(group, label=f"{group.label}, {'a long setting 0.123456789, ' * 4}")
         for group in groups_of(runs)
@@ -79,7 +79,7 @@ def test_the_motor_space_is_that_of_the_last_test(runs, monkeypatch) -> None:
     assert [mechanics.rest_adduction_deg for mechanics in drawn] == [(5.0, 5.0)]
 
 
-def test_every_figure_of_a_report_can_be_read(runs: list[FinishedRun]) -> None:
+def test_every_figure_of_a_report_can_be_read(runs: list[Run]) -> None:
     of_prices = [priced(runs[1], weight, 1 + weight) for weight in (0.05, 0.1, 0.2)]
     found = {drawing.name: drawing.draw() for drawing in drawings(groups_of([*runs, *of_prices]))}
     figures = {name: figure for name, figure in found.items() if figure is not None}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from active_binocular_vision import FinishedRun
+from active_binocular_vision import Run
 from active_binocular_vision.figures.runs.activations import activations_figure
 from active_binocular_vision.figures.runs.errors import errors_figure
 from active_binocular_vision.figures.runs.price import over_prices, price_figure
@@ -22,7 +22,7 @@ from tests.readable import assert_readable
 @pytest.fixture(scope="module", params=[HORIZONTAL_RECTI, ALL_MUSCLES])
 def group(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Group:
     directory = write_run(tmp_path_factory.mktemp("runs") / "run", request.param)
-    return groups_of([FinishedRun(directory)])[0]
+    return groups_of([Run(directory)])[0]
 
 
 def _median_line(axes: Axes) -> np.ndarray:
@@ -64,7 +64,7 @@ def test_figures_of_own_commands_can_be_read(group: Group) -> None:
 
 def test_prices_show_the_errors_about_all_axes(tmp_path: Path) -> None:
     family = [
-        FinishedRun(write_run(tmp_path / f"{weight}", ALL_MUSCLES, "M_C", weight))
+        Run(write_run(tmp_path / f"{weight}", ALL_MUSCLES, "M_C", weight))
         for weight in (0.1, 0.3, 1.0)
     ]
     groups = over_prices(groups_of(family))
@@ -100,7 +100,7 @@ def test_the_paper_stands_beside_the_pair_alone(group: Group, tmp_path: Path) ->
     assert "our test set: median |vertical error| / deg" in cells
     assert not [name for name in cells if "authors" in name]
 
-    pair = FinishedRun(write_run(tmp_path / "pair", PAIR))
+    pair = Run(write_run(tmp_path / "pair", PAIR))
     of_pair, of_others = sorted(groups_of([pair, *group.runs]), key=lambda g: not g.is_of_pair)
     header, cells = _columns([of_others, of_pair])
     assert [name.partition(",")[0] for name in header] == ["measure", "ours", "paper", "ours"]

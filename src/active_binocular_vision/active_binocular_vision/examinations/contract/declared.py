@@ -1,4 +1,4 @@
-"""What each examination is called and may be told: what evaluate.sh --help says, and no more.
+"""What each examination is called and may be told: what abv examine --help says, and no more.
 
 The rest is with the examination, whose imports take a second.
 """
@@ -75,7 +75,7 @@ class LandscapeOptions(Distances):
 
 @dataclass(frozen=True)
 class Declared:
-    """name: option of evaluate.sh; text: what --help says; options: their class."""
+    """name: option of abv examine; text: what --help says; options: their class."""
 
     name: str
     text: str

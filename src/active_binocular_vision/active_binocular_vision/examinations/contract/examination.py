@@ -1,6 +1,6 @@
 """What an examination is: frozen learners in, rows out; the same document for each.
 
-The document that evaluate.sh writes, and each entry of a run's examinations.json:
+The document that abv examine writes, and each entry of a run's examinations.json:
 
     model, seed, commit, lambda, checkpoint, dictionary, actor, settings    the learners
     iteration, states       training iterations before, and a hash of the learners' states
@@ -72,7 +72,7 @@ class Examination:
 
     @property
     def name(self) -> str:
-        """Option of evaluate.sh."""
+        """Option of abv examine."""
         return self.declared.name
 
     @property
@@ -83,7 +83,7 @@ class Examination:
     def document(
         self, learners: FrozenLearners, shown: Shown, options: Any, found: Findings
     ) -> Any:
-        """Return what evaluate.sh writes."""
+        """Return what abv examine writes."""
         return (
             learners.said()
             | {

@@ -34,20 +34,20 @@ from active_binocular_vision.figures.style import (
     save,
     title_panels,
 )
-from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group, groups_of
 from active_binocular_vision.runs.recorded import TrainingCurve
+from active_binocular_vision.runs.run import Run
 from experiment_manager import Summary, Trials
 
 
 def learning_curve(directory: Path) -> Path:
     """Draw how a run learned, from its bag, into figures/learning_curve.png; return that path."""
-    run = FinishedRun(directory)
+    run = Run(directory)
     with own_style():
         return save(learning_curve_figure(run), Path(directory) / FIGURES / "learning_curve.png")
 
 
-def learning_curve_figure(run: FinishedRun) -> Figure:
+def learning_curve_figure(run: Run) -> Figure:
     """Return the figure of one run: its tests, and its training episodes if its bag is there."""
     training = run.recorded.training_curve if run.bag is not None else None
     return performance_figure(groups_of([run]), training)

@@ -80,7 +80,7 @@ def motor_space_figure(space: MotorSpace, groups: Sequence[Group]) -> Figure:
     figure = new_figure(WIDTH_IN, 4.9)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     criteria = groups[0].last_criteria
-    last = [[run.trials[group.iterations[-1]] for run in group.runs] for group in groups]
+    last = [[run.tests[group.iterations[-1]] for run in group.runs] for group in groups]
     distances_m = last[0][0].object_distance_m
     titles = []
     for axes, distance_m in zip(panels, (distances_m.min(), distances_m.max()), strict=True):

@@ -17,9 +17,9 @@ from active_binocular_vision.figures.style import (
     panel_grid,
     title_panels,
 )
-from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group
 from active_binocular_vision.runs.recorded import RecordedTest
+from active_binocular_vision.runs.run import Run
 from experiment_manager import Bag
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.measures.metrics import QUARTILES
@@ -100,7 +100,7 @@ def _trials_with_pictures(bag: Bag, test: RecordedTest) -> dict[int, int]:
     return {int(test.trials.trial[i]): int(i) for i in np.flatnonzero(is_pictured & moves)}
 
 
-def anaglyph_figure(run: FinishedRun) -> Figure | None:
+def anaglyph_figure(run: Run) -> Figure | None:
     """Return anaglyphs at the start and at the end of a trial, in the first and in the last test.
 
     Of the trials with pictures in both tests and a start error, the one whose last error in the

@@ -26,10 +26,10 @@ from active_binocular_vision.pages.html import Drawing
 from active_binocular_vision.runs.ages import AGES
 from active_binocular_vision.runs.conditions import Column, Condition, conditions_of
 from active_binocular_vision.runs.examined_run import TEST, ExaminedRun, examined_run
-from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Common, common_of
 from active_binocular_vision.runs.one_a_core import of_each_run
 from active_binocular_vision.runs.results_folder import runs_with_tests
+from active_binocular_vision.runs.run import Run
 from lockstep import InputError
 from lockstep.files.durable_files import replace_file
 
@@ -131,7 +131,7 @@ def write_conditions_page(
 
 
 def _examined_or_why(
-    names: Sequence[str], ages: Sequence[str], of: tuple[FinishedRun, Common]
+    names: Sequence[str], ages: Sequence[str], of: tuple[Run, Common]
 ) -> ExaminedRun | str:
     run, common = of
     try:

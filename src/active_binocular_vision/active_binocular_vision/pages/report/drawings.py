@@ -17,8 +17,8 @@ from active_binocular_vision.figures.runs.motor_space import motor_space, motor_
 from active_binocular_vision.figures.runs.pictures import anaglyph_figure, encoding_figure
 from active_binocular_vision.figures.runs.price import over_prices, price_figure
 from active_binocular_vision.pages.html import Drawing
-from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group
+from active_binocular_vision.runs.run import Run
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from lockstep import read_state
 
@@ -194,7 +194,7 @@ def _from_bags(groups: Sequence[Group]) -> Iterator[Drawing]:
         )
 
 
-def _dictionaries(run: FinishedRun) -> Figure | None:
+def _dictionaries(run: Run) -> Figure | None:
     if run.states is None:
         return None
     return dictionary_figure(read_state(run.states / "sparse_coder.npz", "sparse_coder")["atoms"])

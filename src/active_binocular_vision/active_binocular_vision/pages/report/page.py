@@ -20,8 +20,8 @@ from active_binocular_vision.pages.report.tables import (
     seed_rows,
     yoked_rows,
 )
-from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group, groups_of
+from active_binocular_vision.runs.run import Run
 from lockstep.files.durable_files import replace_file
 
 REPORT_FILE = "report.html"
@@ -79,7 +79,7 @@ _TESTS = (
 )
 
 
-def write_report(runs: Sequence[FinishedRun], out: Path) -> Path:
+def write_report(runs: Sequence[Run], out: Path) -> Path:
     """Write report.html and figures/ into out; return the page's path.
 
     runs: each with a test. Raises InputError for what is damaged in them.
@@ -120,7 +120,7 @@ def _tables(groups: Sequence[Group]) -> list[str]:
     ]
 
 
-def _tests(runs: Sequence[FinishedRun]) -> list[str]:
+def _tests(runs: Sequence[Run]) -> list[str]:
     parts = [html.heading("Tests of each run"), html.paragraph(_TESTS)]
     for run in runs:
         about = f"{run.name} (model {run.model}, seed {run.seed})"
@@ -132,7 +132,7 @@ def _tests(runs: Sequence[FinishedRun]) -> list[str]:
     return parts
 
 
-def _configurations(runs: Sequence[FinishedRun]) -> list[str]:
+def _configurations(runs: Sequence[Run]) -> list[str]:
     texts = {run: f"{yaml.safe_dump(list(run.versions))}\n{run.configuration_text}" for run in runs}
     return [html.heading("Configuration")] + [
         html.folded(f"{run.name}: commit {run.commit or 'unknown'}, seed {run.seed}", text)

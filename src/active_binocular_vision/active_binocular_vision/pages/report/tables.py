@@ -7,10 +7,10 @@ from dataclasses import astuple
 
 import msgspec
 
-from active_binocular_vision.runs.finished_run import FinishedRun
 from active_binocular_vision.runs.groups import Group
 from active_binocular_vision.runs.recorded import RecordedTest
 from active_binocular_vision.runs.resting_places import resting_places
+from active_binocular_vision.runs.run import Run
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS, SHARE_ITERATIONS
 from experiment_manager.measures.results import Measures
 from experiment_manager.measures.tables import number, percent
@@ -81,7 +81,7 @@ def run_rows(groups: Sequence[Group]) -> list[Row]:
     """
     rows = []
     for run in (run for group in groups for run in group.runs):
-        shares = msgspec.structs.astuple(run.results.cost_shares)
+        shares = msgspec.structs.astuple(run.document.cost_shares)
         start, end = (_share_of_reward(share, run.n_iterations) for share in shares)
         rows.append(
             {
@@ -193,7 +193,7 @@ def yoked_rows(groups: Sequence[Group]) -> list[Row]:
         }
         for group in groups
         if group.has_trials and not group.is_of_pair
-        for pair in yoked_pairs([run.trials[group.iterations[-1]] for run in group.runs])
+        for pair in yoked_pairs([run.tests[group.iterations[-1]] for run in group.runs])
     ]
 
 
@@ -229,7 +229,7 @@ def iteration_rows(groups: Sequence[Group]) -> list[Row]:
     return rows
 
 
-def learning_rows(run: FinishedRun) -> list[Row]:
+def learning_rows(run: Run) -> list[Row]:
     """Return a run's tests, as in its results.json."""
     rows = []
     for test in run.summaries:

@@ -1,16 +1,16 @@
-"""The command line of inspect_bag.sh."""
+"""The command line of `abv bag`."""
 
 import argparse
 
 from active_binocular_vision.command_lines.start import start
-from lockstep.written.command_line import CommandLine
+from lockstep.written.command_line import CommandLine, command
 from lockstep.written.paths import written_path
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the command line of inspect_bag.sh."""
+    """Return the command line of `abv bag`."""
     line = CommandLine(
-        prog="inspect_bag.sh",
+        prog=command("bag"),
         description="Print the run, its learning curve, and topics with counts, rates and gaps.",
     )
     line.add_argument("bag", type=written_path, help="bag directory, run directory or .mcap file")
@@ -43,7 +43,7 @@ def parser() -> argparse.ArgumentParser:
 
 def main() -> None:
     """Run the command line as this process."""
-    start("inspect_bag", parser)
+    start("bag", parser)
 
 
 if __name__ == "__main__":

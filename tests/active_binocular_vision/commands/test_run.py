@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from active_binocular_vision.commands.run_experiment import concluded, main
+from active_binocular_vision.commands.run import concluded, main
 from experiment_manager import RunRequest
 from lockstep import InputError
 from lockstep.exit_codes import EXIT_DIVERGED, EXIT_FAULT, EXIT_INTERRUPTED
@@ -48,8 +48,8 @@ def test_a_name_that_is_too_long_is_one_error(tmp_path, capsys, option: str) -> 
 @pytest.mark.parametrize(
     ("code", "expected", "said"),
     [
-        (EXIT_INTERRUPTED, 130, "to continue: launch_scripts/run_experiment.sh --resume"),
-        (EXIT_FAULT, 3, "once the cause is gone, to continue: launch_scripts/run_experiment.sh "),
+        (EXIT_INTERRUPTED, 130, "to continue: abv run --resume"),
+        (EXIT_FAULT, 3, "once the cause is gone, to continue: abv run "),
         (EXIT_DIVERGED, 3, ""),
         (2, 2, ""),
     ],

@@ -1,4 +1,4 @@
-"""run_experiment.sh: prepares a run, has it supervised to its end, and shows what came out."""
+"""Prepares a run, has it supervised to its end, and shows what came out."""
 
 import argparse
 import os
@@ -39,6 +39,7 @@ from lockstep import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, EXIT_FAULT, EXIT_INTERRUPTED
 from lockstep.files.durable_files import is_free, replace_file, why_unwritable
 from lockstep.machine.environment import reaches_other_machines
+from lockstep.written.command_line import command
 from lockstep.written.yaml_text import yaml_line
 
 # After a fault of learning there is nothing to continue: it would come again.
@@ -46,6 +47,8 @@ _TO_CONTINUE = {
     EXIT_INTERRUPTED: "to continue",
     EXIT_FAULT: "once the cause is gone, to continue",
 }
+# How a node is started that is awaited on another machine.
+_NODE_COMMANDS = {"eye_plant": "plant", "sparse_coder": "coder", "vergence_rl": "agent"}
 
 
 def source_commit() -> str:
@@ -78,7 +81,7 @@ def _say_how_to_start(nodes: Collection[str], domain: int | None, config: Path) 
         print(
             f"{node} is awaited; on its machine, with a copy of {config}:\n"
             f"  ROS_DOMAIN_ID={domain} ROS_AUTOMATIC_DISCOVERY_RANGE={reach} "
-            f"launch_scripts/{node}.sh --ros-args --params-file {config.name}"
+            f"{command(_NODE_COMMANDS[node])} --ros-args --params-file {config.name}"
         )
 
 
@@ -254,7 +257,7 @@ def concluded(run: Callable[[], tuple[Path, int]], more: str) -> int:
             results_table(read_results(directory / RESULTS_FILE), directory, figure_of(directory))
         )
     elif code in _TO_CONTINUE:
-        line = f"launch_scripts/run_experiment.sh --resume {shlex.quote(str(directory))}{more}"
+        line = f"{command('run')} --resume {shlex.quote(str(directory))}{more}"
         print(f"{_TO_CONTINUE[code]}: {line}", file=sys.stderr)
     return EXIT_FAULT if code == EXIT_DIVERGED else code
 

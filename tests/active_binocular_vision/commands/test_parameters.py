@@ -3,7 +3,7 @@
 import pytest
 import yaml
 
-from active_binocular_vision.commands.list_parameters import main, parameter_file
+from active_binocular_vision.commands.parameters import main, parameter_file
 from experiment_manager.sections import CONFIG_CLASSES
 from lockstep import flatten
 

@@ -11,7 +11,7 @@ import pytest
 import yaml
 from rosbags.highlevel import AnyReader
 
-from active_binocular_vision.commands.inspect_bag import main
+from active_binocular_vision.commands.bag import main
 from experiment_manager import Bag
 from experiment_manager.bag.mcap_file import McapFile
 from experiment_manager.bag.writer import BagWriter

@@ -4,8 +4,13 @@ import json
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
+from active_binocular_vision.learners.learners import FrozenLearners
+from active_binocular_vision.runs.frames import frame_of_tests, frame_of_trials
 from active_binocular_vision.runs.recorded import Measured, measured
 from experiment_manager import Bag, EvaluationSettings, Trials, summary_of
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
@@ -21,7 +26,12 @@ from experiment_manager.measures.results import (
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, about_in, parameters_in
 from experiment_manager.sections import Configuration
+from experiment_manager.trained.directory import run_directory
 from lockstep import PAIR, InputError
+from sparse_coder.patches import PATCH_SIZE_PX
+
+if TYPE_CHECKING:
+    import pandas
 
 S = TypeVar("S")
 T = TypeVar("T")
@@ -29,20 +39,30 @@ T = TypeVar("T")
 EXAMINATIONS_FILE = "examinations.json"
 
 
-class FinishedRun:
+class Run:
     """A run directory: config.yaml and results.json, trials.npz, checkpoints, a bag, or some.
 
     Each part raises InputError on its first use where it is damaged, or not there.
+
+    Example:
+        >>> import active_binocular_vision as abv
+        >>> run = abv.Run("runs/first")
+        >>> run.model, run.seed
+        ('M_C', 1)
+        >>> run.results["median_abs_vergence_error_deg"]  # of each test: a data frame of pandas
+        >>> run.trials.query("iteration == 50000").groupby("object_distance_m").mean()
+        >>> coarse, fine = run.basis_functions()
+        >>> run.bag.vectors("ground_truth")
     """
 
-    def __init__(self, directory: Path) -> None:
-        """directory: of the run."""
-        self.directory = Path(directory)
+    def __init__(self, directory: str | Path) -> None:
+        """directory: of the run, or the name of trained eyes."""
+        self.directory = run_directory(directory)
         self.name = self.directory.resolve().name
 
-    def unread(self) -> "FinishedRun":
+    def unread(self) -> "Run":
         """Return the run without what was read of it: little to send to another process."""
-        return FinishedRun(self.directory)
+        return Run(self.directory)
 
     # What the run is
 
@@ -124,7 +144,7 @@ class FinishedRun:
     # What it measured
 
     @cached_property
-    def results(self) -> Results:
+    def document(self) -> Results:
         """What results.json says; of a run that has none, what follows from its bag."""
         path = self.directory / RESULTS_FILE
         if path.is_file():
@@ -157,10 +177,20 @@ class FinishedRun:
             tests=tests,
         )
 
+    @cached_property
+    def results(self) -> "pandas.DataFrame":
+        """The measures of the tests, a row each, by training iteration."""
+        return frame_of_tests(self.summaries)
+
+    @cached_property
+    def trials(self) -> "pandas.DataFrame":
+        """Where each trial of the tests began and ended, a row each."""
+        return frame_of_trials(self.tests)
+
     @property
     def summaries(self) -> tuple[Summary, ...]:
         """The measures of each test."""
-        return self.results.tests
+        return self.document.tests
 
     @property
     def is_finished(self) -> bool:
@@ -168,7 +198,7 @@ class FinishedRun:
         return any(test.iteration >= self.n_iterations for test in self.summaries)
 
     @cached_property
-    def trials(self) -> dict[int, Trials]:
+    def tests(self) -> dict[int, Trials]:
         """The trials of the tests by training iteration; none without trials.npz and bag."""
         tests = self.kept_trials.tests() if self.kept_trials is not None else []
         if not tests and self.bag is not None:
@@ -182,12 +212,29 @@ class FinishedRun:
 
     @cached_property
     def tests_of_learners(self) -> dict[str, tuple[Summary, ...]]:
-        """The tests that evaluate.sh made of the run's learners, by the names of its files."""
+        """The tests that abv examine made of the run's learners, by the names of its files."""
         files = sorted(self.directory.glob("*.json"))
         found = {path.stem: read_tests(path) for path in files if path.name != RESULTS_FILE}
         return {name: tests for name, tests in found.items() if tests}
 
     # What it left
+
+    def learners(self, iteration: int | None = None) -> FrozenLearners:
+        """Return the learners of the newest checkpoint, or of that after an iteration, frozen.
+
+        Raises InputError where there is no such checkpoint.
+        """
+        if iteration is None:
+            return FrozenLearners(self.directory)
+        return FrozenLearners.after(self.directory, iteration)
+
+    def basis_functions(self, iteration: int | None = None) -> NDArray[np.float32]:
+        """Return them as pictures, (2 scales, n_bases, 2 eyes, 8, 8): coarse first, left first.
+
+        iteration, errors: as of `learners`.
+        """
+        atoms = self.learners(iteration).atoms
+        return atoms.reshape(*atoms.shape[:2], 2, PATCH_SIZE_PX, PATCH_SIZE_PX)
 
     @cached_property
     def bag(self) -> Bag | None:

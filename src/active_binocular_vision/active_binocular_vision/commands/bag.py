@@ -8,7 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from active_binocular_vision.command_lines.inspect_bag import parser
+from active_binocular_vision.command_lines.bag import parser
 from active_binocular_vision.film.film import film
 from active_binocular_vision.runs.recorded import evaluation_settings_of, trial_table
 from experiment_manager import Bag, summary_of

@@ -1,17 +1,17 @@
-"""The command line of list_parameters.sh."""
+"""The command line of `abv parameters`."""
 
 import argparse
 
 from active_binocular_vision.command_lines.start import start
 from experiment_manager.nodes import NODES
-from lockstep.written.command_line import CommandLine
+from lockstep.written.command_line import CommandLine, command
 from lockstep.written.nearest import unknown
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the command line of list_parameters.sh."""
+    """Return the command line of `abv parameters`."""
     line = CommandLine(
-        prog="list_parameters.sh",
+        prog=command("parameters"),
         description="Print the parameters of nodes and their defaults, as a ROS parameter file.",
     )
     line.add_argument(
@@ -32,7 +32,7 @@ def _node(text: str) -> str:
 
 def main() -> None:
     """Run the command line as this process."""
-    start("list_parameters", parser)
+    start("parameters", parser)
 
 
 if __name__ == "__main__":

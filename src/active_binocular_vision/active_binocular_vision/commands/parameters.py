@@ -4,7 +4,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from active_binocular_vision.command_lines.list_parameters import parser
+from active_binocular_vision.command_lines.parameters import parser
 from experiment_manager.nodes import NODES
 from experiment_manager.run.config_file import EVERY_NODE
 from experiment_manager.sections import CONFIG_CLASSES, DEFAULTS, SHARED_CLASSES

@@ -1,6 +1,7 @@
-"""The command line of run_experiment.sh."""
+"""The command line of `abv run`."""
 
 import argparse
+import textwrap
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -12,7 +13,7 @@ from experiment_manager.preparation.profile_paths import profile_files
 from experiment_manager.preparation.written_values import whole_number, whole_numbers
 from lockstep import InputError
 from lockstep.task import DEFAULT_METABOLIC_COST_WEIGHTS, MODELS
-from lockstep.written.command_line import CommandLine
+from lockstep.written.command_line import CommandLine, WithLists, command
 from lockstep.written.nearest import unknown
 from lockstep.written.paths import written_path
 
@@ -20,14 +21,15 @@ Value = TypeVar("Value")
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the command line of run_experiment.sh."""
+    """Return the command line of `abv run`."""
     line = CommandLine(
-        prog="run_experiment.sh",
+        prog=command("run"),
         description="Train and test active binocular vision. Without arguments: a demonstration "
         "that learns vergence and reciprocal innervation in 50,000 iterations. Ctrl-C ends a run"
         " with a checkpoint and prints how to resume it.",
-        epilog="ROS_DOMAIN_ID names the ROS domain (default: a free one, which the run prints, so"
-        " that other tools can subscribe).",
+        epilog=f"profiles:\n{_profiles()}\n\nROS_DOMAIN_ID names the ROS domain (default: a free"
+        " one, which the run prints, so that\nother tools can subscribe).",
+        formatter_class=WithLists,
     )
     _add_settings(line)
     _add_tests(line)
@@ -37,13 +39,27 @@ def parser() -> argparse.ArgumentParser:
     return line
 
 
+def _profiles() -> str:
+    """Return the names of all profiles, each folder in a paragraph of its own."""
+    folders: dict[str, list[str]] = {}
+    for name in sorted(profile_files(), key=lambda name: ("/" in name, name)):
+        folder, slash, _ = name.rpartition("/")
+        folders.setdefault(folder + slash, []).append(name)
+    return "\n".join(
+        textwrap.fill(
+            ", ".join(names), initial_indent="  ", subsequent_indent="    ", break_on_hyphens=False
+        )
+        for names in folders.values()
+    )
+
+
 def _add_settings(line: argparse.ArgumentParser) -> None:
     group = line.add_argument_group("what to learn")
     group.add_argument(
         "--profile",
         metavar="NAME",
-        help=f"named settings: {', '.join(sorted(profile_files()))} (default: paper if"
-        " --model or --iterations is given, otherwise demonstration)",
+        help="named settings, listed below (default: paper if --model or --iterations is given,"
+        " otherwise demonstration)",
     )
     group.add_argument(
         "--model", choices=MODELS, help="M: no price on energy; M_C: a price on energy"
@@ -78,7 +94,7 @@ def _add_settings(line: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="SECTION.NAME=VALUE",
-        help="set anything that list_parameters.sh lists; may be repeated",
+        help="set anything that abv parameters lists; may be repeated",
     )
 
 
@@ -187,7 +203,7 @@ def _nodes(text: str) -> tuple[str, ...]:
 
 def main() -> None:
     """Run the command line as this process."""
-    start("run_experiment", parser)
+    start("run", parser)
 
 
 if __name__ == "__main__":

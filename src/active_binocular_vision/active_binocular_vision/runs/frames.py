@@ -1,0 +1,83 @@
+"""Runs as data frames of pandas: their tests, the trials of these, and runs side by side."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from experiment_manager import Summary, Trials
+from experiment_manager.measures.trials import ERROR_NAMES
+from experiment_manager.sections import by_key
+
+if TYPE_CHECKING:
+    import pandas
+
+    from active_binocular_vision.runs.run import Run
+
+# What differs between runs without being a setting that somebody chose.
+_NOT_COMPARED = ("seed", "commit", "profile", "model", "run_id", "run_directory")
+
+
+def frame_of_tests(tests: Sequence[Summary]) -> "pandas.DataFrame":
+    """Return a row per test, by its training iteration; measures of sets of trials are SET.NAME."""
+    import pandas  # noqa: PLC0415 (takes half a second)
+
+    frame = pandas.json_normalize([msgspec.to_builtins(test) for test in tests])
+    return frame.set_index("iteration") if len(frame) else frame
+
+
+def frame_of_trials(tests: Mapping[int, Trials]) -> "pandas.DataFrame":
+    """Return a row per trial of each test: where it began, and where it ended.
+
+    iteration: of training, before the test; start_...: before the first command. Errors are signed.
+    Activations are NaN where a run keeps them of its last test alone.
+    """
+    import pandas  # noqa: PLC0415
+
+    frames = [
+        pandas.DataFrame(
+            {
+                "iteration": iteration,
+                "trial": trials.trial,
+                "stimulus": trials.stimulus,
+                "object_distance_m": trials.object_distance_m,
+                "start_error_deg": trials.vergence_error_deg[:, 0],
+                **{name: trials.column(name)[:, -1] for name in _errors(trials)},
+                "start_metabolic_rate_w": trials.metabolic_rate_w[:, 0],
+                "metabolic_rate_w": trials.metabolic_rate_w[:, -1],
+                "optimal_metabolic_rate_w": trials.optimal_metabolic_rate_w[:, -1],
+                **{name: trials.column(name)[:, -1] for name in trials.space.names},
+            }
+        )
+        for iteration, trials in tests.items()
+    ]
+    return pandas.concat(frames, ignore_index=True) if frames else pandas.DataFrame()
+
+
+def _errors(trials: Trials) -> Sequence[str]:
+    return ERROR_NAMES[:1] if trials.is_of_pair else ERROR_NAMES
+
+
+def frame_of_runs(runs: Sequence["Run"]) -> "pandas.DataFrame":
+    """Return a row per run: what it is, the settings in which the runs differ, its last test."""
+    import pandas  # noqa: PLC0415
+
+    settings = [by_key(run.configuration) for run in runs]
+    varied = [
+        key
+        for key in dict.fromkeys(key for of in settings for key in of)
+        if key.rpartition(".")[2] not in _NOT_COMPARED
+        and any(of.get(key) != settings[0].get(key) for of in settings)
+    ]
+    rows: list[dict[str, Any]] = [
+        {
+            "run": run.name,
+            "profile": run.profile,
+            "model": run.model,
+            "seed": run.seed,
+            **{key: of.get(key) for key in varied},
+            **frame_of_tests(run.summaries[-1:]).reset_index().iloc[0],
+        }
+        for run, of in zip(runs, settings, strict=True)
+    ]
+    return pandas.DataFrame(rows).set_index("run") if rows else pandas.DataFrame()

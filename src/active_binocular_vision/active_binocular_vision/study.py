@@ -1,0 +1,90 @@
+"""Runs from Python: make one, and compare several."""
+
+import contextlib
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from active_binocular_vision.commands.run import check_old, prepare_new
+from active_binocular_vision.environments.one_thread import OneThread
+from active_binocular_vision.runs.frames import frame_of_runs
+from active_binocular_vision.runs.run import Run
+from experiment_manager import RunRequest, Summary
+from experiment_manager.run.attempt import goes_on
+from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
+from experiment_manager.run.in_process import InProcessRun
+from experiment_manager.run.run_directory import new_directory
+from lockstep.machine.interrupts import Interrupts
+
+if TYPE_CHECKING:
+    import pandas
+
+
+@OneThread()
+def run(
+    profile: str | None = None,
+    *,
+    settings: Mapping[str, Any] | None = None,
+    seed: int | None = None,
+    out: str | Path | None = None,
+    on_test: Callable[[Summary], object] | None = None,
+    resume: bool = False,
+    **options: Any,
+) -> Run:
+    """Train and test in this process, as `abv run --in-process` does, with the same numbers.
+
+    profile: by name, default as on the command line; settings: {"SECTION.NAME": value}, as --set;
+    out: run directory, default below runs/; on_test: called after each test with its measures, and
+    what it raises ends the run; resume: go on with a run that has begun in `out`, and return one
+    that has ended; options: as --model, --iterations, --stimuli, --tests, --test-stimuli,
+    --control, --schedule-delay and, as metabolic_cost_weight, --lambda, with _ for -.
+
+    Raises InputError for what cannot be run, DivergenceError where learning diverges,
+    KeyboardInterrupt after Ctrl-C, with a checkpoint. Another process may make another run.
+
+    Example:
+        >>> import active_binocular_vision as abv
+        >>> run = abv.run("demonstration", iterations=20, tests=[], test_stimuli=1, seed=2)
+        >>> run.results.index.tolist()
+        [20]
+    """
+    options = {n: tuple(v) if isinstance(v, list) else v for n, v in options.items()}
+    request = RunRequest(profile=profile, seed=seed, overrides=dict(settings or {}), **options)
+    directory = (new_directory() if out is None else Path(out)).resolve()
+    if resume and (directory / CONFIG_FILE).exists():
+        check_old(directory, request)
+    else:
+        prepare_new(request, directory)
+    with _interrupts() as interrupts:
+        process = InProcessRun(
+            read_configuration(directory / CONFIG_FILE),
+            directory,
+            interrupts,
+            resume=goes_on(directory),
+            on_test=on_test,
+        )
+        with contextlib.closing(process):
+            is_over = process.go_on()
+    if not is_over:
+        raise KeyboardInterrupt
+    return Run(directory)
+
+
+@contextlib.contextmanager
+def _interrupts() -> Iterator[Interrupts]:
+    """Yield what counts signals, which other threads than the main one do not get."""
+    is_main = threading.current_thread() is threading.main_thread()
+    interrupts = Interrupts(listens=is_main)
+    try:
+        yield interrupts
+    finally:
+        interrupts.stop()
+
+
+def compare(runs: Iterable[Run | str | Path]) -> "pandas.DataFrame":
+    """Return a row per run: what it is, the settings in which the runs differ, its last test.
+
+    runs: or their directories, or names of trained eyes.
+    """
+    return frame_of_runs([each if isinstance(each, Run) else Run(each) for each in runs])

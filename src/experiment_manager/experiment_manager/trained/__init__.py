@@ -1,0 +1,1 @@
+"""Trained eyes that come with the package, by the names of their profiles."""

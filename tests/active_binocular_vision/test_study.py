@@ -1,0 +1,115 @@
+"""Runs from Python: the same as those of the command line, as data frames."""
+
+import signal
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import active_binocular_vision as abv
+from experiment_manager import Summary
+from lockstep import InputError
+
+
+class Stopped(Exception):  # noqa: N818 (as Optuna's TrialPruned)
+    """What a callback raises."""
+
+
+@pytest.fixture
+def of_command_line(run_of: Callable[[str], Path]) -> abv.Run:
+    """Return a run that `abv run` made."""
+    return abv.Run(run_of("pair"))
+
+
+def _run(directory: Path, like: abv.Run, **options: object) -> abv.Run:
+    """Make the same run from Python."""
+    about = like.configuration
+    settings = {
+        "eye_plant.stimuli.size_px": about["eye_plant"]["stimuli.size_px"],
+        "experiment_manager.test_distances_m": (2.0,),
+        "task.n_bases": 32,
+    }
+    stimuli = about["eye_plant"]["stimuli.directory"]
+    tests = np.array([0, 40])
+    return abv.run(
+        "precise",
+        iterations=40,
+        tests=tuple(tests.tolist()),
+        stimuli=stimuli,
+        settings=settings,
+        out=directory,
+        **options,  # type: ignore[arg-type]
+    )
+
+
+def test_a_run_from_python_is_that_of_the_command_line_and_can_be_stopped_and_resumed(
+    tmp_path: Path, of_command_line: abv.Run
+) -> None:
+    def stop(test: Summary) -> None:
+        raise Stopped(test.iteration)
+
+    before = signal.getsignal(signal.SIGINT)
+    with pytest.raises(Stopped, match=r"^0$"):
+        _run(tmp_path / "run", of_command_line, on_test=stop)
+    assert signal.getsignal(signal.SIGINT) is before
+    made: list[abv.Run] = []
+    seen: list[Summary] = []
+
+    def resume() -> None:
+        # As where a framework starts it: another thread gets no signals.
+        made.append(_run(tmp_path / "run", of_command_line, on_test=seen.append, resume=True))
+
+    thread = threading.Thread(target=resume)
+    thread.start()
+    thread.join()
+    assert tuple(seen)[-1] == of_command_line.summaries[-1]
+    assert made[0].results.equals(of_command_line.results)
+    assert made[0].trials.equals(of_command_line.trials)
+    assert np.array_equal(made[0].basis_functions(), of_command_line.basis_functions())
+    again = _run(tmp_path / "run", of_command_line, on_test=stop, resume=True)
+    assert again.results.equals(of_command_line.results)
+    with pytest.raises(InputError, match=r"^seed: the run to be resumed, .* has task.seed = 1"):
+        _run(tmp_path / "run", of_command_line, seed=7, resume=True)
+    with pytest.raises(InputError, match="expected a new or empty directory"):
+        _run(tmp_path / "run", of_command_line)
+
+
+def test_results_have_a_row_per_test_and_trials_one_per_trial(of_command_line: abv.Run) -> None:
+    run = of_command_line
+    assert run.results.index.tolist() == [0, 40]
+    last = run.summaries[-1]
+    row = run.results.loc[40]
+    assert row["share_within_1_px"] == last.share_within_1_px
+    authors = last.authors_test_set.median_delta_cost_w
+    assert row["authors_test_set.median_delta_cost_w"] == pytest.approx(authors)
+    of_test = run.trials.query("iteration == 40")
+    assert len(of_test) == last.n_trials
+    errors_deg = run.tests[40].vergence_error_deg
+    assert np.array_equal(of_test["start_error_deg"], errors_deg[:, 0])
+    assert np.array_equal(of_test["vergence_error_deg"], errors_deg[:, -1])
+    median_deg = of_test["vergence_error_deg"].abs().median()
+    assert median_deg == pytest.approx(last.median_abs_vergence_error_deg)
+    assert np.array_equal(of_test["medial_rectus"], run.tests[40].activations[:, -1, 0])
+
+
+def test_basis_functions_are_pictures_of_each_eye(of_command_line: abv.Run) -> None:
+    functions = of_command_line.basis_functions()
+    assert functions.shape == (2, 32, 2, 8, 8)
+    learners = of_command_line.learners()
+    assert np.array_equal(functions[1, 3, 1], learners.atoms[1, 3, 64:].reshape(8, 8))
+    assert of_command_line.learners(40).place == learners.place
+    with pytest.raises(InputError, match="expected a checkpoint after 7 training iterations"):
+        of_command_line.learners(7)
+
+
+def test_compared_runs_show_the_settings_in_which_they_differ(
+    of_command_line: abv.Run, run_of: Callable[[str], Path]
+) -> None:
+    frame = abv.compare([of_command_line, run_of("gaze")])
+    assert frame["profile"].tolist() == ["precise", "gaze"]
+    assert frame["task.command_space"].tolist() == ["pair", "all_muscles"]
+    assert "task.n_bases" not in frame
+    assert frame["share_within_1_px"].iloc[0] == of_command_line.summaries[-1].share_within_1_px
+    assert abv.compare([]).empty

@@ -1,0 +1,97 @@
+"""Files of trained eyes: run directories in little, whose learners do the same."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from active_binocular_vision import FrozenLearners, Run
+from active_binocular_vision.commands.run import main as run_main
+from active_binocular_vision.commands.trained import main
+from active_binocular_vision.learners.evaluation import evaluated
+from experiment_manager.run import checkpoint
+from experiment_manager.trained import directory as trained_directory
+from experiment_manager.trained.directory import pack, run_directory, trained_eyes
+from experiment_manager.trained.eyes_file import packed, unpacked
+from lockstep import InputError, read_state
+
+CONFIGURATION = "run: {}\n"
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Keep what is unpacked away from this user's cache."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def test_arrays_come_back_as_they_were_but_for_sums_that_only_learning_reads() -> None:
+    draw = np.random.default_rng(1)
+    lower = np.tril(draw.normal(size=(5, 5)))
+    state: dict[str, np.ndarray] = {
+        "actor": draw.normal(size=(2, 7)),
+        "atoms": draw.normal(size=(2, 3, 4)).astype(np.float32),
+        "left_eye_squares": lower + np.tril(lower, -1).T,
+        "count": np.array(3),
+        "sum_squares": draw.normal(size=15),
+        "empty": np.zeros((0, 3)),
+    }
+    _, states = unpacked(packed(CONFIGURATION, b"{}", 20, {"vergence_rl": state}))
+    for name, array in states["vergence_rl"].items():
+        assert (array.dtype, array.shape) == (state[name].dtype, state[name].shape)
+        if name != "sum_squares":
+            assert np.array_equal(array, state[name])
+    rounded = state["sum_squares"].astype(np.float32).astype(np.float64)
+    assert np.array_equal(states["vergence_rl"]["sum_squares"], rounded)
+
+
+def test_other_bytes_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "eyes").write_bytes(b"no eyes")
+    with pytest.raises(InputError, match=r"/eyes: expected a file of trained eyes: "):
+        run_directory(tmp_path / "eyes")
+
+
+@pytest.mark.parametrize("kind", ["pair", "gaze"])
+def test_learners_of_a_file_do_what_those_of_the_run_do(
+    tmp_path: Path, run_of: Callable[[str], Path], kind: str
+) -> None:
+    run = run_of(kind)
+    size = pack(run, tmp_path / "some.eyes")
+    assert (tmp_path / "some.eyes").stat().st_size == size < 2e6
+    directory = run_directory(tmp_path / "some.eyes")
+    assert directory.name == "some"
+    _, before = checkpoint.newest(run / "checkpoints") or (None, Path())
+    _, after = checkpoint.newest(directory / "checkpoints") or (None, Path())
+    for node in ("sparse_coder", "vergence_rl"):
+        state = read_state(before / f"{node}.npz", node)
+        for name, array in read_state(after / f"{node}.npz", node).items():
+            assert np.array_equal(array, state[name]) or name == "sum_squares"
+    assert Run(directory).document == Run(run).document
+    tests = [evaluated(FrozenLearners(each)).test for each in (run, tmp_path / "some.eyes")]
+    assert tests[0] == tests[1]
+
+
+def test_a_name_stands_for_a_run_and_what_is_there_takes_precedence(
+    tmp_path: Path, run_of: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch, capsys
+) -> None:
+    monkeypatch.setattr(trained_directory, "FOLDER", tmp_path / "eyes")
+    (tmp_path / "eyes").mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert main([str(run_of("pair")), "--out", "eyes/clinic.healthy.eyes"]) == 0
+    assert [*trained_eyes()] == ["clinic/healthy"]
+    assert Run("clinic/healthy").results.equals(Run(run_of("pair")).results)
+    line = ["--in-process", "--branch", "clinic/healthy@40", "--out", "on"]
+    assert run_main([*line, "--iterations", "60", "--tests", "60"]) == 0
+    assert Run("on").about["branched_at_iteration"] == 40
+    (tmp_path / "clinic" / "healthy").mkdir(parents=True)
+    assert run_directory("clinic/healthy") == Path("clinic/healthy")
+    assert run_directory("clinic/nobody") == Path("clinic/nobody")
+
+
+def test_a_run_that_has_not_ended_is_refused(tmp_path: Path, run_of, capsys) -> None:
+    (tmp_path / "config.yaml").write_text((run_of("pair") / "config.yaml").read_text())
+    assert main([str(tmp_path), "--out", str(tmp_path / "some.eyes")]) == 2
+    error = f"error: {tmp_path}: expected a run that has ended, with its checkpoint\n"
+    assert capsys.readouterr().err == error
+    assert not (tmp_path / "some.eyes").exists()
