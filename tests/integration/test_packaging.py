@@ -146,6 +146,7 @@ _ROSDEP_KEYS = {
     "llvmlite": "python3-numba",  # which brings it
     "numba": "python3-numba",
     "numpy": "python3-numpy",
+    "pandas": "python3-pandas",
     "PIL": "python3-pil",
     "psutil": "python3-psutil",
     "scipy": "python3-scipy",
