@@ -54,5 +54,5 @@ def test_an_observation_is_normalised_as_in_training_and_a_reward_is_an_improvem
 
 
 def test_eyes_without_a_checkpoint_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="eyes: expected a run with a checkpoint, got "):
+    with pytest.raises(InputError, match="eyes: expected a run with a checkpoint, or a name"):
         gymnasium.make(ID, eyes=tmp_path)

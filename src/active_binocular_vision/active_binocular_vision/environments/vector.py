@@ -59,7 +59,10 @@ class VectorEnvironment(FeatureEnvironment):
         run = run_directory(eyes)
         found = checkpoint.newest(run / "checkpoints")
         if found is None:
-            raise InputError(f"eyes: expected a run with a checkpoint, got {eyes}")
+            raise InputError(
+                "eyes: expected a run with a checkpoint, or a name that abv trained lists, got "
+                f"{eyes}"
+            )
         agent = config_of(VergenceRlConfig, read_configuration(run / CONFIG_FILE))
         state = read_state(found[1] / "vergence_rl.npz", "vergence_rl")
         used = np.r_[: agent.n_features, -agent.n_muscles : 0]
