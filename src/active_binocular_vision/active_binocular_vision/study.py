@@ -1,6 +1,7 @@
 """Runs from Python: make one, and compare several."""
 
 import contextlib
+import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
@@ -45,17 +46,25 @@ def run(
 
     Example:
         >>> import active_binocular_vision as abv
-        >>> run = abv.run("demonstration", iterations=20, tests=[], test_stimuli=1, seed=2)
+        >>> settings = {"eye_plant.stimuli.size_px": 64, "task.n_bases": 32}
+        >>> settings["experiment_manager.test_distances_m"] = [2.0]
+        >>> options = {"stimuli": "photos", "iterations": 20, "tests": [20], "seed": 2}
+        >>> run = abv.run("precise", settings=settings, out="runs/second", **options)
         >>> run.results.index.tolist()
         [20]
+        >>> abv.compare([run, "runs/first"])["seed"].tolist()
+        [2, 1]
     """
     options = {n: tuple(v) if isinstance(v, list) else v for n, v in options.items()}
+    if options.get("stimuli"):
+        options["stimuli"] = str(Path(options["stimuli"]).resolve())
     request = RunRequest(profile=profile, seed=seed, overrides=dict(settings or {}), **options)
     directory = (new_directory() if out is None else Path(out)).resolve()
     if resume and (directory / CONFIG_FILE).exists():
         check_old(directory, request)
     else:
-        prepare_new(request, directory)
+        with contextlib.redirect_stdout(sys.stderr):
+            prepare_new(request, directory)
     with _interrupts() as interrupts:
         process = InProcessRun(
             read_configuration(directory / CONFIG_FILE),

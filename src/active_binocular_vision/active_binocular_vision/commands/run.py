@@ -1,11 +1,13 @@
 """Prepares a run, has it supervised to its end, and shows what came out."""
 
 import argparse
+import json
 import os
 import shlex
 import subprocess
 import sys
 from collections.abc import Callable, Collection, Sequence
+from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 from active_binocular_vision.commands.command_line import arguments, request_of
@@ -60,8 +62,17 @@ def source_commit() -> str:
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=True, env=kept)
     except (OSError, subprocess.CalledProcessError):
-        return "unknown"
+        return _installed_commit()
     return done.stdout.split()[-1]
+
+
+def _installed_commit() -> str:
+    """Return the commit that pip installed from a repository, else "unknown"."""
+    try:
+        origin = distribution("active-binocular-vision").read_text("direct_url.json")
+        return str(json.loads(origin or "{}")["vcs_info"]["commit_id"])
+    except (PackageNotFoundError, KeyError, ValueError):
+        return "unknown"
 
 
 def _prepare_stimuli(configuration: Configuration) -> None:

@@ -2,7 +2,8 @@
 
 import gymnasium
 
-_MODULE = "active_binocular_vision.environments.active_vergence"
+_FOLDER = __name__
 
-gymnasium.register("ActiveVergence-v0", f"{_MODULE}:PictureEnvironment")
-gymnasium.register("ActiveVergenceFeatures-v0", f"{_MODULE}:FeatureEnvironment")
+gymnasium.register("ActiveVergence-v0", f"{_FOLDER}.active_vergence:PictureEnvironment")
+gymnasium.register("ActiveVergenceFeatures-v0", f"{_FOLDER}.active_vergence:FeatureEnvironment")
+gymnasium.register("active_binocular_vision/Vergence-v0", f"{_FOLDER}.vector:VectorEnvironment")

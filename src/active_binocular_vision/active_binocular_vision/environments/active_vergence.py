@@ -235,7 +235,19 @@ class PictureEnvironment(VergenceEnvironment):
 
 
 class FeatureEnvironment(VergenceEnvironment):
-    """ActiveVergenceFeatures-v0: features (2, n_bases) float32, coarse then fine."""
+    """ActiveVergenceFeatures-v0: features (2, n_bases) float32, coarse then fine.
+
+    Example:
+        >>> import gymnasium
+        >>> import active_binocular_vision.environments
+        >>> settings = {"eye_plant.stimuli.directory": "photos", "eye_plant.stimuli.size_px": 64}
+        >>> environment = gymnasium.make("ActiveVergenceFeatures-v0", settings=settings)
+        >>> observed, info = environment.reset(seed=1)
+        >>> observed["features"].shape
+        (2, 400)
+        >>> observed, reward, terminated, truncated, info = environment.step([0.1, 0.0])
+        >>> environment.close()
+    """
 
     def _senses(self) -> dict[str, Box]:
         shape = (2, self._experiment.n_bases)

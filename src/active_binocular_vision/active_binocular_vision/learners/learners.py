@@ -36,6 +36,17 @@ class FrozenLearners:
     checkpoints, of this run or another, whose dictionary or whose actor, with its critic, takes the
     place of the checkpoint's own; settings: of the plant, by dotted name, other than they were at
     that age.
+
+    Example:
+        >>> from active_binocular_vision.learners.learners import FrozenLearners
+        >>> learners = FrozenLearners("runs/first", settings={"camera.right_blur_px": 2.0})
+        >>> learners.trained  # training iterations
+        40
+        >>> learners.atoms.shape  # scales, basis functions, pixels of both eyes
+        (2, 32, 128)
+        >>> from active_binocular_vision.learners.evaluation import evaluated
+        >>> evaluated(learners).test.n_trials
+        10
     """
 
     run: Path

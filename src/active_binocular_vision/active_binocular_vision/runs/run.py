@@ -47,12 +47,18 @@ class Run:
     Example:
         >>> import active_binocular_vision as abv
         >>> run = abv.Run("runs/first")
-        >>> run.model, run.seed
-        ('M_C', 1)
-        >>> run.results["median_abs_vergence_error_deg"]  # of each test: a data frame of pandas
-        >>> run.trials.query("iteration == 50000").groupby("object_distance_m").mean()
+        >>> run.profile, run.model, run.seed
+        ('precise', 'M', 1)
+        >>> errors_deg = run.results["median_abs_vergence_error_deg"]  # a pandas.Series
+        >>> errors_deg.index.tolist()  # training iterations before each test
+        [0, 40]
+        >>> sorted(set(run.trials["object_distance_m"]))  # a row per trial of each test
+        [2.0]
         >>> coarse, fine = run.basis_functions()
-        >>> run.bag.vectors("ground_truth")
+        >>> coarse[0].shape  # left and right eye, 8 x 8 pixels
+        (2, 8, 8)
+        >>> run.bag.types["/ground_truth"]
+        'sensor_msgs/msg/JointState'
     """
 
     def __init__(self, directory: str | Path) -> None:

@@ -47,9 +47,20 @@ class VectorTable:
 
 
 class Bag:
-    """A bag directory or a single .mcap file, opened for reading."""
+    """A bag directory or a single .mcap file, opened for reading.
 
-    def __init__(self, path: Path) -> None:
+    Example:
+        >>> from experiment_manager import Bag
+        >>> bag = Bag("runs/first/bag")
+        >>> truth = bag.vectors("ground_truth")["ground_truth"]
+        >>> float(truth.column("object_distance_m")[0])
+        2.0
+        >>> stamp_ns, picture = next(bag.images("left/image_raw"))
+        >>> picture.dtype
+        dtype('uint8')
+    """
+
+    def __init__(self, path: str | Path) -> None:
         """Read the index of each file; InputError when there is no bag at path."""
         self.path = Path(path)
         self.files = [McapFile(file) for file in _files(self.path)]

@@ -1,0 +1,112 @@
+"""The environment that agents with their usual settings learn: one vector, and rewards about 1."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box
+
+from active_binocular_vision.environments.active_vergence import FeatureEnvironment
+from experiment_manager.run import checkpoint
+from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
+from experiment_manager.sections import config_of
+from experiment_manager.trained.directory import run_directory
+from lockstep import InputError, read_state
+from vergence_rl import VergenceRlConfig
+from vergence_rl.normalizer import RunningStatistics, normalized
+
+# Change of an activation by an action of 1: at most 5 deg of vergence, so that noise can find
+# correct gaze, and any object is reached within an episode.
+_ACTION_SCALE = 1.0 / 32.0
+# Rewards of random actions then have a standard deviation of about 1.
+_REWARDS_PER_ERROR = 30.0
+
+
+class VectorEnvironment(FeatureEnvironment):
+    """active_binocular_vision/Vergence-v0: `FeatureEnvironment` as most agents want theirs.
+
+    Observation (n,) float32: square roots of the features, then activations, each normalised with
+    the mean and the standard deviation that it had while the eyes were trained. Reward: by how much
+    less E is than before the action, times 30. The dictionaries are those of trained eyes, and do
+    not learn: an observation means the same from the first step to the last.
+
+    Example:
+        >>> import gymnasium
+        >>> import active_binocular_vision.environments
+        >>> settings = {"eye_plant.stimuli.directory": "photos", "eye_plant.stimuli.size_px": 64}
+        >>> name = "active_binocular_vision/Vergence-v0"
+        >>> environment = gymnasium.make(name, eyes="runs/first", settings=settings)
+        >>> observed, info = environment.reset(seed=1)
+        >>> observed.shape
+        (66,)
+        >>> environment.close()
+    """
+
+    def __init__(
+        self,
+        *,
+        eyes: str | Path = "demonstration",
+        settings: Mapping[str, Any] | None = None,
+        action_scale: float = _ACTION_SCALE,
+        render_mode: str | None = None,
+    ) -> None:
+        """Set up the eyes of a run, which are healthy and learn nothing.
+
+        eyes: a run directory, or the name of trained eyes; settings, action_scale, render_mode: as
+        of `VergenceEnvironment`. Raises InputError as that does, and for a run without checkpoint.
+        """
+        run = run_directory(eyes)
+        found = checkpoint.newest(run / "checkpoints")
+        if found is None:
+            raise InputError(
+                "eyes: expected a run with a checkpoint, or a name that abv trained lists, got "
+                f"{eyes}"
+            )
+        agent = config_of(VergenceRlConfig, read_configuration(run / CONFIG_FILE))
+        state = read_state(found[1] / "vergence_rl.npz", "vergence_rl")
+        used = np.r_[: agent.n_features, -agent.n_muscles : 0]
+        self._statistics = RunningStatistics(
+            int(state["statistics_count"]),
+            state["statistics_mean"][used],
+            state["statistics_squared_deviation"][used],
+        )
+        self._error = 0.0
+        profile = str(read_configuration(run / CONFIG_FILE)["experiment_manager"]["profile"])
+        super().__init__(
+            profile=profile or "paper",
+            model="M",
+            settings={"task.n_bases": agent.n_bases, **(settings or {})},
+            coder_state=found[1] / "sparse_coder.npz",
+            coder_learns=False,
+            action_scale=action_scale,
+            render_mode=render_mode,
+        )
+        self.observation_space = Box(-np.inf, np.inf, (len(used),), np.float32)
+
+    def reset(  # type: ignore[override]
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin an episode, as `VergenceEnvironment` does."""
+        observed, info = super().reset(seed=seed, options=options)
+        self._error = _error(info)
+        return self._vector(observed), info
+
+    def step(  # type: ignore[override]
+        self, action: np.ndarray
+    ) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Move the eyes for one control period, as `VergenceEnvironment` does."""
+        observed, _, terminated, truncated, info = super().step(action)
+        before, self._error = self._error, _error(info)
+        reward = _REWARDS_PER_ERROR * (before - self._error)
+        return self._vector(observed), reward, terminated, truncated, info
+
+    def _vector(self, observed: Mapping[str, np.ndarray]) -> np.ndarray:
+        roots = np.sqrt(np.ravel(observed["features"]).astype(np.float64))
+        entries = np.concatenate((roots, observed["activations"]))
+        return normalized(self._statistics, entries, 1.0).astype(np.float32)
+
+
+def _error(info: Mapping[str, Any]) -> float:
+    """Return E of both scales (K17 eq. 2)."""
+    return float(info["reconstruction_error_coarse"] + info["reconstruction_error_fine"])
