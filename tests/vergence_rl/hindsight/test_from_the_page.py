@@ -90,7 +90,7 @@ def test_it_gives_the_commands_of_a_run_of_the_profile_precise(
             continue
         command = rule.step(
             answer.percept.encoding.features.ravel(),
-            space.from_all(seen.state.activations),
+            space.from_all(seen.felt),
             answer.percept.reward,
             seen.iteration,
             seen.training_iteration,
