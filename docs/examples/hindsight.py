@@ -29,7 +29,7 @@ class Settings:
     tau: float = 0.005
     k: float = 0.0  # above 0: lengths in units of the present noise
     rho: float = 0.01
-    rho_visits: float = 0.0
+    rho_samples: float = 0.0
     rho_own: float = 1.0
     memory: float = 0.5
     least_memory: float = 1000.0
@@ -40,7 +40,7 @@ class Settings:
 
 
 @dataclass
-class Visit:
+class Sample:
     """One iteration of an episode: state, activations, reward, and the command that led here."""
 
     s: Floats
@@ -61,7 +61,7 @@ class HindsightRegression:
         self.n_muscles, n_entries = len(lowest), n_features + len(lowest)
         self.n_state = n_entries + 1
         self.count, self.mean, self.m2 = 0, np.zeros(n_entries), np.zeros(n_entries)
-        self.visits: list[Visit] = []
+        self.samples: list[Sample] = []
         self.last: tuple[int, int] | None = None
         self.starts: list[Floats] = []
         self.actor = np.zeros((self.n_muscles, self.n_state))
@@ -84,13 +84,13 @@ class HindsightRegression:
         """Return the command (n_muscles,) for an observation; n: training iterations before it."""
         s = self.state(np.concatenate((np.asarray(features, float) ** self.c.p, x)), training)
         if not training:
-            self.visits, self.last = [], None
+            self.samples, self.last = [], None
             return self.within(x + self.actor @ s, self.noise)
         if self.last != (iteration - 1, n - 1):
-            self.visits, self.asked = [], x
+            self.samples, self.asked = [], x
         self.last = iteration, n
-        self.visits.append(Visit(s, x, r, self.asked, self.e))
-        if len(self.visits) == self.c.n_episode == iteration + 1:
+        self.samples.append(Sample(s, x, r, self.asked, self.e))
+        if len(self.samples) == self.c.n_episode == iteration + 1:
             self.learn(n + 1)
         self.e = root(self.noise) @ draw(self.seed, "exploration", n).normal(size=self.n_muscles)
         self.asked = x + self.actor @ s + self.e
@@ -113,21 +113,21 @@ class HindsightRegression:
 
     def learn(self, n: int) -> None:
         """Eqs. 3 to 10, after an episode; n: training iterations so far."""
-        c, visits = self.c, self.visits
+        c, samples = self.c, self.samples
         if c.starts and len(self.starts) < 10 * self.n_muscles:
-            self.starts.append(visits[0].x)
+            self.starts.append(samples[0].x)
             if len(self.starts) == 10 * self.n_muscles:
                 self.first_noise = self.noise_of_starts()
                 self.begin()
             return
-        order = sorted(range(len(visits)), key=lambda i: -visits[i].r)
-        best = self.best_place([visits[i] for i in order[: c.n_best]])
+        order = sorted(range(len(samples)), key=lambda i: -samples[i].r)
+        best = self.best_place([samples[i] for i in order[: c.n_best]])
         m = max(c.least_memory, c.memory * n)
         kept = math.exp(-c.n_episode / m)
         self.weight, self.ss, self.st, self.tt = (
             kept * a for a in (self.weight, self.ss, self.st, self.tt)
         )
-        for v in visits:
+        for v in samples:
             t = self.target(best, v) if c.n_best == 1 else best - v.x
             w = self.nearness(best - v.x)
             self.weight += w
@@ -135,7 +135,7 @@ class HindsightRegression:
             self.st += w * np.outer(v.s, t)
             self.tt += w * np.outer(t, t)
         if c.n_best > 1:  # eq. 9; nobody's noise led to the first place
-            led = [visits[i] for i in order if i > 0][: c.n_best]
+            led = [samples[i] for i in order if i > 0][: c.n_best]
             tried = [self.within(v.asked, self.noise) for v in led]
             meant = [self.within(v.asked - v.e, self.noise) for v in led]
             e = np.array(tried) - np.array(meant)
@@ -146,7 +146,7 @@ class HindsightRegression:
     def solve(self, m: float) -> None:
         """Eqs. 6 to 8: the actor, and from what it leaves unexplained the noise."""
         c = self.c
-        shares = np.full(self.n_state, c.rho + c.rho_visits / m)
+        shares = np.full(self.n_state, c.rho + c.rho_samples / m)
         shares[-self.n_muscles - 1 :] *= c.rho_own
         ridge = np.diag(shares * np.trace(self.ss) / self.n_state)
         self.actor = np.linalg.solve(self.ss + ridge, self.st).T
@@ -160,16 +160,16 @@ class HindsightRegression:
             axes = r @ axes
             self.noise = (axes * np.maximum(ratios, 1.0)) @ axes.T
 
-    def best_place(self, best: list[Visit]) -> Floats:
-        """Eq. 2: the best visit's activations, or the mean of the best ones by rank."""
+    def best_place(self, best: list[Sample]) -> Floats:
+        """Eq. 2: the best sample's activations, or the mean of the best ones by rank."""
         a = ranks(self.c.n_best)
         place = a @ np.array([v.x for v in best])
         asked = a @ np.array([v.asked for v in best])
         beyond = (asked < self.lowest) | (asked > self.highest)
         return place if self.c.n_best == 1 else made_up(place, asked, self.noise, beyond)
 
-    def target(self, best: Floats, v: Visit) -> Floats:
-        """Eq. 3: from a visit to the best place, or beyond a limit where the actor wants to go."""
+    def target(self, best: Floats, v: Sample) -> Floats:
+        """Eq. 3: from a sample to the best place, or beyond a limit where the actor wants to go."""
         wanted = v.x + self.actor @ v.s
         beyond = ((best <= self.lowest) & (wanted < self.lowest)) | (
             (best >= self.highest) & (wanted > self.highest)
@@ -211,7 +211,7 @@ def made_up(free: Floats, at: Floats, covariance: Floats, held: NDArray[np.bool_
 
 
 def ranks(n_best: int) -> Floats:
-    """Weights of the best visits, the best one first; they add up to 1."""
+    """Weights of the best samples, the best one first; they add up to 1."""
     a = math.log(n_best + 0.5) - np.log(np.arange(1, n_best + 1))
     return np.asarray(a / a.sum())
 

@@ -22,7 +22,7 @@ SMALL = VergenceRlConfig(learning_rule="hindsight", n_bases=3, feature_exponent=
 SETTINGS = {
     "n_best": "hindsight.n_best",
     "starts": "hindsight.starts_share",
-    "rho_visits": "hindsight.ridge_visits",
+    "rho_samples": "hindsight.ridge_visits",
     "rho_own": "hindsight.felt_ridge_share",
     "memory": "hindsight.memory_share",
     "k": "hindsight.target_noise_scale",
@@ -51,7 +51,7 @@ def _rule(page: ModuleType, config: VergenceRlConfig, **settings: float):
     "settings",
     [
         {},
-        {"n_best": 5, "starts": 0.3, "rho_visits": 100.0, "memory": 0.15},
+        {"n_best": 5, "starts": 0.3, "rho_samples": 100.0, "memory": 0.15},
         {"n_best": 4, "rho_own": 0.05, "k": 3.0, "floor": 0.06},
     ],
     ids=["precise", "twelve", "as where it turns eyes"],
@@ -90,7 +90,7 @@ def test_it_gives_the_commands_of_a_run_of_the_profile_precise(
             continue
         command = rule.step(
             answer.percept.encoding.features.ravel(),
-            space.from_all(seen.state.activations),
+            space.from_all(seen.felt),
             answer.percept.reward,
             seen.iteration,
             seen.training_iteration,

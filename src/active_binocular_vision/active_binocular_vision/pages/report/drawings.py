@@ -33,8 +33,8 @@ _PERFORMANCE = (
     "median. Thin lines: medians of single seeds. Fewer than five tests are not joined."
 )
 _BOXES = (
-    "(a) Absolute vergence error and (b) c, the share of the possible saving that a trial makes "
-    "(K17 eq. 8), after iterations 1, 2, 3 and 20 of the trials. Lines are medians, boxes "
+    "(a) Absolute vergence error and (b) c, the fraction of the avoidable rate that a trial "
+    "removes (K17 eq. 8), after iterations 1, 2, 3 and 20 of the trials. Lines are medians, boxes "
     "quartiles, whiskers the 5th and 95th percentiles over all trials of all seeds. c is not "
     "defined for trials that start within 10 mW of the least cost."
 )
