@@ -14,7 +14,6 @@ draw() {
   for figure in $figures; do cp "$out/figures/$figure.png" "$folder/"; done
 }
 
-acuity=acuity.left_acuity_cycles_per_deg,acuity.right_acuity_cycles_per_deg
 draw paper "performance boxes motor_space conditions" results/paper
 draw paper_falling_rate "performance boxes motor_space" results/paper_falling_rate
 draw paper_short motor_space results/paper_short
@@ -23,6 +22,6 @@ draw price_of_energy price_of_energy results/price_of_energy results/precise/pro
 draw twelve "errors activations_1_M_C" results/twelve
 draw rearing "landscapes histograms" results/rearing --conditions --columns landscape,tuning --ages end
 draw clinic conditions results/clinic --conditions \
-  --columns "cover,$acuity,tuning.binocular_share_fine,test.metabolic_rate_w"
+  --columns "cover,acuity.right_acuity_cycles_per_deg,tuning.binocular_share_fine,test.metabolic_rate_w"
 draw clinic_treatment treatments results/clinic_treatment results/clinic_untreated --conditions \
-  --columns "cover.share_fused,test.share_within_1_px,cover.horizontal_deviation_pd,$acuity,tuning.binocular_share_fine"
+  --columns "cover.share_fused,test.share_within_1_px,cover.horizontal_deviation_pd,acuity.right_acuity_cycles_per_deg,tuning.binocular_share_fine"

@@ -1,7 +1,7 @@
 """Medians with quartiles as bands or bars, and axes of errors, alike in all figures."""
 
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,10 @@ ERRORS = {
     "vertical_error_deg": "vertical",
     "cyclovergence_error_deg": "torsional (cyclovergence)",
 }
+# K17, section III: medians after 10^6 iterations, over all start errors, by model.
+K17_ERROR_DEG = {"M": 0.07, "M_C": 0.176}
+K17_C_PERCENT = {"M_C": 101.677}
+_K17: dict[str, Any] = {"ls": (0, (4, 2, 1, 2)), "lw": 1.0}
 # Fewer tests are points: a line between them would show a course that nobody has measured.
 LEAST_JOINED = 5
 # Further groups of a model differ in lightness.
@@ -74,9 +78,22 @@ def px_deg_of(groups: Sequence[Group]) -> float:
     return groups[0].last_criteria.px_deg
 
 
+def label_of(group: Group) -> str:
+    """Return what a group is, with the numbers of its seeds and of their trials."""
+    trials = f", {len(group.last_trials.trial):,} trials" if group.has_trials else ""
+    return group.label + trials
+
+
 def title_of(group: Group) -> str:
     """Return the title of a group's panel, of half a figure's width."""
-    return textwrap.fill(group.label, _LONGEST_TITLE_LINE)
+    return textwrap.fill(label_of(group), _LONGEST_TITLE_LINE)
+
+
+def draw_published(axes: Axes, groups: Sequence[Group], medians: Mapping[str, float]) -> Line2D:
+    """Draw a line at K17's median of each model of groups; return what stands for them."""
+    for model in {group.model for group in groups if group.is_of_pair} & {*medians}:
+        axes.axhline(medians[model], color=_COLOURS[model][0], zorder=1, **_K17)
+    return Line2D([], [], color="black", label="median in K17", **_K17)
 
 
 def over_training(group: Group, values: Callable[[Trials], np.ndarray]) -> np.ndarray:
@@ -93,7 +110,9 @@ def quartiles_of(values: np.ndarray) -> np.ndarray:
 
 def group_handle(group: Group) -> Line2D:
     """Return what stands for a group in a legend."""
-    return Line2D([], [], color=colour_of(group), marker=marker_of(group), ms=4, label=group.label)
+    return Line2D(
+        [], [], color=colour_of(group), marker=marker_of(group), ms=4, label=label_of(group)
+    )
 
 
 def draw_quartiles(axes: Axes, quartiles: np.ndarray, group: Group, offset: float) -> None:

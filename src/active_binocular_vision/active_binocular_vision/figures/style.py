@@ -47,7 +47,7 @@ _STEPS = (1.0, 2.0, 5.0)
 # Inches of a figure's height that a legend may take.
 _LEGEND_HEIGHT_IN = 0.5
 # Characters of a line of a legend.
-_LONGEST_LINE = 60
+_LONGEST_LINE = 68
 
 
 def own_style() -> AbstractContextManager[None]:
@@ -122,6 +122,19 @@ def mark_level(axes: Axes, level: float, name: str) -> None:
         textcoords="offset points",
         color=GREY,
         fontsize=SMALLEST_PT,
+    )
+
+
+def break_axis(axes: Axes, at: float) -> None:
+    """Mark that the horizontal axis is broken at a place."""
+    axes.annotate(
+        "//",
+        (at, 0.0),
+        xycoords=("data", "axes fraction"),
+        ha="center",
+        va="center",
+        color=GREY,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
     )
 
 

@@ -145,7 +145,11 @@ def groups_of(runs: Sequence[Run]) -> list[Group]:
         own = differences(key, alike)
         name = ", ".join([key.model, *[f"lambda {key.weight:g} / W"] * bool(key.weight), *own])
         group = Group(
-            name, _label(key, own, len(members)), (alike.index(key), len(alike)), key, members
+            name,
+            _label(key, _shown_profile(key, keys, own) + own, len(members)),
+            (alike.index(key), len(alike)),
+            key,
+            members,
         )
         if not group.iterations:
             names = ", ".join(str(run.directory) for run in members)
@@ -158,8 +162,16 @@ def _label(key: Common, own: Sequence[str], n_runs: int) -> str:
     names = {"M": "model M", "M_C": r"model M$_C$"}
     price = [rf"$\lambda$ = {key.weight:.3g} / W"] * bool(key.weight)
     settings = textwrap.shorten(", ".join(own), _LONGEST_LABEL, placeholder=" ...")
-    count = f"{n_runs} run{'s' if n_runs > 1 else ''}"
+    count = f"n = {n_runs} seed{'s' if n_runs > 1 else ''}"
     return ", ".join(filter(None, [names.get(key.model, key.model), *price, settings, count]))
+
+
+def _shown_profile(key: Common, keys: Sequence[Common], own: Sequence[str]) -> list[str]:
+    """Return the profile's name where models differ in it: then not in lambda alone."""
+    profiles = [dict(other.settings).get(_PROFILE) for other in keys]
+    profile = dict(key.settings).get(_PROFILE)
+    named = _named(_PROFILE, profile or "")
+    return [named] if profile and len({*profiles}) > 1 and named not in own else []
 
 
 def held_back(runs: Sequence[Run]) -> list[Run]:

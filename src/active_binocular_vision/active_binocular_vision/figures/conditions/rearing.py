@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from active_binocular_vision.examinations.code.landscape import depth_of
+from active_binocular_vision.figures.conditions.sheet import n_seeds
 from active_binocular_vision.figures.quartiles import ERROR_LABEL, scale_errors
 from active_binocular_vision.figures.style import (
     BLUE,
@@ -86,10 +87,10 @@ def landscapes_figure(conditions: Sequence[Condition]) -> Figure | None:
         _draw_landscape(axes, of_seeds, BLUE, 1.6)
         axes.axvline(0.0, color=GREY, lw=0.8, ls=":", zorder=1)
         depth = np.mean([depth_of(total) for _, total in of_seeds])
-        axes.text(0.03, 0.05, f"{depth:.2f}", transform=axes.transAxes, fontsize=SMALLEST_PT)
+        axes.text(0.03, 0.05, f"depth {depth:.2f}", transform=axes.transAxes, fontsize=SMALLEST_PT)
     panels[0].set_ylim(0.0, None)
     handles = [
-        Line2D([], [], color=BLUE, label="the condition"),
+        Line2D([], [], color=BLUE, label=f"the condition, mean of {n_seeds(shown)}"),
         Line2D([], [], color=GREY, lw=0.8, label="normal"),
     ]
     _label(panels, shown, "vergence error / deg", "$E$ / mean $E$")
@@ -128,7 +129,7 @@ def samples_figure(conditions: Sequence[Condition]) -> Figure | None:
             axes.spines[:].set_visible(False)
         _name_row(row[0], label)
     for axes, scale in zip(panels[-1], SCALES, strict=True):
-        axes.set_xlabel(f"{scale} scale: best to worst Gabor fit")
+        axes.set_xlabel(f"{scale} scale: evenly spaced ranks, best to worst Gabor fit")
     return figure
 
 
@@ -166,9 +167,13 @@ def histograms_figure(conditions: Sequence[Condition]) -> Figure | None:
         axes.set(xlabel=name, xlim=(edges[0], edges[-1]))
     panels[0, 0].set_xticks([0, 45, 90, 135])
     handles = [
-        Patch(color=LIGHT_GREY, label="coarse scale, share / %"),
-        Line2D([], [], color=BLUE, lw=1.0, label="fine scale, share / %"),
+        Patch(color=LIGHT_GREY, label=f"coarse scale, functions of {n_seeds(shown)}"),
+        Line2D([], [], color=BLUE, lw=1.0, label="fine scale"),
     ]
+    figure.supylabel("share of the functions / %", fontsize=9)
+    for axes in panels[:, -1]:  # most prefer no disparity; the others must show, too
+        axes.set_yscale("function", functions=(np.sqrt, np.square))
+        axes.set_yticks([0, 10, 50, 100])
     legend_below(figure, handles)
     return figure
 

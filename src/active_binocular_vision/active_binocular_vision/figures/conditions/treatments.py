@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from active_binocular_vision.examinations.contract.measure import SHARE
-from active_binocular_vision.figures.conditions.sheet import PERCENT_TICKS, heading_of
+from active_binocular_vision.figures.conditions.sheet import PERCENT_TICKS, heading_of, range_handle
 from active_binocular_vision.figures.style import (
     BLUE,
     GREY,
@@ -116,7 +116,8 @@ def treatments_figure(courses: Sequence[Course], columns: Sequence[Column]) -> F
         axes.set_xlabel("age\n% of life")
         axes.set_xlim(0.0, 100.0)
         axes.set_xticks(sorted({age for course in courses for age in course.ages_percent}))
-    legend_below(figure, _handles(colours))
+    shown = [condition for course in courses for condition in course.conditions]
+    legend_below(figure, [*_handles(colours), range_handle(shown)])
     return figure
 
 

@@ -1,86 +1,79 @@
 """What each muscle does, where each has a command of its own."""
 
-from collections.abc import Sequence
-
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import FormatStrFormatter
+from matplotlib.image import AxesImage
+from matplotlib.patches import Patch
 
-from active_binocular_vision.figures.quartiles import draw_bars
 from active_binocular_vision.figures.style import (
-    BLUE,
-    VERMILION,
+    GREY,
+    LIGHT_GREY,
+    SMALLEST_PT,
     WIDTH_IN,
     legend_below,
     new_figure,
     title_panels,
 )
 from active_binocular_vision.runs.groups import Group
-from experiment_manager.measures.metrics import QUARTILES, antagonist_names
 from lockstep import SIDES
-
-# Of the first and the second of two antagonists: hue, and where from a distance's place.
-_COLOURS = (BLUE, VERMILION)
-_DIRECTIONS = (-1, 1)
-# From a distance's place to the start and to the end of trials there.
-_START, _END = 0.30, 0.14
 
 
 def activations_figure(group: Group) -> Figure:
-    """Return activations at the start and at the end of the last test's trials, over distance.
+    """Return what each muscle does in the last test's trials, over the distance of the object.
 
-    A row for each eye, a panel for each two antagonists; median and quartiles. group: with trials,
-    of commands of their own.
+    Median activation at the start and at the end of trials, silent ones white, and the share of the
+    trials that end with the muscle active: a median of 0 hides muscles that few trials use. group:
+    with trials, of commands of their own.
     """
-    trials = group.last_trials
-    pairs = antagonist_names(trials.space)
-    n_columns = len(pairs) // len(SIDES)
-    figure = new_figure(WIDTH_IN if n_columns > 1 else WIDTH_IN / 2, 5.2)
-    rows = figure.subplots(len(SIDES), n_columns, sharex=True, sharey=True, squeeze=False)
+    trials, silent = group.last_trials, group.last_criteria.silent_activation
     distances_m = np.unique(trials.object_distance_m)
-    for axes, names in zip(rows.ravel(), pairs, strict=True):
-        for name, colour, direction in zip(names, _COLOURS, _DIRECTIONS, strict=True):
-            for iteration, offset, face in ((0, _START, "white"), (-1, _END, colour)):
-                values = trials.column(name)[:, iteration]
-                quartiles = [
-                    np.nanquantile(values[trials.object_distance_m == d], QUARTILES)
-                    for d in distances_m
-                ]
-                places = np.arange(len(distances_m)) + direction * offset
-                draw_bars(axes, places, np.array(quartiles).T, colour, ms=4, mfc=face)
-        _describe(axes, names)
-    title_panels(rows.ravel(), [""] * len(pairs))
-    for side, row in zip(SIDES, rows, strict=True):
-        row[0].set_ylabel(f"activation, {side} eye")
-    for axes in rows[-1]:
+    of_muscles = np.stack([trials.column(name) for name in trials.space.names])
+    of_distance = [of_muscles[:, trials.object_distance_m == d] for d in distances_m]
+    medians = np.stack([np.nanmedian(values[..., [0, -1]], axis=1) for values in of_distance])
+    active = np.stack([(values[..., -1] > silent).mean(axis=1) for values in of_distance])
+    figure = new_figure(WIDTH_IN, 1.6 + 0.21 * len(of_muscles))
+    panels = figure.subplots(1, 3, sharey=True)
+    scale = mpl.colors.LogNorm(max(silent, 1e-3), float(medians.max()))
+    for axes, shown in zip(panels, medians.transpose(2, 0, 1), strict=False):
+        image = _draw(axes, np.where(shown > silent, shown, np.nan), "viridis_r", scale)
+    ticks = [t for t in (0.005, 0.01, 0.02, 0.05, 0.1, 0.2) if scale.vmin <= t <= scale.vmax]
+    bar = figure.colorbar(image, ax=panels[:2], label="activation", location="bottom", shrink=0.6)
+    bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
+    bar.minorticks_off()
+    percent = mpl.colors.Normalize(0.0, 100.0)
+    image = _draw(panels[2], 100.0 * active, "Greys", percent)
+    figure.colorbar(image, ax=panels[2], label="share / %", location="bottom", shrink=0.9)
+    for axes in panels:
         axes.set_xticks(range(len(distances_m)), [f"{d:g}" for d in distances_m])
         axes.set_xlabel("object distance / m")
-    rows[0, 0].set_ylim(0, None)
-    rows[0, 0].yaxis.set_major_formatter(FormatStrFormatter("%g"))
-    ends = {"start of the trial": "white", "its end": "0.3"}
-    handles = [_handle("0.3", face, label) for label, face in ends.items()]
-    legend_below(figure, handles)
+    _name_rows(panels[0], trials.space.names)
+    n = f"n = {len(group.runs)} seeds, {len(trials.trial):,} trials"
+    title_panels(panels, ["median at the start", "median at the end", "active at the end"])
+    label = f"silent: {silent:g} or less"
+    legend_below(
+        figure,
+        [Patch(fc="white", ec=GREY, label=label), Patch(fc="none", ec="none", label=n)],
+    )
     return figure
 
 
-def _describe(axes: Axes, names: Sequence[str]) -> None:
-    """Write the names of both muscles above their panel, in their colours."""
-    labels = [
-        name.partition("_")[2].replace("_", " ").replace("erior", ".") for name in names
-    ]  # sup., inf.: beside the panel's letter
-    handles = [_handle(c, c, label) for c, label in zip(_COLOURS, labels, strict=True)]
-    axes.legend(
-        handles=handles,
-        loc="lower right",
-        bbox_to_anchor=(1.05, 0.98),
-        ncols=2,
-        fontsize=8,
-        handletextpad=0.1,
-        columnspacing=0.8,
+def _draw(axes: Axes, values: np.ndarray, colours: str, scale: mpl.colors.Normalize) -> AxesImage:
+    """Draw values (n_distances, n_muscles), a row for each muscle."""
+    image = axes.imshow(
+        values.T, cmap=mpl.colormaps[colours].with_extremes(bad="white"), norm=scale, aspect="auto"
     )
+    n_columns, n_rows = values.shape
+    axes.set_xticks(np.arange(n_columns - 1) + 0.5, minor=True)
+    axes.set_yticks(np.arange(n_rows - 1) + 0.5, minor=True)
+    axes.grid(which="minor", color=LIGHT_GREY, lw=0.6)
+    axes.tick_params(which="minor", length=0)
+    axes.axhline(n_rows / len(SIDES) - 0.5, color="black", lw=1.0)
+    axes.spines[:].set_visible(True)
+    return image
 
 
-def _handle(colour: str, face: str, label: str) -> Line2D:
-    return Line2D([], [], ls="", marker="o", ms=5, color=colour, mfc=face, label=label)
+def _name_rows(axes: Axes, names: tuple[str, ...]) -> None:
+    labels = [name.replace("_", " ").replace("erior", ".") for name in names]
+    axes.set_yticks(range(len(names)), labels, fontsize=SMALLEST_PT)

@@ -9,7 +9,11 @@ from matplotlib.patches import Patch
 
 from active_binocular_vision.figures.quartiles import (
     ERROR_LABEL,
+    K17_C_PERCENT,
+    K17_ERROR_DEG,
     colour_of,
+    draw_published,
+    label_of,
     offset_of,
     px_deg_of,
     scale_errors,
@@ -40,6 +44,8 @@ def box_figure(groups: Sequence[Group]) -> Figure:
         _draw_boxes(errors, errors_deg, at, width, colour_of(group))
         shares = [100 * trials.cost_reduction(k) for k in shown]
         _draw_boxes(reductions, [c[~np.isnan(c)] for c in shares], at, width, colour_of(group))
+    draw_published(reductions, groups, K17_C_PERCENT)
+    published = draw_published(errors, groups, K17_ERROR_DEG)
     scale_errors(errors, px_deg_of(groups))
     errors.set_ylabel(ERROR_LABEL)
     mark_level(reductions, 0.0, "as at the start")
@@ -47,8 +53,8 @@ def box_figure(groups: Sequence[Group]) -> Figure:
     reductions.set(ylabel="$c$ / %", xlabel="iteration of the trial")
     reductions.set_xticks(places, [str(k) for k in shown])
     title_panels((errors, reductions), ("vergence error", "share of the possible saving"))
-    handles = [Patch(color=colour_of(group), alpha=0.6, label=group.label) for group in groups]
-    legend_below(figure, handles)
+    handles = [Patch(color=colour_of(g), alpha=0.6, label=label_of(g)) for g in groups]
+    legend_below(figure, [*handles, published])
     return figure
 
 

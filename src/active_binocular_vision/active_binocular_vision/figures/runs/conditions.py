@@ -31,7 +31,8 @@ def conditions_figure(groups: Sequence[Group]) -> Figure:
     colours = figure.colorbar(
         image, ax=panels, label="median |vergence error| / deg", shrink=0.8, extend="both"
     )
-    colours.set_ticks([0.02, 0.1, px_deg, 1.0, 3.0], labels=["0.02", "0.1", "1 px", "1", "3"])
+    labels = ["0.02", "0.1", f"{px_deg:.2f}\n(1 px)", "1", "3"]
+    colours.set_ticks([0.02, 0.1, px_deg, 1.0, 3.0], labels=labels)
     colours.minorticks_off()
     return figure
 

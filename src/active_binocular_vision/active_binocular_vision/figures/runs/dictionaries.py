@@ -26,7 +26,7 @@ def dictionary_figure(atoms: np.ndarray) -> Figure:
     """
     if atoms.ndim != 3 or len(atoms) != len(SCALES):
         raise InputError(f"expected atoms (2, n_bases, {N_PIXELS}), got shape {atoms.shape}")
-    figure = new_figure(WIDTH_IN, 5.2)
+    figure = new_figure(WIDTH_IN, 4.6)
     tiles, histograms = figure.subplots(2, 2, height_ratios=(3.2, 1))
     titles = []
     for i, scale in enumerate(SCALES):
@@ -35,7 +35,7 @@ def dictionary_figure(atoms: np.ndarray) -> Figure:
         tiles[i].imshow(_mosaic(atoms[i][order]), cmap="gray", vmin=-1, vmax=1)
         tiles[i].set_axis_off()
         known_px = disparity_px[~np.isnan(disparity_px)]
-        titles.append(f"{scale} scale, {len(atoms[i])} basis functions")
+        titles.append(f"{scale} scale, left | right eye, by disparity")
         reach = (LARGEST_SHIFT_PX + 0.5) * PX_PER_PIXEL[i]
         histograms[i].hist(known_px, bins=np.linspace(-reach, reach, _N_BINS + 1), color=GREY)
         # Nearly all prefer no disparity; the few others must show, too.
@@ -44,7 +44,7 @@ def dictionary_figure(atoms: np.ndarray) -> Figure:
         histograms[i].set_yscale("log")
         histograms[i].yaxis.set_major_formatter(FormatStrFormatter("%g"))
         histograms[i].set(xlabel="preferred disparity / px", xlim=(-reach, reach), ylim=(0.7, None))
-        titles.append(f"{len(known_px)} of them prefer a disparity")
+        titles.append(f"the {len(known_px)} of {len(atoms[i])} with a preferred disparity")
     title_panels((*tiles, *histograms), (*titles[::2], *titles[1::2]))
     histograms[0].set_ylabel("basis functions")
     return figure

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from functools import partial
+from itertools import pairwise
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -12,6 +14,7 @@ from active_binocular_vision.figures.quartiles import (
     ERRORS,
     colour_of,
     draw_band,
+    draw_bars,
     draw_quartiles,
     final_errors_deg,
     group_handle,
@@ -21,9 +24,18 @@ from active_binocular_vision.figures.quartiles import (
     px_deg_of,
     scale_errors,
 )
-from active_binocular_vision.figures.style import WIDTH_IN, legend_below, new_figure, title_panels
+from active_binocular_vision.figures.style import (
+    WIDTH_IN,
+    break_axis,
+    legend_below,
+    new_figure,
+    title_panels,
+)
 from active_binocular_vision.runs.groups import Group
-from experiment_manager.measures.metrics import QUARTILES, REPORTED_ITERATIONS
+from experiment_manager.measures.metrics import QUARTILES
+
+# Of iterations that are not joined, between two groups.
+_ASIDE = 0.25
 
 
 def errors_figure(groups: Sequence[Group]) -> Figure:
@@ -36,9 +48,7 @@ def errors_figure(groups: Sequence[Group]) -> Figure:
     rows = figure.subplots(2, len(ERRORS), sharex="row", sharey="all")
     for during, over, name in zip(*rows, ERRORS, strict=True):
         for i, group in enumerate(groups):
-            draw_band(
-                during, *_over_a_trial(group, name), colour_of(group), marker=marker_of(group), ms=3
-            )
+            _draw_trial(during, group, name, offset_of(i, groups))
             finals = partial(final_errors_deg, name=name)
             draw_quartiles(over, over_training(group, finals), group, offset_of(i, groups))
         during.set_xlabel("iteration of the trial")
@@ -50,23 +60,41 @@ def errors_figure(groups: Sequence[Group]) -> Figure:
         scale_errors(axes, px_deg_of(groups), has_pixel=is_of_pixels)
     for axes in rows[:, 0]:
         axes.set_ylabel("|error| / deg")
-    _scale_trial(rows[0, 0])
+    finals_kept = ~np.isnan(groups[0].last_trials.column(next(iter(ERRORS)))).all(axis=0)
+    for axes in rows[0]:
+        _scale_trial(axes, np.flatnonzero(finals_kept))
     title_panels(rows.ravel(), [*ERRORS.values(), *ERRORS.values()])
     legend_below(figure, [group_handle(group) for group in groups])
     return figure
 
 
-def _scale_trial(axes: Axes) -> None:
-    """Let the first iterations, in which most happens, take most of the width."""
-    axes.set_xscale("symlog", linthresh=REPORTED_ITERATIONS[-2], linscale=1.5)
-    axes.set_xlim(-0.3, REPORTED_ITERATIONS[-1] * 1.2)
-    shown = (0, *REPORTED_ITERATIONS)
-    axes.set_xticks(shown, [str(k) for k in shown])
-    axes.xaxis.set_minor_locator(mpl.ticker.NullLocator())
-
-
-def _over_a_trial(group: Group, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return iterations (n,) and quartiles of the absolute error (3, n)."""
+def _draw_trial(axes: Axes, group: Group, name: str, offset: float) -> None:
+    """Draw quartiles of the absolute error over iterations: joined where none is left out."""
     errors_deg = np.abs(group.last_trials.column(name))
     kept = np.flatnonzero(~np.isnan(errors_deg).all(axis=0))
-    return kept, np.nanquantile(errors_deg[:, kept], QUARTILES, axis=0)
+    quartiles = np.nanquantile(errors_deg[:, kept], QUARTILES, axis=0)
+    n_joined = len(_joined(kept))
+    look: dict[str, Any] = {"marker": marker_of(group), "ms": 3}
+    draw_band(axes, kept[:n_joined], quartiles[:, :n_joined], colour_of(group), **look)
+    later = _places(kept)[n_joined:] + _ASIDE * offset
+    draw_bars(axes, later, quartiles[:, n_joined:], colour_of(group), **look)
+
+
+def _scale_trial(axes: Axes, kept: np.ndarray) -> None:
+    """Name iterations (n,); the axis is broken where some are left out."""
+    places = _places(kept)
+    n_joined = len(_joined(kept))
+    if n_joined < len(kept):
+        axes.set_xticks(places, [str(k) for k in kept])
+        for before, after in pairwise(places[n_joined - 1 :]):
+            break_axis(axes, (before + after) / 2)
+
+
+def _joined(kept: np.ndarray) -> np.ndarray:
+    """Return those of rising iterations (n,) before the first that is left out."""
+    return kept[kept == np.arange(len(kept))]
+
+
+def _places(kept: np.ndarray) -> np.ndarray:
+    """Return where iterations (n,) stand: those after a gap two steps after the one before."""
+    return np.cumsum(np.minimum(np.diff(kept, prepend=kept[0]), 2)).astype(float) + kept[0]

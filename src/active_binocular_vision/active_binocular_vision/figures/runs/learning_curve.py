@@ -13,9 +13,11 @@ from matplotlib.lines import Line2D
 from active_binocular_vision.figures.quartiles import (
     DELTA_LABEL,
     ERROR_LABEL,
+    K17_ERROR_DEG,
     LEAST_JOINED,
     colour_of,
     draw_band,
+    draw_published,
     draw_quartiles,
     final_errors_deg,
     group_handle,
@@ -72,6 +74,8 @@ def performance_figure(groups: Sequence[Group], training: TrainingCurve | None =
             errors, group, final_errors_deg, lambda t: t.median_abs_vergence_error_deg, offset
         )
         _draw_tests(deltas, group, _final_deltas_w, lambda t: t.median_delta_cost_w, offset)
+    if all(group.is_of_pair for group in groups):
+        handles.append(draw_published(errors, groups, K17_ERROR_DEG))
     scale_errors(errors, px_deg_of(groups))
     errors.set_ylabel(ERROR_LABEL)
     mark_level(deltas, 0.0, "")

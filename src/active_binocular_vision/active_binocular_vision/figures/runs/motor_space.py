@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from active_binocular_vision.figures.quartiles import colour_of
 from active_binocular_vision.figures.style import (
     GREEN,
+    GREY,
     SMALLEST_PT,
     WIDTH_IN,
     legend_below,
@@ -107,12 +108,28 @@ def _n_trials_text(groups: Sequence[Group], n_trials: Sequence[int]) -> str:
 
 
 def _handles(groups: Sequence[Group], criteria: Criteria) -> list[Line2D]:
+    n_iterations = groups[0].last_trials.n_iterations
     ends = [
-        Line2D([], [], color=colour_of(group), label=f"{group.label}: path and end", **_end(group))
+        Line2D(
+            [],
+            [],
+            color=colour_of(group),
+            label=f"{group.label}: end of a trial",
+            **_end(group),
+        )
         for group in groups
     ]
     return [
         *ends,
+        Line2D(
+            [],
+            [],
+            color=GREY,
+            lw=0.7,
+            marker=".",
+            ms=2.5,
+            label=f"path of {n_iterations} iterations",
+        ),
         Line2D([], [], color="black", label="gaze on the object"),
         Line2D([], [], color="black", ls="--", lw=0.8, label="1 px off"),
         Line2D([], [], color=_COST_COLOUR, lw=0.8, label="metabolic rate $C$ / W"),

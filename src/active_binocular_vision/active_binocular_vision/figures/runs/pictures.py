@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from active_binocular_vision.figures.quartiles import colour_of, draw_band, title_of
+from active_binocular_vision.figures.quartiles import colour_of, draw_band, label_of, title_of
 from active_binocular_vision.figures.style import (
     GREY,
     label_decades,
@@ -58,7 +58,7 @@ def encoding_figure(groups: Sequence[Group]) -> Figure | None:
     handles = [
         Line2D([], [], color=GREY, marker=".", label="first test"),
         *(
-            Line2D([], [], color=colour_of(g), marker=".", label=f"last test, {g.label}")
+            Line2D([], [], color=colour_of(g), marker=".", label=f"last test, {label_of(g)}")
             for g in groups
         ),
         Line2D([], [], color=GREY, ls=":", lw=0.8, label="1 px"),

@@ -23,10 +23,10 @@ from active_binocular_vision.figures.quartiles import (
 from active_binocular_vision.figures.style import (
     BLUE,
     GREEN,
-    GREY,
     SMALLEST_PT,
     VERMILION,
     WIDTH_IN,
+    break_axis,
     legend_below,
     mark_level,
     new_figure,
@@ -70,7 +70,8 @@ def over_prices(groups: Sequence[Group]) -> list[Group]:
 def price_figure(groups: Sequence[Group]) -> Figure:
     """Return error and saving of the last test over lambda, and error against metabolic rate.
 
-    groups: of `over_prices`. Median and quartiles over all trials of all seeds.
+    groups: of `over_prices`. Median and quartiles over all trials of all seeds, whose numbers stand
+    below the figure.
     """
     figure = new_figure(WIDTH_IN, 3.2)
     error, reduction, trade = figure.subplots(1, 3)
@@ -80,6 +81,12 @@ def price_figure(groups: Sequence[Group]) -> Figure:
         error.set_ylabel(ERROR_LABEL)
     else:
         _draw_errors(figure, error, groups)
+    n_seeds = sorted({len(group.runs) for group in groups})
+    n_trials = sorted({len(group.last_trials.trial) for group in groups})
+    figure.supxlabel(
+        f"each point: n = {_range(n_seeds)} seed, {_range(n_trials)} trials; median and quartiles",
+        fontsize=9,
+    )
     scale_errors(error, px_deg)
     _draw(reduction, groups, _reductions_percent)
     mark_level(reduction, 100.0, "all")
@@ -90,6 +97,11 @@ def price_figure(groups: Sequence[Group]) -> Figure:
     )
     _name_points(figure, trade, [f"{group.common.weight:g}" for group in groups])
     return figure
+
+
+def _range(counts: Sequence[int]) -> str:
+    """Return the least and the greatest of rising counts, or their one value."""
+    return " to ".join(f"{count:,}" for count in sorted({counts[0], counts[-1]}))
 
 
 def _draw_errors(figure: Figure, axes: Axes, groups: Sequence[Group]) -> None:
@@ -124,20 +136,7 @@ def _draw(
     axes.set_xticks(is_there + ticks, ["0"] * len(is_there) + [f"{tick:g}" for tick in ticks])
     axes.xaxis.set_minor_locator(mpl.ticker.NullLocator())
     if is_there:
-        _break_axis(axes, zero * _ZERO_BELOW**0.5)
-
-
-def _break_axis(axes: Axes, at: float) -> None:
-    """Mark where the logarithmic axis is broken for a place of 0."""
-    axes.annotate(
-        "//",
-        (at, 0.0),
-        xycoords=("data", "axes fraction"),
-        ha="center",
-        va="center",
-        color=GREY,
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
-    )
+        break_axis(axes, zero * _ZERO_BELOW**0.5)
 
 
 def _draw_trade(axes: Axes, groups: Sequence[Group]) -> None:

@@ -44,9 +44,9 @@ _ABOUT = (
     "al. (2021), after 500,000 iterations, mean and standard deviation."
 )
 _SHEET_CAPTION = (
-    "A row for each condition. Marks: medians over seeds at birth, before the first change of the "
-    "schedule, and at the end; lines: from the least to the greatest seed. No mark: no such test, "
-    "or no value."
+    "A row for each condition, a colour for each model. Marks: medians over seeds at birth, before "
+    "the first change of the schedule, and at the end; lines: from the least to the greatest seed. "
+    "No mark: no such test, or no value."
 )
 _TREATMENTS_CAPTION = (
     "A row for each treatment that began at several ages. Diamonds: medians over seeds at the end; "

@@ -30,13 +30,14 @@ _PERFORMANCE = (
     "(a) Absolute vergence error and (b) metabolic rate above the least one that fixates the "
     "object, after the last iteration of test trials. Thick lines or points: median over all "
     "trials of all seeds. Bands or bars: quartiles over the trials, not the uncertainty of the "
-    "median. Thin lines: medians of single seeds. Fewer than five tests are not joined."
+    "median. Thin lines: medians of single seeds. Fewer than five tests are not joined. Dashes and "
+    "dots: the median that K17 reports after 1,000,000 iterations on photographs."
 )
 _BOXES = (
     "(a) Absolute vergence error and (b) c, the fraction of the avoidable rate that a trial "
     "removes (K17 eq. 8), after iterations 1, 2, 3 and 20 of the trials. Lines are medians, boxes "
     "quartiles, whiskers the 5th and 95th percentiles over all trials of all seeds. c is not "
-    "defined for trials that start within 10 mW of the least cost."
+    "defined for trials that start within 10 mW of the least cost. Dashes and dots: K17's medians."
 )
 _MOTOR_SPACE = (
     "Activations of both eyes' horizontal recti during trials with (a) the nearest and (b) the "
@@ -49,14 +50,15 @@ _MOTOR_SPACE = (
 _ERRORS = (
     "(a to c) Over the iterations of the last test's trials that were kept. (d to f) After the "
     "last iteration of test trials, over training. Medians of the absolute error; bars or bands "
-    "are quartiles over all trials of all seeds. Fewer than five tests are not joined. Horizontal "
+    "are quartiles over all trials of all seeds. The axis is broken where iterations were not "
+    "kept. Fewer than five tests are not joined. Horizontal "
     "and vertical: disparity of the point that the left fovea looks at. Torsional: rotation of one "
     "eye's picture around that point against the other's."
 )
 _ACTIVATIONS = (
-    "Activations at the start (rings) and at the end (dots) of the last test's trials, by object "
-    "distance. Points are medians, bars quartiles over all trials of all seeds. A panel shows two "
-    "antagonists."
+    "Median activation of each muscle (a) at the start and (b) at the end of the last test's "
+    "trials, over all trials of all seeds, by object distance, on a logarithmic scale. (c) Share "
+    "of these trials that end with the muscle active: a median of 0 hides muscles that some use."
 )
 _CONDITIONS = (
     "Median absolute vergence error in deg after the last iteration of the last test's trials, by "
