@@ -38,10 +38,10 @@ def main() -> None:
         axes = figure.add_subplot()
         for name, table, colour, marker in CURVES:
             step, error_deg = np.loadtxt(MEASURED / table, delimiter=",", skiprows=1).T
-            axes.plot(step, error_deg, color=colour, label=f"{name}, training")
+            axes.plot(step, error_deg, color=colour, label=f"{name}, training, n = 1 seed")
             row = next(line for line in scores if line.startswith(name.split()[0]))
             tested_deg = float(row.split("steps")[1].split()[0])
-            label = f"{name}, test"
+            label = f"{name}, test at the end"
             axes.plot(step[-1], tested_deg, marker, color=colour, ms=6, label=label, clip_on=False)
         label_decades(axes)
         mark_level(axes, degrees_per_px(FOCAL_LENGTH_PX), "1 px")

@@ -135,7 +135,7 @@ def test_an_mp4_shows_pictures_and_growing_curves_of_each_iteration(bag: Path) -
 
 
 def test_a_page_has_the_eyes_each_error_and_text_that_can_be_read(bag_of_twelve: Path) -> None:
-    (shown, *_) = scenes(Bag(bag_of_twelve))
+    (*_, shown) = scenes(Bag(bag_of_twelve))
     assert shown.errors_deg[4].tolist() == pytest.approx([1.6, -1.0, 3.0])
     assert shown.activations[4].tolist() == list(ACTIVATIONS)
     assert shown.eye_angles_rad[4].tolist() == list(EYE_ANGLES_RAD)

@@ -17,7 +17,7 @@ def test_runs_that_differ_in_nothing_but_the_seed_make_one_group(runs: list[Run]
     groups = groups_of([m_c, m, m])
     assert [group.model for group in groups] == ["M", "M_C"]
     assert [len(group.runs) for group in groups] == [2, 1]
-    assert "2 runs" in groups[0].label
+    assert "n = 2 seeds" in groups[0].label
     assert "0.08" in groups[1].label
     assert colour_of(groups[0]) != colour_of(groups[1])
     assert groups[0].iterations == [0, 130, 270, 400]
@@ -44,9 +44,9 @@ def test_runs_with_other_settings_are_not_pooled(runs: list[Run]) -> None:
     photos = _with(run, "eye_plant", stimuli__directory="/my/photos")
     other = _with(photos, "eyes", mechanics__parameter_set="anatomical")
     first, second = groups_of([run, other])
-    assert first.label.endswith("parameter_set k17, 1 run")
+    assert first.label.endswith("parameter_set k17, n = 1 seed")
     assert first.name == "M, generated stimuli, parameter_set k17"
-    assert second.label.endswith("photos stimuli, parameter_set anatomical, 1 run")
+    assert second.label.endswith("photos stimuli, parameter_set anatomical, n = 1 seed")
     assert (first.rank, second.rank) == ((0, 2), (1, 2))
 
 
@@ -68,7 +68,7 @@ def test_a_profile_says_for_all_its_settings_what_tells_runs_apart(
     precise = _with(runs[0], "experiment_manager", profile="precise")
     third = _with(precise, "eyes", mechanics__parameter_set="anatomical")
     first, second = groups_of([paper, third])
-    assert first.label.endswith(", profile paper, parameter_set k17, 1 run")
+    assert first.label.endswith(", profile paper, parameter_set k17, n = 1 seed")
     assert second.name == "M, profile precise, parameter_set anatomical"
     assert [group.name for group in groups_of([paper, precise])] == [
         "M, profile paper",

@@ -114,11 +114,12 @@ def _mark(panel: np.ndarray, target_deg: np.ndarray, scene: Scene) -> None:
 
 
 def _errors(scene: Scene, iteration: int) -> str:
+    """Return the errors in the order of their curves' legend."""
     error_deg, *others_deg = scene.errors_deg[iteration]
     if not others_deg:
         return f"vergence error {error_deg:+.2f} deg ({error_deg / scene.px_deg:+.1f} px)"
-    named = zip(ERRORS, (error_deg, *others_deg), strict=True)
-    return "error " + ", ".join(f"{name} {of_name:+.2f}" for name, of_name in named) + " deg"
+    values = ", ".join(f"{of_axis:+.2f}" for of_axis in (error_deg, *others_deg))
+    return f"errors {values} deg"
 
 
 def _error_lines(axes: Axes, scenes: Sequence[Scene]) -> list[Line2D]:

@@ -103,7 +103,7 @@ def chosen_stages(episodes: Sequence[RecordedEpisode]) -> list[tuple[str, list[R
     common = {e.trial for e in before} & {e.trial for e in after}
     if common:
         before, after = ([e for e in of_stage if e.trial in common] for of_stage in (before, after))
-    during = [e for e in episodes if ends[0] < e.training_iteration < ends[1]]
+    during = _trials_first([e for e in episodes if ends[0] < e.training_iteration < ends[1]])
     stages = [(_after(ends[0]), _by_error(before))]
     stages += [(_after(e.training_iteration), [e]) for e in _spread(during)]
     return [*stages, (_after(ends[1]), _by_error(after))]

@@ -72,7 +72,7 @@ def test_landscapes_are_shares_of_their_mean_so_that_a_low_one_is_not_flat() -> 
     for axes in drawn(landscapes_figure, low, reared("high")).axes:
         # 0.6, 0.2 and 0.6 of a mean of 7/15.
         assert axes.lines[0].get_ydata() == pytest.approx([9 / 7, 3 / 7, 9 / 7])
-        assert axes.texts[0].get_text() == "0.57"
+        assert axes.texts[0].get_text() == "depth 0.57"
 
 
 def test_a_change_of_the_plant_is_marked() -> None:

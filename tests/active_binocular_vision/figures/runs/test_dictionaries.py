@@ -20,7 +20,7 @@ def test_both_scales_show_the_atoms_that_prefer_a_disparity_first() -> None:
             expected = atoms[shown, :64].reshape(8, 8) / np.abs(atoms[shown]).max()
             np.testing.assert_allclose(left, expected)
     for histogram, px_per_pixel in zip(figure.axes[2:], PX_PER_PIXEL, strict=True):
-        assert "3 of them prefer a disparity" in histogram.get_title("left")
+        assert "the 3 of" in histogram.get_title("left")
         boxes = [bar.get_window_extent() for bar in histogram.patches]
         middles_px = [box.x0 + box.width / 2.0 for box in boxes if box.height]
         pixels = [(x, 0.0) for x in middles_px]

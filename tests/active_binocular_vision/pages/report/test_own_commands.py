@@ -34,27 +34,28 @@ def test_each_error_is_drawn_over_a_trial_and_over_training(group: Group) -> Non
     during, over = figure.axes[:3], figure.axes[3:]
     for name, of_trial, of_training in zip(ERROR_NAMES, during, over, strict=True):
         errors_deg = np.abs(group.last_trials.column(name))
-        shown = [0, 1, 2, 3, N_ITERATIONS]
-        assert np.asarray(of_trial.lines[0].get_xdata()).tolist() == shown, "those that are kept"
-        assert np.allclose(_median_line(of_trial), np.median(errors_deg[:, shown], axis=0))
+        joined, last = of_trial.lines[0], of_trial.lines[1]
+        assert np.asarray(joined.get_xdata()).tolist() == [0, 1, 2, 3], "those before the gap"
+        assert [label.get_text() for label in of_trial.get_xticklabels()][-1] == str(N_ITERATIONS)
+        medians_deg = np.median(errors_deg[:, [0, 1, 2, 3, N_ITERATIONS]], axis=0)
+        assert np.allclose([*joined.get_ydata(), *last.get_ydata()], medians_deg)
         finals_deg = [np.abs(group.trials_at(n).column(name)[:, -1]) for n in (0, 1000)]
         assert np.allclose(_median_line(of_training), np.median(finals_deg, axis=1))
 
 
-def test_each_commanded_muscle_is_drawn_from_start_to_end(group: Group) -> None:
-    trials = group.last_trials
-    figure = activations_figure(group)
-    # Two antagonists a panel, the start and the end of each.
-    lines = [line for axes in figure.axes for line in axes.lines]
-    assert len(lines) == 2 * len(trials.space.names)
-    starts_and_ends = iter(lines)
-    for name in trials.space.names:
-        for iteration in (0, -1):
-            values = trials.column(name)[:, iteration]
-            expected = [np.median(values[trials.object_distance_m == d]) for d in (0.5, 3.0, 6.0)]
-            assert np.allclose(next(starts_and_ends).get_ydata(), expected)
-    labels = [axes.get_ylabel() for axes in figure.axes if axes.get_ylabel()]
-    assert labels == ["activation, left eye", "activation, right eye"]
+def test_each_commanded_muscle_has_its_medians_and_how_often_it_is_active(group: Group) -> None:
+    trials, silent = group.last_trials, group.last_criteria.silent_activation
+    panels = activations_figure(group).axes[:3]
+    start, end, active = (np.ma.filled(axes.images[0].get_array(), 0.0) for axes in panels)
+    for i_muscle, name in enumerate(trials.space.names):
+        for i_distance, distance_m in enumerate((0.5, 3.0, 6.0)):
+            values = trials.column(name)[trials.object_distance_m == distance_m]
+            for shown, iteration in ((start, 0), (end, -1)):
+                median = np.median(values[:, iteration])
+                expected = median if median > silent else 0.0
+                assert shown[i_muscle, i_distance] == pytest.approx(expected)
+            share = 100.0 * np.mean(values[:, -1] > silent)
+            assert active[i_muscle, i_distance] == pytest.approx(share)
 
 
 def test_figures_of_own_commands_can_be_read(group: Group) -> None:
@@ -76,7 +77,8 @@ def test_prices_show_the_errors_about_all_axes(tmp_path: Path) -> None:
         expected = np.median(np.abs(groups[0].last_trials.column(name)[:, -1]))
         assert np.allclose(medians, expected)
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert labels == ["horizontal (vergence)", "vertical", "torsional (cyclovergence)"]
+    assert labels[:3] == ["horizontal (vergence)", "vertical", "torsional (cyclovergence)"]
+    assert labels[3].startswith("n = 1 seed, ")
 
 
 def test_a_row_for_each_two_antagonists(group: Group) -> None:

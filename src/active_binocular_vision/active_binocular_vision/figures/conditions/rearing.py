@@ -129,7 +129,7 @@ def samples_figure(conditions: Sequence[Condition]) -> Figure | None:
             axes.spines[:].set_visible(False)
         _name_row(row[0], label)
     for axes, scale in zip(panels[-1], SCALES, strict=True):
-        axes.set_xlabel(f"{scale} scale: evenly spaced ranks, best to worst Gabor fit")
+        axes.set_xlabel(f"{scale} scale: best to worst Gabor fit,\nevenly spaced ranks")
     return figure
 
 

@@ -76,22 +76,18 @@ def price_figure(groups: Sequence[Group]) -> Figure:
     figure = new_figure(WIDTH_IN, 3.2)
     error, reduction, trade = figure.subplots(1, 3)
     px_deg = px_deg_of(groups)
+    handles: list[Line2D] = []
     if all(group.is_of_pair for group in groups):
         _draw(error, groups, final_errors_deg)
         error.set_ylabel(ERROR_LABEL)
     else:
-        _draw_errors(figure, error, groups)
-    n_seeds = sorted({len(group.runs) for group in groups})
-    n_trials = sorted({len(group.last_trials.trial) for group in groups})
-    figure.supxlabel(
-        f"each point: n = {_range(n_seeds)} seed, {_range(n_trials)} trials; median and quartiles",
-        fontsize=9,
-    )
+        handles = _draw_errors(error, groups)
     scale_errors(error, px_deg)
     _draw(reduction, groups, _reductions_percent)
     mark_level(reduction, 100.0, "all")
     reduction.set_ylabel("$c$ / %")
     _draw_trade(trade, groups)
+    legend_below(figure, [*handles, _numbers(groups)])
     title_panels(
         (error, reduction, trade), ("accuracy", "energy saved", r"trade-off, by $\lambda$ in 1/W")
     )
@@ -99,19 +95,25 @@ def price_figure(groups: Sequence[Group]) -> Figure:
     return figure
 
 
-def _range(counts: Sequence[int]) -> str:
-    """Return the least and the greatest of rising counts, or their one value."""
-    return " to ".join(f"{count:,}" for count in sorted({counts[0], counts[-1]}))
+def _numbers(groups: Sequence[Group]) -> Line2D:
+    """Return what says how many seeds and trials a point stands for."""
+    seeds, trials = (
+        " to ".join(f"{n:,}" for n in sorted({min(of), max(of)}))
+        for of in ([len(g.runs) for g in groups], [len(g.last_trials.trial) for g in groups])
+    )
+    return Line2D(
+        [], [], ls="", label=f"n = {seeds} seed{'s' * (seeds != '1')}, {trials} trials each"
+    )
 
 
-def _draw_errors(figure: Figure, axes: Axes, groups: Sequence[Group]) -> None:
-    """Draw the errors about all axes, each with its colour, and name them below the figure."""
+def _draw_errors(axes: Axes, groups: Sequence[Group]) -> list[Line2D]:
+    """Draw the errors about all axes, each with its colour; return what stands for them."""
     handles = []
     for (name, label), (colour, marker) in zip(ERRORS.items(), _LOOKS, strict=True):
         _draw(axes, groups, partial(final_errors_deg, name=name), colour, marker=marker)
         handles.append(Line2D([], [], color=colour, marker=marker, ms=4, label=label))
     axes.set_ylabel("|error| / deg")
-    legend_below(figure, handles)
+    return handles
 
 
 def _draw(
