@@ -38,7 +38,8 @@ def test_each_error_is_drawn_over_a_trial_and_over_training(group: Group) -> Non
         assert np.asarray(joined.get_xdata()).tolist() == [0, 1, 2, 3], "those before the gap"
         assert [label.get_text() for label in of_trial.get_xticklabels()][-1] == str(N_ITERATIONS)
         medians_deg = np.median(errors_deg[:, [0, 1, 2, 3, N_ITERATIONS]], axis=0)
-        assert np.allclose([*joined.get_ydata(), *last.get_ydata()], medians_deg)
+        shown_deg = np.concatenate([np.asarray(line.get_ydata()) for line in (joined, last)])
+        assert np.allclose(shown_deg, medians_deg)
         finals_deg = [np.abs(group.trials_at(n).column(name)[:, -1]) for n in (0, 1000)]
         assert np.allclose(_median_line(of_training), np.median(finals_deg, axis=1))
 
@@ -46,7 +47,10 @@ def test_each_error_is_drawn_over_a_trial_and_over_training(group: Group) -> Non
 def test_each_commanded_muscle_has_its_medians_and_how_often_it_is_active(group: Group) -> None:
     trials, silent = group.last_trials, group.last_criteria.silent_activation
     panels = activations_figure(group).axes[:3]
-    start, end, active = (np.ma.filled(axes.images[0].get_array(), 0.0) for axes in panels)
+    shown_in: list[np.ndarray] = [
+        np.ma.asarray(axes.images[0].get_array()).filled(0.0) for axes in panels
+    ]
+    start, end, active = shown_in
     for i_muscle, name in enumerate(trials.space.names):
         for i_distance, distance_m in enumerate((0.5, 3.0, 6.0)):
             values = trials.column(name)[trials.object_distance_m == distance_m]

@@ -19,6 +19,9 @@ from active_binocular_vision.figures.style import (
 from active_binocular_vision.runs.groups import Group
 from lockstep import SIDES
 
+# Of the colour scale of activations.
+_TICKS, _LEAST_SHOWN = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2), 1e-3
+
 
 def activations_figure(group: Group) -> Figure:
     """Return what each muscle does in the last test's trials, over the distance of the object.
@@ -35,10 +38,11 @@ def activations_figure(group: Group) -> Figure:
     active = np.stack([(values[..., -1] > silent).mean(axis=1) for values in of_distance])
     figure = new_figure(WIDTH_IN, 1.6 + 0.21 * len(of_muscles))
     panels = figure.subplots(1, 3, sharey=True)
-    scale = mpl.colors.LogNorm(max(silent, 1e-3), float(medians.max()))
+    least, most = max(silent, _LEAST_SHOWN), float(medians.max())
+    scale = mpl.colors.LogNorm(least, most)
     for axes, shown in zip(panels, medians.transpose(2, 0, 1), strict=False):
         image = _draw(axes, np.where(shown > silent, shown, np.nan), "viridis_r", scale)
-    ticks = [t for t in (0.005, 0.01, 0.02, 0.05, 0.1, 0.2) if scale.vmin <= t <= scale.vmax]
+    ticks = [tick for tick in _TICKS if least <= tick <= most]
     bar = figure.colorbar(image, ax=panels[:2], label="activation", location="bottom", shrink=0.6)
     bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     bar.minorticks_off()
@@ -51,7 +55,7 @@ def activations_figure(group: Group) -> Figure:
     _name_rows(panels[0], trials.space.names)
     n = f"n = {len(group.runs)} seeds, {len(trials.trial):,} trials"
     title_panels(panels, ["median at the start", "median at the end", "active at the end"])
-    label = f"silent: {silent:g} or less"
+    label = f"silent: {silent:.2g} or less"
     legend_below(
         figure,
         [Patch(fc="white", ec=GREY, label=label), Patch(fc="none", ec="none", label=n)],
