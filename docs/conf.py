@@ -23,4 +23,6 @@ myst_heading_anchors = 4
 
 nb_execution_mode = "cache"
 nb_execution_raise_on_error = True
-nb_execution_timeout = 180
+nb_execution_timeout = 600  # seconds for a cell; one trains for some on an idle machine
+nb_execution_in_temp = True
+nb_output_stderr = "remove"

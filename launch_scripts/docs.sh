@@ -22,7 +22,7 @@ case ${1:-} in
     show_help
     exit
     ;;
-  --check) options=(--fail-on-warning --keep-going --define nb_execution_mode=off) ;;
+  --check) options=(--fresh-env --fail-on-warning --keep-going --define nb_execution_mode=off) ;;
   '') options=() ;;
   *)
     echo "docs.sh: error: expected no argument or --check, got $1" >&2
@@ -32,6 +32,7 @@ esac
 set_up
 cd "$root"
 install_packages
+"$python" docs/generated.py build/reference
 PYTHONPATH=$packages "$python" -m sphinx --quiet --conf-dir docs "${options[@]}" . build/site
 if [[ $# == 0 ]]; then
   echo "file://$root/build/site/index.html"

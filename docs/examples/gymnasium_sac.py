@@ -3,7 +3,7 @@
 stable-baselines3 is no dependency of the project:
 `.venv/bin/python -m pip install stable-baselines3`.
 
-docs/how_to/gymnasium.md says why the settings are what they are, and shows the curve.
+docs/reference/environments.md says why the settings are what they are.
 
 usage: .venv/bin/python docs/examples/gymnasium_sac.py [STEPS] [CSV]
 """

@@ -72,4 +72,4 @@ def _command(script: str, *arguments: str) -> tuple[str, Sequence[str]]:
 
 def test_the_pages_have_commands_of_every_kind() -> None:
     assert PARSERS.keys() <= {_command(*words)[0] for _, words in COMMANDS}
-    assert {page.name for page, _ in COMMANDS} >= {"README.md", "running.md", "paper.md"}
+    assert {page.name for page, _ in COMMANDS} >= {"README.md", "sweep.md", "paper.md"}

@@ -1,10 +1,9 @@
 """What people import and command: what is done with runs and their learners.
 
-    import active_binocular_vision as abv
-
-    run = abv.run("demonstration", seed=2)   # train and test, in this process
-    run.results                              # the measures of its tests, as a data frame
-    abv.compare([run, abv.Run("runs/other")])
+>>> import active_binocular_vision as abv
+>>> run = abv.run("demonstration", seed=2)  # train and test, in this process
+>>> run.results  # the measures of its tests, as a data frame
+>>> abv.compare([run, abv.Run("runs/other")])
 
 Its modules are imported only when a name of theirs is asked for.
 """

@@ -86,19 +86,15 @@ class Agent:
     ) -> Decision:
         """Learn from what was done so far and answer with what to do next.
 
-        features: (2, n_features / 2) or any shape of that size.
-        activations: (n_muscles,) of now, those that are commanded.
-        reward: r_t, of now.
-        iteration: within the episode, from 0.
-        training_iteration: number of training iterations before this one.
-        learning: whether to learn from the last action, and later from this one. There is nothing
-            to learn at an episode's start or after a gap.
-        exploration: whether to add noise to the action.
-        target_deg: (2,) place to look at now, sideways and up from the left line of sight; NaN
-            where there is none.
-        turns_deg: (2, 3) how each eye was seen to turn since the observation before; NaN where that
-            was not seen.
-        energy_penalty: lambda C, what the activations take from the reward.
+        features: (2, n_features / 2) or any shape of that size; activations: (n_muscles,) of now,
+        those that are commanded; reward: r_t, of now; iteration: within the episode, from 0;
+        training_iteration: number of training iterations before this one; learning: whether to
+        learn from the last action, and later from this one (there is nothing to learn at an
+        episode's start or after a gap); exploration: whether to add noise to the action;
+        target_deg: (2,) place to look at now, sideways and up from the left line of sight, NaN
+        where there is none; turns_deg: (2, 3) how each eye was seen to turn since the observation
+        before, NaN where that was not seen; energy_penalty: lambda C, what the activations take
+        from the reward.
 
         Raises InputError, and changes nothing, for a wrong size or a number that is not finite;
         DivergenceError when value, TD error or action leave every sane range.

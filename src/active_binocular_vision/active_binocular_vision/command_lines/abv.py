@@ -21,6 +21,7 @@ _GROUPS = {
         "trained": (f"{_LINES}.trained:main", "list trained eyes, or make a file of a run's"),
         "report": (f"{_LINES}.report:main", "draw figures and tables of runs into one page"),
         "bag": (f"{_LINES}.bag:main", "show, export, film or repair a bag"),
+        "docs": (f"{_LINES}.docs:main", "build the site of all pages, and open it"),
     },
     "The model": {
         "parameters": (f"{_LINES}.parameters:main", "list the parameters of the nodes"),

@@ -13,7 +13,7 @@ def parser() -> argparse.ArgumentParser:
         prog=command("sweep"),
         description="Make many runs that differ in a few options, several at a time, each in one"
         " process on one core, or as a job array of Slurm. Started again, it continues the"
-        " unfinished runs. Ctrl-C stops all runs, with checkpoints. See docs/how_to/sweeps.md",
+        " unfinished runs. Ctrl-C stops all runs, with checkpoints. See docs/how_to/sweep.md",
     )
     line.add_argument(
         "sweep",

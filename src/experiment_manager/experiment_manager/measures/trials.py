@@ -148,7 +148,8 @@ class Trials:
     def cost_reduction(self, iteration: int) -> np.ndarray:
         """Return the share of the possible saving that was made (n_trials,).
 
-        c = (C - C_0) / (C* - C_0)  (K17 eq. 8); nan where |C* - C_0| < LEAST_COST_RANGE_W.
+        c = (C - C_0) / (C* - C_0)  (K17 eq. 8); nan where C* and C_0 differ by less than
+        LEAST_COST_RANGE_W.
         """
         start_w = self.metabolic_rate_w[:, 0]
         possible_w = self.optimal_metabolic_rate_w[:, iteration] - start_w
