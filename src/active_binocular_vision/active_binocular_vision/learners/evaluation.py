@@ -32,8 +32,8 @@ _N_STEREOGRAMS = 10
 class FrozenResults:
     """What frozen learners did in a test.
 
-    learners: what a document says of them; start_scale, start_errors: of the first errors; stimuli: what was
-    shown, in words, "" for the run's own.
+    learners: what a document says of them; start_scale, start_errors: of the first errors; stimuli:
+    what was shown, in words, "" for the run's own.
     """
 
     learners: FrozenLearners

@@ -190,7 +190,7 @@ def write_document(path: Path, document: msgspec.Struct | Mapping[str, Any]) -> 
     replace_file(path, text + b"\n")
 
 
-def _renamed(document: bytes) -> bytes:
+def with_names_of_today(document: bytes) -> bytes:
     """Return a document with today's name of what older files call otherwise."""
     return document.replace(b'"authors_test_set":', b'"starts_up_to_2_deg":')
 
@@ -202,7 +202,7 @@ class _Tests(msgspec.Struct):
 def read_tests(path: Path) -> tuple[Summary, ...]:
     """Return the tests in a document of abv examine, none of another; InputError for no JSON."""
     try:
-        return msgspec.json.decode(_renamed(path.read_bytes()), type=_Tests).tests
+        return msgspec.json.decode(with_names_of_today(path.read_bytes()), type=_Tests).tests
     except (OSError, msgspec.DecodeError) as error:
         raise InputError(f"{path}: expected what abv examine writes: {error}") from error
 
@@ -210,7 +210,7 @@ def read_tests(path: Path) -> tuple[Summary, ...]:
 def read_results(path: Path) -> Results:
     """Return the content of a results.json; InputError when it is missing or another thing."""
     try:
-        return msgspec.json.decode(_renamed(path.read_bytes()), type=Results)
+        return msgspec.json.decode(with_names_of_today(path.read_bytes()), type=Results)
     except OSError as error:
         raise InputError(f"expected {path}: {error.strerror}") from error
     except msgspec.DecodeError as error:
