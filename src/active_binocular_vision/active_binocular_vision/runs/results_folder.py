@@ -41,6 +41,7 @@ COLUMNS = (
 )
 _KIND = "trials_of_runs"
 _ALL, _UP_TO_2_DEG, _AFTER = "all", "starts_up_to_2_deg", "after_"
+_IN_OLDER_FILES = {"authors": _UP_TO_2_DEG}
 _SHARE = "lambda_share"
 _COMMON, _RUNS = "common", "runs"
 _ERROR = "median_abs_vergence_error_deg"
@@ -352,9 +353,8 @@ def _parsed(
         if path[0] == _SHARE:
             shares[path[1]] = value
         elif not row["shown"]:
-            at = tests.setdefault(int(row["iteration"]), {_ALL: {}, _UP_TO_2_DEG: {}})[
-                row["trials"]
-            ]
+            of_sets = tests.setdefault(int(row["iteration"]), {_ALL: {}, _UP_TO_2_DEG: {}})
+            at = of_sets[_IN_OLDER_FILES.get(row["trials"], row["trials"])]
             if row["after"] != "end":
                 path = [f"{_AFTER}{row['after']}", *path]
             for key in path[:-1]:
