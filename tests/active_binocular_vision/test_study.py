@@ -82,8 +82,8 @@ def test_results_have_a_row_per_test_and_trials_one_per_trial(of_command_line: a
     last = run.summaries[-1]
     row = run.results.loc[40]
     assert row["share_within_1_px"] == last.share_within_1_px
-    authors = last.authors_test_set.median_delta_cost_w
-    assert row["authors_test_set.median_delta_cost_w"] == pytest.approx(authors)
+    near = last.starts_up_to_2_deg.median_delta_cost_w
+    assert row["starts_up_to_2_deg.median_delta_cost_w"] == pytest.approx(near)
     of_test = run.trials.query("iteration == 40")
     assert len(of_test) == last.n_trials
     errors_deg = run.tests[40].vergence_error_deg

@@ -16,5 +16,5 @@ NO_TRIALS = SetSummary(**_EMPTY)
 
 def summary(**values: Any) -> Summary:
     """Return a summary with the given measures, of no trials where not said otherwise."""
-    sets = {"without_zero_start_error": NO_TRIALS, "authors_test_set": NO_TRIALS}
+    sets = {"without_zero_start_error": NO_TRIALS, "starts_up_to_2_deg": NO_TRIALS}
     return Summary(**(_EMPTY | {"iteration": 0} | sets | values))

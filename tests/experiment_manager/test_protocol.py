@@ -60,6 +60,18 @@ def test_the_papers_conditions() -> None:
     assert by_distance == {d: [float(e) for e in range(-3, h + 1)] for d, h in highest.items()}
 
 
+def test_the_conditions_of_the_authors_code() -> None:
+    found = conditions(ProtocolConfig(start_errors="code"), BASELINE_M)
+    assert len(found) == 49, "with 40 pictures 1,960 trials, 1,680 of them with an error"
+    by_distance: dict[float, list[float]] = {}
+    for condition in found:
+        by_distance.setdefault(condition.object_distance_m, []).append(condition.start_error_deg)
+    outward = [-2.0, -1.3333, -0.6667, 0.0]
+    assert by_distance[1.0] == pytest.approx([*outward, 0.6667, 1.3333, 2.0], abs=1e-4)
+    # At 6 m the desired vergence is 0.5348 deg.
+    assert by_distance[6.0] == pytest.approx([*outward, 0.1783, 0.3565, 0.5348], abs=1e-4)
+
+
 def test_the_papers_tests() -> None:
     paper = _protocol_of(ProtocolConfig())
     assert paper.n_trials == 1560

@@ -17,6 +17,8 @@ PAPER_TEST_ITERATIONS = (
 )
 
 _LEAST_DISTANCE_M = 0.1
+# Start errors of the pair's test trials: of the paper's text, and of its authors' code.
+START_ERRORS = (OF_TEXT, OF_CODE) = ("text", "code")
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,13 @@ class ProtocolConfig(TaskConfig):
     )
     least_start_error_deg: int = setting(
         -3, "lowest vergence error at the start of a test trial", "deg", most=0
+    )
+    start_errors: str = setting(
+        "text",
+        "vergence errors at the start of test trials: whole degrees from the lowest one to the"
+        " largest without divergence, as in the paper's text, or those of the authors' code, from"
+        " -2 deg to 2 deg at most",
+        choices=START_ERRORS,
     )
     start_error_deg: tuple[float, ...] = setting(
         (3.0, 1.5, 4.0),

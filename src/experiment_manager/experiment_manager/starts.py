@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from experiment_manager.config import ProtocolConfig
+from experiment_manager.config import OF_CODE, ProtocolConfig
 from eye_plant import GazeInverse, Inverse, desired_vergence_deg
 from eye_plant import fixation_distance_m as distance_of_vergence_m
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES
@@ -28,6 +28,7 @@ ActivationsOfVergence = Callable[[float, float], Activations]
 # Of the largest errors, those with which episodes begin in the corner.
 _CORNER = (0.7, 1.0)
 _MOST_DRAWS = 1000
+_LARGEST_OF_CODE_DEG = 2.0
 
 
 @dataclass(frozen=True)
@@ -45,9 +46,7 @@ class Condition:
 def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ...]:
     """Return the conditions of a test: distances x first errors.
 
-    Of the pair, start errors go from least_start_error_deg to the largest whole degree that leaves
-    the initial vergence 0 or more (D11; K17: "the smallest possible initial angle of the eyes to
-    zero"); of muscles with a command each they are drawn.
+    Of the pair they are `start_errors_deg`; of muscles with a command each they are drawn.
     """
     if config.command_space != PAIR:
         planes_m = np.repeat(config.test_distances_m, config.n_starts_per_distance).tolist()
@@ -56,13 +55,24 @@ def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ..
             for start, distance_m in enumerate(planes_m)
         )
     return tuple(
-        Condition(distance_m, float(error_deg))
+        Condition(distance_m, error_deg)
         for distance_m in config.test_distances_m
-        for error_deg in range(
-            config.least_start_error_deg,
-            math.floor(desired_vergence_deg(distance_m, baseline_m)) + 1,
-        )
+        for error_deg in start_errors_deg(config, desired_vergence_deg(distance_m, baseline_m))
     )
+
+
+def start_errors_deg(config: ProtocolConfig, desired_deg: float) -> list[float]:
+    """Return the start errors of the pair's trials before an object with a desired vergence.
+
+    Of K17's text: from least_start_error_deg to the largest whole degree that leaves the initial
+    vergence 0 or more (D11; "the smallest possible initial angle of the eyes to zero"). Of the
+    authors' code (2016 to 2021): thirds of -2 deg and of v = min(2 deg, desired vergence), and 0,
+    which their measures leave out.
+    """
+    if config.start_errors == OF_CODE:
+        largest_deg = min(_LARGEST_OF_CODE_DEG, desired_deg)
+        return [-2.0, -4.0 / 3.0, -2.0 / 3.0, *(k / 3.0 * largest_deg for k in range(4))]
+    return [float(e) for e in range(config.least_start_error_deg, math.floor(desired_deg) + 1)]
 
 
 def _first_error_deg(config: ProtocolConfig, start: int) -> float:

@@ -90,6 +90,14 @@ def test_what_cannot_be_tested_is_one_line(run, line, message, capsys) -> None:
     assert error.count("\n") == 1
 
 
+def test_the_start_errors_of_the_authors_code(run: Path) -> None:
+    results = evaluated(FrozenLearners(run), Shown(n_most=1), start_errors="code")
+    n_distances = len(results.test.bias_by_distance_deg)
+    assert results.test.n_trials == 7 * n_distances
+    assert results.test.without_zero_start_error.n_trials == 6 * n_distances
+    assert results.to_json()["start_errors"] == "code"
+
+
 def test_a_damaged_state_is_one_line(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (newest,) = sorted((run / "checkpoints").iterdir())[-1:]
     (newest / "vergence_rl.npz").write_bytes(b"")
@@ -172,6 +180,8 @@ def test_twelve_muscles_are_tested_as_in_their_run_and_from_farther_off(twelve: 
     assert own.test == _tests(twelve)[-1]
     # Without learning the eyes stay where the trials begin.
     farther = evaluated(FrozenLearners(twelve, n_episodes=0), start_scale=1.5)
+    with pytest.raises(InputError, match="start_errors: expected a run of the pair"):
+        evaluated(FrozenLearners(twelve, n_episodes=0), start_errors="code")
     near_deg, far_deg = (
         summary.median_abs_cyclovergence_error_deg for summary in (_tests(twelve)[0], farther.test)
     )

@@ -53,7 +53,7 @@ def test_kept_runs_have_what_the_runs_had(made: list[Run], tmp_path: Path) -> No
             last.after[2].median_abs_vergence_error_deg, rel=1e-5
         )
         if run.is_of_pair:
-            assert others.authors_test_set.n_trials == last.authors_test_set.n_trials
+            assert others.starts_up_to_2_deg.n_trials == last.starts_up_to_2_deg.n_trials
         for at, trials in run.tests.items():
             errors_deg = of_folder.tests[at].vergence_error_deg
             np.testing.assert_allclose(errors_deg, trials.vergence_error_deg, rtol=1e-5)

@@ -37,6 +37,7 @@ def _test(training_iteration: int, n_trials: int = N_TRIALS, eyes: int = 0) -> T
     error_deg, rate_w = draw.normal(size=(2, n_trials, N + 1))
     activations = draw.random((n_trials, N + 1, 2)) / 10
     error_deg[:, 0], rate_w[:, 0] = start.normal(size=(2, n_trials))
+    error_deg[:, 0] = np.round(2.0 * error_deg[:, 0])
     of_trial = {
         "stimulus": 100.0 + np.arange(n_trials) // 3,
         "object_distance_m": start.choice([0.5, 3.0, 6.0], n_trials),
@@ -78,7 +79,7 @@ def test_the_last_test_has_its_measures_and_the_others_their_ends(tmp_path: Path
 def _sets(trials: Trials) -> list[dict[str, float | None]]:
     """Return the measures of all trials and of fewer, after all iterations that are reported."""
     test = summary_of(trials)
-    sets = (test, test.without_zero_start_error, test.authors_test_set)
+    sets = (test, test.without_zero_start_error, test.starts_up_to_2_deg)
     measures = [measures for of_set in sets for measures in (of_set, *of_set.after.values())]
     names = Measures.__struct_fields__
     values = [{name: getattr(after, name) for name in names} for after in measures]

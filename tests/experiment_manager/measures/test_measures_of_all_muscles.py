@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from experiment_manager import Criteria, Summary, summary_of
+from experiment_manager.measures.antagonists import antagonist_names, reciprocity
 from experiment_manager.measures.kept_trials import with_test, write_trials
+from experiment_manager.measures.results import ActivePairs
+from experiment_manager.measures.tables import in_words
 from experiment_manager.measures.trials import Trials, TrialTable, only_test, trial_names
 from experiment_manager.measures.yoked import shared_change, yoked_pairs
 from lockstep import ALL_MUSCLES, COMMAND_SPACES, PAIR
@@ -63,19 +66,62 @@ def test_antagonists_by_hand() -> None:
     pairs = summary_of(_trials(), CRITERIA).antagonists
     assert len(pairs) == 6
     left = pairs["left_medial_rectus-left_lateral_rectus"]
-    assert left.share_silent == pytest.approx(2 / 4)
+    assert left.active == ActivePairs(0.5, 0.5, 0.0)
     assert left.median_co_contraction == pytest.approx((0.004 + 0.08) / 2)
-    assert left.share_silent_by_distance == {"0.5": 1.0, "2": 0.0}
+    assert left.active_by_distance == {
+        "0.5": ActivePairs(0.0, 1.0, 0.0),
+        "2": ActivePairs(1.0, 0.0, 0.0),
+    }
+    # The greater activation is 0.08 in all trials.
+    assert left.reciprocity_slope is None
     # Above its floor the superior rectus is driven by 0.004 and 0.006; once the other is silent.
     vertical = pairs["left_superior_rectus-left_inferior_rectus"]
-    assert vertical.share_silent == pytest.approx(2 / 4)
+    assert vertical.active == ActivePairs(0.5, 0.5, 0.0)
     assert vertical.median_co_contraction == pytest.approx((0.004 + 0.006) / 2)
-    assert pairs["right_superior_oblique-right_inferior_oblique"].share_silent == 0.0
+    obliques = pairs["right_superior_oblique-right_inferior_oblique"]
+    assert obliques.active == ActivePairs(1.0, 0.0, 0.0)
 
 
-def test_eyes_with_a_silent_horizontal_rectus_by_hand() -> None:
-    # Of eight eyes: the left one twice, the right one once.
-    assert summary_of(_trials(), CRITERIA).share_antagonist_silent == pytest.approx(3 / 8)
+def test_active_pairs_and_muscles_by_hand() -> None:
+    test = summary_of(_trials(), CRITERIA)
+    # Of 24 pairs five have a silent muscle, four of the left eye and one of the right.
+    assert test.antagonists_active == ActivePairs(19 / 24, 5 / 24, 0.0)
+    # 9, 11, 11 and 12 muscles.
+    assert test.median_active_muscles == 11.0
+    assert test.share_antagonist_silent is None
+
+
+def test_eyes_that_rest_are_told_from_reciprocal_innervation() -> None:
+    trials = _trials()
+    names = antagonist_names(SPACE)
+    limp = dict.fromkeys(SPACE.names, np.zeros((4, 3)))
+    # One muscle of each pair works, as much as the trial's number.
+    work = np.repeat(np.array([[0.02], [0.04], [0.06], [0.08]]), 3, axis=1)
+    reciprocal = limp | {first: work for first, _ in names}
+    criteria = replace(CRITERIA, lowest_activations=(0.0,) * 12)
+    found = [
+        summary_of(replace(trials, columns={**trials.columns, **columns}), criteria)
+        for columns in (limp, reciprocal)
+    ]
+    assert found[0].antagonists_active == ActivePairs(0.0, 0.0, 1.0)
+    assert found[1].antagonists_active == ActivePairs(0.0, 1.0, 0.0)
+    assert [test.median_active_muscles for test in found] == [0.0, 6.0]
+    assert "Most pairs rest then" in in_words(found[0], 0.2)
+    assert "Most pairs rest then" not in in_words(found[1], 0.2)
+    slopes = [{pair.reciprocity_slope for pair in test.antagonists.values()} for test in found]
+    assert slopes == [{None}, {0.0}], "silence is no graded reciprocity"
+
+
+@pytest.mark.parametrize("slope", [-1.0, -0.5, 0.0, 0.7])
+def test_the_slope_of_the_antagonist_is_that_of_the_lesser_activation(slope: float) -> None:
+    agonist = np.array([0.10, 0.12, 0.14, 0.16])
+    antagonist = 0.10 + slope * (agonist - 0.10)
+    # Which of both is the agonist changes with gaze; a second pair has another tonic level.
+    first = np.stack([agonist, antagonist], axis=1)
+    first[::2] = first[::2, ::-1]
+    both = np.stack([first, first + 0.3], axis=1)
+    assert reciprocity(both, 0.005).slope == pytest.approx(slope)
+    assert np.isnan(reciprocity(np.zeros((4, 1, 2)), 0.005).slope)
 
 
 def test_a_summary_is_read_as_it_was_written() -> None:
@@ -92,15 +138,15 @@ def test_what_is_kept_has_all_axes_and_all_muscles(tmp_path: Path) -> None:
             assert kept.column(name)[:, -1] == pytest.approx(whole.column(name)[:, -1])
     assert kept.activations[:, -1] == pytest.approx(whole.activations[:, -1])
     shares, expected = (
-        [pair.share_silent for pair in summary_of(trials, CRITERIA).antagonists.values()]
+        [pair.active for pair in summary_of(trials, CRITERIA).antagonists.values()]
         for trials in (kept, whole)
     )
     assert shares == expected
     first, _ = kept_tests(tmp_path)
     for pair in summary_of(first, CRITERIA).antagonists.values():
         # Activations are kept of the last test only.
-        assert pair.share_silent is None
-        assert set(pair.share_silent_by_distance.values()) == {None}
+        assert pair.active is None
+        assert set(pair.active_by_distance.values()) == {None}
 
 
 def test_yoked_muscles_by_hand() -> None:

@@ -10,6 +10,7 @@ from msgspec import to_builtins
 from experiment_manager import Criteria, Summary
 from experiment_manager.measures import metrics
 from experiment_manager.measures.metrics import cost_share
+from experiment_manager.measures.results import ActivePairs
 from experiment_manager.measures.trials import (
     Trials,
     TrialTable,
@@ -105,6 +106,8 @@ def test_a_summary_by_hand() -> None:
         "share_beyond_1_deg": pytest.approx(2 / 5),
         "share_antagonist_silent": pytest.approx(1.0),
     }
+    # All activations are 0.
+    assert result.antagonists_active == ActivePairs(0.0, 0.0, 1.0)
     assert 2 not in result.after, "two iterations is the end, at the top level already"
 
 
@@ -158,7 +161,7 @@ def test_measures_without_any_trial_are_none() -> None:
     assert result.n_trials == 1
     assert result.median_cost_reduction is None, "the only trial starts at the optimum"
     assert result.without_zero_start_error == NO_TRIALS
-    assert result.authors_test_set == NO_TRIALS
+    assert result.starts_up_to_2_deg == NO_TRIALS
 
 
 def test_each_eye_by_hand() -> None:
@@ -229,14 +232,14 @@ def test_bias_by_distance_by_hand() -> None:
     assert found == {"0.5": pytest.approx(0.3), "6": pytest.approx(-0.15)}
 
 
-def test_the_authors_test_set_stops_at_2_deg_and_leaves_out_0() -> None:
+def test_small_start_errors_are_whole_degrees_up_to_2_without_0() -> None:
     # The eyes settle within 0.02 deg of the whole degree that was asked for.
-    starts_deg = [-3.01, -1.98, -1.0, 0.0, 0.01, 1.02, 1.99, 3.0, 6.0]
+    starts_deg = [-3.01, -1.98, -1.0, 0.0, 0.01, 1.02, 1.99, 3.0, 6.0, 4 / 3]
     rows = [_trial([e, e / 10], [1.0, 0.8], trial=i) for i, e in enumerate(starts_deg)]
     result = summary_of(np.concatenate(rows))
-    authors = result.authors_test_set
-    assert authors.n_trials == 5
-    assert authors.median_abs_vergence_error_deg == pytest.approx(0.198)
+    small = result.starts_up_to_2_deg
+    assert small.n_trials == 5
+    assert small.median_abs_vergence_error_deg == pytest.approx(0.198)
 
 
 def test_pooled_trials_are_those_of_all_runs() -> None:

@@ -10,6 +10,8 @@ from msgspec import to_builtins
 from msgspec.structs import asdict, replace
 
 from experiment_manager.measures.results import (
+    ActivePairs,
+    AntagonistPair,
     CostShares,
     Measures,
     Results,
@@ -20,7 +22,15 @@ from lockstep.errors import InputError
 from tests.experiment_manager.summaries import NO_TRIALS, summary
 
 AFTER_2 = Measures(**dict.fromkeys(Measures.__struct_fields__, 0.25))
-SET = replace(NO_TRIALS, n_trials=1, bias_by_distance_deg={"0.5": -0.1, "6": None}, after_2=AFTER_2)
+ACTIVE = ActivePairs(0.2, 0.3, 0.5)
+SET = replace(
+    NO_TRIALS,
+    n_trials=1,
+    bias_by_distance_deg={"0.5": -0.1, "6": None},
+    after_2=AFTER_2,
+    antagonists_active=ACTIVE,
+    antagonists={"a": AntagonistPair(0.01, ACTIVE, -0.5, {"6": ACTIVE})},
+)
 RUN = Results(
     model="M_C",
     profile="paper",
@@ -29,7 +39,7 @@ RUN = Results(
     commit="abc",
     metabolic_cost_weight=0.08,
     cost_shares=CostShares(0.2, None),
-    tests=(summary(**asdict(SET), authors_test_set=SET),),
+    tests=(summary(**asdict(SET), starts_up_to_2_deg=SET),),
 )
 
 
@@ -47,7 +57,7 @@ def test_the_written_file_has_the_documented_keys_and_is_read_as_it_was(tmp_path
         "lambda": 0.08,
         "lambda_share": {"first_5000": 0.2, "last_5000": None},
     }
-    assert test["authors_test_set"] == {
+    assert test["starts_up_to_2_deg"] == {
         "n_trials": 1,
         "median_abs_vergence_error_deg": None,
         "iqr_abs_vergence_error_deg": None,
@@ -62,6 +72,15 @@ def test_the_written_file_has_the_documented_keys_and_is_read_as_it_was(tmp_path
         "median_right_deviation_deg": None,
         "median_metabolic_rate_w": None,
         "after_2": asdict(AFTER_2),
+        "antagonists_active": asdict(ACTIVE),
+        "antagonists": {
+            "a": {
+                "median_co_contraction": 0.01,
+                "active": asdict(ACTIVE),
+                "reciprocity_slope": -0.5,
+                "active_by_distance": {"6": asdict(ACTIVE)},
+            }
+        },
     }
     assert [path.name for path in tmp_path.iterdir()] == ["results.json"]
 
@@ -79,7 +98,7 @@ def test_what_is_no_results_file_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "measure", ["median_delta_cost_w", "after_2", "bias_by_distance_deg", "authors_test_set"]
+    "measure", ["median_delta_cost_w", "after_2", "bias_by_distance_deg", "starts_up_to_2_deg"]
 )
 def test_a_damaged_measure_is_refused(measure: str, tmp_path: Path) -> None:
     document = to_builtins(RUN)
@@ -89,11 +108,18 @@ def test_a_damaged_measure_is_refused(measure: str, tmp_path: Path) -> None:
         read_results(tmp_path / "results.json")
 
 
+def test_older_files_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "results.json"
+    write_document(path, RUN)
+    path.write_text(path.read_text().replace("starts_up_to_2_deg", "authors_test_set"))
+    assert read_results(path) == RUN
+
+
 def test_every_key_of_a_result_is_in_the_document() -> None:
     text = (Path(__file__).parents[3] / "docs" / "reference" / "measures.md").read_text()
     keys = _keys(to_builtins(RUN))
     assert {"share_antagonist_silent", "first_5000"} < keys
-    assert not keys - set(re.findall(r"`([a-z_A-Z0-9]+)`", text)) - {"0.5", "6"}
+    assert not keys - set(re.findall(r"`([a-z_A-Z0-9]+)`", text)) - {"0.5", "6", "a"}
 
 
 def _keys(value: Any) -> set[str]:

@@ -1,8 +1,10 @@
 """What a terminal shows of tests."""
 
+from typing import Any
+
 from msgspec.structs import replace
 
-from experiment_manager.measures.results import Spread
+from experiment_manager.measures.results import ActivePairs, Spread
 from experiment_manager.measures.tables import in_words, summaries_table, summary_line
 from tests.experiment_manager.summaries import summary
 
@@ -12,14 +14,35 @@ _OTHERS = {"median_abs_vertical_error_deg": 0.25, "median_abs_cyclovergence_erro
 def test_errors_about_other_axes_are_shown_where_commands_turn_them() -> None:
     pair = summary(iteration=7, median_abs_vergence_error_deg=0.125)
     twelve = summary(iteration=7, median_abs_vergence_error_deg=0.125, **_OTHERS)
-    assert "IQR - deg, |vertical| 0.250 deg, |cyclovergence| 1.500 deg, - within" in summary_line(
-        twelve
-    )
+    assert "IQR - deg, |vertical| 0.250 deg, |cyclo| 1.500 deg, - within" in summary_line(twelve)
     assert "vertical" not in summary_line(pair)
     header, row = summaries_table([twelve]).splitlines()
-    assert header.split()[2:6] == ["|vergence", "error|/deg", "IQR/deg", "|vertical|/deg"]
+    assert header.split()[2:6] == ["|vergence|/deg", "IQR/deg", "vertical/deg", "cyclo/deg"]
     assert row.split()[:6] == ["7", "0", "0.125", "-", "0.250", "1.500"]
     assert "vertical" not in summaries_table([pair])
+
+
+def test_lines_fit_a_terminal_and_bars_take_what_room_there_is() -> None:
+    wide: dict[str, Any] = {
+        "n_trials": 1680,
+        "share_within_1_px": 1.0,
+        "median_cost_ratio": 30.22,
+        "median_cost_reduction": -0.019,
+        "antagonists_active": ActivePairs(1.0, 0.0, 0.0),
+    }
+    pair, twelve = (
+        [
+            summary(iteration=n, median_abs_vergence_error_deg=2.0, **wide, **others)
+            for n in (0, 10**7)
+        ]
+        for others in ({}, _OTHERS)
+    )
+    lines = summaries_table(pair).splitlines()
+    assert 100 < max(map(len, lines)) <= 120
+    assert lines[1].endswith("100 / 0 / 0 %  " + lines[2].split()[-1])
+    lines = summaries_table(twelve).splitlines()
+    assert 100 < max(map(len, lines)) <= 120
+    assert "#" not in lines[1], "there is no room"
 
 
 def test_the_last_test_in_words() -> None:
@@ -29,12 +52,14 @@ def test_the_last_test_in_words() -> None:
         share_within_1_px=0.9875,
         median_cost_reduction=0.97,
         median_cost_ratio=1.25,
-        share_antagonist_silent=0.75,
+        antagonists_active=ActivePairs(0.5, 0.255, 0.245),
     )
     said = " ".join(in_words(test, px_deg=0.2).split())
     assert "off by 0.25 px in the median, and by less than 1 px in 98.8 % of the trials" in said
     assert "1.25 times the least energy with which they could look there, and save 97.0 %" in said
-    assert "medial one for far ones) is silent in 75.0 %." in said
+    assert (
+        "both are active at the end in 50.0 % of the cases, one in 25.5 %, none in 24.5 %" in said
+    )
     assert in_words(summary(), px_deg=0.2) == ""
 
 
@@ -45,7 +70,7 @@ def test_no_saving_is_told_of_eyes_that_look_elsewhere() -> None:
     assert "100.0 %" not in in_words(test, px_deg=0.2)
     assert "the energy saved is not reported" in in_words(test, px_deg=0.2)
     assert "c - (0 trials)" in summary_line(test)
-    assert summaries_table([test]).splitlines()[1].split()[-4:-2] == ["-", "-"]
+    assert summaries_table([test]).splitlines()[1].split()[-4:-1] == ["-", "-", "-"]
 
 
 def test_no_saving_is_told_of_eyes_that_fuse_but_miss_their_targets() -> None:

@@ -68,6 +68,12 @@ def _add_shown(line: argparse.ArgumentParser) -> None:
         help="multiply the start errors and versions of the tests by FACTOR; only with a command"
         " for each muscle",
     )
+    group.add_argument(
+        "--start-errors",
+        choices=("text", "code"),
+        help="vergence errors at the start of trials: whole degrees as in the paper's text, or"
+        " those of the authors' code, from -2 to 2 deg; only with one command for both eyes",
+    )
 
 
 def _add_learners(line: argparse.ArgumentParser) -> None:

@@ -32,8 +32,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             line.error(
                 f"--{name}: expected with one of {', '.join(f'--{n}' for n in EXAMINATIONS)}"
             )
-    if options.examination is not None and options.start_scale is not None:
-        line.error("--start-scale: expected without an examination, which has starts of its own")
+    for name in ("start_scale", "start_errors"):
+        if options.examination is not None and getattr(options, name) is not None:
+            option = f"--{name.replace('_', '-')}"
+            line.error(f"{option}: expected without an examination, which has starts of its own")
     try:
         _examine(options)
     except (InputError, OSError) as error:
@@ -63,7 +65,7 @@ def _examine(options: argparse.Namespace) -> None:
         )
     else:
         start_scale = 1.0 if options.start_scale is None else options.start_scale
-        results = evaluated(learners, shown, start_scale)
+        results = evaluated(learners, shown, start_scale, options.start_errors)
         document, table = results.to_json(), summaries_table([results.test])
     if options.json == Path("-"):
         print(json.dumps(document, indent=2))

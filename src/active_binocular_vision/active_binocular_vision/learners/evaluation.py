@@ -32,12 +32,13 @@ _N_STEREOGRAMS = 10
 class FrozenResults:
     """What frozen learners did in a test.
 
-    learners: what a document says of them; start_scale: of the first errors; stimuli: what was
-    shown, in words, "" for the run's own.
+    learners: what a document says of them; start_scale, start_errors: of the first errors; stimuli:
+    what was shown, in words, "" for the run's own.
     """
 
     learners: FrozenLearners
     start_scale: float
+    start_errors: str
     stimuli: str
     n_stimuli: int
     test: Summary
@@ -46,6 +47,7 @@ class FrozenResults:
         """Return what abv examine writes."""
         return self.learners.said() | {
             "start_scale": self.start_scale,
+            "start_errors": self.start_errors,
             "stimuli": self.stimuli,
             "n_stimuli": self.n_stimuli,
             "tests": [msgspec.to_builtins(self.test)],
@@ -53,12 +55,16 @@ class FrozenResults:
 
 
 def evaluated(
-    learners: FrozenLearners, shown: Shown = OWN_TEST_STIMULI, start_scale: float = 1.0
+    learners: FrozenLearners,
+    shown: Shown = OWN_TEST_STIMULI,
+    start_scale: float = 1.0,
+    start_errors: str | None = None,
 ) -> FrozenResults:
     """Make the test; return its summary, and what it is a test of.
 
     start_scale: how many times as far off trials begin as in the run's own tests, in errors and
-    version, of eyes with a command for each muscle. Raises InputError for a run, checkpoint, state
+    version, of eyes with a command for each muscle; start_errors: of the pair, START_ERRORS instead
+    of the run's. Raises InputError for a run, checkpoint, state
     or picture that cannot be used.
     """
     manager = learners.manager
@@ -66,15 +72,25 @@ def evaluated(
     n_default = _N_STEREOGRAMS if shown.random_dots else manager.n_stimuli_per_test
     stimuli = shown.load(learners.plant.stimuli, n_default)
     n_stimuli = stimuli.n_pictures
-    started = _with_starts(manager, start_scale)
+    started = _with_starts(manager, start_scale, start_errors)
     protocol = _test_protocol(started, learners.trained, n_stimuli)
     with learners.loop(stimuli) as loop:
         table = _trial_table(loop, protocol)
     trials = only_test(table, manager.iterations_per_trial)
-    return FrozenResults(learners, start_scale, shown.text, n_stimuli, summary_of(trials, criteria))
+    test = summary_of(trials, criteria)
+    return FrozenResults(learners, start_scale, started.start_errors, shown.text, n_stimuli, test)
 
 
-def _with_starts(protocol: ExperimentManagerConfig, start_scale: float) -> ExperimentManagerConfig:
+def _with_starts(
+    protocol: ExperimentManagerConfig, start_scale: float, start_errors: str | None
+) -> ExperimentManagerConfig:
+    if start_errors is not None:
+        if protocol.command_space != PAIR:
+            raise InputError(
+                "start_errors: expected a run of the pair; with a command for each muscle first "
+                "errors are drawn"
+            )
+        protocol = dataclasses.replace(protocol, start_errors=start_errors)
     if start_scale == 1.0:
         return protocol
     if protocol.command_space == PAIR:

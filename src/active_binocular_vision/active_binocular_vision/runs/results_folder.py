@@ -40,7 +40,8 @@ COLUMNS = (
     *("iteration", "trials", "after", "measure", "value"),
 )
 _KIND = "trials_of_runs"
-_ALL, _AUTHORS, _AFTER = "all", "authors", "after_"
+_ALL, _UP_TO_2_DEG, _AFTER = "all", "starts_up_to_2_deg", "after_"
+_IN_OLDER_FILES = {"authors": _UP_TO_2_DEG}
 _SHARE = "lambda_share"
 _COMMON, _RUNS = "common", "runs"
 _ERROR = "median_abs_vergence_error_deg"
@@ -52,7 +53,7 @@ _OF_LAST_TEST = {
     "median_right_deviation_deg",
     "antagonists",
 }
-_BY_DISTANCE = "share_silent_by_distance"
+_BY_DISTANCE = "active_by_distance"
 # Bits of the 24 of a float32 that are kept of a trial's numbers: 2e-6 of each.
 _N_BITS = 18
 
@@ -299,7 +300,7 @@ def _rows_of_test(run: Run, about: Row, test: Summary, *, is_last: bool) -> Iter
     document = msgspec.to_builtins(test)
     about = about | {"iteration": document.pop("iteration")}
     document.pop("without_zero_start_error")
-    sets = {_ALL: document, _AUTHORS: document.pop("authors_test_set")}
+    sets = {_ALL: document, _UP_TO_2_DEG: document.pop("starts_up_to_2_deg")}
     for name, of_set in sets.items() if run.is_of_pair else [(_ALL, document)]:
         of = about | {"trials": name}
         for key, value in of_set.items():
@@ -352,7 +353,8 @@ def _parsed(
         if path[0] == _SHARE:
             shares[path[1]] = value
         elif not row["shown"]:
-            at = tests.setdefault(int(row["iteration"]), {_ALL: {}, _AUTHORS: {}})[row["trials"]]
+            of_sets = tests.setdefault(int(row["iteration"]), {_ALL: {}, _UP_TO_2_DEG: {}})
+            at = of_sets[_IN_OLDER_FILES.get(row["trials"], row["trials"])]
             if row["after"] != "end":
                 path = [f"{_AFTER}{row['after']}", *path]
             for key in path[:-1]:
@@ -365,7 +367,7 @@ def _test(iteration: int, sets: Mapping[str, dict[str, Any]]) -> Summary:
     of_all = _completed(sets[_ALL])
     of_sets = {
         "without_zero_start_error": _completed({}),
-        "authors_test_set": _completed(sets[_AUTHORS]),
+        "starts_up_to_2_deg": _completed(sets[_UP_TO_2_DEG]),
     }
     return msgspec.convert(of_all | of_sets | {"iteration": iteration}, Summary)
 

@@ -19,6 +19,8 @@ from lockstep.wire.topics import TEST
 
 # Relaxed eyes see an object right whose vergence differs by less than this from theirs.
 _RELAXED_PX = 0.5
+# Settings that older runs do not have; they were made without noise, which is the default.
+_NOT_IN_OLDER_RUNS = "noise."
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,11 @@ class EvaluationSettings:
         """
         for section in (TASK, EYES):
             of_section = configuration.get(section, {})
-            missing = [f"{section}.{name}" for name in DEFAULTS[section] if name not in of_section]
+            missing = [
+                f"{section}.{name}"
+                for name in DEFAULTS[section]
+                if name not in of_section and not name.startswith(_NOT_IN_OLDER_RUNS)
+            ]
             if missing:
                 more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
                 raise InputError(f"expected a run's configuration, it lacks {missing[0]}{more}")

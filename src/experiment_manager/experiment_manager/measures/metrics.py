@@ -3,18 +3,20 @@
 Medians and shares over trials; Delta C and c of each trial (K17 eq. 8) are in measures.trials.
 """
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from msgspec.structs import asdict
 
+from experiment_manager.measures.antagonists import (
+    antagonists,
+    measures_of_pairs,
+    silent_below,
+)
 from experiment_manager.measures.criteria import Criteria
 from experiment_manager.measures.fixations import fixation_measures
-from experiment_manager.measures.results import AntagonistPair, Measures, SetSummary, Summary
+from experiment_manager.measures.results import Measures, SetSummary, Summary
 from experiment_manager.measures.trials import ERROR_NAMES, Trials
-from lockstep import SIDES, CommandSpace
-from lockstep.command_space import MUSCLES
 
 # K17 Fig. 3 shows these; the last one is what all tables report.
 REPORTED_ITERATIONS = (1, 2, 3, 20)
@@ -23,10 +25,8 @@ QUARTILES = (0.25, 0.5, 0.75)
 SHARE_ITERATIONS = 5000
 # A trial that ends farther off has not arrived.
 ARRIVED_DEG = 1.0
-# The authors' code has these start errors, and leaves 0 out of its measures.
-AUTHORS_START_ERRORS_DEG = (-3.0, -2.0, -1.0, 1.0, 2.0)
-# A muscle with a command of its own is silent below it, K17's least charged activation.
-_SILENT = 0.005
+# Of whole degrees those nearest to what the authors' code tests, which leaves 0 out.
+STARTS_UP_TO_2_DEG = (-3.0, -2.0, -1.0, 1.0, 2.0)
 # Trials start at whole degrees of error; the eyes settle within 0.02 deg.
 _ZERO_ERROR_DEG = 0.1
 
@@ -34,7 +34,9 @@ _ZERO_ERROR_DEG = 0.1
 def summary_of(trials: Trials, criteria: Criteria) -> Summary:
     """Return the measures of one test."""
     start_deg = trials.vergence_error_deg[:, 0]
-    is_of_authors = np.isin(np.round(start_deg), AUTHORS_START_ERRORS_DEG)
+    whole_deg = np.round(start_deg)
+    is_whole = np.abs(start_deg - whole_deg) < _ZERO_ERROR_DEG
+    is_near = is_whole & np.isin(whole_deg, STARTS_UP_TO_2_DEG)
     n = criteria.fixation_iterations
     return Summary(
         **asdict(_set_summary(trials, criteria)),
@@ -43,7 +45,7 @@ def summary_of(trials: Trials, criteria: Criteria) -> Summary:
         without_zero_start_error=_set_summary(
             trials.chosen(np.abs(start_deg) >= _ZERO_ERROR_DEG), criteria
         ),
-        authors_test_set=_set_summary(trials.chosen(is_of_authors), criteria),
+        starts_up_to_2_deg=_set_summary(trials.chosen(is_near), criteria),
     )
 
 
@@ -58,7 +60,8 @@ def _set_summary(trials: Trials, criteria: Criteria) -> SetSummary:
     }
     return SetSummary(
         **asdict(_measures(trials, n, criteria)),
-        antagonists=_antagonists(trials, criteria),
+        **measures_of_pairs(trials, criteria),
+        antagonists=antagonists(trials, criteria),
         n_trials=len(trials.trial),
         bias_by_distance_deg=_bias_by_distance_deg(trials),
         median_abs_version_deg=_quantile(np.abs(version_deg), 0.5),
@@ -77,7 +80,7 @@ def _measures(trials: Trials, iteration: int, criteria: Criteria) -> Measures:
     )
     is_known = ~np.isnan(error_deg)
     is_within = error_deg < criteria.px_deg
-    other_axes: dict[str, float | None] = {}
+    other_axes: dict[str, Any] = {}
     if not trials.is_of_pair:
         is_within &= vertical_deg < criteria.px_deg
         other_axes = {
@@ -93,7 +96,7 @@ def _measures(trials: Trials, iteration: int, criteria: Criteria) -> Measures:
         median_cost_reduction=_quantile(trials.cost_reduction(iteration), 0.5),
         share_within_1_px=_share(is_within[is_known]),
         share_beyond_1_deg=_share(error_deg[is_known] > ARRIVED_DEG),
-        share_antagonist_silent=_share(_antagonist_is_silent(trials, iteration, criteria)),
+        share_antagonist_silent=_share_antagonist_silent(trials, iteration, criteria),
         **other_axes,
     )
 
@@ -109,68 +112,16 @@ def _bias_by_distance_deg(trials: Trials) -> dict[str, float | None]:
     return {f"{d:g}": _quantile(final_deg[distance_m == d], 0.5) for d in distances_m}
 
 
-def _antagonist_is_silent(trials: Trials, iteration: int, criteria: Criteria) -> np.ndarray:
-    """Return of the trials where one muscle should be silent whether it is (n,).
-
-    Of both eyes' horizontal recti, where each has its own command: whether one of the two is.
-    """
+def _share_antagonist_silent(trials: Trials, iteration: int, criteria: Criteria) -> float | None:
+    """Return of the pair's trials where one muscle should be silent in how many it is."""
     if not trials.is_of_pair:
-        of_eyes = [
-            _above_floor(trials, iteration, criteria, names).min(axis=0)
-            for names in antagonist_names(trials.space)
-            if names[0].endswith("medial_rectus")
-        ]
-        lesser = np.concatenate(of_eyes)
-        return lesser[~np.isnan(lesser)] < silent_below(criteria)
-    medial, lateral = _above_floor(trials, iteration, criteria, trials.space.names)
+        return None
+    floors = criteria.lowest_activations
+    medial, lateral = (trials.activations[:, iteration] - floors).T
     near = trials.object_distance_m <= criteria.lateral_is_silent_up_to_m
     far = trials.object_distance_m >= criteria.medial_is_silent_from_m
     antagonist = np.where(near, lateral, medial)[near | far]
-    return antagonist[~np.isnan(antagonist)] < criteria.silent_activation
-
-
-def _antagonists(trials: Trials, criteria: Criteria) -> dict[str, AntagonistPair]:
-    """Return how antagonists share their work in the end, by the names of both."""
-    if trials.is_of_pair:
-        return {}
-    distance_m = trials.object_distance_m
-    found = {}
-    for names in antagonist_names(trials.space):
-        lesser = _above_floor(trials, trials.n_iterations, criteria, names).min(axis=0)
-        is_known = ~np.isnan(lesser)
-        is_silent = lesser < silent_below(criteria)
-        found["-".join(names)] = AntagonistPair(
-            share_silent=_share(is_silent[is_known]),
-            median_co_contraction=_quantile(lesser, 0.5),
-            share_silent_by_distance={
-                f"{d:g}": _share(is_silent[is_known & (distance_m == d)])
-                for d in np.unique(distance_m).tolist()
-            },
-        )
-    return found
-
-
-def antagonist_names(space: CommandSpace) -> list[tuple[str, str]]:
-    """Return the names of antagonists that both have a command."""
-    pairs = [
-        (f"{side}_{first}", f"{side}_{second}")
-        for side in SIDES
-        for first, second in zip(MUSCLES[::2], MUSCLES[1::2], strict=True)
-    ]
-    return [pair for pair in pairs if set(pair) <= set(space.names)]
-
-
-def _above_floor(
-    trials: Trials, iteration: int, criteria: Criteria, names: Sequence[str]
-) -> np.ndarray:
-    """Return the activations of some commands above the least that they may set, (k, n_trials)."""
-    floors = dict(zip(trials.space.names, criteria.lowest_activations, strict=True))
-    return np.stack([trials.column(name)[:, iteration] - floors[name] for name in names])
-
-
-def silent_below(criteria: Criteria) -> float:
-    """Return the activation above its floor below which a muscle with a command is silent."""
-    return max(criteria.silent_activation, _SILENT)
+    return _share(antagonist[~np.isnan(antagonist)] < silent_below(criteria))
 
 
 def _share(true: np.ndarray) -> float | None:

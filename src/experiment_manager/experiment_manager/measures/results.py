@@ -17,6 +17,14 @@ _VERGING_SHARE = 0.5
 _LOOKING_THERE_DEG = 1.0
 
 
+class ActivePairs(msgspec.Struct, frozen=True):
+    """Shares of pairs of antagonists of which both muscles are active, one is, or none."""
+
+    both: float
+    one: float
+    none: float
+
+
 class Measures(msgspec.Struct, kw_only=True, frozen=True, omit_defaults=True):
     """Measures of some trials after one iteration, as in docs/reference/measures.md.
 
@@ -47,23 +55,27 @@ class Measures(msgspec.Struct, kw_only=True, frozen=True, omit_defaults=True):
         return self.median_cost_reduction if self.verges else None
 
 
-class AntagonistPair(msgspec.Struct, kw_only=True, frozen=True):
+class AntagonistPair(msgspec.Struct, frozen=True, omit_defaults=True):
     """How two antagonists of one eye share their work after the last iteration.
 
-    share_silent: of trials in which one of both is silent; median_co_contraction: of the lesser
-    activation of both; share_silent_by_distance: by object distance in m.
+    active: whether both, one or none of the two are; median_co_contraction: of the lesser
+    activation of both; reciprocity_slope: of the lesser over the greater activation;
+    active_by_distance: by object distance in m.
     """
 
-    share_silent: float | None
     median_co_contraction: float | None
-    share_silent_by_distance: dict[str, float | None] = {}
+    # Not in older files.
+    active: ActivePairs | None = None
+    reciprocity_slope: float | None = None
+    active_by_distance: dict[str, ActivePairs | None] = {}
 
 
 class SetSummary(Measures, kw_only=True, frozen=True, omit_defaults=True):
     """Measures of a set of trials after their last iteration.
 
     bias_by_distance_deg: by object distance in m; after_1 to after_20: after so many iterations, of
-    longer trials; antagonists: by name, of muscles that have commands of their own.
+    longer trials; antagonists_active: of all pairs; antagonists: by the names of both;
+    median_active_muscles: only of muscles that have commands of their own.
     """
 
     n_trials: int
@@ -79,6 +91,8 @@ class SetSummary(Measures, kw_only=True, frozen=True, omit_defaults=True):
     antagonists: dict[str, AntagonistPair] = {}
     # Not in older files.
     median_cost_ratio: float | None = None
+    antagonists_active: ActivePairs | None = None
+    median_active_muscles: float | None = None
 
     @property
     def after(self) -> dict[int, Measures]:
@@ -104,7 +118,7 @@ class Summary(SetSummary, kw_only=True, frozen=True, omit_defaults=True):
     """Measures of one test: of all trials, and of fewer.
 
     iteration: of training; without_zero_start_error: of the trials that do not start with correct
-    vergence; authors_test_set: of those that the authors' code has, too.
+    vergence; starts_up_to_2_deg: of those that start at -3, -2, -1, 1 or 2 deg.
 
     Of eyes that make saccades the measures of fixations, as in docs/reference/measures.md.
     saccade_error_deg: angle between line of sight and target after each of the saccades;
@@ -115,7 +129,7 @@ class Summary(SetSummary, kw_only=True, frozen=True, omit_defaults=True):
 
     iteration: int
     without_zero_start_error: SetSummary
-    authors_test_set: SetSummary
+    starts_up_to_2_deg: SetSummary
     saccade_error_deg: dict[str, Spread] = {}
     gaze_drift_deg: Spread | None = None
     fixated_horizontal_error_deg: Spread | None = None
@@ -176,6 +190,11 @@ def write_document(path: Path, document: msgspec.Struct | Mapping[str, Any]) -> 
     replace_file(path, text + b"\n")
 
 
+def with_names_of_today(document: bytes) -> bytes:
+    """Return a document with today's name of what older files call otherwise."""
+    return document.replace(b'"authors_test_set":', b'"starts_up_to_2_deg":')
+
+
 class _Tests(msgspec.Struct):
     tests: tuple[Summary, ...] = ()
 
@@ -183,7 +202,7 @@ class _Tests(msgspec.Struct):
 def read_tests(path: Path) -> tuple[Summary, ...]:
     """Return the tests in a document of abv examine, none of another; InputError for no JSON."""
     try:
-        return msgspec.json.decode(path.read_bytes(), type=_Tests).tests
+        return msgspec.json.decode(with_names_of_today(path.read_bytes()), type=_Tests).tests
     except (OSError, msgspec.DecodeError) as error:
         raise InputError(f"{path}: expected what abv examine writes: {error}") from error
 
@@ -191,7 +210,7 @@ def read_tests(path: Path) -> tuple[Summary, ...]:
 def read_results(path: Path) -> Results:
     """Return the content of a results.json; InputError when it is missing or another thing."""
     try:
-        return msgspec.json.decode(path.read_bytes(), type=Results)
+        return msgspec.json.decode(with_names_of_today(path.read_bytes()), type=Results)
     except OSError as error:
         raise InputError(f"expected {path}: {error.strerror}") from error
     except msgspec.DecodeError as error:

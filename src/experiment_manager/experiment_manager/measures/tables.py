@@ -2,9 +2,14 @@
 
 from collections.abc import Sequence
 
-from experiment_manager.measures.results import Summary
+from experiment_manager.measures.results import ActivePairs, Summary
 
-_BAR_WIDTH = 20
+_BAR_WIDTH, _LEAST_BAR_WIDTH = 20, 5
+# Characters of a line of the learning curve.
+_LINE_WIDTH = 120
+_OTHER_AXES = ("vertical", "cyclo")
+# Where fewer pairs of antagonists have an active muscle, the eyes rest.
+_RESTING_SHARE = 0.5
 
 
 def text_table(header: Sequence[str], rows: Sequence[Sequence[str]], n_left: int = 1) -> str:
@@ -33,7 +38,10 @@ def percent(share: float | None) -> str:
 
 def summary_line(test: Summary) -> str:
     """Return the measures of one test in one line."""
-    others = "".join(f"{name} {number(value)} deg, " for name, value in _other_errors_deg(test))
+    others = "".join(
+        f"|{name}| {number(value)} deg, "
+        for name, value in zip(_OTHER_AXES, _other_errors_deg(test), strict=False)
+    )
     return (
         f"test at {test.iteration} iterations: "
         f"median |vergence error| {number(test.median_abs_vergence_error_deg)} deg, "
@@ -51,17 +59,12 @@ def in_words(test: Summary, px_deg: float) -> str:
     error_deg = test.median_abs_vergence_error_deg
     if error_deg is None:
         return ""
-    antagonist = (
-        "one horizontal rectus of an eye"
-        if test.antagonists
-        else "the antagonist (the lateral rectus for near objects, the medial one for far ones)"
-    )
     sentences = [
         f"After {test.iteration:,} training iterations, on pictures that training never shows:",
         f"vergence is off by {number(error_deg / px_deg, 2)} px in the median, and by less than "
         f"1 px in {percent(test.share_within_1_px)} of the trials;",
         _saving_in_words(test),
-        f"{antagonist} is silent in {percent(test.share_antagonist_silent)}.",
+        *_activity_in_words(test.antagonists_active),
         *_saccades_in_words(test),
     ]
     return "\n  ".join(sentences)
@@ -79,6 +82,28 @@ def _saving_in_words(test: Summary) -> str:
     )
 
 
+def _activity_in_words(active: ActivePairs | None) -> list[str]:
+    """Return how antagonists share their work; with no active muscle the eyes merely rest."""
+    if active is None:
+        return []
+    both, one, none = (percent(share) for share in (active.both, active.one, active.none))
+    said = (
+        f"of two antagonists both are active at the end in {both} of the cases, one in {one}, "
+        f"none in {none}."
+    )
+    if active.none < _RESTING_SHARE:
+        return [said]
+    return [said, "Most pairs rest then, which costs least and is not reciprocal innervation."]
+
+
+def active_text(active: ActivePairs | None) -> str:
+    """Return shares of antagonists of which both, one or none is active, in percent, or a dash."""
+    if active is None:
+        return "-"
+    shares = (number(100 * share, 0) for share in (active.both, active.one, active.none))
+    return f"{' / '.join(shares)} %"
+
+
 def _saccades_in_words(test: Summary) -> list[str]:
     """Return what saccades reach, of eyes that make them."""
     if test.gaze_drift_deg is None:
@@ -92,38 +117,37 @@ def _saccades_in_words(test: Summary) -> list[str]:
     ]
 
 
-def _other_errors_deg(test: Summary) -> list[tuple[str, float | None]]:
-    """Return the median errors about other axes with their names, of the pair none."""
+def _other_errors_deg(test: Summary) -> list[float | None]:
+    """Return the median errors about _OTHER_AXES, of the pair none."""
     if test.median_abs_vertical_error_deg is None:
         return []
-    return [
-        ("|vertical|", test.median_abs_vertical_error_deg),
-        ("|cyclovergence|", test.median_abs_cyclovergence_error_deg),
-    ]
+    return [test.median_abs_vertical_error_deg, test.median_abs_cyclovergence_error_deg]
 
 
 def summaries_table(tests: Sequence[Summary]) -> str:
-    """Return the learning curve of a run, one line per test."""
+    """Return the learning curve of a run, one line of at most 120 characters per test."""
     others = [_other_errors_deg(test) for test in tests]
     errors_deg = [test.median_abs_vergence_error_deg or 0.0 for test in tests]
     most = max(errors_deg, default=0.0) or 1.0
-    header = ["iteration", "trials", "|vergence error|/deg", "IQR/deg"]
-    header += [f"{name}/deg" for name, _ in max(others, key=len, default=[])]
-    header += ["within 1 px", "beyond 1 deg", "delta C/W", "c", "silent", ""]
+    header = ["iteration", "trials", "|vergence|/deg", "IQR/deg"]
+    header += [f"{name}/deg" for name in _OTHER_AXES] if any(others) else []
+    header += ["within 1 px", "C/C*", "c", "both/one/none active"]
     rows = [
         (
             str(test.iteration),
             str(test.n_trials),
             number(test.median_abs_vergence_error_deg),
             number(test.iqr_abs_vergence_error_deg),
-            *(number(value) for _, value in of_test),
+            *map(number, of_test),
             percent(test.share_within_1_px),
-            percent(test.share_beyond_1_deg),
-            number(test.median_delta_cost_w),
+            number(test.median_cost_ratio if test.verges else None, 2),
             number(test.saving),
-            percent(test.share_antagonist_silent),
-            ("#" * round(_BAR_WIDTH * error_deg / most)).ljust(_BAR_WIDTH),
+            active_text(test.antagonists_active),
         )
-        for test, error_deg, of_test in zip(tests, errors_deg, others, strict=True)
+        for test, of_test in zip(tests, others, strict=True)
     ]
-    return text_table(header, rows, n_left=0)
+    lines = text_table(header, rows, n_left=0).splitlines()
+    room = min(_BAR_WIDTH, _LINE_WIDTH - 2 - max(map(len, lines)))
+    width = room if room >= _LEAST_BAR_WIDTH else 0
+    bars = ["", *("#" * round(width * error_deg / most) for error_deg in errors_deg)]
+    return "\n".join(f"{line}  {bar}".rstrip() for line, bar in zip(lines, bars, strict=True))

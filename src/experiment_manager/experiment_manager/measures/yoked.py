@@ -71,7 +71,9 @@ def shared_change(values: np.ndarray, groups: np.ndarray) -> SharedChange:
     for group in np.unique(groups):
         chosen = groups == group
         around_mean[:, chosen] -= around_mean[:, chosen].mean(axis=1, keepdims=True)
-    first, second = around_mean
+    # What is left of equal values is rounding.
+    varies = (around_mean**2).sum(axis=1) > np.finfo(np.float64).eps * (values**2).sum(axis=1)
+    first, second = np.where(varies[:, None], around_mean, 0.0)
     of_first, of_both = (first**2).sum(), (first * second).sum()
     scale = np.sqrt(of_first * (second**2).sum())
     return SharedChange(

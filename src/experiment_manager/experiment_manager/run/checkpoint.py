@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 
 import msgspec
 
+from experiment_manager.measures.results import with_names_of_today
 from experiment_manager.run.progress import ProgressState
 from lockstep import InputError
 from lockstep.files.durable_files import replace_file
@@ -113,7 +114,7 @@ def at(checkpoints: Path, place: int) -> tuple[Manifest, Path]:
 def read(path: Path) -> Manifest:
     """Return a manifest; InputError for another thing, FileNotFoundError where it is gone."""
     try:
-        return msgspec.json.decode(path.read_bytes(), type=Manifest)
+        return msgspec.json.decode(with_names_of_today(path.read_bytes()), type=Manifest)
     except FileNotFoundError:
         raise
     except (OSError, msgspec.DecodeError) as error:

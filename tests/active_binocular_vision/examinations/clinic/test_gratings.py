@@ -37,9 +37,19 @@ def test_a_grating_has_its_frequency_orientation_and_phase() -> None:
 def test_acuity_is_where_the_share_last_falls_through_a_half() -> None:
     frequencies = np.array([1.0, 4.0, 16.0])
     # Half-way between 0.75 and 0.25 on a logarithmic axis between 4 and 16.
-    assert Resolution(frequencies, np.array([0.2, 0.75, 0.25])).acuity == pytest.approx(8.0)
-    assert Resolution(frequencies, np.array([0.9, 0.9, 0.5])).acuity == pytest.approx(16.0)
-    assert Resolution(frequencies, np.array([0.4, 0.3, 0.2])).acuity is None
+    assert Resolution(frequencies, np.array([[0.2], [0.75], [0.25]])).acuity == pytest.approx(8.0)
+    assert Resolution(frequencies, np.array([[0.9], [0.9], [0.5]])).acuity == pytest.approx(16.0)
+    assert Resolution(frequencies, np.array([[0.4], [0.3], [0.2]])).acuity is None
+
+
+def test_the_interval_of_an_acuity_is_that_over_gratings() -> None:
+    frequencies = np.array([1.0, 4.0, 16.0])
+    alike = np.repeat([[0.9], [0.75], [0.25]], 8, axis=1)
+    assert Resolution(frequencies, alike).interval == pytest.approx((8.0, 8.0))
+    # Half of the gratings are seen up to 16 cycles/deg, half of them are not seen at all.
+    apart = np.repeat([[1.0, 0.0]] * 3, 4, axis=0).reshape(3, 8)
+    assert Resolution(frequencies, apart).interval == pytest.approx((0.0, 16.0))
+    assert Resolution(frequencies, alike[:, :1]).interval is None
 
 
 def test_a_crossing_is_linear_over_the_logarithm() -> None:

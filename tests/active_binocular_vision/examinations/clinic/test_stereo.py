@@ -15,8 +15,14 @@ from active_binocular_vision.examinations.clinic.stereo import (
 from active_binocular_vision.learners.session import Course
 
 
+def _answers(right_by_sign: np.ndarray, n: int = 100) -> np.ndarray:
+    """Answers (n_sizes, 2, n, 1), the first ones right, from shares (2, n_sizes)."""
+    return (np.arange(n) < np.round(n * right_by_sign.T)[..., None])[..., None]
+
+
 def _curve(*right: float) -> StereoCurve:
-    return StereoCurve(np.array([4.0**i for i in range(len(right))]), np.array([right, right]), 8)
+    sizes_deg = np.array([4.0**i for i in range(len(right))])
+    return StereoCurve(sizes_deg, _answers(np.array([right, right])))
 
 
 def test_the_threshold_is_where_the_share_last_rises_through_three_quarters() -> None:
@@ -28,7 +34,8 @@ def test_the_threshold_is_where_the_share_last_rises_through_three_quarters() ->
 
 
 def test_commands_that_converge_over_the_signed_disparity() -> None:
-    curve = StereoCurve(np.array([1.0, 2.0]), np.array([[0.6, 1.0], [0.8, 0.9]]), 5)
+    answers = _answers(np.array([[0.6, 1.0], [0.8, 0.9]]), 10)
+    curve = StereoCurve(np.array([1.0, 2.0]), answers)
     signed_deg, converging = curve.converging
     assert signed_deg.tolist() == [-2.0, -1.0, 1.0, 2.0]
     # Of eyes that converge too much the wrong commands converge.
@@ -73,4 +80,5 @@ def test_every_stereogram_distance_and_sign_counts() -> None:
     # These eyes always converge: right if they converged too little.
     curve = stereo_curve(_session(0, 0.5, 0.1), (0.5, 2.0, 6.0))
     assert curve.n_trials == 6
+    assert curve.answers.shape == (len(DISPARITIES_DEG), 2, 2, 3)
     assert curve.right.tolist() == [1.0] * len(DISPARITIES_DEG)

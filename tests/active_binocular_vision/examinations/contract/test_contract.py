@@ -147,6 +147,7 @@ def test_the_command_line_has_each_examination_with_its_options(capsys) -> None:
         (("--figure", "a.png"), "--figure: expected with one of --cover, --prisms, --acuity, "),
         (("--option", "covered=right"), "--option: expected with one of --cover, --prisms, "),
         (("--cover", "--start-scale", "2"), "--start-scale: expected without an examination"),
+        (("--cover", "--start-errors", "code"), "--start-errors: expected without an examination"),
         (("--json", "a.json"), "--test-stimuli and --json: expected with one of --check"),
         (("--test-stimuli", "2"), "--test-stimuli and --json: expected with one of --check"),
     ],

@@ -15,7 +15,7 @@ from active_binocular_vision.examinations.nine_positions.looking import (
 )
 from active_binocular_vision.examinations.nine_positions.measures import (
     planes_of_eyes,
-    silences,
+    rows_of_antagonists,
     yoked_changes,
 )
 from active_binocular_vision.figures.examinations.nine_positions import listing_figure
@@ -81,23 +81,34 @@ def test_targets_are_the_same_for_all() -> None:
 
 
 def test_silent_antagonists_by_hand() -> None:
-    optimum, eyes = np.zeros((2, 12), bool), np.zeros((2, 3, 12), bool)
-    optimum[0, MEDIAL] = optimum[1, [MEDIAL, LATERAL]] = True
-    # At the first gaze the right muscle, the wrong one and none; at the second the medial rectus.
-    eyes[0, 0, MEDIAL] = eyes[0, 1, LATERAL] = eyes[1, 2, MEDIAL] = True
-    eyes[0, :, LEFT_IO] = True
-    found = {row.antagonists: row for row in silences(eyes, optimum)}
+    optimum, eyes = np.full((2, 12), 0.1), np.full((2, 3, 12), 0.1)
+    optimum[0, MEDIAL] = optimum[1, [MEDIAL, LATERAL]] = 0.0
+    # At the first gaze the right muscle, the wrong one and none; at the second both and none.
+    eyes[0, 0, MEDIAL] = eyes[0, 1, LATERAL] = 0.004
+    eyes[1, 2, [MEDIAL, LATERAL]] = 0.0
+    eyes[0, :, LEFT_IO] = 0.0
+    found = {row.antagonists: row for row in rows_of_antagonists(eyes, optimum, 0.005)}
     assert len(found) == 7
     horizontal, everything = found[HORIZONTAL], found["all"]
-    assert horizontal.share_silent == pytest.approx(3 / 6)
-    assert horizontal.share_silent_in_optimum == 1.0
+    assert horizontal.active == pytest.approx((3 / 6, 2 / 6, 1 / 6))
+    assert horizontal.active_in_optimum == pytest.approx((0.0, 1 / 2, 1 / 2))
     assert horizontal.n_silent_in_optimum == 3
-    # Three muscles before three pictures, of which two are silent.
-    assert horizontal.share_optimally_silent == pytest.approx(2 / 9)
-    assert found[OBLIQUES].share_silent == pytest.approx(3 / 6)
+    # Three muscles before three pictures, of which three are silent.
+    assert horizontal.share_optimally_silent == pytest.approx(3 / 9)
+    assert found[OBLIQUES].active == pytest.approx((3 / 6, 3 / 6, 0.0))
     assert found[OBLIQUES].share_optimally_silent is None
-    assert everything.share_silent == pytest.approx(6 / 36)
-    assert everything.share_silent_in_optimum == pytest.approx(2 / 12)
+    assert np.isnan(found[OBLIQUES].slope).all(), "no muscle varies"
+    assert everything.active == pytest.approx((30 / 36, 5 / 36, 1 / 36))
+    assert everything.active_in_optimum == pytest.approx((10 / 12, 1 / 12, 1 / 12))
+
+
+def test_the_slope_of_antagonists_across_gaze_by_hand() -> None:
+    optimum = np.zeros((3, 12))
+    optimum[:, MEDIAL], optimum[:, LATERAL] = (0.1, 0.2, 0.3), (0.1, 0.05, 0.0)
+    eyes = np.zeros((3, 1, 12))
+    eyes[:, 0, MEDIAL] = (0.1, 0.2, 0.3)
+    (row,) = (r for r in rows_of_antagonists(eyes, optimum, 0.005) if r.antagonists == HORIZONTAL)
+    assert row.slope == pytest.approx([0.0, -0.5])
 
 
 def test_the_least_energy_looks_at_the_targets_without_errors(traces: NinePositionsTraces) -> None:

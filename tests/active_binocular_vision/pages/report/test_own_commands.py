@@ -88,11 +88,13 @@ def test_prices_show_the_errors_about_all_axes(tmp_path: Path) -> None:
 def test_a_row_for_each_two_antagonists(group: Group) -> None:
     rows = antagonist_rows([group])
     assert [*rows[0]][-3:] == ["at 0.5 m", "at 3 m", "at 6 m"]
+    *rows, monkey = rows
     assert len(rows) == len(group.last_trials.space.names) // 2
+    assert monkey["slope of lesser over greater"] == "-0.87, -1.15"
     assert rows[0]["eye"] == "left"
     assert rows[0]["antagonists"] == "medial rectus and lateral rectus"
     both = [group.last_trials.column(f"left_{m}_rectus")[:, -1] for m in ("medial", "lateral")]
-    assert rows[0]["co-contraction"] == f"{np.median(np.minimum(*both)):.3f}"
+    assert rows[0]["lesser activation"] == f"{np.median(np.minimum(*both)):.3f}"
 
 
 def _columns(groups: list[Group]) -> tuple[list[str], dict[str, list[str]]]:
@@ -104,13 +106,13 @@ def test_the_paper_stands_beside_the_pair_alone(group: Group, tmp_path: Path) ->
     header, cells = _columns([group])
     assert header == ["measure", "ours, M"]
     assert "our test set: median |vertical error| / deg" in cells
-    assert not [name for name in cells if "authors" in name]
+    assert not [name for name in cells if "2 deg" in name]
 
     pair = Run(write_run(tmp_path / "pair", PAIR))
     of_pair, of_others = sorted(groups_of([pair, *group.runs]), key=lambda g: not g.is_of_pair)
     header, cells = _columns([of_others, of_pair])
     assert [name.partition(",")[0] for name in header] == ["measure", "ours", "paper", "ours"]
-    assert cells["authors' test set: median |vergence error| / deg"][:2] == ["-", "0.07"]
+    assert cells["starts up to 2 deg: median |vergence error| / deg"][:2] == ["-", "0.07"]
     assert cells["our test set: median |vertical error| / deg"][1:] == ["-", "-"]
     assert not [name for name in _columns([of_pair])[1] if "vertical" in name]
 

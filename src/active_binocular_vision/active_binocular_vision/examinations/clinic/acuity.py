@@ -21,10 +21,21 @@ _N_PICTURES = 10
 
 @dataclass(frozen=True, kw_only=True)
 class EyeRow:
-    """One eye; acuity null where it never explains half, share null where neither sees anything."""
+    """One eye; acuity null where it never explains half, share null where neither sees anything.
+
+    interval_cycles_per_deg: 95 % of the acuity, over orientations and phases of gratings; 0 where
+    half is not explained.
+    """
 
     eye: str = key("eye")
     acuity_cycles_per_deg: float | None = measure("cycles/deg", "acuity", 2)
+    interval_cycles_per_deg: Sequence[float | None] = measure(
+        "cycles/deg",
+        "interval",
+        2,
+        columns=("acuity_low_cycles_per_deg", "acuity_high_cycles_per_deg"),
+        labels=("from", "to"),
+    )
     finest_cycles_per_deg: float = measure("cycles/deg", "finest grating", 2)
     share_in_code: float | None = measure(SHARE, "share in the code")
 
@@ -76,6 +87,7 @@ def _examine(learners: FrozenLearners, shown: Shown, options: Distances) -> Find
                 EyeRow(
                     eye=side,
                     acuity_cycles_per_deg=of.acuity,
+                    interval_cycles_per_deg=of.interval or (None, None),
                     finest_cycles_per_deg=float(of.cycles_per_deg[-1]),
                     share_in_code=shares[side],
                 )

@@ -8,10 +8,12 @@ not of contrast.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from active_binocular_vision.examinations.clinic.psychometric import resampled
 from eye_plant.camera.blur import Blur
 from eye_plant.camera.config import CameraConfig
 from eye_plant.vergence import degrees_per_px
@@ -35,11 +37,16 @@ _FINE = 1
 class Resolution:
     """What the code explains of the gratings that one eye sees.
 
-    cycles_per_deg: (n,), rising; explained: (n,) shares, means over orientations and phases.
+    cycles_per_deg: (n,), rising; shares: (n, k) explained, of k orientations and phases.
     """
 
     cycles_per_deg: Array
-    explained: Array
+    shares: Array
+
+    @property
+    def explained(self) -> Array:
+        """Means (n,) over orientations and phases."""
+        return np.asarray(self.shares.mean(axis=1))
 
     @property
     def acuity(self) -> float | None:
@@ -48,6 +55,15 @@ class Resolution:
         Linear over the logarithm of the frequency; at most the highest frequency shown.
         """
         return crossing(np.log(self.cycles_per_deg), self.explained, _LEAST_EXPLAINED)
+
+    @cached_property
+    def interval(self) -> tuple[float, float] | None:
+        """95 % interval of the acuity over gratings; 0 cycles/deg stand for none."""
+
+        def acuity(drawn: NDArray[np.intp]) -> float:
+            return Resolution(self.cycles_per_deg, self.shares[:, drawn]).acuity or 0.0
+
+        return resampled(self.shares.shape[1], acuity)
 
 
 def crossing(log_x: Array, share: Array, least: float) -> float | None:
@@ -89,7 +105,7 @@ def resolution(
         shown, coded = ((p, black) if i_eye == 0 else (black, p) for p in (picture, seen))
         shares[place] = explained_share(coder, shown, coded)
     px_deg = degrees_per_px(camera.focal_length_px * camera.magnifications[i_eye])
-    return Resolution(cycles_per_px / px_deg, shares.mean(axis=(1, 2)))
+    return Resolution(cycles_per_px / px_deg, shares.reshape(len(shares), -1))
 
 
 def grating(

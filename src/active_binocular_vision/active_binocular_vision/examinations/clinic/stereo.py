@@ -8,11 +8,17 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from active_binocular_vision.examinations.clinic.gratings import crossing
+from active_binocular_vision.examinations.clinic.psychometric import (
+    Psychometric,
+    fitted,
+    resampled,
+)
 from active_binocular_vision.examinations.contract.declared import DECLARED, Distances
 from active_binocular_vision.examinations.contract.examination import Examination, Findings
 from active_binocular_vision.examinations.contract.measure import SHARE, key, measure
@@ -36,14 +42,23 @@ _ARCSEC_PER_DEG = 3600.0
 class StereoCurve:
     """How often the first command of vergence is right.
 
-    disparity_deg: (n,) size of the horizontal error, rising; right_by_sign: (2, n) shares of right
-    commands of eyes that converge too much, and of eyes that converge too little; n_trials: of each
-    share.
+    disparity_deg: (n,) size of the horizontal error, rising; answers: (n, 2, n_pictures, k) whether
+    commands are right, of eyes that converge too much and of eyes that converge too little, before
+    each stereogram k times.
     """
 
     disparity_deg: Array
-    right_by_sign: Array
-    n_trials: int
+    answers: NDArray[np.bool_]
+
+    @property
+    def right_by_sign(self) -> Array:
+        """Shares (2, n) of right commands of eyes that converge too much, and too little."""
+        return np.asarray(self.answers.mean(axis=(2, 3)).T)
+
+    @property
+    def n_trials(self) -> int:
+        """How many trials each share is of."""
+        return int(np.prod(self.answers.shape[2:]))
 
     @property
     def right(self) -> Array:
@@ -76,6 +91,21 @@ class StereoCurve:
         inverse = crossing(log_inverse[:n], falling[:n], _LEAST_RIGHT)
         return None if inverse is None else 1.0 / inverse
 
+    @cached_property
+    def fit(self) -> Psychometric:
+        """The psychometric function, both signs together."""
+        return fitted(self.disparity_deg, self.right, 2 * self.n_trials)
+
+    @cached_property
+    def interval_deg(self) -> tuple[float, float] | None:
+        """95 % interval of the fitted threshold over stereograms; None for one stereogram."""
+
+        def threshold_deg(pictures: NDArray[np.intp]) -> float:
+            of_drawn = StereoCurve(self.disparity_deg, self.answers[:, :, pictures])
+            return of_drawn.fit.threshold
+
+        return resampled(self.answers.shape[2], threshold_deg)
+
 
 def stereo_curve(session: Session, distances_m: Sequence[float]) -> StereoCurve:
     """Return how often the first command is right, over disparities of either sign.
@@ -83,17 +113,17 @@ def stereo_curve(session: Session, distances_m: Sequence[float]) -> StereoCurve:
     session: with random-dot stereograms. All stereograms and distances count alike.
     """
     sizes_deg = progress(DISPARITIES_DEG, file=sys.stderr, desc="stereo vision", unit="part")
-    places = [(i, distance_m) for i in range(session.n_pictures) for distance_m in distances_m]
-    right = [
+    answers = [
         [
-            np.mean(
-                [turns_right(session, i, distance_m, sign * size_deg) for i, distance_m in places]
-            )
+            [
+                [turns_right(session, i, distance_m, sign * size_deg) for distance_m in distances_m]
+                for i in range(session.n_pictures)
+            ]
             for sign in (-1.0, 1.0)
         ]
         for size_deg in sizes_deg
     ]
-    return StereoCurve(np.array(DISPARITIES_DEG), np.array(right).T, len(places))
+    return StereoCurve(np.array(DISPARITIES_DEG), np.array(answers))
 
 
 def turns_right(session: Session, i_picture: int, distance_m: float, error_deg: float) -> bool:
@@ -120,10 +150,24 @@ class StereoRow:
 
 @dataclass(frozen=True, kw_only=True)
 class StereoSummary:
-    """Smallest disparity from which on 75 % are right; null where the largest one fails."""
+    """Smallest disparity from which on 75 % are right; null where the largest one fails.
+
+    fitted_arcsec: threshold of the psychometric function that fits best; interval_arcsec: 95 %,
+    over stereograms, null for one; lapse_share: of its lapses. What lies at twice the largest
+    disparity or at half of the smallest may lie beyond.
+    """
 
     threshold_deg: float | None = measure("deg", "stereo threshold")
     threshold_arcsec: float | None = measure("arcsec", "stereo threshold", 0)
+    fitted_arcsec: float = measure("arcsec", "fitted threshold", 0)
+    interval_arcsec: Sequence[float | None] = measure(
+        "arcsec",
+        "interval",
+        0,
+        columns=("fitted_low_arcsec", "fitted_high_arcsec"),
+        labels=("from", "to"),
+    )
+    lapse_share: float = measure(SHARE, "lapses")
 
 
 def _examine(learners: FrozenLearners, shown: Shown, options: Distances) -> Findings:
@@ -138,6 +182,9 @@ def _examine(learners: FrozenLearners, shown: Shown, options: Distances) -> Find
     summary = StereoSummary(
         threshold_deg=threshold_deg,
         threshold_arcsec=None if threshold_deg is None else threshold_deg * _ARCSEC_PER_DEG,
+        fitted_arcsec=curve.fit.threshold * _ARCSEC_PER_DEG,
+        interval_arcsec=[e and e * _ARCSEC_PER_DEG for e in curve.interval_deg or (None, None)],
+        lapse_share=curve.fit.lapse,
     )
     return Findings(
         n_stimuli=session.n_pictures,

@@ -11,6 +11,8 @@ from active_binocular_vision.examinations.nine_positions.looking import (
     random_targets_deg,
 )
 from active_binocular_vision.examinations.nine_positions.measures import (
+    active_muscles,
+    antagonist_rows,
     distances,
     looks,
     medians,
@@ -18,7 +20,6 @@ from active_binocular_vision.examinations.nine_positions.measures import (
     planes_of_eyes,
     planes_of_optimum,
     positions,
-    silences_of,
     tilts,
     yoked,
 )
@@ -46,18 +47,19 @@ def _examine(learners: FrozenLearners, shown: Shown, options: NinePositionsOptio
         random = looking.at(random_targets_deg(options.n_random), distances_m, in_turn)
     traces = NinePositionsTraces(learners.plant, options.covered, nine, random)
     covered = f", {options.covered} eye covered" if options.covered else ""
-    silences = silences_of(traces)
+    antagonists = antagonist_rows(traces)
     planes = {LEARNED: planes_of_eyes(traces), LEAST: planes_of_optimum(traces)}
     return Findings(
         n_stimuli=n_pictures,
         summary=NinePositionsSummary(
             **medians(nine, [*range(len(distances_m))]),
-            share_silent=silences[-1].share_silent if silences else np.nan,
+            active=antagonists[-1].active if antagonists else (np.nan,) * 3,
+            active_muscles=active_muscles(nine, learners.plant),
         ),
         tables={
             "positions": [*positions(nine)],
             "distances": [*distances(nine)],
-            "antagonists": silences,
+            "antagonists": antagonists,
             "planes": [row for eyes, of in planes.items() for row in plane_rows(eyes, of)],
             "tilts": [tilts(eyes, of) for eyes, of in planes.items()],
             "yoked": yoked(random),
@@ -66,7 +68,7 @@ def _examine(learners: FrozenLearners, shown: Shown, options: NinePositionsOptio
         titles={
             "positions": f"Medians over pictures after {looking.n_iterations} iterations{covered}",
             "distances": "Medians over pictures and positions, of absolute values",
-            "antagonists": "Silent antagonists at the nine positions",
+            "antagonists": "Antagonists at the nine positions: how many of both are active",
             "planes": "Displacement planes of nine positions and random places",
             "tilts": "Temporal tilt of the plane per deg of vergence",
             "yoked": "Yoked muscles at random places",
@@ -79,5 +81,5 @@ NINE_POSITIONS = Examination(
     declared=DECLARED["nine-positions"],
     examine=_examine,
     summary=NinePositionsSummary,
-    version=2,
+    version=3,
 )

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from msgspec.structs import astuple
 from numpy.typing import NDArray
 
 from active_binocular_vision.examinations.nine_positions.listing import (
@@ -17,16 +18,21 @@ from active_binocular_vision.examinations.nine_positions.posture import ERROR_AX
 from active_binocular_vision.examinations.nine_positions.rows import (
     LEARNED,
     LEAST,
+    AntagonistRow,
     DistanceRow,
     LookRow,
     PlaneRow,
     PositionRow,
-    SilenceRow,
     TiltRow,
     YokedRow,
 )
+from experiment_manager.measures.antagonists import (
+    active_pairs,
+    antagonist_names,
+    reciprocity,
+    silent_below,
+)
 from experiment_manager.measures.criteria import criteria_of
-from experiment_manager.measures.metrics import antagonist_names, silent_below
 from experiment_manager.measures.yoked import SharedChange, shared_change, yoked_names
 from eye_plant import EyePlantConfig
 from lockstep import ALL_MUSCLES, COMMAND_SPACES, MUSCLE_NAMES, SIDES
@@ -111,39 +117,57 @@ def is_silent(activations: Array, plant: EyePlantConfig) -> NDArray[np.bool_]:
     return silent
 
 
-def silences_of(traces: NinePositionsTraces) -> list[SilenceRow]:
-    """Return the measures of antagonists at the nine positions that the least energy reaches."""
+def active_muscles(nine: Gazes, plant: EyePlantConfig) -> float:
+    """Return the median number of active muscles over all looks."""
+    return float(np.median((~is_silent(nine.eyes.activations, plant)).sum(axis=-1)))
+
+
+def antagonist_rows(traces: NinePositionsTraces) -> list[AntagonistRow]:
+    """Return the measures of each two antagonists and of "all" as the last.
+
+    At those of the nine positions that the least energy reaches; none where it reaches no one.
+    """
+    criteria = criteria_of(traces.plant)
     optimum = traces.nine.optimum.activations
     reached = np.isfinite(optimum).all(axis=-1)
     if not reached.any():
         return []
-    of_eyes = traces.nine.eyes.activations[reached]
-    return silences(is_silent(of_eyes, traces.plant), is_silent(optimum[reached], traces.plant))
+    both = (traces.nine.eyes.activations[reached], optimum[reached])
+    of_eyes, of_optimum = (values - criteria.lowest_activations for values in both)
+    return rows_of_antagonists(of_eyes, of_optimum, silent_below(criteria))
 
 
-def silences(silent: NDArray[np.bool_], optimum: NDArray[np.bool_]) -> list[SilenceRow]:
-    """Return the measures of each two antagonists, and of "all" as the last.
+def rows_of_antagonists(of_eyes: Array, of_optimum: Array, silent: float) -> list[AntagonistRow]:
+    """Return the measures of each two antagonists and of "all".
 
-    silent: (n, n_pictures, 12) of the eyes at n gazes; optimum: (n, 12) of the least energy.
+    of_eyes: activations (n, n_pictures, 12) at n gazes; of_optimum: (n, 12) with the least energy;
+    both above their least; silent: below that a muscle is.
     """
     pairs = antagonist_names(COMMAND_SPACES[ALL_MUSCLES])
     indices = np.array([[MUSCLE_NAMES.index(name) for name in names] for names in pairs])
     chosen = {"-".join(names): i[None] for names, i in zip(pairs, indices, strict=True)}
     return [
-        _silence(name, silent[..., i], optimum[..., i])
+        _antagonists(name, of_eyes[..., i], of_optimum[..., i], silent)
         for name, i in (chosen | {"all": indices}).items()
     ]
 
 
-def _silence(name: str, silent: NDArray[np.bool_], optimum: NDArray[np.bool_]) -> SilenceRow:
-    """Return the measures of k pairs; silent: (n, n_pictures, k, 2), optimum: (n, k, 2)."""
-    both = np.broadcast_to(optimum[:, None], silent.shape)
-    n_cases = int(optimum.sum())
-    return SilenceRow(
+def _antagonists(name: str, of_eyes: Array, of_optimum: Array, silent: float) -> AntagonistRow:
+    """Return the measures of k pairs; of_eyes: (n, n_pictures, k, 2), of_optimum: (n, k, 2)."""
+    is_silent_in_optimum = np.broadcast_to((of_optimum < silent)[:, None], of_eyes.shape)
+    n_cases = int((of_optimum < silent).sum())
+    cases = of_eyes.reshape(-1, *of_eyes.shape[2:]), of_optimum
+    active, active_in_optimum = (active_pairs(values >= silent) for values in cases)
+    assert active is not None
+    assert active_in_optimum is not None
+    return AntagonistRow(
         antagonists=name,
-        share_silent=float(silent.any(axis=-1).mean()),
-        share_silent_in_optimum=float(optimum.any(axis=-1).mean()),
-        share_optimally_silent=float(silent[both].mean()) if n_cases else None,
+        active=astuple(active),
+        active_in_optimum=astuple(active_in_optimum),
+        slope=[reciprocity(values, silent).slope for values in cases],
+        share_optimally_silent=(
+            float((of_eyes < silent)[is_silent_in_optimum].mean()) if n_cases else None
+        ),
         n_silent_in_optimum=n_cases,
     )
 

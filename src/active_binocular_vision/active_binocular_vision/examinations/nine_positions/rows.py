@@ -28,6 +28,18 @@ _OF_ERRORS: dict[str, Any] = {
 }
 
 
+def _shared(measure_name: str) -> Any:
+    columns = tuple(f"{eyes}_{measure_name}" for eyes in (LEARNED, LEAST))
+    labels = tuple(f"{measure_name}, {eyes}" for eyes in (LEARNED, LEAST))
+    return measure("", measure_name, columns=columns, labels=labels)
+
+
+def _active(name: str, label: str) -> Any:
+    ways = "both", "one", "none"
+    columns = tuple(f"{name}_{way}_active" for way in ways)
+    return measure(SHARE, label, columns=columns, labels=tuple(f"{way} {label}" for way in ways))
+
+
 @dataclass(frozen=True, kw_only=True)
 class LookRow:
     """Eyes at the end of one look at one target, or with the least energy that holds it.
@@ -89,24 +101,30 @@ class DistanceRow(Medians):
 
 @dataclass(frozen=True, kw_only=True)
 class NinePositionsSummary(Medians):
-    """Medians over all distances; share_silent: of the gazes, one of two antagonists is silent."""
+    """Medians over all distances.
 
-    share_silent: float = measure(SHARE, "antagonist silent")
+    active: of the pairs of antagonists at all gazes the shares of which both, one or none is
+    active; active_muscles: median of their number.
+    """
+
+    active: Sequence[float] = _active("share", "active")
+    active_muscles: float = measure("", "active muscles", 1)
 
 
 @dataclass(frozen=True, kw_only=True)
-class SilenceRow:
+class AntagonistRow:
     """Sherrington's law: of two antagonists, or of all pairs together.
 
-    share_silent, share_silent_in_optimum: of the gazes at which one of both is silent;
-    share_optimally_silent: of the muscles that are silent with the least energy, how many are
-    silent in these eyes, over all gazes; null where none is; n_silent_in_optimum: muscles that are,
-    over all gazes.
+    active, active_in_optimum: shares of the gazes at which both, one or none is active; slope: of
+    the lesser over the greater activation, across gaze; share_optimally_silent: of the muscles that
+    are silent with the least energy, how many are silent in these eyes, over all gazes; null where
+    none is; n_silent_in_optimum: muscles that are, over all gazes.
     """
 
     antagonists: str = key("antagonists")
-    share_silent: float = measure(SHARE, "one silent")
-    share_silent_in_optimum: float = measure(SHARE, "with least energy")
+    active: Sequence[float] = _active("share", "active")
+    active_in_optimum: Sequence[float] = _active("optimal_share", "with least energy")
+    slope: Sequence[float] = _shared("slope")
     share_optimally_silent: float | None = measure(SHARE, "the same silent")
     n_silent_in_optimum: int = measure("", "of cases", 0)
 
@@ -132,12 +150,6 @@ class TiltRow:
     left: float | None = measure("", "left eye")
     right: float | None = measure("", "right eye")
     mean: float | None = measure("", "mean")
-
-
-def _shared(measure_name: str) -> Any:
-    columns = tuple(f"{eyes}_{measure_name}" for eyes in (LEARNED, LEAST))
-    labels = tuple(f"{measure_name}, {eyes}" for eyes in (LEARNED, LEAST))
-    return measure("", measure_name, columns=columns, labels=labels)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,9 +1,10 @@
 """The tables of a report, as rows of texts by heading: K17's numbers beside those of the runs."""
 
 import math
-import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import astuple
+from functools import partial
+from typing import Any
 
 import msgspec
 
@@ -13,12 +14,14 @@ from active_binocular_vision.runs.resting_places import resting_places
 from active_binocular_vision.runs.run import Run
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS, SHARE_ITERATIONS
 from experiment_manager.measures.results import Measures
-from experiment_manager.measures.tables import number, percent
+from experiment_manager.measures.seeds import over_seeds
+from experiment_manager.measures.tables import active_text, number, percent
 from experiment_manager.measures.yoked import yoked_pairs
+from lockstep import SIDES
 
 Row = dict[str, str]
 
-_OURS, _AUTHORS = "our test set: ", "authors' test set: "
+_OURS, _UP_TO_2_DEG = "our test set: ", "starts up to 2 deg: "
 _ERROR, _IQR = "median |vergence error| / deg", "IQR of |vergence error| / deg"
 _REDUCTION = "median c"
 # Only tests with commands of their own for the muscles have these.
@@ -27,26 +30,33 @@ _OTHER_AXES = {
     for axis in ("vertical", "cyclovergence")
     for name, part in (("median", "median"), ("IQR of", "iqr"))
 }
-# By heading: the measure, and how it is written.
-_MEASURES: Mapping[str, tuple[str, Callable[[float | None], str]]] = {
+# By heading: the measure, with a dot before a part of it, and how it is written.
+_MEASURES: Mapping[str, tuple[str, Callable[..., str]]] = {
     _ERROR: ("median_abs_vergence_error_deg", number),
     _IQR: ("iqr_abs_vergence_error_deg", number),
     **_OTHER_AXES,
     "median Delta C / W": ("median_delta_cost_w", number),
+    "median C / C*": ("median_cost_ratio", partial(number, n_digits=2)),
     _REDUCTION: ("saving", percent),
     "within 1 px": ("share_within_1_px", percent),
     "beyond 1 deg": ("share_beyond_1_deg", percent),
+    "both antagonists active": ("antagonists_active.both", percent),
+    "one active": ("antagonists_active.one", percent),
+    "none active": ("antagonists_active.none", percent),
+    "active muscles, median": ("median_active_muscles", partial(number, n_digits=1)),
     "antagonist silent": ("share_antagonist_silent", percent),
 }
+# What tests of one kind of eyes only have, or not those of older runs.
+_OPTIONAL = {*_OTHER_AXES, *list(_MEASURES)[-5:], "median C / C*"}
 # What K17 III states of a model; figures only give the rest.
 _PAPER: Mapping[str, Row] = {
     model: {
         "training iterations": "1,000,000",
         "runs pooled": "5",
         "lambda / per W": weight,
-        _AUTHORS + _ERROR: median_deg,
-        _AUTHORS + _IQR: iqr_deg,
-        _AUTHORS + _REDUCTION: reduction,
+        _UP_TO_2_DEG + _ERROR: median_deg,
+        _UP_TO_2_DEG + _IQR: iqr_deg,
+        _UP_TO_2_DEG + _REDUCTION: reduction,
     }
     for model, weight, median_deg, iqr_deg, reduction in (
         ("M", "0", "0.07", "0.080", "single digits"),
@@ -54,24 +64,44 @@ _PAPER: Mapping[str, Row] = {
     )
 }
 
+# Rhesus monkeys looking at far targets: rates over eye position of a motoneuron of each muscle.
+_PUBLISHED_SLOPES = (
+    {
+        "runs": "monkey: Miller, Davison & Gamlin 2011, Figs. 4 and 6",
+        "antagonists": "medial rectus (5.4 spikes/s per deg) and lateral rectus (6.2)",
+        "slope of lesser over greater": "-0.87, -1.15",
+    },
+)
+
 
 def _measured(sets: Sequence[Measures], before: str = "") -> Row:
-    """Return the measures of a set of trials; of several seeds' sets their median and range.
+    """Return the measures of a set of trials; of several seeds' sets as `over_seeds_text` does.
 
     before: in front of each heading.
     """
     row = {}
-    for heading, (name, text) in _MEASURES.items():
-        values = [value for of_set in sets if (value := getattr(of_set, name)) is not None]
-        if values or heading not in _OTHER_AXES:
+    for heading, (path, text) in _MEASURES.items():
+        values = [value for of_set in sets if (value := _value(of_set, path)) is not None]
+        if values or heading not in _OPTIONAL:
             is_known = len(values) == len(sets)
-            row[before + heading] = _range(values, text) if is_known else "-"
+            row[before + heading] = over_seeds_text(values, text) if is_known else "-"
     return row
 
 
-def _range(values: Sequence[float], text: Callable[[float | None], str]) -> str:
-    median = text(statistics.median(values))
-    return median if len(values) == 1 else f"{median} ({text(min(values))} to {text(max(values))})"
+def _value(measures: Any, path: str) -> float | None:
+    """Return a measure or a part of it; None where it is not known."""
+    for name in path.split("."):
+        measures = getattr(measures, name, None)
+    return measures
+
+
+def over_seeds_text(values: Sequence[float], text: Callable[[float | None], str]) -> str:
+    """Return a seed's value, or of several the mean, half its 95 % interval, and the range."""
+    if len(values) == 1:
+        return text(values[0])
+    found = over_seeds(values)
+    mean, half_width = text(float(found.mean)), text(float(found.half_width))
+    return f"{mean} ± {half_width} ({text(min(values))} to {text(max(values))})"
 
 
 def run_rows(groups: Sequence[Group]) -> list[Row]:
@@ -117,11 +147,12 @@ def comparison_rows(groups: Sequence[Group]) -> list[Row]:
             "lambda / per W": f"{group.common.weight:.4g}",
         }
         if test := group.last_summary:
-            # The authors' test set is one of the pair alone.
-            sets = {_OURS: test} | ({_AUTHORS: test.authors_test_set} if group.is_of_pair else {})
+            # Start errors of whole degrees are those of the pair alone.
+            near = {_UP_TO_2_DEG: test.starts_up_to_2_deg} if group.is_of_pair else {}
+            sets = {_OURS: test} | near
             for name, of_set in sets.items():
                 column |= {f"{name}trials": f"{of_set.n_trials:,}", **_measured([of_set], name)}
-    names = [s + name for s in (_OURS, _AUTHORS) for name in ("trials", *_MEASURES)]
+    names = [s + name for s in (_OURS, _UP_TO_2_DEG) for name in ("trials", *_MEASURES)]
     shown = {name for column in columns.values() for name in column}
     return [
         {"measure": name} | {head: column.get(name, "-") for head, column in columns.items()}
@@ -130,16 +161,16 @@ def comparison_rows(groups: Sequence[Group]) -> list[Row]:
     ]
 
 
-def seed_rows(groups: Sequence[Group], *, authors: bool = False) -> list[Row]:
-    """Return the median over seeds, and the least and the greatest seed, of groups of several.
+def seed_rows(groups: Sequence[Group], *, up_to_2_deg: bool = False) -> list[Row]:
+    """Return the mean over seeds with its interval, and the range, of groups of several seeds.
 
-    authors: of the authors' test set, which groups of the pair have, instead of ours.
+    up_to_2_deg: of the trials of the pair that start so, instead of all.
     """
     rows = []
     for group in groups:
-        if len(group.runs) > 1 and (group.is_of_pair or not authors):
+        if len(group.runs) > 1 and (group.is_of_pair or not up_to_2_deg):
             tests = group.summaries_at(group.iterations[-1])
-            sets = [test.authors_test_set if authors else test for test in tests]
+            sets = [test.starts_up_to_2_deg if up_to_2_deg else test for test in tests]
             rows.append({"runs": group.name, "seeds": str(len(sets)), **_measured(sets)})
     return rows
 
@@ -161,18 +192,27 @@ def antagonist_rows(groups: Sequence[Group]) -> list[Row]:
     for group in groups:
         test = group.last_summary
         for names, pair in (test.antagonists if test else {}).items():
-            eyes, _, muscles = zip(*(name.partition("_") for name in names.split("-")), strict=True)
+            eyes, muscles = zip(*(_eye_and_muscle(n) for n in names.split("-")), strict=True)
             row = {
                 "runs": group.name,
                 "eye": eyes[0],
                 "antagonists": _in_words(muscles),
-                "co-contraction": number(pair.median_co_contraction),
-                "one is silent": percent(pair.share_silent),
+                "both / one / none active": active_text(pair.active),
+                "lesser activation": number(pair.median_co_contraction),
+                "slope of lesser over greater": number(pair.reciprocity_slope, 2),
             }
-            silent = pair.share_silent_by_distance
-            in_order = sorted(silent, key=float)
-            rows.append(row | {f"at {d} m": percent(silent[d]) for d in in_order})
+            in_order = sorted(pair.active_by_distance, key=float)
+            of_distances = {f"at {d} m": active_text(pair.active_by_distance[d]) for d in in_order}
+            rows.append(row | of_distances)
+    if rows:
+        rows += [dict.fromkeys(rows[0], "-") | published for published in _PUBLISHED_SLOPES]
     return rows
+
+
+def _eye_and_muscle(name: str) -> tuple[str, str]:
+    """Return eye and muscle of a command; a command of the pair is of both eyes."""
+    eye, _, muscle = name.partition("_")
+    return (eye, muscle) if eye in SIDES else ("both", name)
 
 
 def _in_words(names: Sequence[str]) -> str:
@@ -234,8 +274,9 @@ def learning_rows(run: Run) -> list[Row]:
     rows = []
     for test in run.summaries:
         row = {"iteration": f"{test.iteration:,}", "trials": str(test.n_trials)}
-        authors = _measured([test.authors_test_set], _AUTHORS) if run.is_of_pair else {}
-        of_both = {name: authors[name] for name in (_AUTHORS + _ERROR, _AUTHORS + _IQR) if authors}
+        near = _measured([test.starts_up_to_2_deg], _UP_TO_2_DEG) if run.is_of_pair else {}
+        names = (_UP_TO_2_DEG + _ERROR, _UP_TO_2_DEG + _IQR)
+        of_both = {name: near[name] for name in names if near}
         rows.append(row | _measured([test]) | of_both)
     return rows
 
