@@ -40,8 +40,10 @@ class VergenceTask(gymnasium.Env[Vector, NDArray[np.float32]]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Vector, dict[str, Any]]:
-        """Begin the next training episode."""
+        """Begin the next training episode; with a seed the first one, since the run has its own."""
         super().reset(seed=seed)
+        if seed is not None:
+            self._episodes = self._bench.training_episodes()
         episode = next(self._episodes, None)
         if episode is None:
             self._episodes = self._bench.training_episodes()

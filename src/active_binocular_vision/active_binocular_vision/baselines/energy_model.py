@@ -28,6 +28,8 @@ _SD_PX = 0.56 * WAVELENGTH_PX
 _HALF_PX = 10
 # Of a level's picture, about its centre.
 _POOLED_SD_PX = 8.0
+# In squares of grey levels: less is rounding.
+_LEAST_ENERGY = 1e-6
 
 
 @cache
@@ -66,21 +68,21 @@ def population(left: NDArray[np.uint8], right: NDArray[np.uint8]) -> Array:
 
 
 def _level(left: Picture, right: Picture) -> Array:
-    """Return the pooled energies |L + R exp(i p)|^2, (n_orientations, n_phases), of mean 1.
+    """Return the pooled energies |L exp(i p) + R|^2, (n_orientations, n_phases), of mean 1.
 
-    A pattern in the right eye d px further along the wave than in the left one has R = L exp(-i k
-    d): the cell with p = k d, k the wave's number, responds most.
+    A pattern that the right eye has d px further along the wave than the left one gives R = L exp(i
+    k d), k = 2 pi / wavelength: the cell with p = k d responds most.
     """
     pool = _pool(left.shape)
-    turned = np.exp(1j * phase_differences())
+    shifted = np.exp(-1j * phase_differences())
     energies = []
     for gabor in gabors():
         of_left, of_right = (_filtered(eye, gabor) for eye in (left, right))
         both = (pool * (np.abs(of_left) ** 2 + np.abs(of_right) ** 2)).sum()
         product = (pool * np.conj(of_left) * of_right).sum()
-        energies.append(both + 2.0 * (product * turned).real)
+        energies.append(both + 2.0 * (product * shifted).real)
     mean = float(np.mean(energies))
-    return np.array(energies) / mean if mean > 0.0 else np.zeros((N_ORIENTATIONS, N_PHASES))
+    return np.array(energies) / mean if mean > _LEAST_ENERGY else np.zeros_like(energies)
 
 
 def _filtered(eye: Picture, gabor: Complex) -> Complex:
@@ -94,7 +96,8 @@ def _filtered(eye: Picture, gabor: Complex) -> Complex:
 @cache
 def _pool(shape: tuple[int, int]) -> Array:
     y, x = (np.arange(n) - (n - 1) / 2.0 for n in shape)
-    return np.exp(-(y[:, None] ** 2 + x**2) / (2.0 * _POOLED_SD_PX**2))
+    pool = np.exp(-(y[:, None] ** 2 + x**2) / (2.0 * _POOLED_SD_PX**2))
+    return pool / pool.sum()
 
 
 def entries(seen: Seen) -> Array:

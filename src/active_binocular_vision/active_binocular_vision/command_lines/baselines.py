@@ -1,6 +1,7 @@
 """The command line of baselines.sh."""
 
 import argparse
+from pathlib import Path
 
 from active_binocular_vision.command_lines.start import start
 from lockstep.written.command_line import CommandLine
@@ -58,9 +59,10 @@ def parser() -> argparse.ArgumentParser:
     line.add_argument(
         "--out",
         type=written_path,
-        required=True,
+        default=Path("baselines.csv"),
         metavar="FILE.csv",
-        help="table in which rows of the same methods, profile and seed are replaced",
+        help="table in which rows of the same methods, profile and seed are replaced (default:"
+        " baselines.csv)",
     )
     return line
 

@@ -48,9 +48,10 @@ def _tested(
 ) -> list[Mapping[str, Any]]:
     """Return all rows of the table after each method's have been added."""
     rows: list[Mapping[str, Any]] = []
+    commit = source_commit()
     with bench_of(run.configuration, state) as bench:
         for method in methods:
             print(f"testing {method}", file=sys.stderr, flush=True)
             tests = METHODS[method](bench, effort)
-            rows = written(out, rows_of_method(method, run, bench, tests, source_commit()))
+            rows = written(out, rows_of_method(method, run, bench, tests, commit))
     return rows
