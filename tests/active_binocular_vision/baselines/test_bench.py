@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from active_binocular_vision import FinishedRun
+from active_binocular_vision import Run
 from active_binocular_vision.baselines.bench import Bench, bench_of, errors_deg
 from active_binocular_vision.baselines.deep_rl import ACTION_SCALE, VergenceTask
 from active_binocular_vision.baselines.read_out import known_places
@@ -23,7 +23,7 @@ def bench(run_of: Callable[[str], Path]) -> Iterator[Callable[[str], Bench]]:
     with ExitStack() as benches:
 
         def opened(kind: str) -> Bench:
-            run = FinishedRun(run_of(kind))
+            run = Run(run_of(kind))
             assert run.states is not None
             state = read_state(run.states / "sparse_coder.npz", "sparse_coder")
             return benches.enter_context(bench_of(run.configuration, state))
@@ -45,7 +45,7 @@ def test_a_perfect_sensor_brings_the_eyes_to_rest_in_a_few_commands(bench, kind,
 
 
 def test_trials_are_those_of_the_runs_own_test(bench, run_of):
-    eyes, run = bench("pair"), FinishedRun(run_of("pair"))
+    eyes, run = bench("pair"), Run(run_of("pair"))
     trials = eyes.trials(lambda seen: eyes.manager.space.from_all(seen.activations))
     own = run.summaries[-1]
     assert summary_of(trials, criteria_of(eyes.plant.config)).n_trials == own.n_trials
@@ -69,10 +69,11 @@ def test_known_places_have_errors_of_all_sizes(bench):
 
 def test_the_task_of_other_agents_earns_what_e_falls_by(bench):
     eyes = bench("pair")
-    task = VergenceTask(eyes)
+    pauses: list[int] = []
+    task = VergenceTask(eyes, pauses.append)
     check_env(task, skip_render_check=True)
-    first, _ = task.reset()
-    np.testing.assert_array_equal(task.begin(), first)
+    pauses.clear()
+    first, _ = task.reset(seed=1)
     before = eyes.given(task._now).error
     found, gained, terminated, truncated, _ = task.step(np.array([1.0, 0.0], np.float32))
     assert gained == before - eyes.given(task._now).error
@@ -80,8 +81,10 @@ def test_the_task_of_other_agents_earns_what_e_falls_by(bench):
     assert (terminated, truncated) == (False, False)
     ends = [task.step(np.zeros(2, np.float32))[3] for _ in range(9)]
     assert ends == [False] * 8 + [True]
+    task.reset()
+    assert pauses[1] - pauses[0] == 10
 
 
 def test_eyes_that_make_saccades_have_another_test(run_of):
     with pytest.raises(InputError, match="expected a run without saccades"):
-        Bench(FinishedRun(run_of("gaze")).configuration, {})
+        Bench(Run(run_of("gaze")).configuration, {})

@@ -25,7 +25,8 @@ class Strategy:
     made: "list[Strategy]" = []  # noqa: RUF012
 
     def __init__(self, place: np.ndarray, sd: float, options: dict[str, Any]) -> None:
-        self.place, self.options, self.told = place, options, []
+        self.place, self.options = place, options
+        self.told: list[Any] = []
         Strategy.made.append(self)
 
     def ask(self) -> list[np.ndarray]:

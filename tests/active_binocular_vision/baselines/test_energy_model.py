@@ -18,7 +18,8 @@ ACROSS, DOWN = 0, N_ORIENTATIONS // 2
 def grating(shift_px: float, axis: int, wavelength_px: float = WAVELENGTH_PX) -> np.ndarray:
     """Stripes of a sine wave along an axis of the picture, moved so far to the right or down."""
     along = np.arange(SIDE_PX) - shift_px
-    wave = np.uint8(np.round(128.0 + 100.0 * np.sin(2.0 * np.pi * along / wavelength_px)))
+    sine = np.sin(2.0 * np.pi * along / wavelength_px)
+    wave = np.round(128.0 + 100.0 * sine).astype(np.uint8)
     return np.tile(wave, (SIDE_PX, 1)) if axis == 1 else np.tile(wave[:, None], (1, SIDE_PX))
 
 

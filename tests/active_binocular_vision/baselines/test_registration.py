@@ -12,7 +12,7 @@ SIDE_PX = 128
 def texture() -> np.ndarray:
     noise = np.random.default_rng(5).normal(size=(200, 200)).astype(np.float32)
     smooth = cv2.GaussianBlur(noise, (0, 0), 2.0)
-    return np.uint8(np.clip(128.0 + 50.0 * smooth / smooth.std(), 0, 255))
+    return np.clip(128.0 + 50.0 * smooth / smooth.std(), 0, 255).astype(np.uint8)
 
 
 def window(texture: np.ndarray, right_px: int = 0, down_px: int = 0) -> np.ndarray:

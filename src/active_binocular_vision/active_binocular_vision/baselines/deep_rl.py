@@ -22,17 +22,18 @@ Vector = NDArray[np.float32]
 
 # Change of an activation by an action of 1: of the pair, at most 5 deg of vergence.
 ACTION_SCALE = 1.0 / 32.0
-# Called with the steps so far and the controller without exploration.
-Scored = Callable[[int, Controller], None]
+# Called between two episodes, with the steps so far.
+Pause = Callable[[int], None]
 
 
 class VergenceTask(gymnasium.Env[Vector, NDArray[np.float32]]):
     """The training episodes of a bench, one after the other; a step earns what E falls by."""
 
-    def __init__(self, bench: Bench) -> None:
-        """bench: whose episodes, eyes and dictionaries these are."""
-        self._bench = bench
+    def __init__(self, bench: Bench, pause: Pause = lambda _: None) -> None:
+        """bench: whose episodes, eyes and dictionaries these are, which a pause may use."""
+        self._bench, self._pause = bench, pause
         self._episodes = bench.training_episodes()
+        self._n_steps = 0
         n_observed = 2 * bench.manager.n_bases + len(bench.plant.oculomotor.tonic_activations)
         self.observation_space = Box(0.0, np.inf, (n_observed,))
         self.action_space = Box(-1.0, 1.0, (len(bench.manager.space.names),))
@@ -42,6 +43,7 @@ class VergenceTask(gymnasium.Env[Vector, NDArray[np.float32]]):
     ) -> tuple[Vector, dict[str, Any]]:
         """Begin the next training episode; with a seed the first one, since the run has its own."""
         super().reset(seed=seed)
+        self._pause(self._n_steps)
         if seed is not None:
             self._episodes = self._bench.training_episodes()
         episode = next(self._episodes, None)
@@ -49,12 +51,8 @@ class VergenceTask(gymnasium.Env[Vector, NDArray[np.float32]]):
             self._episodes = self._bench.training_episodes()
             episode = next(self._episodes)
         # The agent acts in all iterations of the episode, and sees what the last act led to.
-        self._episode = replace(episode, n_iterations=episode.n_iterations + 1)
-        return self.begin(), {}
-
-    def begin(self) -> Vector:
-        """Begin the present episode, again if the eyes were used for something else."""
-        return self._observe(self._bench.plant.begin(self._episode))
+        longer = replace(episode, n_iterations=episode.n_iterations + 1)
+        return self._observe(self._bench.plant.begin(longer)), {}
 
     def _observe(self, now: Observation) -> Vector:
         self._now, self._seen = now, self._bench.given(now)
@@ -62,10 +60,11 @@ class VergenceTask(gymnasium.Env[Vector, NDArray[np.float32]]):
 
     def step(self, action: NDArray[np.float32]) -> tuple[Vector, float, bool, bool, dict[str, Any]]:
         """Change the activations."""
+        self._n_steps += 1
         before = self._seen
         found = self._observe(self._bench.executed(acted(self._bench, before, action)))
         gained = before.error - self._seen.error
-        is_last = self._now.iteration == self._episode.n_iterations - 1
+        is_last = self._now.iteration == self._now.episode.n_iterations - 1
         return found, gained, False, is_last, {}
 
 
@@ -74,15 +73,29 @@ def acted(bench: Bench, seen: Seen, action: NDArray[np.float32]) -> NDArray[np.f
     return bench.manager.space.from_all(seen.activations) + ACTION_SCALE * action
 
 
-def train(bench: Bench, algorithm: str, n_steps: int, scored: Scored, every: int) -> None:
+def train(
+    bench: Bench,
+    algorithm: str,
+    n_steps: int,
+    scored: Callable[[int, Controller], None],
+    every: int,
+) -> None:
     """Train SAC, TD3 or PPO of stable-baselines3, whatever it is named there, for so many steps.
 
-    scored: called after each `every` steps, which are whole episodes. Raises InputError without the
-    package.
+    scored: called after each `every` steps, once an episode has ended, with the steps so far and
+    the controller without exploration. Raises InputError without the package.
     """
     sb3, vectors = extra("stable_baselines3"), extra("stable_baselines3.common.vec_env")
     extra("torch").set_num_threads(1)
-    task = VergenceTask(bench)
+    n_scored = 0
+
+    def pause(n_so_far: int) -> None:
+        nonlocal n_scored
+        if n_so_far >= n_scored + every:
+            n_scored = n_so_far
+            scored(n_so_far, controller)
+
+    task = VergenceTask(bench, pause)
     environment = vectors.VecNormalize(vectors.DummyVecEnv([lambda: task]))
     agent = getattr(sb3, algorithm)("MlpPolicy", environment, seed=bench.manager.seed)
 
@@ -91,10 +104,4 @@ def train(bench: Bench, algorithm: str, n_steps: int, scored: Scored, every: int
         action, _ = agent.predict(normalized, deterministic=True)
         return acted(bench, seen, action)
 
-    def after_step(*_: object) -> bool:
-        if agent.num_timesteps % every == 0:
-            scored(agent.num_timesteps, controller)
-            task.begin()  # again: an episode has just begun
-        return True
-
-    agent.learn(n_steps, callback=after_step)
+    agent.learn(n_steps)

@@ -13,5 +13,5 @@ def extra(name: str) -> Any:
     except ImportError as error:
         raise InputError(
             f"expected the package {name} for this method, got none ({error}): "
-            ".venv/bin/python -m pip install stable-baselines3 cma"
+            "pip install stable-baselines3 cma"
         ) from error

@@ -1,6 +1,6 @@
 """The methods, by name: each is tested on a run's bench, once or as it learns."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
@@ -18,12 +18,12 @@ from active_binocular_vision.baselines.command_search import (
 from active_binocular_vision.baselines.deep_rl import train
 from active_binocular_vision.baselines.read_out import Entries, calibrated_sensor
 from active_binocular_vision.baselines.registration import Registration
-from active_binocular_vision.baselines.turning import MotorMap, Sensor, steering
+from active_binocular_vision.baselines.turning import MotorMap, steering
 from experiment_manager import Trials
 from lockstep import PAIR
 
-# A search is shown after as many looks as a trial has, and after so many.
-_SHOWN_LOOKS = (20, 100, 300)
+# Of a search in one scene: a trial has 20 looks.
+SHOWN_LOOKS = (20, 60, 200)
 _N_SCORES = 5
 
 
@@ -42,53 +42,46 @@ class Tested:
 
 @dataclass(frozen=True)
 class Effort:
-    """One of `every` trials is made; n_steps: of training; n_places: to calibrate."""
+    """One of `every` trials is made; n_steps: of training, and places to calibrate."""
 
-    every: int = 11
-    n_steps: int = 20_000
-    n_places: int = 20_000
-    n_looks: int = 300
+    every: int
+    n_steps: int
 
 
-Method = Callable[[Bench, Effort], Iterator[Tested]]
+# Called with each test of a method, as soon as it is made.
+Done = Callable[[Tested], None]
+Method = Callable[[Bench, Effort, Done], None]
 
 
-def _registration(bench: Bench, effort: Effort) -> Iterator[Tested]:
+def _registration(bench: Bench, effort: Effort, done: Done) -> None:
     sensor = Registration(bench.plant.config.camera.focal_length_px)
-    yield Tested(0, bench.trials(_steering(bench, sensor), effort.every))
+    motor = MotorMap(bench.manager, bench.plant.config)
+    done(Tested(0, bench.trials(steering(sensor, motor), effort.every)))
 
 
 def _read_out(
-    bench: Bench, effort: Effort, entries: Entries, n_axes: int, places_share: float
-) -> Iterator[Tested]:
+    bench: Bench, effort: Effort, done: Done, *, entries: Entries, n_axes: int, places_share: float
+) -> None:
     motor = MotorMap(bench.manager, bench.plant.config)
     n_axes = 1 if bench.manager.command_space == PAIR else n_axes
-    n_places = round(places_share * effort.n_places)
+    n_places = round(places_share * effort.n_steps)
     sensor = calibrated_sensor(bench, motor, entries, n_axes, n_places)
-    yield Tested(n_places, bench.trials(steering(sensor, motor), effort.every))
+    done(Tested(n_places, bench.trials(steering(sensor, motor), effort.every)))
 
 
-def _cma_es(bench: Bench, effort: Effort) -> Iterator[Tested]:
+def _cma_es(bench: Bench, effort: Effort, done: Done) -> None:
     search = CommandSearch(bench.manager.space, bench.manager.limits, bench.manager.seed)
-    trials = bench.trials(search, effort.every, effort.n_looks + 1)
+    trials = bench.trials(search, effort.every, SHOWN_LOOKS[-1] + 1)
     found = best_so_far(trials, np.array(search.costs))
-    shown = {n for n in _SHOWN_LOOKS if n < effort.n_looks} | {effort.n_looks}
-    for n_looks in sorted(shown):
-        yield Tested(0, first_looks(found, n_looks), n_looks)
+    for n_looks in SHOWN_LOOKS:
+        done(Tested(0, first_looks(found, n_looks), n_looks))
 
 
-def _stable_baselines(bench: Bench, effort: Effort, algorithm: str) -> Iterator[Tested]:
-    scores: list[Tested] = []
-
+def _stable_baselines(bench: Bench, effort: Effort, done: Done, algorithm: str) -> None:
     def score(n_steps: int, controller: Controller) -> None:
-        scores.append(Tested(n_steps, bench.trials(controller, effort.every)))
+        done(Tested(n_steps, bench.trials(controller, effort.every)))
 
     train(bench, algorithm, effort.n_steps, score, effort.n_steps // _N_SCORES)
-    yield from scores
-
-
-def _steering(bench: Bench, sensor: Sensor) -> Controller:
-    return steering(sensor, MotorMap(bench.manager, bench.plant.config))
 
 
 METHODS: Mapping[str, Method] = MappingProxyType(

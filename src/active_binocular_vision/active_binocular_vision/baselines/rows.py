@@ -10,9 +10,9 @@ import numpy as np
 
 from active_binocular_vision.baselines.bench import Bench
 from active_binocular_vision.baselines.command_search import looks_needed
-from active_binocular_vision.baselines.methods import Tested
-from active_binocular_vision.runs.finished_run import FinishedRun
+from active_binocular_vision.baselines.methods import SHOWN_LOOKS, Tested
 from active_binocular_vision.runs.results_folder import COLUMNS, Row, rows_of_test
+from active_binocular_vision.runs.run import Run
 from experiment_manager import summary_of
 from experiment_manager.measures.criteria import Criteria, criteria_of
 from experiment_manager.measures.tables import text_table
@@ -26,9 +26,10 @@ _MEDIANS = tuple(
     f"median_abs_{name}_deg" for name in ("vergence_error", "vertical_error", "cyclovergence_error")
 )
 _LOOKS = "median_looks_to_1_px"
+_SHOWN_AFTER = {"end", *map(str, SHOWN_LOOKS)}
 
 
-def rows_of_run(run: FinishedRun) -> list[Row]:
+def rows_of_run(run: Run) -> list[Row]:
     """Return the rows of a run's own last test."""
     about = {"run": run.name, "model": run.model, "profile": run.profile, "seed": run.seed}
     about |= {"commit": run.commit[:7]}
@@ -36,7 +37,7 @@ def rows_of_run(run: FinishedRun) -> list[Row]:
 
 
 def rows_of_method(
-    method: str, run: FinishedRun, bench: Bench, tests: Iterable[Tested], commit: str
+    method: str, run: Run, bench: Bench, tests: Iterable[Tested], commit: str
 ) -> list[Row]:
     """Return the rows of a method's tests; commit: of the source that made them."""
     about = {"run": method, "model": run.model, "profile": run.profile, "seed": run.seed}
@@ -45,7 +46,7 @@ def rows_of_method(
     return [row for tested in tests for row in _rows(about, run, tested, criteria)]
 
 
-def _rows(about: Row, run: FinishedRun, tested: Tested, criteria: Criteria) -> Iterator[Row]:
+def _rows(about: Row, run: Run, tested: Tested, criteria: Criteria) -> Iterator[Row]:
     summary = summary_of(tested.trials, criteria)
     for row in rows_of_test(about, summary, is_of_pair=run.is_of_pair):
         early = row["after"] if row["after"] != "end" else tested.after or "end"
@@ -83,7 +84,7 @@ def table(rows: Iterable[Mapping[str, Any]]) -> str:
     """Return errors and share within a pixel of each test, those of the rows' order."""
     tests: dict[tuple[str, ...], dict[str, str]] = {}
     for row in rows:
-        if row["trials"] == "all" and row["after"] in ("end", "20", "100", "300"):
+        if row["trials"] == "all" and row["after"] in _SHOWN_AFTER:
             key = tuple(row[name] for name in ("profile", "run", "seed", "iteration", "after"))
             tests.setdefault(key, {})[row["measure"]] = row["value"]
     header = (

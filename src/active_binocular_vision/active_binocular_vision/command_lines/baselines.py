@@ -1,10 +1,10 @@
-"""The command line of baselines.sh."""
+"""The command line of `abv baselines`."""
 
 import argparse
 from pathlib import Path
 
 from active_binocular_vision.command_lines.start import start
-from lockstep.written.command_line import CommandLine
+from lockstep.written.command_line import CommandLine, command
 from lockstep.written.nearest import unknown
 from lockstep.written.paths import written_path
 
@@ -13,20 +13,20 @@ METHODS = ("registration", "energy_model", "ridge", "cma_es", "ppo", "sac")
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the command line of baselines.sh."""
+    """Return the command line of `abv baselines`."""
     line = CommandLine(
-        prog="baselines.sh",
+        prog=command("baselines"),
         description="Test other methods as a run was tested, with its eyes, pictures and first "
         "gazes, and write their measures beside the run's own. sac, ppo and cma_es need the extra "
-        "rl: .venv/bin/python -m pip install stable-baselines3 cma.",
+        "rl: pip install stable-baselines3 cma.",
     )
     line.add_argument(
         "runs",
         type=written_path,
         nargs="+",
         metavar="RUN",
-        help="directory of a run, of a sweep, or of results, or a run of such a folder; the methods"
-        " are tested as the first one, whose rows and those of the others stand beside theirs",
+        help="directory of a run, of a sweep or of results, a run of such a folder, or a name that"
+        f" {command('trained')} lists; methods are tested as the first one, beside all of them",
     )
     line.add_argument(
         "--methods",
