@@ -1,7 +1,7 @@
 """Sensors, eyes and tasks together, on runs that were hardly trained."""
 
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +9,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from active_binocular_vision import Run
-from active_binocular_vision.baselines.bench import Bench, bench_of, errors_deg
+from active_binocular_vision.baselines.bench import Bench, errors_deg
 from active_binocular_vision.baselines.deep_rl import ACTION_SCALE, VergenceTask
 from active_binocular_vision.baselines.read_out import known_places
 from active_binocular_vision.baselines.turning import MotorMap, steering
@@ -26,7 +26,7 @@ def bench(run_of: Callable[[str], Path]) -> Iterator[Callable[[str], Bench]]:
             run = Run(run_of(kind))
             assert run.states is not None
             state = read_state(run.states / "sparse_coder.npz", "sparse_coder")
-            return benches.enter_context(bench_of(run.configuration, state))
+            return benches.enter_context(closing(Bench(run.configuration, state)))
 
         yield opened
 

@@ -58,3 +58,18 @@ def test_a_run_without_a_checkpoint_needs_dictionaries(
 ) -> None:
     assert main([str(run_directories["M"]), "--out", str(tmp_path / "table.csv")]) == 2
     assert "expected a checkpoint, or --dictionary" in capsys.readouterr().err
+
+
+def test_another_table_stays_as_it_is(
+    run_directories: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = tmp_path / "other.csv"
+    other.write_text("a,b\n1,2\n")
+    words = [str(run_directories["M"]), "--out", str(other), "--methods", "none"]
+    assert main(words) == 2
+    assert "other.csv: expected a table with columns run, model" in capsys.readouterr().err
+    assert other.read_text() == "a,b\n1,2\n"
+    # Without methods the runs alone have rows.
+    words[2] = str(tmp_path / "new.csv")
+    assert main([str(run_directories["M_C"]), *words]) == 0
+    assert {row["model"] for row in _rows(tmp_path / "new.csv")} == {"M", "M_C"}

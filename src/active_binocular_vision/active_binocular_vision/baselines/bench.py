@@ -1,7 +1,6 @@
 """The test of a run for whoever commands its eyes: the same eyes, pictures, starts and measures."""
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import astuple, dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -115,6 +114,10 @@ class Bench:
             rows += map(self._row, self.observations(controller, episode))
         return only_test(TrialTable(np.array(rows, dtype=np.float64)), n)
 
+    def close(self) -> None:
+        """Release what the camera holds."""
+        self.plant.close()
+
     def _row(self, seen: Observation) -> tuple[float, ...]:
         commanded = self.manager.space.from_all(seen.state.activations)
         return (*seen.ground_truth_values(), *commanded)
@@ -123,13 +126,3 @@ class Bench:
 def errors_deg(seen: Observation) -> Array:
     """Return the true errors (3,), signed as GazeError's: no controller is given them."""
     return np.array(astuple(seen.truth.gaze_error))
-
-
-@contextmanager
-def bench_of(*arguments: Any) -> Iterator[Bench]:
-    """Yield a Bench of these arguments, and release what its camera holds."""
-    bench = Bench(*arguments)
-    try:
-        yield bench
-    finally:
-        bench.plant.close()

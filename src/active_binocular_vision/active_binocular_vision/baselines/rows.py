@@ -17,6 +17,7 @@ from experiment_manager import summary_of
 from experiment_manager.measures.criteria import Criteria, criteria_of
 from experiment_manager.measures.tables import text_table
 from experiment_manager.measures.trials import ERROR_NAMES, Trials
+from lockstep import InputError
 from lockstep.files.durable_files import replace_file
 
 # Rows of the same test of the same method stand once.
@@ -48,10 +49,14 @@ def rows_of_method(
 
 def _rows(about: Row, run: Run, tested: Tested, criteria: Criteria) -> Iterator[Row]:
     summary = summary_of(tested.trials, criteria)
-    for row in rows_of_test(about, summary, is_of_pair=run.is_of_pair):
-        early = row["after"] if row["after"] != "end" else tested.after or "end"
-        yield row | {"iteration": tested.iteration, "after": early}
-    if tested.after:
+    rows = [
+        row | {"iteration": tested.iteration}
+        for row in rows_of_test(about, summary, is_of_pair=run.is_of_pair)
+    ]
+    if not tested.after:
+        yield from rows
+    else:  # a search, whose earlier looks have tests of their own
+        yield from (row | {"after": tested.after} for row in rows if row["after"] == "end")
         needed = looks_needed(_is_within(tested.trials, criteria.px_deg))
         of = {"iteration": tested.iteration, "trials": "all", "after": tested.after}
         yield about | of | {"measure": _LOOKS, "value": f"{np.median(needed):.9g}"}
@@ -63,11 +68,17 @@ def _is_within(trials: Trials, px_deg: float) -> np.ndarray:
 
 
 def written(path: Path, rows: Sequence[Row]) -> list[Mapping[str, Any]]:
-    """Put rows into a table of comma-separated values, in place of older ones; return them all."""
+    """Put rows into a table of comma-separated values, in place of older ones; return them all.
+
+    Raises InputError, having written nothing, for a file that is another table.
+    """
     older: list[Mapping[str, Any]] = []
     if path.is_file():
         with path.open(newline="") as file:
-            older = [*csv.DictReader(file)]
+            reader = csv.DictReader(file)
+            older = [*reader]
+        if tuple(reader.fieldnames or ()) != COLUMNS:
+            raise InputError(f"{path}: expected a table with columns {', '.join(COLUMNS)}")
     new = {tuple(str(row[key]) for key in _KEYS) for row in rows}
     every = [row for row in older if tuple(row[key] for key in _KEYS) not in new]
     every += [{name: str(row.get(name, "")) for name in COLUMNS} for row in rows]

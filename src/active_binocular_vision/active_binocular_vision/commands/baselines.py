@@ -2,10 +2,11 @@
 
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from active_binocular_vision.baselines.bench import bench_of
+from active_binocular_vision.baselines.bench import Bench
 from active_binocular_vision.baselines.methods import METHODS, Effort, Tested
 from active_binocular_vision.baselines.rows import rows_of_method, rows_of_run, table, written
 from active_binocular_vision.command_lines.baselines import parser
@@ -49,7 +50,7 @@ def _tested(
     """Return all rows of the table, to which each test of each method is added once it is made."""
     rows: list[Mapping[str, Any]] = []
     commit = source_commit()
-    with bench_of(run.configuration, state) as bench:
+    with closing(Bench(run.configuration, state)) as bench:
         for method in methods:
             print(f"testing {method}", file=sys.stderr, flush=True)
             tests: list[Tested] = []
