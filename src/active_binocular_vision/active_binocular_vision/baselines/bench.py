@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 class Seen:
     """What a controller is given of an observation.
 
-    pictures: (2, height_px, width_px) uint8, left then right; activations: (12,); iteration: of the
-    episode, 0 at its start; coder: of the run, which learns no more.
+    pictures: (2, height_px, width_px) uint8, left then right; activations: (12,), as they are felt;
+    iteration: of the episode, 0 at its start; coder: of the run, which learns no more.
     """
 
     pictures: NDArray[np.uint8]
@@ -97,7 +97,7 @@ class Bench:
     def given(self, seen: Observation) -> Seen:
         """Return what a controller is given of an observation with pictures."""
         assert seen.pictures is not None
-        return Seen(seen.pictures, seen.state.activations, seen.iteration, self._coder)
+        return Seen(seen.pictures, seen.felt, seen.iteration, self._coder)
 
     def trials(
         self, controller: Controller, every: int = 1, n_iterations: int | None = None
