@@ -8,7 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from active_binocular_vision.command_lines import bag, evaluate, examine, report, run, sweep
+from active_binocular_vision.command_lines import (
+    bag,
+    baselines,
+    evaluate,
+    examine,
+    report,
+    run,
+    sweep,
+)
 from active_binocular_vision.command_lines.abv import COMMANDS as ABV_COMMANDS
 from active_binocular_vision.commands.command_line import request_of
 from active_binocular_vision.runs.results_folder import runs_at
@@ -22,6 +30,7 @@ PARSERS: dict[str, Callable[[], argparse.ArgumentParser]] = {
     "examine": examine.parser,
     "report": report.parser,
     "bag": bag.parser,
+    "baselines": baselines.parser,
     "sweep": sweep.parser,
 }
 _BLOCK = re.compile(r"^ *```\w*\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)

@@ -14,7 +14,7 @@ HEAVY = {"cv2", "gymnasium", "matplotlib", "mcap", "mujoco", "numba", "rclpy", "
 TOOLS = {"benchmark.sh": "tools.benchmark", "torture.sh": "tools.stress"}
 # Nodes take the arguments of ROS, which ROS itself reads.
 OWN = [name for name, (function, _) in COMMANDS.items() if "nodes:" not in function]
-NEED_NAME = {"evaluate", "examine", "bag", "report", "sweep"}
+NEED_NAME = {"baselines", "evaluate", "examine", "bag", "report", "sweep"}
 START = """
 import runpy, sys
 root, module, *sys.argv[1:] = sys.argv[1:]

@@ -18,6 +18,7 @@ _GROUPS = {
         "sweep": (f"{_LINES}.sweep:main", "many runs, on this machine or a Slurm cluster"),
         "evaluate": (f"{_LINES}.evaluate:main", "recompute the measures of a run from its bag"),
         "examine": (f"{_LINES}.examine:main", "test learners, as in an eye clinic"),
+        "baselines": (f"{_LINES}.baselines:main", "test other methods as a run was tested"),
         "trained": (f"{_LINES}.trained:main", "list trained eyes, or make a file of a run's"),
         "report": (f"{_LINES}.report:main", "draw figures and tables of runs into one page"),
         "bag": (f"{_LINES}.bag:main", "show, export, film or repair a bag"),

@@ -290,18 +290,25 @@ def _rows(run: Run) -> Iterator[Row]:
         of = about | {"iteration": run.n_iterations, "trials": "training"}
         yield _row(of, "", f"{_SHARE}/{end}", value)
     for test in run.summaries:
-        yield from _rows_of_test(run, about, test, is_last=test is run.summaries[-1])
+        is_last = test is run.summaries[-1]
+        yield from rows_of_test(about, test, is_of_pair=run.is_of_pair, is_last=is_last)
     for shown, document in run.tests_of_learners.items():
         for test in document:
-            yield from _rows_of_test(run, about | {"shown": shown}, test, is_last=True)
+            yield from rows_of_test(about | {"shown": shown}, test, is_of_pair=run.is_of_pair)
 
 
-def _rows_of_test(run: Run, about: Row, test: Summary, *, is_last: bool) -> Iterator[Row]:
+def rows_of_test(
+    about: Row, test: Summary, *, is_of_pair: bool, is_last: bool = True
+) -> Iterator[Row]:
+    """Yield what is kept of a test: of a run's last one all measures.
+
+    about: the columns that say what the test is of.
+    """
     document = msgspec.to_builtins(test)
     about = about | {"iteration": document.pop("iteration")}
     document.pop("without_zero_start_error")
     sets = {_ALL: document, _UP_TO_2_DEG: document.pop("starts_up_to_2_deg")}
-    for name, of_set in sets.items() if run.is_of_pair else [(_ALL, document)]:
+    for name, of_set in sets.items() if is_of_pair else [(_ALL, document)]:
         of = about | {"trials": name}
         for key, value in of_set.items():
             if key.startswith(_AFTER):

@@ -163,6 +163,16 @@ class GazeInverse:
             missed = wanted - self._continued_deg(values, distance_m)[held]
         return None
 
+    def turned(self, values: Array, change_deg: Mapping[str, float]) -> Array:
+        """Return activations (n_muscles,) that turn eyes further from those with other ones.
+
+        change_deg: of GAZE_ANGLES, along their slopes at tonic level before a plane at 2 m, whose
+        distance hardly matters. Of all such steps the least, as far as the limits allow.
+        """
+        held, change = _held([*change_deg], change_deg)
+        slopes = self._slopes[held]
+        return self._step_to(values, change, slopes, _inverse_of(slopes))
+
     def least(
         self,
         wanted_deg: Mapping[str, float],

@@ -1,0 +1,1 @@
+"""Other methods in the same test as a run's own learners."""

@@ -1,0 +1,90 @@
+"""Sensors, eyes and tasks together, on runs that were hardly trained."""
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
+from pathlib import Path
+
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+from active_binocular_vision import Run
+from active_binocular_vision.baselines.bench import Bench, errors_deg
+from active_binocular_vision.baselines.deep_rl import ACTION_SCALE, VergenceTask
+from active_binocular_vision.baselines.read_out import known_places
+from active_binocular_vision.baselines.turning import MotorMap, steering
+from experiment_manager import summary_of
+from experiment_manager.measures.criteria import criteria_of
+from lockstep import InputError, read_state
+
+
+@pytest.fixture
+def bench(run_of: Callable[[str], Path]) -> Iterator[Callable[[str], Bench]]:
+    with ExitStack() as benches:
+
+        def opened(kind: str) -> Bench:
+            run = Run(run_of(kind))
+            assert run.states is not None
+            state = read_state(run.states / "sparse_coder.npz", "sparse_coder")
+            return benches.enter_context(closing(Bench(run.configuration, state)))
+
+        yield opened
+
+
+@pytest.mark.parametrize(("kind", "n_axes"), [("pair", 1), ("twelve", 3)])
+def test_a_perfect_sensor_brings_the_eyes_to_rest_in_a_few_commands(bench, kind, n_axes):
+    eyes = bench(kind)
+    now: list[np.ndarray] = []
+    motor = MotorMap(eyes.manager, eyes.plant.config)
+    controller = steering(lambda _: now[-1], motor)
+    episode = next(eyes.training_episodes())
+    for seen in eyes.observations(controller, episode):
+        now.append(errors_deg(seen))
+    assert np.abs(now[0][:n_axes]).max() > 0.1
+    assert np.abs(now[-1][:n_axes]).max() < 1e-3
+
+
+def test_trials_are_those_of_the_runs_own_test(bench, run_of):
+    eyes, run = bench("pair"), Run(run_of("pair"))
+    trials = eyes.trials(lambda seen: eyes.manager.space.from_all(seen.activations))
+    own = run.summaries[-1]
+    assert summary_of(trials, criteria_of(eyes.plant.config)).n_trials == own.n_trials
+    assert trials.training_iteration == own.iteration
+    # Nothing moved.
+    np.testing.assert_allclose(
+        trials.vergence_error_deg, trials.vergence_error_deg[:, :1] + np.zeros(21), atol=1e-9
+    )
+    assert len(eyes.trials(lambda seen: np.zeros(2), 7).trial) == -(-own.n_trials // 7)
+
+
+def test_known_places_have_errors_of_all_sizes(bench):
+    eyes = bench("twelve")
+    places = known_places(eyes, MotorMap(eyes.manager, eyes.plant.config))
+    seen = [(given.iteration, error) for (given, error), _ in zip(places, range(40), strict=False)]
+    assert [iteration for iteration, _ in seen] == [*range(10)] * 4
+    errors = np.abs([error for _, error in seen])
+    assert (errors.max(axis=0) > 0.5).all()
+    assert (errors.min(axis=0) < 0.05).all()
+
+
+def test_the_task_of_other_agents_earns_what_e_falls_by(bench):
+    eyes = bench("pair")
+    pauses: list[int] = []
+    task = VergenceTask(eyes, pauses.append)
+    check_env(task, skip_render_check=True)
+    pauses.clear()
+    first, _ = task.reset(seed=1)
+    before = eyes.given(task._now).error
+    found, gained, terminated, truncated, _ = task.step(np.array([1.0, 0.0], np.float32))
+    assert gained == before - eyes.given(task._now).error
+    np.testing.assert_allclose(found[-12] - first[-12], ACTION_SCALE, rtol=1e-5)
+    assert (terminated, truncated) == (False, False)
+    ends = [task.step(np.zeros(2, np.float32))[3] for _ in range(9)]
+    assert ends == [False] * 8 + [True]
+    task.reset()
+    assert pauses[1] - pauses[0] == 10
+
+
+def test_eyes_that_make_saccades_have_another_test(run_of):
+    with pytest.raises(InputError, match="expected a run without saccades"):
+        Bench(Run(run_of("gaze")).configuration, {})
