@@ -12,6 +12,8 @@ external_toc_path = "docs/_toc.yml"
 include_patterns = ["*.md", "docs/**", "results/*.md", "sweeps/README.md"]
 exclude_patterns = ["docs/examples/**"]
 templates_path = ["templates"]
+html_static_path = ["static"]
+html_css_files = ["site.css"]
 
 html_theme = "furo"
 html_title = project

@@ -39,7 +39,7 @@ def _commands() -> Iterator[str]:
 
 def _help(name: str) -> str:
     line = [sys.executable, "-m", "active_binocular_vision", name, "--help"]
-    variables = os.environ | {"COLUMNS": "100"}
+    variables = os.environ | {"COLUMNS": "92"}
     done = subprocess.run(line, env=variables, capture_output=True, text=True, check=True)
     return done.stdout
 

@@ -80,7 +80,7 @@ def test_every_script_starts_something_that_exists() -> None:
         "test",
     ]
     words = {how: {w for found in started.values() for h, w in found if h == how} for how in CALLS}
-    assert words["abv"] == COMMANDS.keys()
+    assert COMMANDS.keys() - words["abv"] == {"docs", "trained"}  # docs.sh sets more up
     assert [name for name in words["start"] if importlib.util.find_spec(name) is None] == []
     for function, _ in COMMANDS.values():
         module, _, name = function.partition(":")

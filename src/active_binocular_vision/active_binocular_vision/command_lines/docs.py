@@ -7,7 +7,7 @@ from pathlib import Path
 from lockstep.exit_codes import EXIT_BAD_INPUT
 from lockstep.written.command_line import CommandLine, command
 
-_SCRIPT = Path(__file__).parents[4] / "launch_scripts" / "docs.sh"
+SCRIPT = Path(__file__).parents[4] / "launch_scripts" / "docs.sh"
 
 
 def main() -> None:
@@ -17,7 +17,7 @@ def main() -> None:
         description="Build the site of all pages, with its tutorials run, and open it in the"
         " browser. This needs a clone of the repository.",
     ).parse_args()
-    if not _SCRIPT.is_file():
-        print(f"error: expected a clone with {_SCRIPT}, which has the pages", file=sys.stderr)
+    if not SCRIPT.is_file():
+        print(f"error: expected a clone with {SCRIPT}, which has the pages", file=sys.stderr)
         sys.exit(EXIT_BAD_INPUT)
-    os.execv(_SCRIPT, [str(_SCRIPT)])
+    os.execv(SCRIPT, [str(SCRIPT)])
