@@ -25,3 +25,5 @@ draw clinic conditions results/clinic --conditions \
   --columns "cover,acuity.right_acuity_cycles_per_deg,tuning.binocular_share_fine,test.metabolic_rate_w"
 draw clinic_treatment treatments results/clinic_treatment results/clinic_untreated --conditions \
   --columns "cover.share_fused,test.share_within_1_px,cover.horizontal_deviation_pd,acuity.right_acuity_cycles_per_deg,tuning.binocular_share_fine"
+.venv/bin/python results/draw_nine_positions.py results/gaze profile_gaze_m_c-seed_1 \
+  results/gaze/figures/nine_positions_activations.png

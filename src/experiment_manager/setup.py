@@ -14,7 +14,13 @@ setup(
     url="https://active-binocular-vision.example",
     packages=find_packages(include=[package, f"{package}.*"]),
     package_data={
-        package: ["profiles/*.yaml", "profiles/*/*.yaml", "live/layout.json", "trained/eyes/*"]
+        package: [
+            "profiles/*.yaml",
+            "profiles/*/*.yaml",
+            "live/layout.json",
+            "live/page.html",
+            "trained/eyes/*",
+        ]
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),

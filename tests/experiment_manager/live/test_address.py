@@ -70,13 +70,6 @@ def test_a_port_in_use_is_found_before_the_start(offset: int) -> None:
             Address("127.0.0.1", port - offset).check()
 
 
-def test_without_the_sdk_no_run_begins(monkeypatch, tmp_path, capsys) -> None:
-    monkeypatch.setattr("active_binocular_vision.commands.run.why_unavailable", lambda: "no sdk")
-    assert main(["--live", "--out", str(tmp_path / "run")]) == 2
-    assert capsys.readouterr().err == "error: --live: no sdk\n"
-    assert not (tmp_path / "run").exists()
-
-
 def test_the_server_listens_on_ipv6() -> None:
     _skip_without_ipv6()
     server = ViewServer("::1", 0, topics={}, pictures=(), tables={}, heard={})

@@ -15,6 +15,7 @@ from sensor_msgs.msg import Image, JointState
 
 from experiment_manager.live.node import LiveViewNode
 from experiment_manager.live.page import Page
+from experiment_manager.live.shown import Shown
 from experiment_manager.live.steering import Steering
 from lockstep import InputError
 from lockstep.wire.topics import GAZE_TARGET, PICTURES, TARGET_NAMES
@@ -30,8 +31,8 @@ THERE = {"name": ["target_up_deg", "target_sideways_deg"], "position": [-2.0, 5.
 
 @pytest.fixture
 def steering() -> Steering:
-    steering = Steering(F_PX)
-    steering.show(PICTURE)
+    steering = Steering(Shown(F_PX))
+    steering.shown.show([PICTURE])
     return steering
 
 
@@ -97,13 +98,13 @@ def _click(address: str, query: str, **headers: str) -> int:
 
 def test_the_page_shows_the_picture_and_takes_clicks(steering: Steering) -> None:
     page, address = _page(steering)
-    wanted: bool = steering.wants_picture
-    assert not wanted
+    is_watched: bool = steering.shown.is_watched
+    assert not is_watched
     with urllib.request.urlopen(f"{address}/left.png?1") as answer:
         seen = cv2.imdecode(np.frombuffer(answer.read(), np.uint8), cv2.IMREAD_GRAYSCALE)
     np.testing.assert_array_equal(seen, PICTURE)
-    wanted = steering.wants_picture
-    assert wanted
+    is_watched = steering.shown.is_watched
+    assert is_watched
     assert _click(address, "column_px=260&row_px=120") == 204
     np.testing.assert_allclose(_taken(steering), [45.0, 0.0])
     for query, reason in (
@@ -164,7 +165,7 @@ def test_the_page_listens_on_ipv6(steering: Steering) -> None:
 
 
 def test_before_the_first_picture_there_is_nothing_to_click_in() -> None:
-    page, address = _page(Steering(F_PX))
+    page, address = _page(Steering(Shown(F_PX)))
     with pytest.raises(HTTPError, match="404"):
         urllib.request.urlopen(f"{address}/left.png")
     with pytest.raises(HTTPError, match="400"):

@@ -109,12 +109,11 @@ def _live(options: argparse.Namespace) -> Address | None:
     """
     if options.live is None:
         return None
-    if why := why_unavailable():
-        raise InputError(f"--live: {why}")
     address: Address = options.live
     address.check()
     page = Address(address.host, address.port + 1)
-    print(f"live view: ws://{address}; http://{page} opens it in Lichtblick or Foxglove")
+    viewers = f"ws://{address} for Lichtblick or Foxglove"
+    print(f"live view: http://{page} in a browser; {why_unavailable() or viewers}")
     return address
 
 

@@ -16,10 +16,11 @@ class LiveViewConfig(TaskConfig):
 
     host: str = setting(LOCAL_HOST, "address that it listens on; 0.0.0.0 for all of this machine's")
     port: int = setting(
-        PORT, "port of the WebSocket server, 0 for any free one", least=0, most=65535
+        PORT, "port of the WebSocket server for viewers, 0 for any free one", least=0, most=65535
     )
     page_port: int = setting(
-        PORT + 1, "port of the page with links and layout, 0 for any free one", least=0, most=65535
+        PORT + 1, "port of the page for browsers, 0 for any free one", least=0, most=65535
     )
+    run: str = setting("", "name of the run, for the page")
     rate_hz: float = setting(20.0, "pictures a second at most", "Hz", above=0, most=100)
     camera: CameraConfig = field(default_factory=CameraConfig)

@@ -18,6 +18,7 @@ from sensor_msgs.msg import Image, JointState
 from experiment_manager.live.address import Address
 from experiment_manager.live.config import LiveViewConfig
 from experiment_manager.live.page import Page
+from experiment_manager.live.shown import Shown
 from experiment_manager.live.steering import Steering
 from experiment_manager.live.view import View, open_server
 from experiment_manager.run.recorded_topics import SMALL_TOPICS
@@ -43,10 +44,13 @@ class LiveViewNode(Node):
         """Listen on the configured ports; raises InputError when that cannot be."""
         super().__init__("live_view", **kwargs)
         config = declare_config(self, LiveViewConfig)
-        self._steering = Steering(config.camera.focal_length_px * config.camera.left_magnification)
+        focal_px = config.camera.focal_length_px * config.camera.left_magnification
+        self._shown = Shown(focal_px, config.run)
+        self._steering = Steering(self._shown)
         self._gaze_targets = VectorPublisher(self, GAZE_TARGET, TARGET_NAMES)
         self._server = open_server(config.host, config.port, self._steering.ask)
-        address = f"ws://{Address(config.host, self._server.port)}"
+        port = self._server.port
+        address = f"ws://{Address(config.host, port)}" if port else ""
         try:
             self._page = Page(config.host, config.page_port, address, self._steering)
         except InputError:
@@ -59,7 +63,8 @@ class LiveViewNode(Node):
             1.0 / config.rate_hz, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
         page = f"http://{Address(config.host, self._page.port)}/"
-        self.get_logger().info(f"live view at {address}; {page} opens it and has its layout")
+        viewers = f"; for viewers: {address}" if address else ""
+        self.get_logger().info(f"live view at {page}{viewers}")
 
     @property
     def ports(self) -> tuple[int, int]:
@@ -77,7 +82,7 @@ class LiveViewNode(Node):
                 self._gaze_targets.publish(0, target_deg)
         except InputError as error:
             self.get_logger().warning(str(error), throttle_duration_sec=10.0)
-        of_page = set(PICTURES[:1]) if self._steering.wants_picture else set()
+        of_page = set(PICTURES) if self._shown.is_watched else set()
         self._subscribe(self._view.wanted_topics() | of_page)
 
     def _show_newest(self) -> None:
@@ -87,14 +92,16 @@ class LiveViewNode(Node):
         if BASIS_FUNCTIONS in heard:
             self._view.take_basis_functions(image_array(heard.pop(BASIS_FUNCTIONS)[-1]))
         newest = {topic: messages[-1] for topic, messages in heard.items()}
-        if self._steering.wants_picture and PICTURES[0] in newest:
-            self._steering.show(image_array(newest[PICTURES[0]]))
         left, right = ({stamp_ns_of(m): m for m in heard.get(t, ())} for t in PICTURES)
         if common := set(left) & set(right):
             newest |= dict(zip(PICTURES, (left[max(common)], right[max(common)]), strict=True))
         elif left and right:
             del newest[PICTURES[0]], newest[PICTURES[1]]
+        if self._shown.is_watched and PICTURES[0] in newest:
+            self._shown.show([image_array(newest[t]) for t in PICTURES if t in newest])
         self._view.show(newest)
+        if self._view.learning is not None:
+            self._shown.learn(*self._view.learning)
 
     def _subscribe(self, wanted: set[str]) -> None:
         for topic in wanted - set(self._subscribed):

@@ -1,4 +1,4 @@
-"""A page on this machine with the links that open the view, and the layout to import."""
+"""A page on this machine that shows a run in a browser, with links to viewers that show more."""
 
 import functools
 import ipaddress
@@ -14,13 +14,10 @@ from experiment_manager.live.steering import Steering
 from lockstep import InputError
 
 LAYOUT = Path(__file__).with_name("layout.json")
-_PAGE = """<!DOCTYPE html>
-<html lang="en">
-<meta charset="utf-8">
-<title>Active binocular vision: live view</title>
-<body style="font-family: sans-serif; max-width: 45em; margin: 2em auto">
-<h1>Live view</h1>
-<p>Served at <code>{address}</code>, the Foxglove protocol.</p>
+_PAGE = Path(__file__).with_name("page.html")
+_VIEWERS = """<h2>More, in a viewer</h2>
+<p>Features, reconstructions, muscles and all numbers are served at <code>{address}</code>, by the
+Foxglove protocol.</p>
 <ol>
 <li>Open it in Lichtblick (newer than 1.21.0), which is free software:
 <a href="lichtblick://open?{query}">on the desktop</a>, or
@@ -30,35 +27,21 @@ or <a href="https://app.foxglove.dev/?{query}">in Foxglove</a>.</li>
 <li>The first time: save the <a href="layout.json" download>layout</a>, then <em>Layouts</em>,
 <em>Import from file</em>.</li>
 </ol>
-<h2>Where to look</h2>
-<p>What the left eye sees. Eyes that make saccades (profile <code>gaze</code>) look at the place
-that you click, from the next fixation of training on.</p>
-<img id="left" src="left.png" width="640" alt="no picture yet" style="cursor: crosshair">
-<script>
-const left = document.getElementById("left");
-const reload = () => { left.src = "left.png?" + Date.now(); };
-left.onload = () => setTimeout(reload, 100);
-left.onerror = () => setTimeout(reload, 1000);
-left.onclick = (event) => {
-  if (!left.naturalWidth) return;
-  const scale = left.naturalWidth / left.clientWidth;
-  const place = {column_px: event.offsetX * scale, row_px: event.offsetY * scale};
-  fetch("look?" + new URLSearchParams(place), {method: "POST"});
-};
-</script>
 """
 
 
 class Page:
-    """Serves the page, the layout and the picture to click in from threads of its own."""
+    """Serves the page, what it shows and the layout from threads of its own."""
 
     def __init__(self, host: str, port: int, address: str, steering: Steering) -> None:
-        """Listen on host and port (0: any free one); address: of the WebSocket server.
+        """Listen on host and port (0: any free one).
 
-        steering: takes clicks. Raises InputError when nobody can listen there.
+        address: of the WebSocket server, "" for none; steering: takes clicks. Raises InputError
+        when nobody can listen there.
         """
         query = urlencode({"ds": "foxglove-websocket", "ds.url": address})
-        text = _PAGE.replace("{address}", address).replace("{query}", query)
+        viewers = _VIEWERS.replace("{address}", address).replace("{query}", query)
+        text = _PAGE.read_text("utf-8").replace("{viewers}", viewers if address else "")
         documents = {
             "/": ("text/html; charset=utf-8", text.encode()),
             "/layout.json": ("application/json", LAYOUT.read_bytes()),
@@ -95,13 +78,15 @@ class _Handler(BaseHTTPRequestHandler):
         super().__init__(*arguments)  # type: ignore[arg-type]
 
     def do_GET(self) -> None:
-        """Answer with one of the documents or the picture."""
+        """Answer with one of the documents, an image or the state."""
         if self._refuses():
             return
-        path = urlsplit(self.path).path
+        path, shown = urlsplit(self.path).path, self._steering.shown
         kind, content = self._documents.get(path, ("image/png", b""))
-        if path == "/left.png":
-            content = self._steering.png()
+        if path == "/state.json":
+            kind, content = "application/json", shown.state()
+        elif path.endswith(".png"):
+            content = shown.png(path.removeprefix("/").removesuffix(".png"))
         if not content:
             self.send_error(404)
             return

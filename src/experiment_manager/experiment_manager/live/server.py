@@ -30,9 +30,30 @@ def why_unavailable() -> str:
     lock = Path(__file__).parents[4] / _LOCK_FILE
     what = f"--require-hashes -r {lock}" if lock.is_file() else "foxglove-sdk"
     return (
-        "the live view needs foxglove-sdk, which is not installed: "
-        f".venv/bin/python -m pip install {what}"
+        f"viewers need foxglove-sdk, which is not installed: .venv/bin/python -m pip install {what}"
     )
+
+
+class NoServer:
+    """In the place of a server where foxglove-sdk is not installed: nobody watches."""
+
+    port = 0
+
+    def is_watched(self, topic: str) -> bool:
+        """Nobody does."""
+        return False
+
+    def send(self, topic: str, message: bytes) -> None:
+        """Send nothing."""
+
+    def send_picture(self, topic: str, picture: np.ndarray) -> None:
+        """Send nothing."""
+
+    def send_numbers(self, topic: str, numbers: Mapping[str, float]) -> None:
+        """Send nothing."""
+
+    def close(self) -> None:
+        """Do nothing."""
 
 
 class ViewServer:

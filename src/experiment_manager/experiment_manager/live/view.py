@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from experiment_manager.anaglyph import anaglyph
-from experiment_manager.live.server import ViewServer
+from experiment_manager.live.server import NoServer, ViewServer, why_unavailable
 from experiment_manager.run.recorded_topics import SMALL_TOPICS
 from lockstep import InputError
 from lockstep.wire.cdr import image_array
@@ -32,11 +32,13 @@ _TRUTH_NAMES = ("phase", "iteration", "training_iteration", "vergence_error_deg"
 Messages = Mapping[str, bytes]
 
 
-def open_server(host: str, port: int, ask: Callable[[bytes], None]) -> ViewServer:
-    """Return a server with all channels of a view; see `ViewServer`.
+def open_server(host: str, port: int, ask: Callable[[bytes], None]) -> ViewServer | NoServer:
+    """Return a server with all channels of a view; see `ViewServer`; none without foxglove-sdk.
 
     ask: takes what clients publish on gaze_target, in a thread of the server.
     """
+    if why_unavailable():
+        return NoServer()
     return ViewServer(
         host,
         port,
@@ -48,15 +50,19 @@ def open_server(host: str, port: int, ask: Callable[[bytes], None]) -> ViewServe
 
 
 class View:
-    """Sends what is watched, and makes only what is watched."""
+    """Sends what is watched, and makes only what is watched.
 
-    def __init__(self, server: ViewServer, n_selections: int) -> None:
+    learning: values of LEARNING_NAMES that the last look brought, None for none.
+    """
+
+    def __init__(self, server: ViewServer | NoServer, n_selections: int) -> None:
         """n_selections: of the sparse coder's matching pursuit."""
         self._server = server
         self._n_selections = n_selections
         self._coder: SparseCoder | None = None
         self._atoms: NDArray[np.float32] = np.zeros(0, np.float32)
         self._running_error = RunningError()
+        self.learning: tuple[float, float] | None = None
 
     def wanted_topics(self) -> set[str]:
         """Return the topics that are worth listening to for what is watched now.
@@ -94,9 +100,10 @@ class View:
                 self._server.send(topic, message)
         if all(topic in messages for topic in PICTURES):
             self._show_pictures(*(image_array(messages[topic]) for topic in PICTURES))
-        if self._running_error.is_new and self._server.is_watched(LEARNING):
-            numbers = self._running_error.numbers()
-            self._server.send_numbers(LEARNING, dict(zip(LEARNING_NAMES, numbers, strict=True)))
+        self.learning = self._running_error.numbers() if self._running_error.is_new else None
+        if self.learning is not None and self._server.is_watched(LEARNING):
+            numbers = dict(zip(LEARNING_NAMES, self.learning, strict=True))
+            self._server.send_numbers(LEARNING, numbers)
 
     def _show_pictures(self, left: np.ndarray, right: np.ndarray) -> None:
         if self._server.is_watched(ANAGLYPH):

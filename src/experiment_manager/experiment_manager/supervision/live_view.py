@@ -5,7 +5,9 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 from experiment_manager.live.address import Address
-from experiment_manager.run.config_file import CONFIG_FILE
+from experiment_manager.nodes import MANAGER
+from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
+from experiment_manager.sections import TASK
 from experiment_manager.supervision.processes import (
     Process,
     last_words,
@@ -26,8 +28,9 @@ class LiveView(AbstractContextManager["LiveView"]):
         self._process: Process | None = None
         if address is None:
             return
-        given = {"host": address.host, "port": address.port, "page_port": address.port + 1}
+        ports = {"port": address.port, "page_port": address.port + 1}
         config = str(directory / CONFIG_FILE)
+        given = {"host": address.host, "run": _name_of(directory), **ports}
         arguments = ["--ros-args", "--params-file", config, *parameter_arguments(given)]
         self._process = start_node(PACKAGE, arguments, domain, self._log)
 
@@ -44,3 +47,13 @@ class LiveView(AbstractContextManager["LiveView"]):
         """Stop the process."""
         if self._process is not None:
             stop([self._process])
+
+
+def _name_of(directory: Path) -> str:
+    """Return what a run is, for its page."""
+    configuration = read_configuration(directory / CONFIG_FILE)
+    manager = configuration[MANAGER]
+    profile = f", profile {manager['profile']}" if manager["profile"] else ""
+    return (
+        f"{directory.name}{profile}, model {manager['model']}, seed {configuration[TASK]['seed']}"
+    )

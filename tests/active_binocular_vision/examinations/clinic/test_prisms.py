@@ -10,10 +10,13 @@ import pytest
 from active_binocular_vision.examinations.clinic.prisms import (
     DIRECTIONS,
     Direction,
+    PrismTraces,
     PrismTrial,
     prism_trial,
 )
+from active_binocular_vision.figures.examinations.clinic import prisms_figure
 from active_binocular_vision.learners.session import NO_PRISM, Course, Prism
+from tests.readable import assert_readable
 
 BASE_OUT, BASE_UP, INCYCLO = DIRECTIONS[0], DIRECTIONS[2], DIRECTIONS[4]
 
@@ -106,3 +109,19 @@ def test_the_pair_cannot_follow_a_vertical_prism(session_with) -> None:
     trial = prism_trial(session_with("pair"), 0, 2.0, BASE_UP)
     assert trial.demand_deg[trial.i_turn] > 0.0
     np.testing.assert_allclose(trial.response_deg, 0.0, atol=1e-2)
+
+
+def test_the_figure_has_what_the_eyes_leave_of_the_demand_at_each_distance() -> None:
+    distances_m = (0.5, 6.0)
+    trials = {
+        (direction.name, distance_m): [_trial(direction, 0.9, 4.0, 2.0)]
+        for direction in DIRECTIONS
+        for distance_m in distances_m
+    }
+    figure = prisms_figure(PrismTraces(0.22, distances_m, trials))
+    assert len(figure.axes) == 3 * len(distances_m)
+    for axes in figure.axes:
+        demand_deg, lag_deg = (np.asarray(a) for a in axes.lines[0].get_data())
+        followed = demand_deg <= 4.0
+        np.testing.assert_allclose(lag_deg[followed], 0.1 * demand_deg[followed], atol=1e-9)
+    assert_readable(figure)

@@ -12,7 +12,9 @@ from active_binocular_vision.examinations.clinic.stereo import (
     stereo_curve,
     turns_right,
 )
+from active_binocular_vision.figures.examinations.clinic import stereo_figure
 from active_binocular_vision.learners.session import Course
+from tests.readable import assert_readable
 
 
 def _answers(right_by_sign: np.ndarray, n: int = 100) -> np.ndarray:
@@ -33,14 +35,13 @@ def test_the_threshold_is_where_the_share_last_rises_through_three_quarters() ->
     assert _curve(0.0, 0.74, 0.75).threshold_deg == pytest.approx(16.0)
 
 
-def test_commands_that_converge_over_the_signed_disparity() -> None:
+def test_the_figure_has_both_signs_and_what_the_threshold_is_read_from() -> None:
     answers = _answers(np.array([[0.6, 1.0], [0.8, 0.9]]), 10)
     curve = StereoCurve(np.array([1.0, 2.0]), answers)
-    signed_deg, converging = curve.converging
-    assert signed_deg.tolist() == [-2.0, -1.0, 1.0, 2.0]
-    # Of eyes that converge too much the wrong commands converge.
-    np.testing.assert_allclose(converging, (0.0, 0.4, 0.8, 0.9))
-    np.testing.assert_allclose(curve.right, (0.7, 0.95))
+    figure = stereo_figure(curve)
+    shares = [np.asarray(line.get_ydata()) for line in figure.axes[0].lines[:3]]
+    np.testing.assert_allclose(shares, [(0.6, 1.0), (0.8, 0.9), (0.7, 0.95)])
+    assert_readable(figure)
 
 
 def _session(fixation_iterations: int, *horizontal_deg: float) -> Any:

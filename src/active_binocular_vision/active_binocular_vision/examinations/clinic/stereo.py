@@ -66,16 +66,6 @@ class StereoCurve:
         return np.asarray(self.right_by_sign.mean(axis=0))
 
     @property
-    def converging(self) -> tuple[Array, Array]:
-        """Signed disparity (2 n,), rising, and the share of commands that make the eyes converge.
-
-        Above 0 the eyes converge too little, as in GazeError.
-        """
-        too_much, too_little = self.right_by_sign
-        signed_deg = np.concatenate([-self.disparity_deg[::-1], self.disparity_deg])
-        return signed_deg, np.concatenate([1.0 - too_much[::-1], too_little])
-
-    @property
     def threshold_deg(self) -> float | None:
         """Smallest disparity from which on 75 % are right, None if the largest one fails.
 

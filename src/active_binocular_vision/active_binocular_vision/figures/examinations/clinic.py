@@ -1,6 +1,6 @@
 """Figures of the examinations, as a clinician draws them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import matplotlib as mpl
@@ -14,7 +14,6 @@ from active_binocular_vision.examinations.clinic.cover import AXES, CoverTraces
 from active_binocular_vision.examinations.clinic.gratings import Resolution
 from active_binocular_vision.examinations.clinic.prisms import (
     DIRECTIONS,
-    Array,
     PrismTraces,
     PrismTrial,
 )
@@ -70,54 +69,51 @@ def cover_figure(results: CoverTraces) -> Figure:
 
 
 def prisms_figure(results: PrismTraces) -> Figure:
-    """Return response and fixation disparity over the demand of prisms, a column for each axis.
+    """Return the fixation disparity over the demand of prisms: a row for each distance.
 
-    A line for each picture, as long as the prism grows.
+    A column for each axis, a line for each picture, as long as the prism grows. The eyes respond
+    with the demand less the fixation disparity.
     """
-    figure = new_figure(WIDTH_IN, 5.4)
-    rows = figure.subplots(2, 3, sharex="col")
-    pairs = zip(DIRECTIONS[::2], DIRECTIONS[1::2], strict=True)
-    for column, pair in zip(rows.T, pairs, strict=True):
-        for distance_m, colour in zip(results.distances_m, _COLOURS, strict=False):
+    n_rows = len(results.distances_m)
+    figure = new_figure(WIDTH_IN, 2.2 * n_rows + 0.9)
+    rows = figure.subplots(n_rows, 3, sharex="col", sharey="col", squeeze=False)
+    pairs = list(zip(DIRECTIONS[::2], DIRECTIONS[1::2], strict=True))
+    for distance_m, row in zip(results.distances_m, rows, strict=True):
+        for axes, pair in zip(row, pairs, strict=True):
             for sign, direction in zip((1.0, -1.0), pair, strict=True):
                 for trial in results.trials[direction.name, distance_m]:
-                    for axes, values in zip(
-                        column, (trial.response_deg, trial.lag_deg), strict=True
-                    ):
-                        _draw_prisms(axes, trial, values, sign, colour)
-        low, high = column[0].get_xlim()
-        column[0].plot((low, high), (low, high), color=GREY, lw=0.8, ls=":", zorder=1)
-        column[1].set_xlabel(f"demand / deg\n{pair[1].name} < 0 < {pair[0].name}")
-    for axes in rows[1, :2]:
-        for level_deg in (-results.px_deg, results.px_deg):
-            axes.axhline(level_deg, color=GREY, lw=0.8, ls=":", zorder=1)
-    rows[0, 0].set_ylabel("response of the eyes / deg")
-    rows[1, 0].set_ylabel("fixation disparity / deg")
-    title_panels(rows.ravel(), ("horizontal", "vertical", "torsional") * 2)
-    legend_below(figure, _prism_handles(results.distances_m))
+                    _draw_prisms(axes, trial, sign)
+        row[0].set_ylabel("fixation disparity / deg")
+        for axes in row[:2]:  # pixels do not measure torsion
+            for level_deg in (-results.px_deg, results.px_deg):
+                axes.axhline(level_deg, color=GREY, lw=0.8, ls=":", zorder=1)
+    for axes, (above, below) in zip(rows[-1], pairs, strict=True):
+        axes.set_xlabel(f"demand / deg\n{below.name} < 0 < {above.name}")
+    titles = [
+        f"{axis}, {m:g} m"
+        for m in results.distances_m
+        for axis in ("horizontal", "vertical", "torsional")
+    ]
+    title_panels(rows.ravel(), titles)
+    dots: dict[str, Any] = {"color": BLUE, "ls": "", "marker": "o", "ms": 5}
+    n_pictures = len(next(iter(results.trials.values())))
+    handles = [
+        Line2D([], [], color=BLUE, lw=0.8, label=f"each of n = {n_pictures} stimuli"),
+        Line2D([], [], label="break", **dots),
+        Line2D([], [], label="recovery", mfc="w", **dots),
+        Line2D([], [], color=GREY, lw=0.8, ls=":", label="1 px"),
+    ]
+    legend_below(figure, handles)
     return figure
 
 
-def _prism_handles(distances_m: Sequence[float]) -> list[Line2D]:
-    dots: dict[str, Any] = {"color": "k", "ls": "", "marker": "o", "ms": 5}
-    return [
-        *(
-            Line2D([], [], color=colour, label=f"{distance_m:g} m")
-            for distance_m, colour in zip(distances_m, _COLOURS, strict=False)
-        ),
-        Line2D([], [], label="break", **dots),
-        Line2D([], [], label="recovery", mfc="w", **dots),
-        Line2D([], [], color=GREY, lw=0.8, ls=":", label="response = demand; 1 px"),
-    ]
-
-
-def _draw_prisms(axes: Axes, trial: PrismTrial, values: Array, sign: float, colour: str) -> None:
+def _draw_prisms(axes: Axes, trial: PrismTrial, sign: float) -> None:
     rising = slice(0, trial.i_turn + 1)
-    demand_deg, shown_deg = sign * trial.demand_deg, sign * values
-    axes.plot(demand_deg[rising], shown_deg[rising], color=colour, lw=0.8, alpha=0.7)
-    for i_step, face in ((trial.i_break, colour), (trial.i_recovery, "w")):
+    demand_deg, lag_deg = sign * trial.demand_deg, sign * trial.lag_deg
+    axes.plot(demand_deg[rising], lag_deg[rising], color=BLUE, lw=0.8, alpha=0.7)
+    for i_step, face in ((trial.i_break, BLUE), (trial.i_recovery, "w")):
         if i_step is not None:
-            axes.plot(demand_deg[i_step], shown_deg[i_step], "o", color=colour, mfc=face, ms=5)
+            axes.plot(demand_deg[i_step], lag_deg[i_step], "o", color=BLUE, mfc=face, ms=5)
 
 
 def acuity_figure(seen: Mapping[str, Resolution]) -> Figure:
@@ -143,25 +139,24 @@ def acuity_figure(seen: Mapping[str, Resolution]) -> Figure:
 
 
 def stereo_figure(curve: StereoCurve) -> Figure:
-    """Return the psychometric curve: how often the first command of vergence converges."""
+    """Return how often the first command of vergence is right, over the size of the disparity."""
     figure = new_figure(WIDTH_IN / 2.0, 3.4)
     axes = figure.subplots()
-    signed_deg, converging = curve.converging
-    axes.plot(signed_deg, converging, color="k", marker="o", ms=3)
-    axes.set_xscale("symlog", linthresh=float(curve.disparity_deg[0]), linscale=0.5)
-    ticks_deg = (0.02, 0.1, 0.5, 2.0)
-    places_deg = [*(-t for t in reversed(ticks_deg)), *ticks_deg]
-    axes.set_xticks(places_deg, [f"{t:g}".replace("-", "\N{MINUS SIGN}") for t in places_deg])
-    axes.xaxis.set_minor_locator(mpl.ticker.NullLocator())
-    axes.set(
-        xlabel="disparity / deg\nconverged too much < 0 < too little",
-        ylabel="share of commands that converge",
-        ylim=(-0.03, 1.03),
+    too_much, too_little = curve.right_by_sign
+    looks: tuple[tuple[Any, str, dict[str, Any]], ...] = (
+        (too_much, "converged too much", {"color": BLUE, "marker": "s", "lw": 0.8}),
+        (too_little, "converged too little", {"color": VERMILION, "marker": "^", "lw": 0.8}),
+        (curve.right, "both", {"color": "k", "marker": "o", "lw": 1.6}),
     )
-    axes.axhline(0.5, color=GREY, lw=0.8, ls=":")
-    threshold_deg = curve.threshold_deg
-    if threshold_deg is not None:
-        axes.axvspan(-threshold_deg, threshold_deg, color=LIGHT_GREY, alpha=0.5, lw=0)
-    below = Patch(color=LIGHT_GREY, alpha=0.5, label="below the stereo threshold")
-    legend_below(figure, [below])
+    for shares, label, look in looks:
+        axes.plot(curve.disparity_deg, shares, ms=3.5, label=label, **look)
+    axes.set_xscale("log")
+    axes.xaxis.set_major_formatter(mpl.ticker.FormatStrFormatter("%g"))
+    axes.set(xlabel="disparity / deg", ylabel="share of right commands", ylim=(-0.03, 1.03))
+    mark_level(axes, 0.5, "1/2")
+    mark_level(axes, 0.75, "3/4")
+    if curve.threshold_deg is not None:
+        axes.axvline(curve.threshold_deg, color=GREY, lw=0.8, label="stereo threshold, both")
+    n = Line2D([], [], ls="", label=f"n = {curve.n_trials} trials each")
+    legend_below(figure, [*axes.get_legend_handles_labels()[0], n])
     return figure

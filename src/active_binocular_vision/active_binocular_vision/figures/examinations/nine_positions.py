@@ -1,5 +1,6 @@
 """The figures of the nine positions: gaze, what each muscle does there, and Listing's law."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -8,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, Rectangle
 from numpy.typing import NDArray
 
 from active_binocular_vision.examinations.nine_positions.listing import DisplacementPlane
@@ -26,6 +27,7 @@ from active_binocular_vision.figures.style import (
     new_figure,
     title_panels,
 )
+from eye_plant import EyePlantConfig
 from lockstep import SIDES
 from lockstep.command_space import MUSCLES
 
@@ -34,6 +36,7 @@ Array = NDArray[np.float64]
 _N_SIDE = 3
 _ARROWS = ("↖", "↑", "↗", "←", "•", "→", "↙", "↓", "↘")
 _ABBREVIATIONS = ["".join(word[0] for word in muscle.split("_")).upper() for muscle in MUSCLES]
+_EXTRA = "active, silent with the least energy"
 # Beyond the outermost gaze, and between ticks.
 _MARGIN_DEG = 3.0
 _TICKS_DEG = 5.0
@@ -111,32 +114,53 @@ def _panels(n_distances: int, height_in: float, x_label: str, y_label: str) -> t
 
 
 def activations_figure(examined: NinePositionsTraces) -> Figure:
-    """Return activations of all muscles: learned beside least energy, nearest above farthest.
-
-    Medians over pictures; a column for each position, silent muscles white.
-    """
+    """Return activations of all muscles, medians over pictures; see `learned_beside_least`."""
     nine = examined.nine
-    of_eyes = np.median(nine.eyes.activations, axis=2)
-    figure = new_figure(WIDTH_IN, 7.6)
-    panels = figure.subplots(2, 2, sharex=True, sharey=True)
-    shown = [part[i] for i in (0, -1) for part in (of_eyes, nine.optimum.activations)]
+    learned = np.median(nine.eyes.activations, axis=2)
+    return learned_beside_least(nine.distances_m, learned, nine.optimum.activations, examined.plant)
+
+
+def learned_beside_least(
+    distances_m: Sequence[float], learned: Array, least: Array, plant: EyePlantConfig
+) -> Figure:
+    """Return activations of all muscles: learned beside least energy, a row for each distance.
+
+    learned, least: (n_distances, 9, 12). A column for each position; silent muscles are white,
+    those framed that the least energy leaves silent.
+    """
+    n_rows = len(distances_m)
+    figure = new_figure(WIDTH_IN, 2.7 * n_rows + 1.0)
+    panels = figure.subplots(n_rows, 2, sharex=True, sharey=True, squeeze=False)
+    shown = np.stack([learned, least], axis=1)
+    silent = is_silent(shown, plant)
     scale = mpl.colors.Normalize(0.0, float(np.nanmax(shown)))
     colours = mpl.colormaps["viridis_r"].with_extremes(bad="white")
-    for axes, activations in zip(panels.ravel(), shown, strict=True):
-        silent = is_silent(activations, examined.plant)
-        image = _draw_activations(axes, activations, silent, colours, scale)
-    distances_m = nine.distances_m[0], nine.distances_m[-1]
+    for row, *of_row in zip(panels, shown, silent, strict=True):
+        for axes, activations, is_white in zip(row, *of_row, strict=True):
+            image = _draw_activations(axes, activations, is_white, colours, scale)
+        is_silent_here, is_silent_least = of_row[1]
+        _frame(row[0], ~is_silent_here & is_silent_least)
     names = "learned", "least energy"
     title_panels(panels.ravel(), [f"{name}, {d:g} m" for d in distances_m for name in names])
     for axes in panels[-1]:
         axes.set_xlabel("gaze position")
     figure.colorbar(image, ax=panels, label="activation", shrink=0.6)
-    handles = [Patch(facecolor="white", edgecolor=GREY, label="silent")]
+    handles = [
+        Patch(facecolor="white", edgecolor=GREY, label="silent"),
+        Patch(facecolor="none", edgecolor=VERMILION, lw=1.5, label=_EXTRA),
+    ]
     if np.isnan(shown).any():
         label = "the muscles do not reach this gaze"
         handles.append(Patch(facecolor="white", edgecolor=GREY, hatch="////", label=label))
     legend_below(figure, handles)
     return figure
+
+
+def _frame(axes: Axes, chosen: NDArray[np.bool_]) -> None:
+    """Frame cells (9, 12) of a panel of activations."""
+    for i_position, i_muscle in np.argwhere(chosen):
+        place = (i_position - 0.5, i_muscle - 0.5)
+        axes.add_patch(Rectangle(place, 1, 1, fc="none", ec=VERMILION, lw=1.5, zorder=3))
 
 
 def _draw_activations(
