@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from active_binocular_vision import FrozenLearners, Run
+from active_binocular_vision.commands.examine import main as examine
 from active_binocular_vision.commands.run import main as run_main
 from active_binocular_vision.commands.trained import main
 from active_binocular_vision.learners.evaluation import evaluated
@@ -80,6 +81,8 @@ def test_a_name_stands_for_a_run_and_what_is_there_takes_precedence(
     monkeypatch.chdir(tmp_path)
     assert main([str(run_of("pair")), "--out", "eyes/clinic.healthy.eyes"]) == 0
     assert [*trained_eyes()] == ["clinic/healthy"]
+    assert examine(["clinic/healthi", "--cover"]) == 2
+    assert capsys.readouterr().err.endswith("got clinic/healthi; did you mean clinic/healthy?\n")
     assert Run("clinic/healthy").results.equals(Run(run_of("pair")).results)
     line = ["--in-process", "--branch", "clinic/healthy@40", "--out", "on"]
     assert run_main([*line, "--iterations", "60", "--tests", "60"]) == 0

@@ -19,7 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.run is None:
             if options.out is not None:
                 raise InputError("--out: expected it with RUN, got it alone")
-            print(_table())
+            print(_table() if trained_eyes() else "no trained eyes come with this package")
         else:
             file = options.out or FOLDER / name_of_file(Run(options.run).profile)
             print(f"{file}: {pack(options.run, file) / 1e6:.2f} MB")
