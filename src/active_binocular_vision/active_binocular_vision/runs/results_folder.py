@@ -361,8 +361,8 @@ def _parsed(
             shares[path[1]] = value
         elif not row["shown"]:
             of_sets = tests.setdefault(int(row["iteration"]), {_ALL: {}, _UP_TO_2_DEG: {}})
-            trials: str = row["trials"]
-            at = of_sets[_IN_OLDER_FILES.get(trials, trials)]
+            name = str(row["trials"])
+            at = of_sets[_IN_OLDER_FILES.get(name, name)]
             if row["after"] != "end":
                 path = [f"{_AFTER}{row['after']}", *path]
             for key in path[:-1]:

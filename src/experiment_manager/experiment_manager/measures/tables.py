@@ -109,11 +109,14 @@ def _saccades_in_words(test: Summary) -> list[str]:
     if test.gaze_drift_deg is None:
         return []
     after_1, after_2 = (s.median for s in test.saccade_error_deg.values())
+    cyclo = test.fixated_cyclovergence_error_deg
+    cyclo_deg = None if cyclo is None else cyclo.median
     return [
         f"Saccades miss their target by {number(after_1)} deg in the median, by {number(after_2)} "
         "deg after a second, corrective one;",
         f"gaze moves by {number(test.gaze_drift_deg.median)} deg while the eyes verge, after "
-        f"which {percent(test.share_fixated_within_1_px)} of the fixations are within 1 px.",
+        f"which {percent(test.share_fixated_within_1_px)} of the fixations are within 1 px",
+        f"and cyclovergence is off by {number(cyclo_deg)} deg in the median.",
     ]
 
 

@@ -16,7 +16,7 @@ from lockstep import COMMAND_SPACES, PAIR, InputError
 _VERGENCES_DEG = np.linspace(0.32, 10.72, 27)
 # With these and equal first weights. Of 150 random targets within 10 deg (anatomical eyes, seed 0)
 # all twelve muscles in turn found less at one, by 2 %, and take four times as long.
-_DEAR = ("left_medial_rectus", "right_medial_rectus")
+DEAR = ("left_medial_rectus", "right_medial_rectus")
 # Targets whose costs are kept: those of a whole test, which are the same in the next one.
 _MOST_KEPT = 1 << 14
 
@@ -82,7 +82,7 @@ class MuscleCost:
             wanted_deg = _fused_deg(space) | dict(zip(LEFT_SIGHT, target_deg, strict=True))
             distance_m = fixation_distance_m(vergence_deg, mechanics.baseline_m)
             try:
-                rate_w = self._inverse.least(wanted_deg, distance_m, dear=_DEAR).metabolic_rate_w
+                rate_w = self._inverse.least(wanted_deg, distance_m, dear=DEAR).metabolic_rate_w
             except InputError:
                 rate_w = math.nan
             if len(known) >= _MOST_KEPT:

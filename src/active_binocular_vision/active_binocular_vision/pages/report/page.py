@@ -13,6 +13,7 @@ from active_binocular_vision.pages.report.tables import (
     bias_rows,
     comparison_rows,
     fixation_rows,
+    held_rows,
     iteration_rows,
     learning_rows,
     resting_rows,
@@ -66,6 +67,10 @@ _ANTAGONISTS = (
     "over eye position, either way (doi 10.1152/jn.00935.2010). A human horizontal rectus pulls "
     "with about 10 gf straight ahead (Dean, Porrill & Warren 1999, doi 10.1152/jn.1999.81.2.735)."
 )
+_HELD = (
+    "Energy, of eyes without gaze targets: C over the least rate with the gaze and the errors that "
+    "the eyes have, median over 14 of each run's trials; beside it over C* with free version."
+)
 _YOKED = (
     "Hering's law of equal innervation: muscles of the two eyes that turn them to the same side "
     "are yoked. Median difference of their activations before the first and after the last "
@@ -75,7 +80,8 @@ _YOKED = (
 _FIXATIONS = (
     "Median / 90 % of absolute values over all fixations of the last test: angle between the left "
     "line of sight and the target after each of two saccades, how far that line moves over five "
-    "iterations of vergence, and the errors after these."
+    "iterations of vergence, and the errors after these. All: means over seeds ± half of the 95 % "
+    "interval."
 )
 _TESTS = (
     "Below each run's tests: the parts of the remaining error. A trial ends at the mean error of "
@@ -122,6 +128,7 @@ def _tables(groups: Sequence[Group]) -> list[str]:
         ),
         *html.section("Bias", _BIAS, bias_rows(groups)),
         *html.section("Antagonists", _ANTAGONISTS, antagonist_rows(groups)),
+        *html.section("", _HELD, held_rows(groups)),
         *html.section("", _YOKED, yoked_rows(groups)),
         *html.section("Fixations", _FIXATIONS, fixation_rows(groups)),
         *html.section(

@@ -7,17 +7,19 @@ from functools import partial
 from typing import Any
 
 import msgspec
+import numpy as np
 
 from active_binocular_vision.runs.groups import Group
+from active_binocular_vision.runs.held_gaze import held_cost_ratios
 from active_binocular_vision.runs.recorded import RecordedTest
 from active_binocular_vision.runs.resting_places import resting_places
 from active_binocular_vision.runs.run import Run
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS, SHARE_ITERATIONS
-from experiment_manager.measures.results import Measures
+from experiment_manager.measures.results import Measures, Summary
 from experiment_manager.measures.seeds import over_seeds
 from experiment_manager.measures.tables import active_text, number, percent
 from experiment_manager.measures.yoked import yoked_pairs
-from lockstep import SIDES
+from lockstep import ALL_MUSCLES, SIDES
 
 Row = dict[str, str]
 
@@ -99,9 +101,15 @@ def over_seeds_text(values: Sequence[float], text: Callable[[float | None], str]
     """Return a seed's value, or of several the mean, half its 95 % interval, and the range."""
     if len(values) == 1:
         return text(values[0])
+    return f"{_mean_text(values, text)} ({text(min(values))} to {text(max(values))})"
+
+
+def _mean_text(values: Sequence[float], text: Callable[[float | None], str] = number) -> str:
+    """Return a seed's value, or of several the mean with half its 95 % interval."""
+    if len(values) == 1:
+        return text(values[0])
     found = over_seeds(values)
-    mean, half_width = text(float(found.mean)), text(float(found.half_width))
-    return f"{mean} ± {half_width} ({text(min(values))} to {text(max(values))})"
+    return f"{text(float(found.mean))} ± {text(float(found.half_width))}"
 
 
 def run_rows(groups: Sequence[Group]) -> list[Row]:
@@ -219,6 +227,27 @@ def _in_words(names: Sequence[str]) -> str:
     return " and ".join(name.replace("_", " ") for name in names)
 
 
+def held_rows(groups: Sequence[Group]) -> list[Row]:
+    """Return what eyes without gaze targets spend over the least at the gaze that they have."""
+    rows = []
+    for group in groups:
+        settings = group.runs[0].evaluation_settings
+        if group.has_trials and settings.plant.command_space == ALL_MUSCLES:
+            at = group.iterations[-1]
+            plant = settings.tested_plant(at)
+            if not settings.fixation_iterations:
+                ratios = [held_cost_ratios(run.tests[at], plant) for run in group.runs]
+                held = [float(np.median(of_run)) for of_run in ratios if of_run.size]
+                free = [float(np.nanmedian(run.tests[at].cost_ratio(-1))) for run in group.runs]
+                texts = [
+                    over_seeds_text(v, partial(number, n_digits=2)) if v else "-"
+                    for v in (held, free)
+                ]
+                cells = ("C / C* of the gaze that the eyes have", "of free version")
+                rows.append({"runs": group.name, **dict(zip(cells, texts, strict=True))})
+    return rows
+
+
 def yoked_rows(groups: Sequence[Group]) -> list[Row]:
     """Return how alike yoked muscles are in each group's last test, a row for each two."""
     return [
@@ -238,21 +267,29 @@ def yoked_rows(groups: Sequence[Group]) -> list[Row]:
 
 
 def fixation_rows(groups: Sequence[Group]) -> list[Row]:
-    """Return what saccades reach in each run's last test, and vergence after them."""
+    """Return what saccades reach in each run's last test, vergence after them, and over seeds."""
+    rows = []
+    for group in groups:
+        tests = {run.seed: run.summaries[-1] for run in group.runs}
+        tests = {seed: test for seed, test in tests.items() if test.fixation_spreads}
+        for seed, test in tests.items():
+            cells = [f"{number(s.median)} / {number(s.p90)}" for s in test.fixation_spreads]
+            rows.append(_fixation_row(group, str(seed), cells, [test]))
+        if len(tests) > 1:
+            of_seeds = zip(*(test.fixation_spreads for test in tests.values()), strict=True)
+            cells = [_mean_text([s.median for s in spreads]) for spreads in of_seeds]
+            rows.append(_fixation_row(group, "all, medians", cells, [*tests.values()]))
+    return rows
+
+
+def _fixation_row(group: Group, seed: str, cells: Sequence[str], tests: Sequence[Summary]) -> Row:
     names = [
         *("missed after one saccade, deg", "after two", "gaze moves, deg"),
         *("horizontal error, deg", "vertical", "cyclovergence"),
     ]
-    rows = []
-    for group in groups:
-        for run in group.runs:
-            test = run.summaries[-1]
-            cells = [f"{number(s.median)} / {number(s.p90)}" for s in test.fixation_spreads]
-            if cells:
-                row = {"runs": group.name, "seed": str(run.seed)}
-                row |= dict(zip(names, cells, strict=True))
-                rows.append(row | {"within 1 px": percent(test.share_fixated_within_1_px)})
-    return rows
+    row = {"runs": group.name, "seed": seed} | dict(zip(names, cells, strict=True))
+    shares = [share for test in tests if (share := test.share_fixated_within_1_px) is not None]
+    return row | {"within 1 px": _mean_text(shares, percent) if shares else "-"}
 
 
 def iteration_rows(groups: Sequence[Group]) -> list[Row]:
