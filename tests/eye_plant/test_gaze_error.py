@@ -103,3 +103,16 @@ def test_an_oblique_gaze_in_ficks_order_has_false_torsion() -> None:
 def test_where_an_eye_sees_a_target(eye, direction_deg, expected_deg) -> None:
     found_deg = target_place_deg(rotation(*eye), *direction_deg)
     np.testing.assert_allclose(found_deg, expected_deg, atol=1e-9)
+
+
+def test_a_common_turn_of_converged_eyes_before_a_frontal_plane_is_not_neutral() -> None:
+    half_deg = desired_vergence_deg(0.5, BASELINE_M) / 2.0
+    converged = turned_inward(half_deg, half_deg)
+    up = rotation(0.0, 8.0)
+    # Each eye about its own transverse axis, or both about the head's, before which the plane
+    # leans: the angle between both ways is 8 deg times the sine of the vergence.
+    own, of_head = (gaze_error(POSITIONS_M, e, 0.5) for e in (converged @ up, up @ converged))
+    assert own.torsional_deg == pytest.approx(-0.447, abs=1e-3)
+    assert of_head.torsional_deg == pytest.approx(0.446, abs=1e-3)
+    both_deg = 8.0 * math.sin(math.radians(2.0 * half_deg))
+    assert of_head.torsional_deg - own.torsional_deg == pytest.approx(both_deg, rel=0.01)
