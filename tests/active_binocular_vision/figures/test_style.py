@@ -73,17 +73,37 @@ def test_a_file_of_the_user_changes_no_figure() -> None:
         assert mpl.rcParams["text.usetex"]
 
 
+_BACKEND = "import matplotlib, sys; print(matplotlib.get_backend(), file=sys.stderr)"
+_OF_COMMAND = f"""
+import sys
+from active_binocular_vision.command_lines.parameters import main
+sys.argv = ["abv parameters", "eye_plant"]
+try:
+    main()
+finally:
+    {_BACKEND}
+"""
+_OF_VALIDATION = f"import eye_plant.validation.figure; {_BACKEND}"
+_OF_NOTEBOOK = """
+import os, sys, active_binocular_vision as abv
+abv.run
+print(os.environ["MPLBACKEND"], file=sys.stderr)
+"""
+_INLINE = "module://matplotlib_inline.backend_inline"
+
+
 @pytest.mark.parametrize(
-    "module", ["active_binocular_vision.commands.report", "eye_plant.validation.figure"]
+    ("script", "backend"),
+    [(_OF_COMMAND, "agg"), (_OF_VALIDATION, "agg"), (_OF_NOTEBOOK, _INLINE)],
+    ids=["command", "validation", "notebook"],
 )
-def test_the_backend_of_a_kernel_is_not_asked_for(module: str) -> None:
+def test_only_commands_draw_with_a_backend_of_their_own(script: str, backend: str) -> None:
     environment = {
         **os.environ,
         "PYTHONPATH": os.pathsep.join(sys.path),
-        "MPLBACKEND": "module://matplotlib_inline.backend_inline",
+        "MPLBACKEND": _INLINE,
     }
-    script = f"import {module}, matplotlib; print(matplotlib.get_backend())"
     done = subprocess.run(
         [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=False
     )
-    assert (done.stdout, done.stderr) == ("agg\n", "")
+    assert done.stderr == f"{backend}\n"

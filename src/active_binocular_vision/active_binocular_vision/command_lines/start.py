@@ -1,6 +1,7 @@
 """A command from its options to its exit code."""
 
 import argparse
+import os
 import sys
 from collections.abc import Callable
 from importlib import import_module
@@ -16,4 +17,6 @@ def start(command: str, parser: Callable[[], argparse.ArgumentParser]) -> NoRetu
     """
     ignore_broken_pipes()
     parser().parse_args()
+    # Figures are files. A notebook's kernel names a backend that matplotlib may not find here.
+    os.environ["MPLBACKEND"] = "agg"
     sys.exit(import_module(f"active_binocular_vision.commands.{command}").main())
