@@ -71,7 +71,10 @@ def test_viewers_see_the_run_and_a_stalled_one_costs_it_nothing(pictures, tmp_pa
         stalled.subscribe(ALL_TOPICS)  # and never reads
         viewer.subscribe(ALL_TOPICS)
         viewer.receive_of_each(ALL_TOPICS, n_messages=3)
-        assert f"live view: ws://127.0.0.1:{port}" in finished(run)
+        assert (
+            f"live view: http://127.0.0.1:{port + 1} in a browser; ws://127.0.0.1:{port} "
+            in finished(run)
+        )
     assert_as_the_loop(out)
     first, second = (image_array(m) for m in viewer.received["/left/image_raw"][:2])
     assert first.shape == second.shape == (240, 320)
