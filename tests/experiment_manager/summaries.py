@@ -9,6 +9,8 @@ from experiment_manager.measures.results import SetSummary, Summary
 _EMPTY: dict[str, Any] = {
     **{field.name: None for field in msgspec.structs.fields(SetSummary) if field.required},
     "n_trials": 0,
+    # Of muscles; joints have no rate.
+    "median_metabolic_rate_w": 1.0,
     "bias_by_distance_deg": {},
 }
 NO_TRIALS = SetSummary(**_EMPTY)
