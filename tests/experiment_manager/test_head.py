@@ -99,8 +99,8 @@ def test_what_a_run_of_joints_records(make: Make) -> None:
     assert (tables["reward"].column("energy_penalty") == 0.0).all()
     assert all(len(bag.stamps_ns(topic)) for topic in CAMERA_INFOS)
     table = summaries_table(run.summaries)
-    assert "vergence error" in table
-    assert not any(word in table for word in ("delta C", " c ", "silent"))
+    assert "|vergence|" in table
+    assert not any(word in table for word in ("C/C*", " c ", "active"))
     assert "energy" not in in_words(run.summaries[-1], 0.2)
 
 
