@@ -1,11 +1,8 @@
 """docs/reference/topics.md against what is sent: fields, units, ranges, periods."""
 
-import dataclasses
-import importlib.util
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,12 +17,11 @@ from eye_plant.camera.config import CameraConfig
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import MUSCLE_NAMES
-from lockstep.wire.topics import PICTURES, PLANT_VECTORS, TEST, TRAINING
+from lockstep.wire.topics import TEST, TRAINING
 from lockstep.wire.vectors import read_vector
 from tests.interfaces_page import PAGE, VECTORS, quoted, table
 from tests.pair import HORIZONTAL_RECTI, pair_activations
 
-EXAMPLE = Path(__file__).parents[1] / "docs" / "examples" / "plant.py"
 N_BASES = 32
 N_ITERATIONS = 4
 # The last part of a name that is a quantity with a unit.
@@ -149,43 +145,7 @@ def test_units_are_those_that_names_end_in() -> None:
             assert {UNITS.get(name.rpartition("_")[2], "") for name in names} <= {unit}, names
 
 
-def _sent_by_example() -> Sent:
-    """Return what the example of a plant sends with one observation, in its order."""
-    spec = importlib.util.spec_from_file_location("plant", EXAMPLE)
-    assert spec is not None
-    assert spec.loader is not None
-    example = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(example)
-    plant = example.Plant.__new__(example.Plant)  # without a graph
-    found: Sent = {}
-
-    def publisher(topic: str) -> SimpleNamespace:
-        return SimpleNamespace(publish=lambda message: found.setdefault(topic, []).append(message))
-
-    plant.eyes = [publisher(topic) for topic in PICTURES]
-    plant.vectors = {topic: publisher(topic) for topic in PLANT_VECTORS}
-    plant.asked = dataclasses.asdict(_episode(1, phase=TRAINING))
-    plant.i, plant.pair = 0, (0.1, 0.02)
-    plant.publish()
-    return found
-
-
-def test_the_example_of_a_plant_sends_what_the_page_says() -> None:
-    sent_by_example = _sent_by_example()
-    assert set(sent_by_example) == {*PICTURES, *PLANT_VECTORS}
-    assert list(sent_by_example)[-1] == "eye_states", "sent last"
-    for topic, field, names, _, expected in ROWS:
-        for vector in sent_by_example.get(topic, ()):
-            values = dict(zip(vector.name, getattr(vector, field), strict=False))
-            assert _is_within(np.array([values[n] for n in names if n in values]), expected), names
-    _check_angles_and_rates(sent_by_example)
-
-
 def test_angles_are_in_radians_and_rates_in_watts(sent: Sent) -> None:
-    _check_angles_and_rates(sent)
-
-
-def _check_angles_and_rates(sent: Sent) -> None:
     for truth, eyes, muscles in zip(
         sent["ground_truth"], sent["eye_states"], sent["muscle_activations"], strict=True
     ):

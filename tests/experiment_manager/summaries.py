@@ -17,4 +17,6 @@ NO_TRIALS = SetSummary(**_EMPTY)
 def summary(**values: Any) -> Summary:
     """Return a summary with the given measures, of no trials where not said otherwise."""
     sets = {"without_zero_start_error": NO_TRIALS, "starts_up_to_2_deg": NO_TRIALS}
-    return Summary(**(_EMPTY | {"iteration": 0} | sets | values))
+    # Of muscles; joints have no rate.
+    of_test = {"iteration": 0, "median_metabolic_rate_w": 1.0}
+    return Summary(**(_EMPTY | of_test | sets | values))

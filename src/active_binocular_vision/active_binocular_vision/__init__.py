@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from active_binocular_vision.runs.groups import groups_of
     from active_binocular_vision.runs.run import Run
     from active_binocular_vision.study import compare, run
-    from eye_plant import EyePlant
+    from eye_plant import EyePlant, Head, run_head
     from sparse_coder import SparseCoder
     from vergence_rl import Agent
 
@@ -25,11 +25,13 @@ __all__ = [
     "Agent",
     "EyePlant",
     "FrozenLearners",
+    "Head",
     "Run",
     "SparseCoder",
     "compare",
     "groups_of",
     "run",
+    "run_head",
 ]
 
 _MODULES = {
@@ -37,7 +39,7 @@ _MODULES = {
     "active_binocular_vision.runs.groups": "groups_of",
     "active_binocular_vision.runs.run": "Run",
     "active_binocular_vision.study": "compare run",
-    "eye_plant": "EyePlant",
+    "eye_plant": "EyePlant Head run_head",
     "sparse_coder": "SparseCoder",
     "vergence_rl": "Agent",
 }

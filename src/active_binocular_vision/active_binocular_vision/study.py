@@ -16,6 +16,8 @@ from experiment_manager.run.attempt import goes_on
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.in_process import InProcessRun
 from experiment_manager.run.run_directory import new_directory
+from eye_plant import Head
+from eye_plant.head.plant import settings_of
 from lockstep.machine.interrupts import Interrupts
 
 if TYPE_CHECKING:
@@ -31,6 +33,7 @@ def run(
     out: str | Path | None = None,
     on_test: Callable[[Summary], object] | None = None,
     resume: bool = False,
+    head: Head | None = None,
     **options: Any,
 ) -> Run:
     """Train and test in this process, as `abv run --in-process` does, with the same numbers.
@@ -38,7 +41,8 @@ def run(
     profile: by name, default as on the command line; settings: {"SECTION.NAME": value}, as --set;
     out: run directory, default below runs/; on_test: called after each test with its measures, and
     what it raises ends the run; resume: go on with a run that has begun in `out`, and return one
-    that has ended; options: as --model, --iterations, --stimuli, --tests, --test-stimuli,
+    that has ended; head: a robot's head in the place of the eyes, whose settings are taken over;
+    options: as --model, --iterations, --stimuli, --tests, --test-stimuli,
     --control, --schedule-delay and, as metabolic_cost_weight, --lambda, with _ for -.
 
     Raises InputError for what cannot be run, DivergenceError where learning diverges,
@@ -55,16 +59,17 @@ def run(
         >>> abv.compare([run, "runs/first"])["seed"].tolist()
         [2, 1]
     """
+    settings = (settings_of(head) if head else {}) | dict(settings or {})
     options = {n: tuple(v) if isinstance(v, list) else v for n, v in options.items()}
     if options.get("stimuli"):
         options["stimuli"] = str(Path(options["stimuli"]).resolve())
-    request = RunRequest(profile=profile, seed=seed, overrides=dict(settings or {}), **options)
+    request = RunRequest(profile=profile, seed=seed, overrides=settings, **options)
     directory = (new_directory() if out is None else Path(out)).resolve()
     if resume and (directory / CONFIG_FILE).exists():
         check_old(directory, request)
     else:
         with contextlib.redirect_stdout(sys.stderr):
-            prepare_new(request, directory)
+            prepare_new(request, directory, has_head=head is not None)
     with _interrupts() as interrupts:
         process = InProcessRun(
             read_configuration(directory / CONFIG_FILE),
@@ -72,6 +77,7 @@ def run(
             interrupts,
             resume=goes_on(directory),
             on_test=on_test,
+            head=head,
         )
         with contextlib.closing(process):
             is_over = process.go_on()

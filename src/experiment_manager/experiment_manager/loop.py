@@ -3,15 +3,17 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from experiment_manager.sections import config_of
-from eye_plant import Episode, EyePlant, EyePlantConfig, Observation, StimulusSet
+from eye_plant import Episode, EyePlant, EyePlantConfig, Head, Observation, StimulusSet
+from eye_plant.head.plant import HeadPlant
 from lockstep import InputError, read_state, write_state
 from lockstep.wire.topics import TRAINING
 from sparse_coder import Percept, SparseCoder, SparseCoderConfig
+from sparse_coder.camera import central_view
 from sparse_coder.percept import NO_GAZE
 from vergence_rl import Agent, Decision, VergenceRlConfig
 
@@ -53,7 +55,7 @@ class InProcessLoop:
     """
 
     def __init__(self, plant: EyePlant, coder: SparseCoder, agent: Agent) -> None:
-        """All three must have the same command space."""
+        """All three must have the same command space; a head's plant does as `EyePlant` here."""
         self.plant = plant
         self.coder = coder
         self.agent = agent
@@ -98,12 +100,21 @@ class InProcessLoop:
         """Return features and reward of an observation with pictures."""
         assert seen.pictures is not None
         left, right = seen.pictures
-        rates_w = seen.state.metabolic_rate_w[self._space.indices]
+        if seen.cameras is not None:
+            focal_px = self.coder.config.camera.focal_length_px
+            left = central_view(left, seen.cameras[0], focal_px)
+            right = central_view(right, seen.cameras[1], focal_px)
+        rates_w = seen.rates_w(self._space)
         given_deg = np.array(seen.given_target_deg)
         return self.coder.perceive(left, right, rates_w, moment=seen.moment, given_deg=given_deg)
 
     def _decide(
-        self, seen: Observation, percept: Percept, *, learning: bool, exploration: bool
+        self,
+        seen: Observation,
+        percept: Percept,
+        *,
+        learning: bool,
+        exploration: bool,
     ) -> Decision:
         """Return the command that follows from it, having learned from the last one."""
         gaze = percept.gaze or NO_GAZE
@@ -122,15 +133,18 @@ class InProcessLoop:
 
 
 def make_loop(
-    configuration: Mapping[str, Mapping[str, Any]], stimuli: StimulusSet | None = None
+    configuration: Mapping[str, Mapping[str, Any]],
+    stimuli: StimulusSet | None = None,
+    head: Head | None = None,
 ) -> InProcessLoop:
     """Return the loop of a run, untrained, from its configuration by section.
 
-    stimuli: instead of those that the plant's parameters ask for. Raises InputError for whatever a
-    node would refuse.
+    stimuli: instead of those that the plant's parameters ask for; head: instead of the eyes. Raises
+    InputError for whatever a node would refuse.
     """
+    plant = config_of(EyePlantConfig, configuration)
     return InProcessLoop(
-        EyePlant(config_of(EyePlantConfig, configuration), stimuli),
+        EyePlant(plant, stimuli) if head is None else cast(EyePlant, HeadPlant(head, plant)),
         SparseCoder(config_of(SparseCoderConfig, configuration)),
         Agent(config_of(VergenceRlConfig, configuration)),
     )

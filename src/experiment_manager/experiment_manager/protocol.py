@@ -191,7 +191,7 @@ class Protocol:
         stimulus = int(draw.integers(config.n_training_stimuli))
         of_stage = self._starts[segment.stage]
         begins = of_stage if self._follows_changes else self._starts[0]
-        object_distance_m, activations = begins.training(draw)
+        object_distance_m, start = begins.training(draw)
         return Episode(
             phase=TRAINING,
             test=-1,
@@ -200,9 +200,9 @@ class Protocol:
             training_iteration=number * config.iterations_per_episode,
             stimulus=stimulus,
             object_distance_m=object_distance_m,
-            activations=activations,
+            **{of_stage.argument: start},
             targets_deg=(
-                of_stage.targets_deg(activations, config.iterations_per_episode, draw)
+                of_stage.targets_deg(start, config.iterations_per_episode, draw)
                 if config.gives_targets
                 else ()
             ),
@@ -217,7 +217,7 @@ class Protocol:
         condition = self.conditions[i_condition]
         draw = generator(self._seed, "trial", trial)
         of_stage = self._starts[segment.stage]
-        activations = of_stage.trial(condition, draw)
+        start = of_stage.trial(condition, draw)
         return Episode(
             phase=TEST,
             test=segment.i_test,
@@ -226,8 +226,8 @@ class Protocol:
             training_iteration=segment.training_iteration,
             stimulus=config.n_training_stimuli + i_stimulus,
             object_distance_m=condition.object_distance_m,
-            activations=activations,
-            targets_deg=of_stage.targets_deg(activations, config.iterations_per_trial, draw),
+            **{of_stage.argument: start},
+            targets_deg=of_stage.targets_deg(start, config.iterations_per_trial, draw),
             n_iterations=config.iterations_per_trial,
             first_observation=segment.first_observation + trial * (config.iterations_per_trial + 1),
         )

@@ -46,9 +46,10 @@ class Condition:
 def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ...]:
     """Return the conditions of a test: distances x first errors.
 
-    Of the pair they are `start_errors_deg`; of muscles with a command each they are drawn.
+    Of the pair and of joints they are `start_errors_deg`; of muscles with a command each they are
+    drawn.
     """
-    if config.command_space != PAIR:
+    if config.command_space != PAIR and not config.space.of_joints:
         planes_m = np.repeat(config.test_distances_m, config.n_starts_per_distance).tolist()
         return tuple(
             Condition(distance_m, _first_error_deg(config, start), start)
@@ -82,6 +83,9 @@ def _first_error_deg(config: ProtocolConfig, start: int) -> float:
 class PairStarts:
     """Vergences, and fractions of the line of pairs that give them; no gaze targets."""
 
+    # Of an Episode: what a start is.
+    argument = "activations"
+
     def __init__(
         self, config: ProtocolConfig, baseline_m: float, activations: ActivationsOfVergence
     ) -> None:
@@ -111,8 +115,26 @@ class PairStarts:
         return ()
 
 
+class JointStarts(PairStarts):
+    """Vergences of a robot's head, which looks elsewhere than straight ahead if it has a neck."""
+
+    argument = "joints_rad"
+
+    def __init__(self, config: ProtocolConfig, baseline_m: float) -> None:
+        """Nothing else is known of a head."""
+        self._config, self.baseline_m = config, baseline_m
+
+    def _activations(self, vergence_deg: float, draw: np.random.Generator) -> Activations:
+        """Return the angles of the joints in rad, in the order of the command space."""
+        pan_deg, tilt_deg = draw.uniform(-1.0, 1.0, 2) * self._config.start_version_deg
+        angles_deg = {"pan": pan_deg, "tilt": tilt_deg, "vergence": vergence_deg}
+        return tuple(math.radians(angles_deg[name]) for name in self._config.space.names)
+
+
 class GazeStarts:
     """Errors about all axes that the commands turn, and version, drawn from ranges."""
+
+    argument = "activations"
 
     def __init__(
         self,
@@ -162,7 +184,7 @@ class GazeStarts:
         return drawn_targets_deg(self._config, n_iterations, gaze_deg, draw)
 
 
-# The first activations (12,) of episodes, for eyes as they are in one stage of a run.
+# The first activations (12,) or angles of episodes, for a plant as it is in one stage of a run.
 Starts = PairStarts | GazeStarts
 
 
@@ -173,6 +195,8 @@ def starts(
 
     The pair's errors are those of the eyes themselves.
     """
+    if config.space.of_joints:
+        return JointStarts(config, mechanics.baseline_m)
     if config.command_space == PAIR:
         inverse, limits = Inverse(mechanics), config.pair_limits
         of_vergence = functools.partial(inverse.activations, limits=limits)

@@ -1,12 +1,20 @@
 """The messages that a graph would have sent of a step of the loop, by the same functions."""
 
 from collections.abc import Iterator
+from typing import Any
 
 from experiment_manager.loop import Step
-from eye_plant import EyePlantConfig
+from eye_plant import EyePlantConfig, Head
+from eye_plant.head.messages import HeadMessages
 from eye_plant.messages import ObservationMessages
 from lockstep.wire.images import ImageBytes
-from lockstep.wire.topics import GAZE, GAZE_NAMES, REWARD_NAMES, actor_critic_names
+from lockstep.wire.topics import (
+    GAZE,
+    GAZE_NAMES,
+    REWARD_NAMES,
+    actor_critic_names,
+    command_topic,
+)
 from lockstep.wire.vectors import VectorBytes
 from sparse_coder.messages import features_message
 from vergence_rl.messages import actor_critic_values
@@ -17,13 +25,16 @@ _WORD_BYTES = 4
 class StepMessages:
     """Serializes steps: (topic, message) by (topic, message)."""
 
-    def __init__(self, plant: EyePlantConfig, n_bases: int) -> None:
-        """Lay out the messages; n_bases: of each scale's dictionary."""
-        self._observation = ObservationMessages(plant)
+    def __init__(self, plant: EyePlantConfig, n_bases: int, head: Head | None = None) -> None:
+        """Lay out the messages; n_bases: of each scale's dictionary; head: instead of the eyes."""
+        self._space = plant.space
+        self._observation: Any = (
+            ObservationMessages(plant) if head is None else HeadMessages(head, self._space)
+        )
         self._reward = VectorBytes(REWARD_NAMES)
         self._gaze = VectorBytes(GAZE_NAMES)
-        self._command = VectorBytes(plant.space.names)
-        self._actor_critic = VectorBytes(actor_critic_names(plant.space))
+        self._command = VectorBytes(self._space.names)
+        self._actor_critic = VectorBytes(actor_critic_names(self._space))
         self._features = ImageBytes(features_message(n_bases))
 
     def small(self, stamp_ns: int, step: Step) -> Iterator[tuple[str, bytes]]:
@@ -35,19 +46,19 @@ class StepMessages:
         yield "reward", self._reward.of(stamp_ns, answer.percept.reward_values())
         if answer.percept.gaze is not None:
             yield GAZE, self._gaze.of(stamp_ns, answer.percept.gaze.values())
-        yield "muscle_command", self._command.of(stamp_ns, answer.decision.command)
+        yield command_topic(self._space), self._command.of(stamp_ns, answer.decision.command)
         values = actor_critic_values(answer.decision, answer.agent_learning_steps)
         yield "actor_critic", self._actor_critic.of(stamp_ns, values)
 
     def large(self, stamp_ns: int, step: Step) -> Iterator[tuple[str, bytes]]:
         """Yield what is recorded of a sample of the episodes."""
-        pictures, answer = step.observation.pictures, step.answer
-        if pictures is None or answer is None:
+        observation, answer = step.observation, step.answer
+        if answer is None:
             return
         messages = self._observation
-        for topic, message in messages.pictures(stamp_ns, pictures):
+        for topic, message in messages.pictures(stamp_ns, observation):
             yield topic, _as_received(message)
-        for topic, message in messages.camera_infos(stamp_ns):
+        for topic, message in messages.camera_infos(stamp_ns, observation):
             yield topic, _as_received(message)
         yield "features", self._features.of(stamp_ns, answer.percept.encoding.features)
 

@@ -12,12 +12,16 @@ from lockstep.randomness import Moment
 from lockstep.settings import REQUIRED
 from lockstep.wire.topics import TEST, TRAINING
 
+# Arguments that not every plant has.
+_LISTS = {"activations", "joints_rad", "targets_deg"}
+
 
 @dataclass(frozen=True)
 class Episode:
     """A plane at one distance with one stimulus, and the eyes' first activations.
 
-    Raises InputError for values out of range.
+    Of a robot's head the first angles of its joints instead. Raises InputError for values out of
+    range.
     """
 
     phase: int = setting(REQUIRED, "0 training, 1 test", least=TRAINING, most=TEST)
@@ -31,16 +35,21 @@ class Episode:
         REQUIRED, "number of the stimulus, training stimuli first, then test stimuli", least=0
     )
     object_distance_m: float = setting(REQUIRED, "distance of the plane", "m", above=0)
-    activations: tuple[float, ...] = setting(
-        REQUIRED,
-        "first activations of the twelve muscles, in the order of muscle_activations",
-        least=0,
-        most=1,
-        n_entries=len(MUSCLE_NAMES),
-    )
     n_iterations: int = setting(REQUIRED, "iterations of the episode", least=1)
     first_observation: int = setting(
         REQUIRED, "number that the run gives to the first observation", least=0
+    )
+    activations: tuple[float, ...] = setting(
+        (),
+        "first activations of the twelve muscles, in the order of muscle_activations; none of a"
+        " robot's head",
+        least=0,
+        most=1,
+    )
+    joints_rad: tuple[float, ...] = setting(
+        (),
+        "first angles of the joints of a robot's head, in the order of the command space",
+        "rad",
     )
     targets_deg: tuple[float, ...] = setting(
         (),
@@ -54,6 +63,12 @@ class Episode:
     def __post_init__(self) -> None:
         """Check the ranges that do not depend on the plant."""
         check_settings(self)
+        n_activations = 0 if self.joints_rad else len(MUSCLE_NAMES)
+        if len(self.activations) != n_activations:
+            raise InputError(
+                f"activations: expected those of {len(MUSCLE_NAMES)} muscles, or joints_rad, got "
+                f"{len(self.activations)} activations and {len(self.joints_rad)} angles"
+            )
         if len(self.targets_deg) % 2 or self.n_targets > self.n_iterations:
             raise InputError(
                 f"targets_deg: expected azimuth and elevation of {self.n_iterations} targets or "
@@ -114,12 +129,12 @@ class Episode:
 
     @classmethod
     def from_arguments(cls, arguments: Mapping[str, Any]) -> "Episode":
-        """Return the episode of a request's arguments, by field name; targets may be missing.
+        """Return the episode of a request's arguments, by field name; lists may be missing.
 
         Raises InputError for missing, unknown, mistyped or out-of-range arguments.
         """
         hints = typing.get_type_hints(cls)
-        missing = sorted(set(hints) - {"targets_deg"} - set(arguments))
+        missing = sorted(set(hints) - _LISTS - set(arguments))
         unknown = sorted(set(arguments) - set(hints))
         if missing or unknown:
             raise InputError(
@@ -131,6 +146,5 @@ class Episode:
     def as_arguments(self) -> dict[str, Any]:
         """Return the arguments of a request for this episode."""
         arguments = dataclasses.asdict(self)
-        if not self.targets_deg:
-            del arguments["targets_deg"]  # an empty list has no type among ROS parameters
-        return arguments
+        # An empty list has no type among ROS parameters.
+        return {n: v for n, v in arguments.items() if v or n not in _LISTS}

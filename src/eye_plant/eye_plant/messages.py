@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-import numpy as np
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image
 
@@ -78,13 +77,19 @@ class ObservationMessages:
         """
         return self._muscles.of(stamp_ns, observation.state.mean_metabolic_rate_w)
 
-    def pictures(self, stamp_ns: int, pictures: np.ndarray) -> Iterator[tuple[str, bytes]]:
-        """Yield the pictures (2, roi_height_px, roi_width_px)."""
-        for topic, layout, picture in zip(PICTURES, self._pictures, pictures, strict=True):
+    def pictures(self, stamp_ns: int, observation: Observation) -> Iterator[tuple[str, bytes]]:
+        """Yield both pictures, if there are any."""
+        if observation.pictures is None:
+            return
+        for topic, layout, picture in zip(
+            PICTURES, self._pictures, observation.pictures, strict=True
+        ):
             yield topic, layout.of(stamp_ns, picture)
 
-    def camera_infos(self, stamp_ns: int) -> Iterator[tuple[str, bytes]]:
-        """Yield the intrinsics that belong to the pictures."""
+    def camera_infos(self, stamp_ns: int, observation: Observation) -> Iterator[tuple[str, bytes]]:
+        """Yield the intrinsics that belong to the pictures, if there are any."""
+        if observation.pictures is None:
+            return
         for topic, write in zip(CAMERA_INFOS, self._infos, strict=True):
             yield topic, write(stamp_ns)
 

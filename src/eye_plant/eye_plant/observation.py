@@ -2,30 +2,29 @@
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from eye_plant.episode import Episode
 from eye_plant.ground_truth import GroundTruth
 from eye_plant.mechanics.oculomotor import OculomotorState
+from lockstep import CommandSpace
+from lockstep.optics import Pinhole
 from lockstep.randomness import Moment
 
 
 @dataclass(frozen=True)
-class Observation:
-    """Observation `iteration` of an episode, 0 to n_iterations.
+class Seen:
+    """Observation `iteration` of an episode, 0 to n_iterations, of eyes or of a robot's head.
 
-    pictures: (2, roi_height_px, roi_width_px) uint8, left then right, valid until the next
-    observation is made; None in the last observation, which nobody answers. felt: (12,) activations
-    as they are felt.
+    pictures: (2, height_px, width_px) uint8, left then right, valid until the next observation is
+    made; None in the last observation, which nobody answers.
     """
 
     episode: Episode
     iteration: int
     pictures: np.ndarray | None
-    state: OculomotorState
-    truth: GroundTruth
-    felt: np.ndarray
 
     @property
     def number(self) -> int:
@@ -55,6 +54,33 @@ class Observation:
             self.number,
         )
 
+    def _numbers(self) -> tuple[float, ...]:
+        """Return the first values of ground truth, which are known of every plant."""
+        return (*self.episode_values(), self.episode.stimulus)
+
+
+@dataclass(frozen=True)
+class Observation(Seen):
+    """An observation of two eyes; their pictures have the size of the region of interest.
+
+    felt: (12,) activations as they are felt.
+    """
+
+    state: OculomotorState
+    truth: GroundTruth
+    felt: np.ndarray
+
+    # Eyes do not know theirs.
+    cameras: ClassVar[tuple[Pinhole, Pinhole] | None] = None
+
+    def commanded(self, space: CommandSpace) -> np.ndarray:
+        """Return the activations (n_muscles,) of the muscles that a space commands."""
+        return self.state.activations[space.indices]
+
+    def rates_w(self, space: CommandSpace) -> np.ndarray:
+        """Return the settled metabolic rates (n_muscles,) of those muscles."""
+        return self.state.metabolic_rate_w[space.indices]
+
     @property
     def given_target_deg(self) -> tuple[float, float]:
         """Place in the left picture to look at, sideways and up; NaN unless a new one is given."""
@@ -65,8 +91,7 @@ class Observation:
         """Return the values of lockstep.wire.topics.GROUND_TRUTH_NAMES."""
         truth = self.truth
         return (
-            *self.episode_values(),
-            self.episode.stimulus,
+            *self._numbers(),
             self.episode.object_distance_m,
             truth.vergence_deg,
             truth.desired_vergence_deg,

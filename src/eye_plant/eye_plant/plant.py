@@ -52,6 +52,11 @@ class EyePlant:
 
         stimuli: instead of those that the configuration asks for.
         """
+        if config.space.of_joints:
+            raise InputError(
+                f"command_space: expected one of muscles, got {config.command_space}, of the joints"
+                " of a robot's head, which takes the place of eye_plant (docs/how_to/own_head.md)"
+            )
         self._started_with = self.config = config
         self._settings: Mapping[str, Any] = {}
         self.oculomotor = Oculomotor(config.mechanics)

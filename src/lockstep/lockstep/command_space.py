@@ -1,9 +1,11 @@
-"""Which muscles a command moves, and within which limits: the spaces that a configuration chooses.
+"""What a command moves, and within which limits: the spaces that a configuration chooses.
 
 The plant has twelve muscles. A command names activations; each is that of one muscle, or the same
-for the muscle of that name in both eyes.
+for the muscle of that name in both eyes. A robot's head has joints instead, whose angles in rad a
+command names.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -31,29 +33,40 @@ LOWEST_ACTIVATIONS, HIGHEST_ACTIVATIONS = (0.0, 0.0), (0.2, 0.1)
 
 @dataclass(frozen=True)
 class CommandSpace:
-    """Names of the activations that a command sets, of muscles or of pairs of them."""
+    """Names of what a command sets: activations of muscles or of pairs of them, or angles.
+
+    of_joints: whether these are angles of a head's joints, in rad. Wherever muscles are spoken of,
+    the joints take their places then, each as it is.
+    """
 
     names: tuple[str, ...]
+    of_joints: bool = False
 
     @property
     def n_eyes(self) -> int:
-        """Eyes with activations of their own: 1 where both are commanded alike."""
+        """Eyes with activations of their own: 1 where both are commanded alike, or by joints."""
         return len(SIDES) if set(self.names) <= set(MUSCLE_NAMES) else 1
 
     @cached_property
     def muscle_names(self) -> tuple[str, ...]:
         """The muscles that are commanded, in the order of MUSCLE_NAMES."""
+        if self.of_joints:
+            return self.names
         commanded = {muscle for name in self.names for muscle in muscles_of(name)}
         return tuple(muscle for muscle in MUSCLE_NAMES if muscle in commanded)
 
     @cached_property
     def indices(self) -> NDArray[np.intp]:
-        """Positions of muscle_names among MUSCLE_NAMES."""
+        """Positions of muscle_names among MUSCLE_NAMES, or of joints among themselves."""
+        if self.of_joints:
+            return np.arange(len(self.names))
         return np.array([MUSCLE_NAMES.index(muscle) for muscle in self.muscle_names])
 
     @cached_property
     def _members(self) -> NDArray[np.intp]:
         """For each name the positions of its muscles among muscle_names."""
+        if self.of_joints:
+            return np.arange(len(self.names))[:, None]
         return np.array(
             [[self.muscle_names.index(muscle) for muscle in muscles_of(n)] for n in self.names]
         )
@@ -73,7 +86,7 @@ class CommandSpace:
 
 @dataclass(frozen=True)
 class Limits:
-    """The least and the largest activation of each command."""
+    """The least and the largest value of each command."""
 
     lowest: tuple[float, ...]
     highest: tuple[float, ...]
@@ -89,8 +102,12 @@ def activation_limits(
 ) -> Limits:
     """Return the limits of each command; lowest, highest: one entry a command, or one for all.
 
-    Raises InputError for another number of entries, and where the least exceeds the largest.
+    Joints have those that their head declares, and none here. Raises InputError for another number
+    of entries, and where the least exceeds the largest.
     """
+    if space.of_joints:
+        n_joints = len(space.names)
+        return Limits((-math.inf,) * n_joints, (math.inf,) * n_joints)
     limits = Limits(
         _one_each("lowest_activations", lowest, space),
         _one_each("highest_activations", highest, space),
@@ -114,6 +131,7 @@ def _one_each(parameter: str, values: Sequence[float], space: CommandSpace) -> t
 
 
 PAIR, HORIZONTAL_RECTI, ALL_MUSCLES = "pair", "horizontal_recti", "all_muscles"
+VERGENCE, PAN_TILT_VERGENCE = "vergence", "pan_tilt_vergence"
 COMMAND_SPACES = {
     # Both eyes alike, as in K17.
     PAIR: CommandSpace(("medial_rectus", "lateral_rectus")),
@@ -123,4 +141,7 @@ COMMAND_SPACES = {
     ),
     # ... and about all three axes.
     ALL_MUSCLES: CommandSpace(MUSCLE_NAMES),
+    # A robot's head: the sum of both cameras' turns toward each other, and those of its neck.
+    VERGENCE: CommandSpace(("vergence",), of_joints=True),
+    PAN_TILT_VERGENCE: CommandSpace(("pan", "tilt", "vergence"), of_joints=True),
 }

@@ -39,3 +39,22 @@ class TurnNoiseConfig:
     def __post_init__(self) -> None:
         """Refuse values out of range."""
         check_settings(self)
+
+
+@dataclass(frozen=True)
+class Pinhole:
+    """A calibrated camera, as sensor_msgs/CameraInfo describes one.
+
+    focal_px, centre_px: (2,) focal length and principal point, across and down, in the picture's
+    pixels, whose centres are at whole numbers; distortion: the coefficients of plumb_bob or
+    rational_polynomial, none of an ideal camera.
+    """
+
+    focal_px: tuple[float, float]
+    centre_px: tuple[float, float]
+    distortion: tuple[float, ...] = ()
+
+    @classmethod
+    def ideal(cls, focal_px: float, height_px: int, width_px: int) -> "Pinhole":
+        """Return a camera without distortion whose principal point is the picture's centre."""
+        return cls((focal_px, focal_px), ((width_px - 1) / 2.0, (height_px - 1) / 2.0))

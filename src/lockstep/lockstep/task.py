@@ -52,7 +52,7 @@ class TaskConfig:
     )
     command_space: str = setting(
         PAIR,
-        "muscles that a command moves and whose metabolic rate counts",
+        "muscles that a command moves and whose metabolic rate counts, or joints of a robot's head",
         choices=tuple(COMMAND_SPACES),
     )
     lowest_activations: tuple[float, ...] = setting(
@@ -96,6 +96,11 @@ class TaskConfig:
         if self.fixation_iterations and self.measures_turns:
             raise InputError(
                 "measures_turns: expected false with saccades, whose turns are measured anyway"
+            )
+        if self.space.of_joints and self.metabolic_cost_weight:
+            raise InputError(
+                f"metabolic_cost_weight: expected 0 with command_space {self.command_space}, whose "
+                f"joints have no metabolic rate, got {self.metabolic_cost_weight}"
             )
         self._check_turning()
 

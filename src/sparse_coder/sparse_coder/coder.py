@@ -3,6 +3,7 @@
 Dimensions: n_scales is 2, coarse before fine; n_patches, n_pixels, n_bases, n_selections.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -72,7 +73,7 @@ class SparseCoder:
         """Return what an observation is worth, and what it says of gaze; the atoms stay.
 
         left, right: grey uint8 pictures (height_px, width_px).
-        metabolic_rates_w: (n_muscles,) settled rates of the muscles that are charged.
+        metabolic_rates_w: (n_muscles,) settled rates of the charged muscles, (0,) of joints.
         moment: which observation it is; turns of the eyes are followed from iteration 0 on.
         given_deg: (2,) place to look at when a fixation begins, NaN where the eyes choose.
 
@@ -81,6 +82,8 @@ class SparseCoder:
         encoding = self.encode(left, right)
         rate_w = float(metabolic_rates_w.sum())
         earned = reward(encoding.reconstruction_error, rate_w, self.price_of_energy)
+        if not len(metabolic_rates_w):
+            rate_w = math.nan
         if self.config.random_reward:
             earned = random_reward(self.config.seed, self.learning_steps, moment.iteration)
         watch = self._watch

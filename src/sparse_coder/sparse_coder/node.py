@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from sensor_msgs.msg import Image, JointState
+from sensor_msgs.msg import CameraInfo, Image, JointState
 
 from lockstep import InputError
 from lockstep.node.learner_node import LearnerNode
@@ -15,6 +15,7 @@ from lockstep.randomness import Moment
 from lockstep.wire.images import ImagePublisher
 from lockstep.wire.topics import (
     BASIS_FUNCTIONS,
+    CAMERA_INFOS,
     GAZE,
     GAZE_NAMES,
     GAZE_TARGET,
@@ -22,11 +23,18 @@ from lockstep.wire.topics import (
     REWARD_NAMES,
     TARGET_NAMES,
     TRAINING,
+    state_topic,
 )
 from lockstep.wire.vectors import VectorPublisher, values_of, whole_values_of
+from sparse_coder.camera import central_view
 from sparse_coder.coder import SparseCoder
 from sparse_coder.config import SparseCoderConfig
-from sparse_coder.messages import basis_functions_message, features_message, picture_of
+from sparse_coder.messages import (
+    basis_functions_message,
+    camera_of,
+    features_message,
+    picture_of,
+)
 from sparse_coder.percept import NOWHERE_DEG
 
 # Half a megabyte each time, for people to look at.
@@ -35,6 +43,7 @@ _TARGET_DEPTH = 1  # only the last target counts
 
 _EPISODE = ("phase", "iteration", "training_iteration")
 INPUTS = dict.fromkeys(PICTURES, Image) | {"episode": JointState, "muscle_activations": JointState}
+_NO_RATES_W = np.zeros(0)
 
 
 class SparseCoderNode(LearnerNode[SparseCoder]):
@@ -59,8 +68,14 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
             self.create_subscription(JointState, GAZE_TARGET, self._take_target, _TARGET_DEPTH)
 
     def inputs(self) -> Mapping[str, type]:
-        """Return pictures, episode and metabolic rates."""
-        return INPUTS
+        """Return pictures, episode and metabolic rates; of a robot's head, its cameras instead.
+
+        Eyes do not know their optics: what a lens does to their pictures, they see as it is.
+        """
+        if not self.config.space.of_joints:
+            return INPUTS
+        of_cameras = dict.fromkeys(PICTURES, Image) | dict.fromkeys(CAMERA_INFOS, CameraInfo)
+        return of_cameras | {"episode": JointState, state_topic(self.config.space): JointState}
 
     def make_learner(self) -> SparseCoder:
         """Return a coder with the dictionaries of its seed."""
@@ -68,16 +83,11 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
 
     def answer(self, stamp_ns: int, observation: Mapping[str, Any]) -> None:
         """Publish features and reward, then let the dictionaries learn while others work."""
-        left, right = (picture_of(observation[topic], topic) for topic in PICTURES)
+        left, right = self._pictures(observation)
         episode = observation["episode"]
         phase, iteration, training_iteration = whole_values_of(episode, _EPISODE, "episode")
         (trial,) = values_of(episode, ("trial",), "episode")
-        rates_w = values_of(
-            observation["muscle_activations"],
-            self.config.space.muscle_names,
-            "muscle_activations",
-            "effort",
-        )
+        rates_w = self._rates_w(observation)
         given_deg = NOWHERE_DEG
         if self.config.fixation_iterations:
             given_deg = self._given_deg(episode, phase, iteration)
@@ -97,6 +107,23 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
         self._show_basis_functions(stamp_ns)
         if phase == TRAINING:
             self.learner.learn(percept.encoding)
+
+    def _pictures(self, observation: Mapping[str, Any]) -> list[np.ndarray]:
+        """Return both grey pictures, as the coder takes them."""
+        pictures = [picture_of(observation[topic], topic) for topic in PICTURES]
+        if not self.config.space.of_joints:
+            return pictures
+        cameras = [camera_of(observation[topic], topic) for topic in CAMERA_INFOS]
+        focal_px = self.config.camera.focal_length_px
+        return [central_view(p, c, focal_px) for p, c in zip(pictures, cameras, strict=True)]
+
+    def _rates_w(self, observation: Mapping[str, Any]) -> np.ndarray:
+        """Return the metabolic rate of each muscle that is charged; joints have none."""
+        space = self.config.space
+        if space.of_joints:
+            return _NO_RATES_W
+        activations = observation["muscle_activations"]
+        return values_of(activations, space.muscle_names, "muscle_activations", "effort")
 
     def _take_target(self, message: JointState) -> None:
         """Look there when the next fixation of training begins."""

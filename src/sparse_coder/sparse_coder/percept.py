@@ -51,9 +51,9 @@ NO_GAZE = Gaze(NOWHERE_DEG, UNSEEN_DEG)
 class Percept:
     """What the coder makes of an observation.
 
-    metabolic_rate_w: C, of the muscles that are charged; energy_penalty: lambda C; reward: -E -
-    lambda C (K17 eq. 5); learning_steps: of the coder, before it learns from this; gaze: None where
-    nobody asks.
+    metabolic_rate_w: C, of the muscles that are charged, NaN of joints; energy_penalty: lambda C;
+    reward: -E - lambda C (K17 eq. 5); learning_steps: of the coder, before it learns from this;
+    gaze: None where nobody asks.
     """
 
     encoding: Encoding

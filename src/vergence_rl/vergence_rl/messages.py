@@ -6,7 +6,7 @@ import numpy as np
 from sensor_msgs.msg import Image, JointState
 
 from lockstep import SIDES, CommandSpace, InputError
-from lockstep.wire.topics import GAZE, GAZE_NAMES
+from lockstep.wire.topics import GAZE, GAZE_NAMES, state_topic
 from lockstep.wire.vectors import values_of
 from vergence_rl.learning_rule import Decision
 
@@ -39,12 +39,13 @@ def features_of(message: Image) -> np.ndarray:
 def activations_of(message: JointState, space: CommandSpace) -> np.ndarray:
     """Return the activations (n_names,) that commands of the space set, as they are felt.
 
-    Where they are felt with noise, the message has them as velocity. Raises InputError as
-    `values_of`, and for an activation out of [0, 1].
+    Of joints these are angles in rad. Where activations are felt with noise, the message has them
+    as velocity. Raises InputError as `values_of`, and for an activation out of [0, 1].
     """
-    field = "velocity" if len(message.velocity) else "position"
-    values = values_of(message, space.muscle_names, "muscle_activations", field)
-    if not ((values >= 0.0) & (values <= 1.0)).all():
+    is_felt = len(message.velocity) and not space.of_joints
+    field = "velocity" if is_felt else "position"
+    values = values_of(message, space.muscle_names, state_topic(space), field)
+    if not space.of_joints and not ((values >= 0.0) & (values <= 1.0)).all():
         raise InputError(
             f"muscle_activations: expected activations in [0, 1], got {values.tolist()}"
         )

@@ -11,7 +11,13 @@ from sensor_msgs.msg import Image, JointState
 
 from lockstep.node.learner_node import LearnerNode
 from lockstep.node.process import run_node
-from lockstep.wire.topics import GAZE, TRAINING, actor_critic_names
+from lockstep.wire.topics import (
+    GAZE,
+    TRAINING,
+    actor_critic_names,
+    command_topic,
+    state_topic,
+)
 from lockstep.wire.vectors import VectorPublisher, values_of, whole_values_of
 from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
@@ -32,16 +38,19 @@ class VergenceRlNode(LearnerNode[Agent]):
     def __init__(self, **kwargs: Any) -> None:
         """Set up actor and critic; raises InputError for a bad configuration."""
         super().__init__("vergence_rl", VergenceRlConfig, **kwargs)
-        self._command = VectorPublisher(self, "muscle_command", self.config.space.names)
-        self._actor_critic = VectorPublisher(
-            self, "actor_critic", actor_critic_names(self.config.space)
-        )
+        space = self.config.space
+        self._command = VectorPublisher(self, command_topic(space), space.names)
+        self._actor_critic = VectorPublisher(self, "actor_critic", actor_critic_names(space))
 
     def inputs(self) -> Mapping[str, type]:
         """Return features, reward and activations, and what turns of the eyes need."""
-        if not self.config.learns_turns:
-            return INPUTS
-        return {GAZE: JointState} | INPUTS
+        if self.config.learns_turns:
+            return {GAZE: JointState} | INPUTS
+        if self.config.space.of_joints:
+            inputs = dict(INPUTS)
+            del inputs["muscle_activations"]
+            return {state_topic(self.config.space): JointState} | inputs
+        return INPUTS
 
     def make_learner(self) -> Agent:
         """Return an agent with the weights of its seed."""
@@ -54,7 +63,8 @@ class VergenceRlNode(LearnerNode[Agent]):
         phase, iteration, training_iteration = whole_values_of(
             observation["episode"], _EPISODE, "episode"
         )
-        activations = activations_of(observation["muscle_activations"], self.config.space)
+        space = self.config.space
+        activations = activations_of(observation[state_topic(space)], space)
         gaze = gaze_of(observation[GAZE], observation["reward"]) if GAZE in observation else {}
         in_training = phase == TRAINING
         decision = self.learner.observe(

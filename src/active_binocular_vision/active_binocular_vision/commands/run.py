@@ -37,13 +37,14 @@ from experiment_manager.supervision.node_neighbours import check_ros
 from experiment_manager.supervision.supervisor import Supervisor, known_domain
 from eye_plant import EyePlantConfig, load_stimuli
 from eye_plant.stimuli.stimulus_set import announcement
-from lockstep import InputError
+from lockstep import COMMAND_SPACES, InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, EXIT_FAULT, EXIT_INTERRUPTED
 from lockstep.files.durable_files import is_free, replace_file, why_unwritable
 from lockstep.machine.environment import reaches_other_machines
 from lockstep.written.command_line import command
 from lockstep.written.yaml_text import yaml_line
 
+PLANT = "eye_plant"
 # After a fault of learning there is nothing to continue: it would come again.
 _TO_CONTINUE = {
     EXIT_INTERRUPTED: "to continue",
@@ -77,7 +78,10 @@ def _installed_commit() -> str:
 
 def _prepare_stimuli(configuration: Configuration) -> None:
     """Make the generated stimuli now if they are not in the cache: a node has no time for that."""
-    stimuli = config_of(EyePlantConfig, configuration).stimuli
+    plant = config_of(EyePlantConfig, configuration)
+    stimuli = plant.stimuli
+    if plant.space.of_joints:
+        return  # a head sees the world, or its own
     if stimuli.directory:
         print(f"reading the pictures of {stimuli.directory}")
     elif text := announcement(stimuli):
@@ -88,7 +92,14 @@ def _prepare_stimuli(configuration: Configuration) -> None:
 def _say_how_to_start(nodes: Collection[str], domain: int | None, config: Path) -> None:
     """Tell a person what to do on another machine."""
     reach = "SUBNET" if reaches_other_machines(os.environ) else "LOCALHOST"
+    task = read_configuration(config)["task"]
     for node in nodes:
+        if node == PLANT and COMMAND_SPACES[task["command_space"]].of_joints:
+            print(
+                f"a head is awaited; where it is:\n  ROS_DOMAIN_ID={domain} "
+                f"ROS_AUTOMATIC_DISCOVERY_RANGE={reach} {sys.executable} YOUR_HEAD.py"
+            )
+            continue
         print(
             f"{node} is awaited; on its machine, with a copy of {config}:\n"
             f"  ROS_DOMAIN_ID={domain} ROS_AUTOMATIC_DISCOVERY_RANGE={reach} "
@@ -130,14 +141,21 @@ def prepare(options: argparse.Namespace) -> Path:
     branched = None
     if options.branch is not None:
         branched = branch(options.branch, request, source_commit())
-    return prepare_new(request, directory, branched)
+    return prepare_new(request, directory, branched, has_head=PLANT in options.elsewhere)
 
 
-def prepare_new(request: RunRequest, directory: Path, branched: Branch | None = None) -> Path:
+def prepare_new(
+    request: RunRequest,
+    directory: Path,
+    branched: Branch | None = None,
+    *,
+    has_head: bool = False,
+) -> Path:
     """Make the directory of a new run, with its config.yaml; return it.
 
-    branched: what the run begins from. Raises InputError for a request that no run can meet, and a
-    directory that holds something.
+    branched: what the run begins from; has_head: whether something else than our eyes may be the
+    plant. Raises InputError for a request that no run can meet, and a directory that holds
+    something.
     """
     _refuse_used(directory)
     is_there = directory.exists()
@@ -145,6 +163,12 @@ def prepare_new(request: RunRequest, directory: Path, branched: Branch | None = 
         configuration_of(request, source_commit()) if branched is None else branched.configuration
     )
     text = configuration_text(configuration)
+    space = configuration["task"]["command_space"]
+    if COMMAND_SPACES[space].of_joints and not has_head:
+        raise InputError(
+            f"command_space {space}: expected a head, with --elsewhere eye_plant or "
+            "abv.run(head=...) (docs/how_to/own_head.md); our eyes have muscles"
+        )
     _prepare_stimuli(configuration)
     try:
         directory.mkdir(parents=True, exist_ok=is_there)  # another run may have begun there since

@@ -10,7 +10,7 @@ from experiment_manager.measures.metrics import QUARTILES, SHARE_ITERATIONS, cos
 from experiment_manager.measures.trials import Trials, TrialTable, split_tests
 from experiment_manager.run.config_file import parameters_in
 from lockstep import CommandSpace, InputError
-from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TRAINING
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TRAINING, state_topic
 
 # The error of a single episode says how hard it was; a median over some says what was learned.
 _MOST_CURVE_BINS = 100
@@ -73,9 +73,10 @@ def measured(bag: Bag, settings: EvaluationSettings, n_iterations: int, weight: 
     settings: how the run was tested; n_iterations: of training; weight: lambda, 1/W.
     """
     # The tables of a full run fill half a gigabyte; only what is made of them is kept.
-    tables = bag.vectors("ground_truth", "reward", "muscle_activations")
+    states = state_topic(settings.plant.space)
+    tables = bag.vectors("ground_truth", "reward", states)
     truth, reward = tables["ground_truth"], tables["reward"]
-    table = trial_table(truth, tables["muscle_activations"], settings.plant.space)
+    table = trial_table(truth, tables[states], settings.plant.space)
     tests = split_tests(table, settings.iterations_per_trial)
     return Measured(
         tuple(_recorded(trials, truth, reward) for trials in tests if trials.trial[0] == 0),
@@ -91,7 +92,8 @@ def _shares(
     rows = truth.at(reward.stamps_ns)
     training = (rows >= 0) & (truth.column("phase")[rows] == TRAINING)
     iteration = truth.column("training_iteration")[rows]
-    error, cost_w = _total_error(reward), reward.column("metabolic_rate_w")
+    # Joints have no rate, and cost nothing.
+    error, cost_w = _total_error(reward), np.nan_to_num(reward.column("metabolic_rate_w"))
     begin = iteration[training].min(initial=n_iterations)
     reached = iteration[training].max(initial=-1) + 1
 

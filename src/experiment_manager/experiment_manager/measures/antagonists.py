@@ -63,8 +63,13 @@ def reciprocity(activations: np.ndarray, silent: float) -> SharedChange:
 
 
 def measures_of_pairs(trials: Trials, criteria: Criteria) -> dict[str, Any]:
-    """Return what all pairs of antagonists do in the end, by the names of fields of SetSummary."""
+    """Return what all pairs of antagonists do in the end, by the names of fields of SetSummary.
+
+    Nothing of joints, which have none.
+    """
     pairs = antagonist_names(trials.space)
+    if not pairs:
+        return {}
     values = np.stack([_above_floor(trials, criteria, names) for names in pairs], axis=1)
     known = values[~np.isnan(values).any(axis=(1, 2))]
     is_active = known >= silent_below(criteria)

@@ -31,7 +31,8 @@ class Criteria:
     it a muscle's cost no longer falls. Objects up to lateral_is_silent_up_to_m ask for more
     vergence than relaxed eyes have, so that the lateral recti should be silent; those from
     medial_is_silent_from_m on ask for less. In between either may hold the gaze at hardly any cost.
-    lowest_activations: of each command, at which a muscle with a tonic floor is silent.
+    lowest_activations: of each command, at which a muscle with a tonic floor is silent. Of joints
+    only px_deg is known.
     fixation_iterations: of a fixation, 0 of eyes that make no saccades.
     """
 
@@ -45,6 +46,9 @@ class Criteria:
 
 def criteria_of(plant: EyePlantConfig, fixation_iterations: int = 0) -> Criteria:
     """Return what counts with a plant's cameras and eyes."""
+    if plant.space.of_joints:
+        px_deg = degrees_per_px(plant.camera.focal_length_px)
+        return Criteria(px_deg, math.nan, math.nan, math.nan, plant.limits.lowest)
     criteria = _criteria(plant.camera.focal_length_px, plant.mechanics, plant.limits.lowest)
     return replace(criteria, fixation_iterations=fixation_iterations)
 

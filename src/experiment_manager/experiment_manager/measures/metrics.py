@@ -81,7 +81,7 @@ def _measures(trials: Trials, iteration: int, criteria: Criteria) -> Measures:
     is_known = ~np.isnan(error_deg)
     is_within = error_deg < criteria.px_deg
     other_axes: dict[str, Any] = {}
-    if not trials.is_of_pair:
+    if not (trials.is_of_pair or trials.space.of_joints):
         is_within &= vertical_deg < criteria.px_deg
         other_axes = {
             "median_abs_vertical_error_deg": _quantile(vertical_deg, 0.5),
@@ -108,7 +108,7 @@ def _bias_by_distance_deg(trials: Trials) -> dict[str, float | None]:
     """
     distance_m = trials.object_distance_m
     final_deg = trials.vergence_error_deg[:, -1]
-    distances_m = np.unique(distance_m).tolist()
+    distances_m = np.unique(distance_m[~np.isnan(distance_m)]).tolist()
     return {f"{d:g}": _quantile(final_deg[distance_m == d], 0.5) for d in distances_m}
 
 

@@ -10,6 +10,10 @@ _LINE_WIDTH = 120
 _OTHER_AXES = ("vertical", "cyclo")
 # Where fewer pairs of antagonists have an active muscle, the eyes rest.
 _RESTING_SHARE = 0.5
+_NO_TRUTH = (
+    "The plant does not say where its cameras should look: no errors are reported.\n"
+    "  The reconstruction errors in the bag show what was learned (docs/how_to/own_head.md)."
+)
 
 
 def text_table(header: Sequence[str], rows: Sequence[Sequence[str]], n_left: int = 1) -> str:
@@ -38,6 +42,8 @@ def percent(share: float | None) -> str:
 
 def summary_line(test: Summary) -> str:
     """Return the measures of one test in one line."""
+    if test.n_trials and test.median_abs_vergence_error_deg is None:
+        return f"test at {test.iteration} iterations: {test.n_trials} trials, errors not known"
     others = "".join(
         f"|{name}| {number(value)} deg, "
         for name, value in zip(_OTHER_AXES, _other_errors_deg(test), strict=False)
@@ -46,19 +52,24 @@ def summary_line(test: Summary) -> str:
         f"test at {test.iteration} iterations: "
         f"median |vergence error| {number(test.median_abs_vergence_error_deg)} deg, "
         f"IQR {number(test.iqr_abs_vergence_error_deg)} deg, {others}"
-        f"{percent(test.share_within_1_px)} within 1 px, "
-        f"c {number(test.saving)} ({test.n_trials} trials)"
+        f"{percent(test.share_within_1_px)} within 1 px"
+        f"{f', c {number(test.saving)}' if _has_muscles(test) else ''} ({test.n_trials} trials)"
     )
+
+
+def _has_muscles(test: Summary) -> bool:
+    """Return whether what is commanded has a metabolic rate."""
+    return test.median_metabolic_rate_w is not None
 
 
 def in_words(test: Summary, px_deg: float) -> str:
     """Return what the learners of one test can do, in sentences; px_deg: visual angle of a pixel.
 
-    Without a trial whose error is known, "".
+    Without a trial, "".
     """
     error_deg = test.median_abs_vergence_error_deg
     if error_deg is None:
-        return ""
+        return _NO_TRUTH if test.n_trials else ""
     sentences = [
         f"After {test.iteration:,} training iterations, on pictures that training never shows:",
         f"vergence is off by {number(error_deg / px_deg, 2)} px in the median, and by less than "
@@ -67,6 +78,9 @@ def in_words(test: Summary, px_deg: float) -> str:
         *_activity_in_words(test.antagonists_active),
         *_saccades_in_words(test),
     ]
+    if not _has_muscles(test):
+        sentences[1] = sentences[1][:-1] + "."
+        del sentences[2:]
     return "\n  ".join(sentences)
 
 
@@ -135,6 +149,11 @@ def summaries_table(tests: Sequence[Summary]) -> str:
     header = ["iteration", "trials", "|vergence|/deg", "IQR/deg"]
     header += [f"{name}/deg" for name in _OTHER_AXES] if any(others) else []
     header += ["within 1 px", "C/C*", "c", "both/one/none active"]
+    # Nobody knows errors, or there are no muscles: then there are no columns for them.
+    n_first = header.index("C/C*")
+    absent = set() if any(errors_deg) else {*range(2, n_first)}
+    if not any(map(_has_muscles, tests)):
+        absent |= {*range(n_first, len(header))}
     rows = [
         (
             str(test.iteration),
@@ -149,7 +168,9 @@ def summaries_table(tests: Sequence[Summary]) -> str:
         )
         for test, of_test in zip(tests, others, strict=True)
     ]
-    lines = text_table(header, rows, n_left=0).splitlines()
+    kept = [i for i in range(len(header)) if i not in absent]
+    table = text_table([header[i] for i in kept], [[row[i] for i in kept] for row in rows], 0)
+    lines = table.splitlines()
     room = min(_BAR_WIDTH, _LINE_WIDTH - 2 - max(map(len, lines)))
     width = room if room >= _LEAST_BAR_WIDTH else 0
     bars = ["", *("#" * round(width * error_deg / most) for error_deg in errors_deg)]

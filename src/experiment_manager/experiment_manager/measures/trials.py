@@ -15,6 +15,7 @@ ERROR_NAMES = ("vergence_error_deg", "vertical_error_deg", "cyclovergence_error_
 LEAST_COST_RANGE_W = 0.01
 
 _SPACES = {len(space.names): space for space in COMMAND_SPACES.values()}
+_COUNTS = ", ".join(map(str, sorted(_SPACES)))
 
 
 def trial_names(space: CommandSpace) -> tuple[str, ...]:
@@ -25,9 +26,7 @@ def trial_names(space: CommandSpace) -> tuple[str, ...]:
 def space_of(n_commands: int) -> CommandSpace:
     """Return the command space with so many commands; raises InputError when none has."""
     if n_commands not in _SPACES:
-        raise InputError(
-            f"expected activations of {', '.join(map(str, _SPACES))} commands, got {n_commands}"
-        )
+        raise InputError(f"expected activations of {_COUNTS} commands, got {n_commands}")
     return _SPACES[n_commands]
 
 

@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState
 
 from experiment_manager.config import ExperimentManagerConfig
 from experiment_manager.node.fault_detection import LEARNER_OF, check_learning_steps
-from experiment_manager.run.episode_record import EpisodeRecord
+from experiment_manager.run.episode_record import EpisodeRecord, TimedRecord
 from experiment_manager.run.picture_sample import takes_pictures
 from experiment_manager.run.recorded_topics import FREE_TOPICS, SAMPLED_TOPICS, small_topics
 from experiment_manager.run.run_directory import Run
@@ -23,15 +23,20 @@ from lockstep.wire.qos import LOCKSTEP_QOS, QUEUE_DEPTH
 from lockstep.wire.stamps import NS_PER_S, period_ns
 from lockstep.wire.topics import (
     GROUND_TRUTH_NAMES,
+    JOINT_STATES,
     REWARD_NAMES,
     TEST,
     TOPIC_TYPES,
-    UNSURE_TRUTH_NAMES,
+    state_topic,
+    unsure_reward_names,
+    unsure_truth_names,
 )
-from lockstep.wire.vectors import values_of
+from lockstep.wire.vectors import values_of, whole_values_of
 
 # Of an observation, the plant sends its small messages while the others compute, this one last.
-_LAST_TOPIC = "eye_states"
+_LAST_TOPIC, _LAST_TOPIC_OF_HEADS = "eye_states", JOINT_STATES
+# Observations of a clock's time whose number has not come yet; more are somebody else's.
+_N_PENDING = 8
 
 
 class Recorder:
@@ -60,7 +65,16 @@ class Recorder:
         self._is_open = True
         self._hear()
         self._others_are_late = False
-        measured = ("ground_truth", "muscle_activations", *LEARNER_OF)
+        space = config.space
+        self._state_topic = state_topic(space)
+        self._last_topic = _LAST_TOPIC_OF_HEADS if space.of_joints else _LAST_TOPIC
+        self._unsure = {
+            "ground_truth": unsure_truth_names(space),
+            "reward": unsure_reward_names(space),
+        }
+        # By stamp, of a head: what came before the message that numbers its observation.
+        self._pending: dict[int, list[tuple[str, bytes]]] = {}
+        measured = ("ground_truth", self._state_topic, "episode", *LEARNER_OF)
         self._readers = {name: Reader(JointState, name) for name in measured}
         self._subscriptions_of_pictures: list[Subscription] = []
         self._small_topics = small_topics(config)
@@ -83,7 +97,7 @@ class Recorder:
         """
         if self._others_are_late:
             return list(self._recorded.values())
-        return [self._recorded[_LAST_TOPIC]]
+        return [self._recorded[self._last_topic]]
 
     def sample_pictures(self) -> None:
         """Subscribe some episodes early, so that all is matched when the sampled one begins."""
@@ -101,7 +115,11 @@ class Recorder:
         """Expect the messages of an episode."""
         if not self._records:
             self._forget_what_waits()
-        self.record = EpisodeRecord(episode, self._period_ns, self._small_topics)
+        self.record = (
+            TimedRecord(episode, self._small_topics)
+            if self._config.space.of_joints
+            else EpisodeRecord(episode, self._period_ns, self._small_topics)
+        )
         self._records.appendleft(self.record)
         # A picture of the last episode may still come, of those before nothing does.
         self._run.writer.release(self._records[-1].first_ns)
@@ -161,8 +179,27 @@ class Recorder:
         seconds, nanoseconds = stamp_of(message)
         stamp_ns = seconds * NS_PER_S + nanoseconds
         record = next((r for r in self._records if r.holds(stamp_ns)), None)
-        if record is None:
+        if record is not None:
+            self._take_of(record, topic, message, stamp_ns)
+        elif self._config.space.of_joints and topic not in FREE_TOPICS:
+            self._take_early(topic, message, stamp_ns)
+
+    def _take_early(self, topic: str, message: bytes, stamp_ns: int) -> None:
+        """Hold back what belongs to an observation until its number comes."""
+        pending = self._pending
+        if stamp_ns not in pending and len(pending) >= _N_PENDING:
+            del pending[next(iter(pending))]
+        pending.setdefault(stamp_ns, []).append((topic, message))
+        if topic != "episode":
             return
+        (number,) = whole_values_of(self._readers[topic](message), ("observation",), topic)
+        early = pending.pop(stamp_ns)
+        for record in tuple(self._records):
+            if isinstance(record, TimedRecord) and record.note(stamp_ns, number):
+                for held_topic, held in early:
+                    self._take_of(record, held_topic, held, stamp_ns)
+
+    def _take_of(self, record: EpisodeRecord, topic: str, message: bytes, stamp_ns: int) -> None:
         if topic in SAMPLED_TOPICS and not takes_pictures(self._config, record.episode):
             return
         if topic in self._small_topics and not record.expects(topic, stamp_ns):
@@ -177,23 +214,23 @@ class Recorder:
 
     def _count(self, topic: str, message: bytes, record: EpisodeRecord, stamp_ns: int) -> None:
         self._run.stamp_ns = max(self._run.stamp_ns, stamp_ns)
-        if topic in self._readers:
+        if topic in self._readers and topic != "episode":
             self._measure(topic, message, record, stamp_ns)
         record.count(topic)
         if record.is_complete:
             self._on_complete()
-        elif topic == _LAST_TOPIC and stamp_ns == record.last_ns:
+        elif topic == self._last_topic and stamp_ns == record.last_ns:
             self._others_are_late = True
 
     def _measure(self, topic: str, message: bytes, record: EpisodeRecord, stamp_ns: int) -> None:
-        if topic == "muscle_activations" and record.episode.phase != TEST:
+        if topic == self._state_topic and record.episode.phase != TEST:
             return
         vector, progress = self._readers[topic](message), self._run.progress
         if topic == "ground_truth":
             is_last = stamp_ns == record.last_ns
-            truth = values_of(vector, GROUND_TRUTH_NAMES, topic, may_lack=UNSURE_TRUTH_NAMES)
+            truth = values_of(vector, GROUND_TRUTH_NAMES, topic, may_lack=self._unsure[topic])
             progress.add_truth(truth, is_last=is_last)
-        elif topic == "muscle_activations":
+        elif topic == self._state_topic:
             values = values_of(vector, self._config.space.muscle_names, topic)
             progress.add_activations(record.episode.phase, values)
         else:
@@ -206,6 +243,7 @@ class Recorder:
             (found,) = values_of(vector, ("learning_steps",), topic)
             check_learning_steps(topic, record, stamp_ns, float(found))
         if topic == "reward":
-            episode, values = record.episode, values_of(vector, REWARD_NAMES, topic)
+            episode = record.episode
+            values = values_of(vector, REWARD_NAMES, topic, may_lack=self._unsure[topic])
             training_iteration = episode.training_iteration + record.iteration(stamp_ns)
             self._run.progress.add_reward(episode.phase, training_iteration, values)

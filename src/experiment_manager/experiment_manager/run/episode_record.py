@@ -4,10 +4,9 @@ from collections.abc import Sequence
 
 from experiment_manager.run.recorded_topics import SMALL_TOPICS
 from eye_plant import Episode
-from lockstep.wire.topics import (
-    PLANT_VECTORS,
-    TRAINING,
-)
+from lockstep.wire.topics import HEAD_VECTORS, PLANT_VECTORS, TRAINING
+
+_OF_PLANTS = frozenset((*PLANT_VECTORS, *HEAD_VECTORS))
 
 
 class EpisodeRecord:
@@ -23,7 +22,7 @@ class EpisodeRecord:
         self.last_ns = (episode.first_observation + episode.n_iterations) * period_ns
         n_answers = episode.n_iterations
         self._missing = {
-            topic: n_answers + 1 if topic in PLANT_VECTORS else n_answers for topic in topics
+            topic: n_answers + 1 if topic in _OF_PLANTS else n_answers for topic in topics
         }
 
     def holds(self, stamp_ns: int) -> bool:
@@ -39,7 +38,7 @@ class EpisodeRecord:
 
         Nobody is to answer its last observation.
         """
-        return topic in PLANT_VECTORS or stamp_ns < self.last_ns
+        return topic in _OF_PLANTS or stamp_ns != self.last_ns
 
     def count(self, topic: str) -> None:
         """Count an expected message that was recorded for the first time."""
@@ -53,6 +52,38 @@ class EpisodeRecord:
     def missing(self) -> str:
         """Return what has not come yet, for an error text."""
         return ", ".join(f"{count} of {name}" for name, count in self._missing.items() if count)
+
+
+class TimedRecord(EpisodeRecord):
+    """The record of an episode whose stamps are those of a clock: the topic episode numbers them.
+
+    first_ns, last_ns: those of its first and last observation, -1 until they have come.
+    """
+
+    def __init__(self, episode: Episode, topics: Sequence[str]) -> None:
+        """topics: of small messages."""
+        super().__init__(episode, 1, topics)
+        self.first_ns = self.last_ns = -1
+        self._iterations: dict[int, int] = {}
+
+    def note(self, stamp_ns: int, observation: int) -> bool:
+        """Take the stamp for that of an observation, by its number; return whether it is ours."""
+        iteration = observation - self.episode.first_observation
+        if not 0 <= iteration <= self.episode.n_iterations:
+            return False
+        self._iterations.setdefault(stamp_ns, iteration)
+        self.first_ns = next(iter(self._iterations))
+        if iteration == self.episode.n_iterations:
+            self.last_ns = stamp_ns
+        return True
+
+    def holds(self, stamp_ns: int) -> bool:
+        """Return whether an observation with that stamp belongs to the episode."""
+        return stamp_ns in self._iterations
+
+    def iteration(self, stamp_ns: int) -> int:
+        """Return the iteration within the episode that has the stamp."""
+        return self._iterations[stamp_ns]
 
 
 def learning_steps(topic: str, episode: Episode, iteration: int) -> int:

@@ -17,26 +17,33 @@ from experiment_manager.run.picture_sample import takes_pictures
 from experiment_manager.run.run_directory import Run
 from experiment_manager.sections import Configuration, config_of
 from experiment_manager.step_messages import StepMessages
-from eye_plant import Episode, EyePlantConfig
+from eye_plant import Episode, Head
 from lockstep import DivergenceError, InputError
 from lockstep.exit_codes import EXIT_DIVERGED, EXIT_FAULT, EXIT_INTERRUPTED
 from lockstep.machine.interrupts import Interrupts
 from lockstep.wire.stamps import check_stamp, period_ns
-from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, UNSURE_TRUTH_NAMES
+from lockstep.wire.topics import (
+    GROUND_TRUTH_NAMES,
+    REWARD_NAMES,
+    unsure_reward_names,
+    unsure_truth_names,
+)
 from lockstep.wire.vectors import check_finite
 
 
-def run_in_process(directory: Path) -> int:
+def run_in_process(directory: Path, head: Head | None = None) -> int:
     """Bring a run to its end; return the exit code: 0 done, 3 a fault, 6 one that recurs.
 
     Interrupted, it is 130.
-    directory: holds config.yaml, and whatever the run has done so far. What is wrong here would be
-    so again, so nothing is tried twice. Raises InputError for what cannot be begun.
+    directory: holds config.yaml, and whatever the run has done so far; head: in the place of the
+    eyes. What is wrong here would be so again, so nothing is tried twice. Raises InputError for
+    what cannot be begun.
     """
     interrupts = Interrupts()
     configuration = read_configuration(directory / CONFIG_FILE)
     try:
-        run = InProcessRun(configuration, directory, interrupts, resume=goes_on(directory))
+        resume = goes_on(directory)
+        run = InProcessRun(configuration, directory, interrupts, resume=resume, head=head)
         try:
             with contextlib.closing(run):
                 is_over = run.go_on()
@@ -65,20 +72,21 @@ class InProcessRun:
         *,
         resume: bool,
         on_test: Callable[[Summary], object] | None = None,
+        head: Head | None = None,
     ) -> None:
         """directory: of the run, with its config.yaml; resume: go on from its newest checkpoint.
 
-        on_test: called with the measures of each test that was made.
+        on_test: called with the measures of each test that was made; head: a robot's head in the
+        place of the eyes.
 
         Raises InputError for whatever a node would refuse, OSError when nothing can be written.
         """
         manager = config_of(ExperimentManagerConfig, configuration)
         self._config = dataclasses.replace(manager, run_directory=str(directory), resume=resume)
-        plant = config_of(EyePlantConfig, configuration)
-        self._period_ns = period_ns(plant.mechanics.period_s)
-        self._loop = make_loop(configuration)
-        self._space = plant.space
-        self._messages = StepMessages(plant, self._loop.coder.config.n_bases)
+        self._period_ns = period_ns(self._config.mechanics.period_s)
+        self._loop, self._head = make_loop(configuration, head=head), head
+        self._space = self._config.space
+        self._messages = self._step_messages()
         self._run = Run(self._config)
         self._interrupts = interrupts
         self._on_test = on_test
@@ -87,6 +95,10 @@ class InProcessRun:
         except (InputError, OSError):
             self.close()
             raise
+
+    def _step_messages(self) -> StepMessages:
+        loop = self._loop
+        return StepMessages(loop.plant.config, loop.coder.config.n_bases, self._head)
 
     def go_on(self) -> bool:
         """Bring the run to its end; return whether it came there, or was interrupted before.
@@ -115,7 +127,7 @@ class InProcessRun:
         before = plant.config
         plant.reconfigure(self._run.plant_settings())
         if plant.config != before:
-            self._messages = StepMessages(plant.config, self._loop.coder.config.n_bases)
+            self._messages = self._step_messages()
         self._run.begin_episode()
 
     def _record(self, episode: Episode) -> None:
@@ -140,12 +152,12 @@ class InProcessRun:
     def _measure(self, episode: Episode, step: Step) -> None:
         observation, answer, progress = step.observation, step.answer, self._run.progress
         truth = np.array(observation.ground_truth_values(), dtype=np.float64)
-        check_finite(truth, GROUND_TRUTH_NAMES, "ground_truth", UNSURE_TRUTH_NAMES)
+        check_finite(truth, GROUND_TRUTH_NAMES, "ground_truth", unsure_truth_names(self._space))
         progress.add_truth(truth, is_last=answer is None)
-        progress.add_activations(episode.phase, observation.state.activations[self._space.indices])
+        progress.add_activations(episode.phase, observation.commanded(self._space))
         if answer is not None:
             values = np.array(answer.percept.reward_values(), dtype=np.float64)
-            check_finite(values, REWARD_NAMES, "reward")
+            check_finite(values, REWARD_NAMES, "reward", unsure_reward_names(self._space))
             progress.add_reward(episode.phase, observation.training_iteration, values)
 
     def _checkpoint(self) -> None:

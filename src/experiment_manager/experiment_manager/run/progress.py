@@ -1,5 +1,6 @@
 """What an experiment counts up while it runs: errors, rewards, tests. No ROS, no clock."""
 
+import math
 from collections import deque
 from copy import copy
 
@@ -66,7 +67,9 @@ class Progress:
         if values[_TRUTH["phase"]] == TEST:
             self._truth_bytes += values.astype(np.float64).tobytes()
         elif is_last:
-            self._running_errors_deg.append(abs(float(values[_TRUTH["vergence_error_deg"]])))
+            error_deg = abs(float(values[_TRUTH["vergence_error_deg"]]))
+            if not math.isnan(error_deg):
+                self._running_errors_deg.append(error_deg)
 
     def add_activations(self, phase: int, activations: np.ndarray) -> None:
         """Add one observation's activations, (n_muscles,) of the muscles that are commanded.
@@ -85,7 +88,8 @@ class Progress:
             values[_REWARD["reconstruction_error_coarse"]]
             + values[_REWARD["reconstruction_error_fine"]]
         )
-        cost_w = float(values[_REWARD["metabolic_rate_w"]])
+        # Joints have none, and lambda is 0.
+        cost_w = float(np.nan_to_num(values[_REWARD["metabolic_rate_w"]]))
         if training_iteration < SHARE_ITERATIONS:
             self._count("first", error, cost_w)
         if training_iteration >= self._n_training_iterations - SHARE_ITERATIONS:

@@ -37,6 +37,7 @@ from experiment_manager.run.config_file import (
 from experiment_manager.run.picture_sample import is_sampled
 from experiment_manager.run.progress import Progress
 from experiment_manager.run.progress_bar import ProgressBar
+from experiment_manager.run.recorded_topics import recorded_types
 from experiment_manager.sections import (
     DEFAULTS,
     Configuration,
@@ -47,7 +48,7 @@ from eye_plant.config import EyesConfig
 from lockstep import InputError, flatten, read_state, write_state
 from lockstep.files.durable_files import replace_file
 from lockstep.wire.stamps import period_ns
-from lockstep.wire.topics import PARAMETER_CHANGES, TOPIC_TYPES
+from lockstep.wire.topics import PARAMETER_CHANGES
 from lockstep.wire.vectors import VectorBytes
 
 TRIALS_FILE, TRIALS_KIND = "trials.npz", "trials"
@@ -91,7 +92,7 @@ class Run:
         bag_files = self._resume(*found) if found else None
         self.writer = BagWriter(
             self.directory / "bag",
-            TOPIC_TYPES,
+            recorded_types(config.space),
             {"run_id": self.run_id, "model": config.model, "seed": str(config.seed)},
             configuration=text,
             resume_files=bag_files,
@@ -159,7 +160,8 @@ class Run:
     def _evaluation_settings(self) -> EvaluationSettings:
         """Return how the run is tested; another plant has these eyes and our cameras."""
         known = self._parameters.get("eye_plant", {}).keys() == DEFAULTS["eye_plant"].keys()
-        if known:
+        # A head's pictures are brought to the cameras of the configuration.
+        if known or self._config.space.of_joints:
             return EvaluationSettings.of(self._parameters)
         ours = {"eyes": flatten(EyesConfig(mechanics=self._config.mechanics))}
         of_manager = {n: v for n, v in self._parameters.items() if n in ("task", _MANAGER)}

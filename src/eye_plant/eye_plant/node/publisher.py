@@ -41,10 +41,9 @@ class ObservationPublisher:
 
         Camera infos and mean metabolic rates only while somebody subscribes to them.
         """
-        if observation.pictures is not None:
-            self._send(self._messages.pictures(stamp_ns, observation.pictures))
-            if self._is_read(*CAMERA_INFOS):
-                self._send(self._messages.camera_infos(stamp_ns))
+        self._send(self._messages.pictures(stamp_ns, observation))
+        if self._is_read(*CAMERA_INFOS):
+            self._send(self._messages.camera_infos(stamp_ns, observation))
         self._send(self._messages.vectors(stamp_ns, observation))
         if self._is_read(MEAN_METABOLIC_RATES):
             rates = self._messages.mean_metabolic_rates(stamp_ns, observation)

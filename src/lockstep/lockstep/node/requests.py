@@ -45,14 +45,23 @@ class RequestServer:
     """
 
     def __init__(
-        self, node: Node, diagnostics: Diagnostics, handlers: Mapping[str, Handler]
+        self,
+        node: Node,
+        diagnostics: Diagnostics,
+        handlers: Mapping[str, Handler],
+        name: str = "",
     ) -> None:
-        """handlers: by kind; a handler raises InputError to refuse, having changed nothing."""
+        """handlers: by kind; a handler raises InputError to refuse, having changed nothing.
+
+        name: of the node in whose place it answers, "" for its own.
+        """
         self._diagnostics = diagnostics
         self._handlers = handlers
         self._run_id = ""
         self._last_accepted = ""
-        node.create_service(SetParametersAtomically, service_name(node.get_name()), self._answer)
+        node.create_service(
+            SetParametersAtomically, service_name(name or node.get_name()), self._answer
+        )
 
     def _answer(
         self, request: SetParametersAtomically.Request, response: SetParametersAtomically.Response

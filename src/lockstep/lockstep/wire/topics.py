@@ -38,8 +38,6 @@ GROUND_TRUTH_NAMES = (
     "optimal_metabolic_rate_w",
     *TARGET_NAMES,
 )
-# NaN where they are not known.
-UNSURE_TRUTH_NAMES = ("optimal_metabolic_rate_w",)
 EYE_STATE_NAMES = tuple(
     f"{side}_{angle}" for side in SIDES for angle in ("adduction", "elevation", "torsion")
 )
@@ -58,6 +56,18 @@ GAZE_NAMES = (
     *TARGET_NAMES,
     *(f"{side}_{turn}_deg" for side in SIDES for turn in ("sideways", "up", "clockwise")),
 )
+
+
+def unsure_truth_names(space: CommandSpace) -> tuple[str, ...]:
+    """Return the names of ground truth that are NaN where nobody knows them."""
+    if space.of_joints:
+        return GROUND_TRUTH_NAMES[len(EPISODE_NAMES) + 1 :]  # all but the stimulus
+    return ("optimal_metabolic_rate_w",)
+
+
+def unsure_reward_names(space: CommandSpace) -> tuple[str, ...]:
+    """Return the names of the reward that are NaN where there are no muscles."""
+    return ("metabolic_rate_w",) if space.of_joints else ()
 
 
 def actor_critic_names(space: CommandSpace) -> tuple[str, ...]:
@@ -79,9 +89,13 @@ CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
 
 # One message of each per observation, the last of an episode included ...
 PLANT_VECTORS = ("episode", "muscle_states", "muscle_activations", "eye_states", "ground_truth")
+# ... or of a robot's head, whose states are sent last ...
+JOINT_STATES, JOINT_COMMAND = "joint_states", "joint_command"
+HEAD_VECTORS = ("episode", "ground_truth", JOINT_STATES)
 # ... and these only for the observations that are answered.
 CODER_VECTORS = ("reward",)
-LEARNER_VECTORS = ("muscle_command", "actor_critic")
+MUSCLE_COMMAND = "muscle_command"
+LEARNER_VECTORS = (MUSCLE_COMMAND, "actor_critic")
 # ... and, by the coder, only where vergence is learned as turns.
 GAZE = "gaze"
 PICTURES = ("left/image_raw", "right/image_raw")
@@ -97,6 +111,7 @@ TOPIC_TYPES = {
     **dict.fromkeys(CODER_VECTORS, VECTOR),
     GAZE: VECTOR,
     **dict.fromkeys(LEARNER_VECTORS, VECTOR),
+    **dict.fromkeys((JOINT_STATES, JOINT_COMMAND), VECTOR),
     PARAMETER_CHANGES: VECTOR,
     "/clock": "rosgraph_msgs/msg/Clock",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
@@ -107,3 +122,18 @@ BASIS_FUNCTIONS = "basis_functions"
 MEAN_METABOLIC_RATES = "mean_metabolic_rates"
 # From people and other programs, a VECTOR: where the eyes are to look next, with TARGET_NAMES.
 GAZE_TARGET = "gaze_target"
+
+
+def plant_vectors(space: CommandSpace) -> tuple[str, ...]:
+    """Return the vectors of each observation: of the eyes, or of a robot's head."""
+    return HEAD_VECTORS if space.of_joints else PLANT_VECTORS
+
+
+def state_topic(space: CommandSpace) -> str:
+    """Return the topic with the state of what is commanded."""
+    return JOINT_STATES if space.of_joints else "muscle_activations"
+
+
+def command_topic(space: CommandSpace) -> str:
+    """Return the topic of commands."""
+    return JOINT_COMMAND if space.of_joints else MUSCLE_COMMAND

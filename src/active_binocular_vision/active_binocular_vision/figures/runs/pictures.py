@@ -71,7 +71,7 @@ def _draw_binned(axes: Axes, tests: Sequence[RecordedTest], colour: str) -> bool
     """Draw the bins that have enough; return whether there is one."""
     error_deg = np.concatenate([t.trials.vergence_error_deg.ravel() for t in tests])
     encoding = np.concatenate([t.reconstruction_error.ravel() for t in tests])
-    known = ~np.isnan(encoding)
+    known = ~(np.isnan(encoding) | np.isnan(error_deg))
     number = np.round(error_deg[known] / _BIN_DEG).astype(int)
     encoding = encoding[known]
     reach = int(_RANGE_DEG / _BIN_DEG)

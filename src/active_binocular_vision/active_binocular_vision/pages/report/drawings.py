@@ -114,7 +114,8 @@ def drawings(groups: Sequence[Group]) -> Iterator[Drawing]:
         without,
     )
     yield from _motor_spaces(groups)
-    chosen = [group for group in with_trials if not group.is_of_pair]
+    # Muscles with commands of their own; joints have one error, which the others show.
+    chosen = [g for g in with_trials if not (g.is_of_pair or g.last_trials.space.of_joints)]
     yield Drawing("errors", "Errors about all axes", _ERRORS, _of_any(errors_figure, chosen))
     for number, group in enumerate(chosen):
         draw = partial(activations_figure, group)

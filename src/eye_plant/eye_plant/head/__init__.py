@@ -1,0 +1,1 @@
+"""A robot's head in the place of the eyes."""
