@@ -21,7 +21,8 @@ from rosbags.highlevel import AnyReader
 
 from experiment_manager import Bag
 from experiment_manager.measures.results import RESULTS_FILE, read_results
-from lockstep import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI
+from experiment_manager.run.recorded_topics import recorded_types
+from lockstep import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI, PAIR
 from lockstep.wire.topics import TEST, TOPIC_TYPES
 from tests.graph_harness import small_run
 from tests.kept_tests import kept_tests
@@ -259,7 +260,14 @@ def test_a_schedule_is_recorded(run: Path) -> None:
             "eyes.camera.left_blur_px": 2.5,
             "eyes.camera.left_magnification": 1.1,
         },
-        {"eyes.camera.left_blur_px": 0.0, "eyes.camera.left_occluded": 1.0},
+        {
+            "eyes.camera.left_blur_px": 0.0,
+            "eyes.camera.left_occluded": 1.0,
+            "eyes.noise.picture_sd": 4.0,
+            "eyes.noise.missing_pictures": 0.2,
+            "eyes.noise.activation_sd": 0.004,
+            "eyes.noise.missing_activations": 0.2,
+        },
     ]
     truth = Bag(run / "bag").vectors("ground_truth")["ground_truth"]
     rows = truth.at(np.array([stamp_ns for _, stamp_ns in found]))
@@ -272,7 +280,8 @@ def test_every_reader_decodes_every_message(run: Path) -> None:
     last_ns = dict.fromkeys(TOPIC_TYPES, -1)
     with AnyReader([run / "bag"]) as reader:
         assert {c.topic.removeprefix("/"): c.msgtype for c in reader.connections} == {
-            topic.removeprefix("/"): kind for topic, kind in TOPIC_TYPES.items()
+            topic.removeprefix("/"): kind
+            for topic, kind in recorded_types(COMMAND_SPACES[PAIR]).items()
         }
         for connection, stamp_ns, data in reader.messages():
             message: Any = reader.deserialize(data, connection.msgtype)

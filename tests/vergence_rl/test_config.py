@@ -21,7 +21,7 @@ from vergence_rl import VergenceRlConfig
         ({"highest_activations": (0.2,) * 3}, "expected 2 entries, of medial_rectus, lateral_"),
         (
             {"command_space": "legs"},
-            "command_space: expected pair or horizontal_recti or all_muscles, got 'legs'",
+            "command_space: expected pair or horizontal_recti or .*, got 'legs'",
         ),
         ({"learning_rule": "sarsa"}, "learning_rule: expected cacla or hindsight, got 'sarsa'"),
         (

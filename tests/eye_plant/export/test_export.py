@@ -104,5 +104,5 @@ def test_the_readmes_code_runs_without_this_project(exported: Path) -> None:
 def test_a_directory_that_holds_something_is_refused(exported, capsys) -> None:
     with pytest.raises(InputError, match="expected a new or empty directory"):
         export(exported)
-    assert main([str(exported)]) == 2
+    assert main(["--out", str(exported)]) == 2
     assert capsys.readouterr().err.startswith("error: expected a new or empty directory")

@@ -148,8 +148,6 @@ def test_the_command_line_has_each_examination_with_its_options(capsys) -> None:
         (("--option", "covered=right"), "--option: expected with one of --cover, --prisms, "),
         (("--cover", "--start-scale", "2"), "--start-scale: expected without an examination"),
         (("--cover", "--start-errors", "code"), "--start-errors: expected without an examination"),
-        (("--json", "a.json"), "--test-stimuli and --json: expected with one of --check"),
-        (("--test-stimuli", "2"), "--test-stimuli and --json: expected with one of --check"),
     ],
 )
 def test_options_that_do_not_go_together(line, message, capsys) -> None:
