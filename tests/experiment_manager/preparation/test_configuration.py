@@ -49,7 +49,7 @@ def test_the_demonstration_differs_in_named_settings_alone() -> None:
 @pytest.mark.parametrize(
     ("line", "expected"),
     [
-        ((), 0.05),
+        ((), 0.08),
         (("--profile", "demonstration", "--model", "M"), 0.0),
         (("--model", "M"), 0.0),
         (("--model", "M_C"), DEFAULT_METABOLIC_COST_WEIGHTS["k17"]),
