@@ -86,7 +86,8 @@ def _common_palette(pictures: Sequence[Image.Image]) -> Image.Image:
     """Return one palette for all pictures, so that what does not change need not be stored."""
     some = pictures[:: max(1, len(pictures) // 8)]
     strip = Image.fromarray(np.vstack([np.asarray(picture) for picture in some]))
-    return strip.quantize(_GIF_COLOURS)
+    # Median cut spends its colours on greys that hardly differ: larger files with larger errors.
+    return strip.quantize(_GIF_COLOURS, method=Image.Quantize.MAXCOVERAGE)
 
 
 _Writer = Callable[[Path, Frames, float], int]
