@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 import active_binocular_vision as abv
 from experiment_manager import Summary
@@ -32,11 +33,10 @@ def _run(directory: Path, like: abv.Run, **options: object) -> abv.Run:
         "task.n_bases": 32,
     }
     stimuli = about["eye_plant"]["stimuli.directory"]
-    tests = np.array([0, 40])
     return abv.run(
         "precise",
         iterations=40,
-        tests=tuple(tests.tolist()),
+        tests=(0, 40),
         stimuli=stimuli,
         settings=settings,
         out=directory,
@@ -113,3 +113,7 @@ def test_compared_runs_show_the_settings_in_which_they_differ(
     assert "task.n_bases" not in frame
     assert frame["share_within_1_px"].iloc[0] == of_command_line.summaries[-1].share_within_1_px
     assert abv.compare([]).empty
+    untested = abv.Run(of_command_line.directory)
+    untested.document = replace(untested.document, tests=())
+    found = abv.compare([untested, of_command_line])
+    assert found["n_trials"].isna().tolist() == [True, False]

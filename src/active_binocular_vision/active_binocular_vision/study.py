@@ -3,7 +3,7 @@
 import contextlib
 import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -70,7 +70,8 @@ def run(
     else:
         with contextlib.redirect_stdout(sys.stderr):
             prepare_new(request, directory, has_head=head is not None)
-    with _interrupts() as interrupts:
+    interrupts = Interrupts(listens=threading.current_thread() is threading.main_thread())
+    try:
         process = InProcessRun(
             read_configuration(directory / CONFIG_FILE),
             directory,
@@ -81,20 +82,11 @@ def run(
         )
         with contextlib.closing(process):
             is_over = process.go_on()
+    finally:
+        interrupts.stop()
     if not is_over:
         raise KeyboardInterrupt
     return Run(directory)
-
-
-@contextlib.contextmanager
-def _interrupts() -> Iterator[Interrupts]:
-    """Yield what counts signals, which other threads than the main one do not get."""
-    is_main = threading.current_thread() is threading.main_thread()
-    interrupts = Interrupts(listens=is_main)
-    try:
-        yield interrupts
-    finally:
-        interrupts.stop()
 
 
 def compare(runs: Iterable[Run | str | Path]) -> "pandas.DataFrame":

@@ -77,7 +77,6 @@ def test_a_name_stands_for_a_run_and_what_is_there_takes_precedence(
     tmp_path: Path, run_of: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch, capsys
 ) -> None:
     monkeypatch.setattr(trained_directory, "FOLDER", tmp_path / "eyes")
-    (tmp_path / "eyes").mkdir()
     monkeypatch.chdir(tmp_path)
     assert main([str(run_of("pair")), "--out", "eyes/clinic.healthy.eyes"]) == 0
     assert [*trained_eyes()] == ["clinic/healthy"]

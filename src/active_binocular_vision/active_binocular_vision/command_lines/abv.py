@@ -2,7 +2,7 @@
 
 import sys
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from typing import NoReturn
 
 from lockstep.exit_codes import EXIT_BAD_INPUT
@@ -47,7 +47,7 @@ def main() -> NoReturn:
         print(_help())
         sys.exit()
     if name == "--version":
-        print(_version())
+        print(version("active-binocular-vision"))
         sys.exit()
     if name not in COMMANDS:
         print(f"{command('').strip()}: error: command: {unknown(name, COMMANDS)}", file=sys.stderr)
@@ -72,13 +72,6 @@ def _help() -> str:
             f"{command('COMMAND')} --help shows the options of a command.",
         ]
     )
-
-
-def _version() -> str:
-    try:
-        return version("active-binocular-vision")
-    except PackageNotFoundError:  # of packages that a workspace installed
-        return version("active_binocular_vision")
 
 
 if __name__ == "__main__":

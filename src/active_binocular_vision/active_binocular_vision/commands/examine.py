@@ -3,7 +3,7 @@
 import argparse
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,9 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = line.parse_args(arguments)
     for name in ("figure", "option"):
         if getattr(options, name) and options.examination is None:
-            line.error(
-                f"--{name}: expected with one of {', '.join(f'--{n}' for n in EXAMINATIONS)}"
-            )
+            line.error(f"--{name}: expected with one of {_options(EXAMINATIONS)}")
     for name in ("start_scale", "start_errors"):
         if options.examination is not None and getattr(options, name) is not None:
             option = f"--{name.replace('_', '-')}"
@@ -123,5 +121,5 @@ def examined(
     return examination.document(learners, shown, options, found), found.text()
 
 
-def _options(names: Any) -> str:
+def _options(names: Iterable[str]) -> str:
     return ", ".join(f"--{name}" for name in names)

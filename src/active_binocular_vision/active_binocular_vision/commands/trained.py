@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from active_binocular_vision.command_lines.trained import parser
 from active_binocular_vision.runs.run import Run
-from experiment_manager.measures.tables import text_table
+from experiment_manager.measures.tables import number, percent, text_table
 from experiment_manager.trained.directory import FOLDER, pack, trained_eyes
 from experiment_manager.trained.eyes_file import name_of_file
 from lockstep import InputError
@@ -40,8 +40,8 @@ def _table() -> str:
                 name,
                 run.model,
                 f"{run.n_iterations:,}",
-                f"{last.median_abs_vergence_error_deg or 0.0:.3f}",
-                f"{100 * (last.share_within_1_px or 0.0):.1f} %",
+                number(last.median_abs_vergence_error_deg),
+                percent(last.share_within_1_px),
                 f"{file.stat().st_size / 1e6:.2f}",
             )
         )

@@ -63,7 +63,8 @@ class VectorEnvironment(FeatureEnvironment):
                 "eyes: expected a run with a checkpoint, or a name that abv trained lists, got "
                 f"{eyes}"
             )
-        agent = config_of(VergenceRlConfig, read_configuration(run / CONFIG_FILE))
+        configuration = read_configuration(run / CONFIG_FILE)
+        agent = config_of(VergenceRlConfig, configuration)
         state = read_state(found[1] / "vergence_rl.npz", "vergence_rl")
         used = np.r_[: agent.n_features, -agent.n_muscles : 0]
         self._statistics = RunningStatistics(
@@ -72,9 +73,8 @@ class VectorEnvironment(FeatureEnvironment):
             state["statistics_squared_deviation"][used],
         )
         self._error = 0.0
-        profile = str(read_configuration(run / CONFIG_FILE)["experiment_manager"]["profile"])
         super().__init__(
-            profile=profile or "paper",
+            profile=configuration["experiment_manager"]["profile"] or "paper",
             model="M",
             settings={"task.n_bases": agent.n_bases, **(settings or {})},
             coder_state=found[1] / "sparse_coder.npz",

@@ -89,11 +89,14 @@ def title_of(group: Group) -> str:
     return textwrap.fill(label_of(group), _LONGEST_TITLE_LINE)
 
 
-def draw_published(axes: Axes, groups: Sequence[Group], medians: Mapping[str, float]) -> Line2D:
-    """Draw a line at K17's median of each model of groups; return what stands for them."""
-    for model in {group.model for group in groups if group.is_of_pair} & {*medians}:
+def draw_published(
+    axes: Axes, groups: Sequence[Group], medians: Mapping[str, float]
+) -> list[Line2D]:
+    """Draw a line at K17's median of each model of the pair; return what stands for any."""
+    models = {group.model for group in groups if group.is_of_pair} & {*medians}
+    for model in models:
         axes.axhline(medians[model], color=_COLOURS[model][0], zorder=1, **_K17)
-    return Line2D([], [], color="black", label="median in K17", **_K17)
+    return [Line2D([], [], color="black", label="median in K17", **_K17)] if models else []
 
 
 def over_training(group: Group, values: Callable[[Trials], np.ndarray]) -> np.ndarray:

@@ -76,8 +76,8 @@ def frame_of_runs(runs: Sequence["Run"]) -> "pandas.DataFrame":
             "model": run.model,
             "seed": run.seed,
             **{key: of.get(key) for key in varied},
-            **frame_of_tests(run.summaries[-1:]).reset_index().iloc[0],
+            **(msgspec.to_builtins(run.summaries[-1]) if run.summaries else {}),
         }
         for run, of in zip(runs, settings, strict=True)
     ]
-    return pandas.DataFrame(rows).set_index("run") if rows else pandas.DataFrame()
+    return pandas.json_normalize(rows).set_index("run") if rows else pandas.DataFrame()

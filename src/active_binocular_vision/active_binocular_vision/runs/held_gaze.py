@@ -16,22 +16,19 @@ from eye_plant.inverse.least_cost import DEAR
 from lockstep import ALL_MUSCLES, COMMAND_SPACES, InputError
 
 # Each takes some hundredths of a second.
-N_TRIALS = 14
+_N_TRIALS = 14
 
 
-def held_cost_ratios(
-    trials: Trials, plant: EyePlantConfig, n_trials: int = N_TRIALS
-) -> NDArray[np.float64]:
+def held_cost_ratios(trials: Trials, plant: EyePlantConfig) -> NDArray[np.float64]:
     """Return C over the least C with the same gaze and errors, (n,), of some trials' ends.
 
-    trials: with a command for each muscle; n_trials: how many, evenly among them. What the muscles
-    do not reach is left out.
+    trials: with a command for each muscle. What the muscles do not reach is left out.
     """
     space = COMMAND_SPACES[ALL_MUSCLES]
     assert trials.space == space
     lowest, highest = plant.limits.lowest, np.ones(len(space.names))
     inverse = GazeInverse(plant.mechanics, space, lowest, highest, plant.camera.turns_deg)
-    chosen = np.unique(np.linspace(0, len(trials.trial) - 1, n_trials).astype(int))
+    chosen = np.unique(np.linspace(0, len(trials.trial) - 1, _N_TRIALS).astype(int))
     ends = trials.activations[chosen, -1].astype(np.float64)
     ratios = []
     for activations, distance_m, rate_w in zip(

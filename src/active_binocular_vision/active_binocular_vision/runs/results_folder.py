@@ -41,7 +41,6 @@ COLUMNS = (
 )
 _KIND = "trials_of_runs"
 _ALL, _UP_TO_2_DEG, _AFTER = "all", "starts_up_to_2_deg", "after_"
-_IN_OLDER_FILES = {"authors": _UP_TO_2_DEG}
 _SHARE = "lambda_share"
 _COMMON, _RUNS = "common", "runs"
 _ERROR = "median_abs_vergence_error_deg"
@@ -361,8 +360,7 @@ def _parsed(
             shares[path[1]] = value
         elif not row["shown"]:
             of_sets = tests.setdefault(int(row["iteration"]), {_ALL: {}, _UP_TO_2_DEG: {}})
-            name = str(row["trials"])
-            at = of_sets[_IN_OLDER_FILES.get(name, name)]
+            at = of_sets[row["trials"]]
             if row["after"] != "end":
                 path = [f"{_AFTER}{row['after']}", *path]
             for key in path[:-1]:

@@ -11,7 +11,7 @@ from experiment_manager.run import checkpoint
 from experiment_manager.run.beginning import write_beginning
 from experiment_manager.run.config_file import CONFIG_FILE, parameters_in, read_configuration
 from experiment_manager.sections import completed
-from experiment_manager.trained.eyes_file import name_of_file, packed, unpacked
+from experiment_manager.trained.eyes_file import packed, unpacked
 from lockstep import InputError, read_state, write_state
 from lockstep.files.durable_files import replace_file
 from lockstep.files.user_cache import user_cache
@@ -53,6 +53,7 @@ def pack(run: Path, file: Path) -> int:
     states = {name: read_state(newest[1] / f"{name}.npz", name) for name in _LEARNERS}
     text = (run / CONFIG_FILE).read_text()
     data = packed(text, results.read_bytes(), protocol.config.n_training_iterations, states)
+    file.parent.mkdir(parents=True, exist_ok=True)
     replace_file(file, data)
     return len(data)
 
@@ -90,6 +91,3 @@ def _unpack(data: bytes, directory: Path) -> None:
     configuration = completed(parameters_in(eyes.configuration))
     write_beginning(directory, configuration, eyes.configuration, eyes.iteration, write_states)
     replace_file(directory / RESULTS_FILE, eyes.results)
-
-
-__all__ = ["FOLDER", "name_of_file", "pack", "run_directory", "trained_eyes"]

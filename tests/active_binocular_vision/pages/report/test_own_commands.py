@@ -8,7 +8,9 @@ from matplotlib.axes import Axes
 
 from active_binocular_vision import Run
 from active_binocular_vision.figures.runs.activations import activations_figure
+from active_binocular_vision.figures.runs.boxes import box_figure
 from active_binocular_vision.figures.runs.errors import errors_figure
+from active_binocular_vision.figures.runs.learning_curve import performance_figure
 from active_binocular_vision.figures.runs.price import over_prices, price_figure
 from active_binocular_vision.pages.report.drawings import drawings
 from active_binocular_vision.pages.report.tables import antagonist_rows, comparison_rows
@@ -60,6 +62,11 @@ def test_each_commanded_muscle_has_its_medians_and_how_often_it_is_active(group:
                 assert shown[i_muscle, i_distance] == pytest.approx(expected)
             share = 100.0 * np.mean(values[:, -1] > silent)
             assert active[i_muscle, i_distance] == pytest.approx(share)
+
+
+def test_what_k17_published_of_the_pair_is_not_shown_beside_other_eyes(group: Group) -> None:
+    for figure in (box_figure([group]), performance_figure([group])):
+        assert not [text for text in figure.legends[0].get_texts() if "K17" in text.get_text()]
 
 
 def test_figures_of_own_commands_can_be_read(group: Group) -> None:

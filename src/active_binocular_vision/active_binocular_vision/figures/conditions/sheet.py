@@ -45,7 +45,7 @@ def sheet_figure(conditions: Sequence[Condition], columns: Sequence[Column]) -> 
 
     columns: at most MOST_COLUMNS.
     """
-    rows = rows_of(conditions)
+    rows = _rows_of(conditions)
     names = [textwrap.fill(name, _LONGEST_LINE) for name in rows]
     n_lines = 1 + max(name.count("\n") for name in names)
     figure = new_figure(WIDTH_IN, (_LINE_IN * n_lines + _GAP_IN) * len(rows) + _OTHER_IN)
@@ -80,7 +80,7 @@ def sheet_figure(conditions: Sequence[Condition], columns: Sequence[Column]) -> 
     return figure
 
 
-def rows_of(conditions: Sequence[Condition]) -> dict[str, list[Condition]]:
+def _rows_of(conditions: Sequence[Condition]) -> dict[str, list[Condition]]:
     """Return the conditions by name, models aside."""
     rows: dict[str, list[Condition]] = {}
     for condition in conditions:

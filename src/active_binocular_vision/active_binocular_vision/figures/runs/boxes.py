@@ -54,7 +54,7 @@ def box_figure(groups: Sequence[Group]) -> Figure:
     reductions.set_xticks(places, [str(k) for k in shown])
     title_panels((errors, reductions), ("vergence error", "share of the possible saving"))
     handles = [Patch(color=colour_of(g), alpha=0.6, label=label_of(g)) for g in groups]
-    legend_below(figure, [*handles, published])
+    legend_below(figure, [*handles, *published])
     return figure
 
 

@@ -74,8 +74,7 @@ def performance_figure(groups: Sequence[Group], training: TrainingCurve | None =
             errors, group, final_errors_deg, lambda t: t.median_abs_vergence_error_deg, offset
         )
         _draw_tests(deltas, group, _final_deltas_w, lambda t: t.median_delta_cost_w, offset)
-    if all(group.is_of_pair for group in groups):
-        handles.append(draw_published(errors, groups, K17_ERROR_DEG))
+    handles += draw_published(errors, groups, K17_ERROR_DEG)
     scale_errors(errors, px_deg_of(groups))
     errors.set_ylabel(ERROR_LABEL)
     mark_level(deltas, 0.0, "")

@@ -38,7 +38,7 @@ _ABOUT_PAIR = (
     "Our test set has the start errors from -3 deg to the largest whole degree that leaves "
     "a vergence of 0 or more, as the paper's text has it. Its numbers are those of the authors' "
     "code, whose trials start at -2, -4/3, -2/3 deg and thirds of up to 2 deg; nearest to them are "
-    "our trials that start at -3, -2, -1, 1 or 2 deg (starts up to 2 deg; examine.sh "
+    "our trials that start at -3, -2, -1, 1 or 2 deg (starts up to 2 deg; abv examine "
     "--start-errors code makes the authors' own). The paper gives four interquartile "
     "ranges, 0.319 and 1.076 deg, from a plant and pictures of its own. Antagonist silent: the "
     "lateral rectus up to 2 m, the medial one from 4 m on; other distances do not count in that "

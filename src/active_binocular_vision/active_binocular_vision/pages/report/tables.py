@@ -77,7 +77,7 @@ _PUBLISHED_SLOPES = (
 
 
 def _measured(sets: Sequence[Measures], before: str = "") -> Row:
-    """Return the measures of a set of trials; of several seeds' sets as `over_seeds_text` does.
+    """Return the measures of a set of trials; of several seeds' sets as `_over_seeds_text` does.
 
     before: in front of each heading.
     """
@@ -86,7 +86,7 @@ def _measured(sets: Sequence[Measures], before: str = "") -> Row:
         values = [value for of_set in sets if (value := _value(of_set, path)) is not None]
         if values or heading not in _OPTIONAL:
             is_known = len(values) == len(sets)
-            row[before + heading] = over_seeds_text(values, text) if is_known else "-"
+            row[before + heading] = _over_seeds_text(values, text) if is_known else "-"
     return row
 
 
@@ -97,7 +97,7 @@ def _value(measures: Any, path: str) -> float | None:
     return measures
 
 
-def over_seeds_text(values: Sequence[float], text: Callable[[float | None], str]) -> str:
+def _over_seeds_text(values: Sequence[float], text: Callable[[float | None], str]) -> str:
     """Return a seed's value, or of several the mean, half its 95 % interval, and the range."""
     if len(values) == 1:
         return text(values[0])
@@ -240,7 +240,7 @@ def held_rows(groups: Sequence[Group]) -> list[Row]:
                 held = [float(np.median(of_run)) for of_run in ratios if of_run.size]
                 free = [float(np.nanmedian(run.tests[at].cost_ratio(-1))) for run in group.runs]
                 texts = [
-                    over_seeds_text(v, partial(number, n_digits=2)) if v else "-"
+                    _over_seeds_text(v, partial(number, n_digits=2)) if v else "-"
                     for v in (held, free)
                 ]
                 cells = ("C / C* of the gaze that the eyes have", "of free version")
