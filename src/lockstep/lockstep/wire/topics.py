@@ -124,11 +124,6 @@ MEAN_METABOLIC_RATES = "mean_metabolic_rates"
 GAZE_TARGET = "gaze_target"
 
 
-def plant_vectors(space: CommandSpace) -> tuple[str, ...]:
-    """Return the vectors of each observation: of the eyes, or of a robot's head."""
-    return HEAD_VECTORS if space.of_joints else PLANT_VECTORS
-
-
 def state_topic(space: CommandSpace) -> str:
     """Return the topic with the state of what is commanded."""
     return JOINT_STATES if space.of_joints else "muscle_activations"
