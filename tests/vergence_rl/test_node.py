@@ -23,7 +23,7 @@ from tests.node_harness import Graph
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES, HORIZONTAL_RECTI
 from vergence_rl import Agent, Decision, VergenceRlConfig
 from vergence_rl.messages import activations_of, actor_critic_values
-from vergence_rl.node import INPUTS, VergenceRlNode
+from vergence_rl.node import VergenceRlNode
 
 N_BASES = 8
 SMALL = {"n_bases": N_BASES, "n_training_iterations": 100, "cacla.n_hidden": 4}
@@ -35,7 +35,7 @@ ACTIVATIONS = (0.02, 0.04, 0.04, 0.06)  # medial and lateral rectus, left then r
 @pytest.fixture
 def bench(graph: Graph) -> LearnerBench:
     node = graph.add(VergenceRlNode, **SMALL)
-    return LearnerBench(graph, node, INPUTS, ANSWERS, _observation, refused=REFUSED)
+    return LearnerBench(graph, node, node.inputs(), ANSWERS, _observation, refused=REFUSED)
 
 
 class TestContract(LearnerContract):

@@ -23,9 +23,8 @@ from vergence_rl.agent import Agent
 from vergence_rl.config import VergenceRlConfig
 from vergence_rl.messages import activations_of, actor_critic_values, features_of, gaze_of
 
-INPUTS = {
+_INPUTS = {
     "episode": JointState,
-    "muscle_activations": JointState,
     "reward": JointState,
     "features": Image,
 }
@@ -44,13 +43,8 @@ class VergenceRlNode(LearnerNode[Agent]):
 
     def inputs(self) -> Mapping[str, type]:
         """Return features, reward and activations, and what turns of the eyes need."""
-        if self.config.learns_turns:
-            return {GAZE: JointState} | INPUTS
-        if self.config.space.of_joints:
-            inputs = dict(INPUTS)
-            del inputs["muscle_activations"]
-            return {state_topic(self.config.space): JointState} | inputs
-        return INPUTS
+        of_turns = {GAZE: JointState} if self.config.learns_turns else {}
+        return of_turns | {state_topic(self.config.space): JointState} | _INPUTS
 
     def make_learner(self) -> Agent:
         """Return an agent with the weights of its seed."""
