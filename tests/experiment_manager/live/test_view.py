@@ -112,6 +112,14 @@ def test_nothing_is_made_or_sent_of_what_nobody_watches(server, image_bytes) -> 
         assert view.wanted_topics() == {"ground_truth", *PICTURES, BASIS_FUNCTIONS}
 
 
+def test_a_head_that_does_not_know_its_error_has_no_running_one(vector_bytes) -> None:
+    view = View(NoServer(), n_selections=10)
+    truth = _truth(iteration=10, training_iteration=10, vergence_error_deg=np.nan)
+    view.count(vector_bytes(GROUND_TRUTH_NAMES, truth, 7))
+    view.show({})
+    assert view.learning is None
+
+
 def test_the_channels_carry_the_definitions_of_their_messages(server: ViewServer) -> None:
     with FoxgloveClient(server.port) as client:
         for topic, kind in SHOWN_TOPICS.items():

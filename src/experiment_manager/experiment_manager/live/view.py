@@ -1,5 +1,6 @@
 """What a viewer is shown: the graph's topics, and pictures and numbers made of them."""
 
+import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 
@@ -28,6 +29,8 @@ LEARNING_NAMES = ("training_iteration", "running_median_error_deg")
 _N_RUNNING = 200  # episodes
 _ENLARGED = 4
 _TRUTH_NAMES = ("phase", "iteration", "training_iteration", "vergence_error_deg")
+# A robot's head may not know it.
+_UNSURE = ("vergence_error_deg",)
 
 Messages = Mapping[str, bytes]
 
@@ -80,9 +83,9 @@ class View:
     def count(self, ground_truth: bytes) -> None:
         """Take note of an observation's ground truth, sent or not."""
         vector = read_vector(ground_truth, "ground_truth")
-        truth = values_of(vector, _TRUTH_NAMES, "ground_truth")
+        truth = values_of(vector, _TRUTH_NAMES, "ground_truth", may_lack=_UNSURE)
         phase, iteration, training_iteration, error_deg = truth.tolist()
-        if phase == TRAINING:
+        if phase == TRAINING and not math.isnan(error_deg):
             self._running_error.add(int(iteration), training_iteration, error_deg)
 
     def take_basis_functions(self, atoms: np.ndarray) -> None:
