@@ -108,8 +108,8 @@ def _mean_text(values: Sequence[float], text: Callable[[float | None], str] = nu
     """Return a seed's value, or of several the mean with half its 95 % interval."""
     if len(values) == 1:
         return text(values[0])
-    found = over_seeds(values)
-    return f"{text(float(found.mean))} ± {text(float(found.half_width))}"
+    mean, half_width = over_seeds(values)
+    return f"{text(float(mean))} ± {text(float(half_width))}"
 
 
 def run_rows(groups: Sequence[Group]) -> list[Row]:
