@@ -5,7 +5,6 @@ of two muscles is silent does not show it, and that both are shows eyes at rest.
 counted apart, and the slope of the antagonist over the agonist is measured.
 """
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -62,47 +61,44 @@ def reciprocity(activations: np.ndarray, silent: float) -> SharedChange:
     return shared_change(np.sort(activations[is_active], axis=1)[:, ::-1].T, pair)
 
 
-def measures_of_pairs(trials: Trials, criteria: Criteria) -> dict[str, Any]:
-    """Return what all pairs of antagonists do in the end, by the names of fields of SetSummary.
+def antagonist_measures(trials: Trials, criteria: Criteria) -> dict[str, Any]:
+    """Return what antagonists do in the end, by the names of fields of SetSummary.
 
-    Nothing of joints, which have none.
+    Nothing of joints, which have none, and without a trial.
     """
     pairs = antagonist_names(trials.space)
-    if not pairs:
+    if not pairs or not len(trials.trial):
         return {}
-    values = np.stack([_above_floor(trials, criteria, names) for names in pairs], axis=1)
-    known = values[~np.isnan(values).any(axis=(1, 2))]
-    is_active = known >= silent_below(criteria)
+    floors = dict(zip(trials.space.names, criteria.lowest_activations, strict=True))
+    # Above the least that commands may set, (n_trials, n_pairs, 2).
+    values = np.stack(
+        [[trials.column(name)[:, -1] - floors[name] for name in names] for names in pairs]
+    ).transpose(2, 0, 1)
+    silent = silent_below(criteria)
+    is_active = values[~np.isnan(values).any(axis=(1, 2))] >= silent
     n_active = is_active.sum(axis=(1, 2))
     is_counted = n_active.size and not trials.is_of_pair
     return {
         "antagonists_active": active_pairs(is_active),
         "median_active_muscles": float(np.median(n_active)) if is_counted else None,
+        "antagonists": {
+            "-".join(names): _antagonist_pair(values[:, i], trials.object_distance_m, silent)
+            for i, names in enumerate(pairs)
+        },
     }
 
 
-def antagonists(trials: Trials, criteria: Criteria) -> dict[str, AntagonistPair]:
-    """Return how antagonists share their work in the end, by the names of both."""
-    distance_m, silent = trials.object_distance_m, silent_below(criteria)
-    found = {}
-    for names in antagonist_names(trials.space) if len(trials.trial) else ():
-        values = _above_floor(trials, criteria, names)
-        is_known = ~np.isnan(values).any(axis=1)
-        known, known_m = values[is_known], distance_m[is_known]
-        slope = reciprocity(known[:, None], silent).slope
-        found["-".join(names)] = AntagonistPair(
-            active=active_pairs(known >= silent),
-            median_co_contraction=float(np.median(known.min(axis=1))) if len(known) else None,
-            reciprocity_slope=float(slope) if np.isfinite(slope) else None,
-            active_by_distance={
-                f"{d:g}": active_pairs(known[known_m == d] >= silent)
-                for d in np.unique(distance_m).tolist()
-            },
-        )
-    return found
-
-
-def _above_floor(trials: Trials, criteria: Criteria, names: Sequence[str]) -> np.ndarray:
-    """Return final activations of commands above the least that they may set, (n_trials, k)."""
-    floors = dict(zip(trials.space.names, criteria.lowest_activations, strict=True))
-    return np.stack([trials.column(name)[:, -1] - floors[name] for name in names], axis=-1)
+def _antagonist_pair(values: np.ndarray, distance_m: np.ndarray, silent: float) -> AntagonistPair:
+    """Return how two antagonists share their work; values (n_trials, 2), nan of unknown ones."""
+    is_known = ~np.isnan(values).any(axis=1)
+    known, known_m = values[is_known], distance_m[is_known]
+    slope = reciprocity(known[:, None], silent).slope
+    return AntagonistPair(
+        active=active_pairs(known >= silent),
+        median_co_contraction=float(np.median(known.min(axis=1))) if len(known) else None,
+        reciprocity_slope=float(slope) if np.isfinite(slope) else None,
+        active_by_distance={
+            f"{d:g}": active_pairs(known[known_m == d] >= silent)
+            for d in np.unique(distance_m).tolist()
+        },
+    )

@@ -9,8 +9,7 @@ import numpy as np
 from msgspec.structs import asdict
 
 from experiment_manager.measures.antagonists import (
-    antagonists,
-    measures_of_pairs,
+    antagonist_measures,
     silent_below,
 )
 from experiment_manager.measures.criteria import Criteria
@@ -60,8 +59,7 @@ def _set_summary(trials: Trials, criteria: Criteria) -> SetSummary:
     }
     return SetSummary(
         **asdict(_measures(trials, n, criteria)),
-        **measures_of_pairs(trials, criteria),
-        antagonists=antagonists(trials, criteria),
+        **antagonist_measures(trials, criteria),
         n_trials=len(trials.trial),
         bias_by_distance_deg=_bias_by_distance_deg(trials),
         median_abs_version_deg=_quantile(np.abs(version_deg), 0.5),
