@@ -7,7 +7,6 @@ from experiment_manager.measures.results import ActivePairs, Summary
 _BAR_WIDTH, _LEAST_BAR_WIDTH = 20, 5
 # Characters of a line of the learning curve.
 _LINE_WIDTH = 120
-_OTHER_AXES = ("vertical", "cyclo")
 # Where fewer pairs of antagonists have an active muscle, the eyes rest.
 _RESTING_SHARE = 0.5
 _NO_TRUTH = (
@@ -44,10 +43,7 @@ def summary_line(test: Summary) -> str:
     """Return the measures of one test in one line."""
     if test.n_trials and test.median_abs_vergence_error_deg is None:
         return f"test at {test.iteration} iterations: {test.n_trials} trials, errors not known"
-    others = "".join(
-        f"|{name}| {number(value)} deg, "
-        for name, value in zip(_OTHER_AXES, _other_errors_deg(test), strict=False)
-    )
+    others = "".join(f"|{name}| {number(value)} deg, " for name, value in _other_errors_deg(test))
     return (
         f"test at {test.iteration} iterations: "
         f"median |vergence error| {number(test.median_abs_vergence_error_deg)} deg, "
@@ -73,27 +69,27 @@ def in_words(test: Summary, px_deg: float) -> str:
     sentences = [
         f"After {test.iteration:,} training iterations, on pictures that training never shows:",
         f"vergence is off by {number(error_deg / px_deg, 2)} px in the median, and by less than "
-        f"1 px in {percent(test.share_within_1_px)} of the trials;",
-        _saving_in_words(test),
+        f"1 px in {percent(test.share_within_1_px)} of the trials"
+        + (";" if _has_muscles(test) else "."),
+        *_saving_in_words(test),
         *_activity_in_words(test.antagonists_active),
         *_saccades_in_words(test),
     ]
-    if not _has_muscles(test):
-        sentences[1] = sentences[1][:-1] + "."
-        del sentences[2:]
     return "\n  ".join(sentences)
 
 
-def _saving_in_words(test: Summary) -> str:
+def _saving_in_words(test: Summary) -> list[str]:
     """Return what the eyes save, if they verge: others may spend less than correct gaze takes."""
+    if not _has_muscles(test):
+        return []
     if not test.verges:
-        return "the energy saved is not reported, because too few trials end that close;"
+        return ["the energy saved is not reported, because too few trials end that close;"]
     if test.saving is None:
-        return "the energy saved is not known: C* is unknown, or the trials begin with it;"
-    return (
+        return ["the energy saved is not known: C* is unknown, or the trials begin with it;"]
+    return [
         f"the eyes spend {number(test.median_cost_ratio, 2)} times the least energy with which "
         f"they could look there, and save {percent(test.saving)} of what they could save (medians);"
-    )
+    ]
 
 
 def _activity_in_words(active: ActivePairs | None) -> list[str]:
@@ -134,43 +130,40 @@ def _saccades_in_words(test: Summary) -> list[str]:
     ]
 
 
-def _other_errors_deg(test: Summary) -> list[float | None]:
-    """Return the median errors about _OTHER_AXES, of the pair none."""
+def _other_errors_deg(test: Summary) -> list[tuple[str, float | None]]:
+    """Return the names of other axes with the median errors about them, of the pair none."""
     if test.median_abs_vertical_error_deg is None:
         return []
-    return [test.median_abs_vertical_error_deg, test.median_abs_cyclovergence_error_deg]
+    return [
+        ("vertical", test.median_abs_vertical_error_deg),
+        ("cyclo", test.median_abs_cyclovergence_error_deg),
+    ]
 
 
 def summaries_table(tests: Sequence[Summary]) -> str:
-    """Return the learning curve of a run, one line of at most 120 characters per test."""
-    others = [_other_errors_deg(test) for test in tests]
+    """Return the learning curve of a run, one line of at most 120 characters per test.
+
+    There are no columns for errors that nobody knows, and none for muscles where there are none.
+    """
     errors_deg = [test.median_abs_vergence_error_deg or 0.0 for test in tests]
     most = max(errors_deg, default=0.0) or 1.0
-    header = ["iteration", "trials", "|vergence|/deg", "IQR/deg"]
-    header += [f"{name}/deg" for name in _OTHER_AXES] if any(others) else []
-    header += ["within 1 px", "C/C*", "c", "both/one/none active"]
-    # Nobody knows errors, or there are no muscles: then there are no columns for them.
-    n_first = header.index("C/C*")
-    absent = set() if any(errors_deg) else {*range(2, n_first)}
-    if not any(map(_has_muscles, tests)):
-        absent |= {*range(n_first, len(header))}
-    rows = [
-        (
-            str(test.iteration),
-            str(test.n_trials),
-            number(test.median_abs_vergence_error_deg),
-            number(test.iqr_abs_vergence_error_deg),
-            *map(number, of_test),
-            percent(test.share_within_1_px),
-            number(test.median_cost_ratio if test.verges else None, 2),
-            number(test.saving),
-            active_text(test.antagonists_active),
-        )
-        for test, of_test in zip(tests, others, strict=True)
-    ]
-    kept = [i for i in range(len(header)) if i not in absent]
-    table = text_table([header[i] for i in kept], [[row[i] for i in kept] for row in rows], 0)
-    lines = table.splitlines()
+    knows_errors, has_muscles = any(errors_deg), any(map(_has_muscles, tests))
+    rows: list[dict[str, str]] = []
+    for test in tests:
+        row = {"iteration": str(test.iteration), "trials": str(test.n_trials)}
+        if knows_errors:
+            row["|vergence|/deg"] = number(test.median_abs_vergence_error_deg)
+            row["IQR/deg"] = number(test.iqr_abs_vergence_error_deg)
+            row |= {f"{name}/deg": number(value) for name, value in _other_errors_deg(test)}
+            row["within 1 px"] = percent(test.share_within_1_px)
+        if has_muscles:
+            row["C/C*"] = number(test.median_cost_ratio if test.verges else None, 2)
+            row["c"] = number(test.saving)
+            row["both/one/none active"] = active_text(test.antagonists_active)
+        rows.append(row)
+    header = [*max(rows, key=len, default={"iteration": "", "trials": ""})]
+    cells = [[row.get(name, "-") for name in header] for row in rows]
+    lines = text_table(header, cells, n_left=0).splitlines()
     room = min(_BAR_WIDTH, _LINE_WIDTH - 2 - max(map(len, lines)))
     width = room if room >= _LEAST_BAR_WIDTH else 0
     bars = ["", *("#" * round(width * error_deg / most) for error_deg in errors_deg)]
