@@ -68,7 +68,7 @@ class ProtocolConfig(TaskConfig):
         -3, "lowest vergence error at the start of a test trial", "deg", most=0
     )
     start_errors: str = setting(
-        "text",
+        OF_TEXT,
         "vergence errors at the start of test trials: whole degrees from the lowest one to the"
         " largest without divergence, as in the paper's text, or those of the authors' code, from"
         " -2 deg to 2 deg at most",

@@ -49,7 +49,7 @@ def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ..
     Of the pair and of joints they are `start_errors_deg`; of muscles with a command each they are
     drawn.
     """
-    if config.command_space != PAIR and not config.space.of_joints:
+    if config.command_space in TURNED_ANGLES:
         planes_m = np.repeat(config.test_distances_m, config.n_starts_per_distance).tolist()
         return tuple(
             Condition(distance_m, _first_error_deg(config, start), start)

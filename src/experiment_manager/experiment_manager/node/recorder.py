@@ -74,7 +74,8 @@ class Recorder:
         }
         # By stamp, of a head: what came before the message that numbers its observation.
         self._pending: dict[int, list[tuple[str, bytes]]] = {}
-        measured = ("ground_truth", self._state_topic, "episode", *LEARNER_OF)
+        self._read_episode = Reader(JointState, "episode")
+        measured = ("ground_truth", self._state_topic, *LEARNER_OF)
         self._readers = {name: Reader(JointState, name) for name in measured}
         self._subscriptions_of_pictures: list[Subscription] = []
         self._small_topics = small_topics(config)
@@ -192,7 +193,7 @@ class Recorder:
         pending.setdefault(stamp_ns, []).append((topic, message))
         if topic != "episode":
             return
-        (number,) = whole_values_of(self._readers[topic](message), ("observation",), topic)
+        (number,) = whole_values_of(self._read_episode(message), ("observation",), topic)
         early = pending.pop(stamp_ns)
         for record in tuple(self._records):
             if isinstance(record, TimedRecord) and record.note(stamp_ns, number):
@@ -214,7 +215,7 @@ class Recorder:
 
     def _count(self, topic: str, message: bytes, record: EpisodeRecord, stamp_ns: int) -> None:
         self._run.stamp_ns = max(self._run.stamp_ns, stamp_ns)
-        if topic in self._readers and topic != "episode":
+        if topic in self._readers:
             self._measure(topic, message, record, stamp_ns)
         record.count(topic)
         if record.is_complete:
