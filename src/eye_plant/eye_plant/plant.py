@@ -115,9 +115,12 @@ class EyePlant:
     def begin(self, episode: Episode) -> Observation:
         """Start an episode and return its observation 0.
 
-        Raises InputError, having changed nothing, for an unknown stimulus, and a distance that the
-        camera does not draw or at which the muscles cannot converge.
+        Raises InputError, having changed nothing, for the start of a robot's head, an unknown
+        stimulus, and a distance that the camera does not draw or at which the muscles cannot
+        converge.
         """
+        if episode.joints_rad:
+            raise InputError(f"joints_rad: expected activations, got {list(episode.joints_rad)}")
         self._camera.check(episode.stimulus, episode.object_distance_m)
         desired_deg = desired_vergence_deg(
             episode.object_distance_m,

@@ -144,9 +144,10 @@ def test_an_episode_with_missing_arguments_is_refused(bench: Bench) -> None:
     assert "missing: episode, first_observation" in bench.request("episode", phase=0)[1]
 
 
-def test_a_refused_episode_leaves_the_one_under_way_alone(bench: Bench) -> None:
+@pytest.mark.parametrize("changes", [{"stimulus": 99}, {"activations": [], "joints_rad": [0.1]}])
+def test_a_refused_episode_leaves_the_one_under_way_alone(bench: Bench, changes) -> None:
     begin(bench)
     bench.wait_heard("episode", 1)
-    assert not begin(bench, stimulus=99, first_observation=90)[0]
+    assert not begin(bench, first_observation=90, **changes)[0]
     send_command(bench, 44)
     wait_for(bench, 45, "episode")
