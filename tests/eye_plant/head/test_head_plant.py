@@ -36,11 +36,13 @@ class StillHead(Head):
         self.limits_rad: Mapping[str, tuple[float, float]] = {"vergence": (0.0, 0.2)}
         self.shown: Any = (np.full((4, 6), 9, np.uint8),) * 2
         self.known: dict[str, float] = {}
+        self.n_taken = 0
 
     def move(self, angles_rad: Mapping[str, float]) -> Mapping[str, float]:
         return {name: min(angle, 0.15) for name, angle in angles_rad.items()}
 
     def pictures(self) -> tuple[np.ndarray, np.ndarray]:
+        self.n_taken += 1
         pictures: tuple[np.ndarray, np.ndarray] = self.shown
         return pictures
 
@@ -54,7 +56,8 @@ def _truth(head: Head) -> dict[str, float]:
 
 
 def test_an_episode_from_its_start_to_its_last_observation() -> None:
-    plant, space = HeadPlant(StillHead()), COMMAND_SPACES["vergence"]
+    head, space = StillHead(), COMMAND_SPACES["vergence"]
+    plant = HeadPlant(head)
     seen = plant.begin(EPISODE)
     assert seen.commanded(space).tolist() == [0.1]
     assert seen.rates_w(space).shape == (0,)
@@ -65,7 +68,8 @@ def test_an_episode_from_its_start_to_its_last_observation() -> None:
     assert plant.execute(asked).angles_rad.tolist() == [0.15], "where it says that it is"
     last = plant.execute(plant.targets(["vergence"], np.array([-1.0])))
     assert (last.number, last.training_iteration, last.angles_rad.tolist()) == (46, 42, [0.0])
-    assert last.pictures is None
+    assert last.pictures is last.cameras is None
+    assert head.n_taken == 2, "nobody looks at the last observation"
     with pytest.raises(InputError, match="expected a command during an episode only"):
         plant.execute(asked)
 
@@ -128,6 +132,16 @@ def test_other_commands_are_refused(names: list[str], values: list[float]) -> No
     plant.begin(EPISODE)
     with pytest.raises(InputError, match="joint_command: expected"):
         plant.targets(names, np.array(values))
+
+
+@pytest.mark.parametrize("reached", [{}, {"vergence": math.nan}])
+def test_a_head_that_does_not_know_where_it_is_is_refused(
+    reached: dict[str, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    head = StillHead()
+    monkeypatch.setattr(head, "move", lambda _: reached)
+    with pytest.raises(InputError, match="move: expected finite angles of vergence, got"):
+        HeadPlant(head).begin(EPISODE)
 
 
 def test_the_joints_choose_the_command_space() -> None:

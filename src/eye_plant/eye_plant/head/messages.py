@@ -46,21 +46,21 @@ class HeadMessages:
         pictures = observation.pictures
         if pictures is None:
             return
-        layouts = self._pictures.setdefault(
-            pictures.shape, [_picture_message(pictures[0], frame) for frame in self._frame_ids]
-        )
-        for topic, layout, picture in zip(PICTURES, layouts, pictures, strict=True):
+        size = pictures.shape[1:]
+        if size not in self._pictures:
+            self._pictures[size] = [_picture_bytes(size, frame) for frame in self._frame_ids]
+        for topic, layout, picture in zip(PICTURES, self._pictures[size], pictures, strict=True):
             yield topic, layout.of(stamp_ns, np.ascontiguousarray(picture))
 
     def camera_infos(
         self, stamp_ns: int, observation: HeadObservation
     ) -> Iterator[tuple[str, bytes]]:
         """Yield the calibrations that belong to the pictures."""
-        if observation.pictures is None:
+        if observation.pictures is None or observation.cameras is None:
             return
-        shape = observation.pictures.shape[1:]
+        size = observation.pictures.shape[1:]
         for i_eye, topic in enumerate(CAMERA_INFOS):
-            info = camera_info(observation.cameras[i_eye], shape, self._baseline_m * i_eye)
+            info = camera_info(observation.cameras[i_eye], size, self._baseline_m * i_eye)
             info.header.frame_id = self._frame_ids[i_eye]
             info.header.stamp = to_time(stamp_ns)
             yield topic, serialized(info)
@@ -86,8 +86,8 @@ def camera_info(camera: Pinhole, shape: tuple[int, ...], aside_m: float) -> Came
     )
 
 
-def _picture_message(picture: np.ndarray, frame_id: str) -> ImageBytes:
-    height, width = picture.shape
+def _picture_bytes(size: tuple[int, ...], frame_id: str) -> ImageBytes:
+    height, width = size
     message = Image(height=height, width=width, encoding="mono8", step=width)
     message.header.frame_id = frame_id
     return ImageBytes(message)

@@ -25,11 +25,11 @@ class HeadObservation(Seen):
     """An observation of a head: grey pictures, and where its joints are.
 
     angles_rad: (n_joints,) in the order of the command space; cameras: of the left and the right
-    picture; truth: what is known, by names of ground truth.
+    picture, None without pictures; truth: what is known, by names of ground truth.
     """
 
     angles_rad: np.ndarray
-    cameras: tuple[Pinhole, Pinhole]
+    cameras: tuple[Pinhole, Pinhole] | None
     truth: Mapping[str, float]
 
     def commanded(self, _: CommandSpace) -> np.ndarray:
@@ -145,19 +145,23 @@ class HeadPlant:
         if reached is None:
             self._angles_rad = angles_rad
             return
-        self._angles_rad = np.array([reached[name] for name in names], float)
+        self._angles_rad = np.array([reached.get(name, math.nan) for name in names], float)
         if not np.isfinite(self._angles_rad).all():
-            raise InputError(f"move: expected finite angles, got {dict(reached)}")
+            raise InputError(
+                f"move: expected finite angles of {', '.join(names)}, got {dict(reached)}"
+            )
 
     def _observe(self, episode: Episode) -> HeadObservation:
         truth = self._truth(episode)
-        pictures = np.stack([_grey(picture) for picture in _pair(self.head.pictures())])
-        height_px, width_px = pictures.shape[1:]
-        left, right = (self.head.camera(i_eye, height_px, width_px) for i_eye in range(2))
-        shown = pictures if self.is_waiting else None  # the last observation has none
-        return HeadObservation(
-            episode, self._iteration, shown, self._angles_rad, (left, right), truth
-        )
+        pictures = cameras = None
+        if self.is_waiting:  # the last observation has none
+            pictures = np.stack([_grey(picture) for picture in _pair(self.head.pictures())])
+            height_px, width_px = pictures.shape[1:]
+            cameras = (
+                self.head.camera(0, height_px, width_px),
+                self.head.camera(1, height_px, width_px),
+            )
+        return HeadObservation(episode, self._iteration, pictures, self._angles_rad, cameras, truth)
 
     def _truth(self, episode: Episode) -> dict[str, float]:
         """Return what is known: what the joints say, and what the head does."""
