@@ -52,6 +52,12 @@ def test_a_camera_that_sees_too_little_is_refused() -> None:
         central_view(_noise(120, 160), Pinhole.ideal(FOCAL_PX, 120, 160), FOCAL_PX)
 
 
+@pytest.mark.parametrize("distortion", [(0.1,), (0.1, 0.2, 0.3, float("nan"))])
+def test_a_lens_without_its_numbers_is_refused(distortion: tuple[float, ...]) -> None:
+    with pytest.raises(InputError, match="expected positive focal lengths, and the coefficients"):
+        central_view(_noise(240, 320), Pinhole((300.0,) * 2, (160.0, 120.0), distortion), FOCAL_PX)
+
+
 @pytest.mark.parametrize(
     ("encoding", "pixel", "grey"),
     [
@@ -66,6 +72,13 @@ def test_pictures_of_all_encodings(encoding: str, pixel: list[int], grey: int) -
     row = bytes(pixel) * 3 + bytes(2)  # padded
     message = Image(height=2, width=3, encoding=encoding, step=len(row), data=row * 2)
     assert picture_of(message, "t").tolist() == [[grey] * 3] * 2
+
+
+@pytest.mark.parametrize("size", [{}, {"height": 2, "step": 3, "data": bytes(6)}])
+@pytest.mark.parametrize("encoding", ["mono8", "bgr8"])
+def test_a_picture_without_pixels_is_refused(encoding: str, size) -> None:
+    with pytest.raises(InputError, match="t: expected an image of mono8"):
+        picture_of(Image(encoding=encoding, **size), "t")
 
 
 def test_a_calibration_with_region_and_binning() -> None:

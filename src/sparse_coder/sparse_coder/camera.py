@@ -52,10 +52,12 @@ def central_view(picture: Image, camera: Pinhole, focal_px: float) -> Image:
 @functools.lru_cache(maxsize=8)
 def _maps(camera: Pinhole, focal_px: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return for each pixel of the view its place in the picture, across and down, (128, 128)."""
-    if len(camera.distortion) not in _N_COEFFICIENTS or min(camera.focal_px) <= 0.0:
+    is_finite = np.isfinite((*camera.focal_px, *camera.centre_px, *camera.distortion)).all()
+    has_lens = len(camera.distortion) in _N_COEFFICIENTS and min(camera.focal_px) > 0.0
+    if not (is_finite and has_lens):
         raise InputError(
             "camera_info: expected positive focal lengths, and the coefficients of plumb_bob or "
-            f"rational_polynomial, got {camera}"
+            f"rational_polynomial, all finite, got {camera}"
         )
     taken = np.diag((*camera.focal_px, 1.0))
     taken[:2, 2] = camera.centre_px

@@ -21,18 +21,19 @@ _TO_GREY = {
 def picture_of(message: Image, topic: str) -> np.ndarray:
     """Return the picture (height, width) uint8 of a message as grey; mono8 without a copy.
 
-    Raises InputError for an encoding that is neither mono8 nor 8 bits of colours, and for data that
-    does not match the stated size.
+    Raises InputError for an encoding that is neither mono8 nor 8 bits of colours, for a picture
+    without pixels, and for data that does not match the stated size.
     """
     height, width, step = message.height, message.width, message.step
     conversion, n_bytes = _TO_GREY.get(message.encoding, (None, 0))
-    if not n_bytes or step < width * n_bytes or len(message.data) != step * height:
+    n_used = width * n_bytes  # of a row
+    if not n_used * height or step < n_used or len(message.data) != step * height:
         raise InputError(
             f"{topic}: expected an image of {', '.join(_TO_GREY)} with height x step bytes and "
             f"step >= width x bytes of a pixel, got {message.encoding!r}, {height} x {step} "
             f"(width {width}), {len(message.data)} bytes"
         )
-    rows = np.frombuffer(message.data, dtype=np.uint8).reshape(height, step)[:, : width * n_bytes]
+    rows = np.frombuffer(message.data, dtype=np.uint8).reshape(height, step)[:, :n_used]
     if conversion is None:
         return rows
     return np.asarray(cv2.cvtColor(rows.reshape(height, width, n_bytes), conversion), np.uint8)
