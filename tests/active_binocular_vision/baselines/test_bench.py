@@ -37,7 +37,7 @@ def test_a_perfect_sensor_brings_the_eyes_to_rest_in_a_few_commands(bench, kind,
     now: list[np.ndarray] = []
     motor = MotorMap(eyes.manager, eyes.plant.config)
     controller = steering(lambda _: now[-1], motor)
-    episode = next(eyes.training_episodes())
+    episode = next(eyes.protocol.training_episodes())
     for seen in eyes.observations(controller, episode):
         now.append(errors_deg(seen))
     assert np.abs(now[0][:n_axes]).max() > 0.1

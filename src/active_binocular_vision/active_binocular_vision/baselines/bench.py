@@ -70,16 +70,11 @@ class Bench:
                 "baselines: expected a run without saccades, as those of precise and twelve, got "
                 f"fixation_iterations {self.manager.fixation_iterations}"
             )
-        self.configuration = configuration
         self.protocol = protocol_of(configuration)
         self._coder = SparseCoder(config_of(SparseCoderConfig, configuration))
         self._coder.restore(coder_state)
         self.plant = EyePlant(config_of(EyePlantConfig, configuration), stimuli)
         self._limits = tuple(map(np.array, vars(self.manager.limits).values()))
-
-    def training_episodes(self) -> Iterator[Episode]:
-        """Yield the run's training episodes."""
-        return self.protocol.training_episodes()
 
     def observations(self, controller: Controller, episode: Episode) -> Iterator[Observation]:
         """Yield the observations of an episode, of which the last one is not answered."""

@@ -61,7 +61,7 @@ class CommandSearch:
 def best_so_far(trials: Trials, costs: Array) -> Trials:
     """Return trials in which the eyes hold, after each look, the best place that they have seen.
 
-    costs: (n_trials, n_looks) of the places where each iteration began.
+    costs: (n_trials, n_looks + 1) of the places where each iteration began, as many as are kept.
     """
     best = np.array([[int(np.argmin(c[: k + 1])) for k in range(len(c))] for c in costs])
     columns = {
@@ -69,12 +69,6 @@ def best_so_far(trials: Trials, costs: Array) -> Trials:
         for name, of_trials in trials.columns.items()
     }
     return replace(trials, columns=columns, rows=trials.rows[:, : best.shape[1]])
-
-
-def first_looks(trials: Trials, n_looks: int) -> Trials:
-    """Return trials as they were after so many looks."""
-    columns = {name: values[:, : n_looks + 1] for name, values in trials.columns.items()}
-    return replace(trials, columns=columns, rows=trials.rows[:, : n_looks + 1])
 
 
 def looks_needed(is_within: NDArray[np.bool_]) -> Array:

@@ -32,7 +32,7 @@ class VergenceTask(gymnasium.Env[Vector, NDArray[np.float32]]):
     def __init__(self, bench: Bench, pause: Pause = lambda _: None) -> None:
         """bench: whose episodes, eyes and dictionaries these are, which a pause may use."""
         self._bench, self._pause = bench, pause
-        self._episodes = bench.training_episodes()
+        self._episodes = bench.protocol.training_episodes()
         self._n_steps = 0
         n_observed = 2 * bench.manager.n_bases + len(bench.plant.oculomotor.tonic_activations)
         self.observation_space = Box(0.0, np.inf, (n_observed,))
@@ -45,10 +45,10 @@ class VergenceTask(gymnasium.Env[Vector, NDArray[np.float32]]):
         super().reset(seed=seed)
         self._pause(self._n_steps)
         if seed is not None:
-            self._episodes = self._bench.training_episodes()
+            self._episodes = self._bench.protocol.training_episodes()
         episode = next(self._episodes, None)
         if episode is None:
-            self._episodes = self._bench.training_episodes()
+            self._episodes = self._bench.protocol.training_episodes()
             episode = next(self._episodes)
         # The agent acts in all iterations of the episode, and sees what the last act led to.
         longer = replace(episode, n_iterations=episode.n_iterations + 1)

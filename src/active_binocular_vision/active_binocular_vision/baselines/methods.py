@@ -9,15 +9,11 @@ from types import MappingProxyType
 import numpy as np
 
 from active_binocular_vision.baselines import energy_model
-from active_binocular_vision.baselines.bench import Bench, Controller
-from active_binocular_vision.baselines.command_search import (
-    CommandSearch,
-    best_so_far,
-    first_looks,
-)
+from active_binocular_vision.baselines.bench import Array, Bench, Controller, Seen
+from active_binocular_vision.baselines.command_search import CommandSearch, best_so_far
 from active_binocular_vision.baselines.deep_rl import train
 from active_binocular_vision.baselines.read_out import Entries, calibrated_sensor
-from active_binocular_vision.baselines.registration import Registration
+from active_binocular_vision.baselines.registration import registered_deg
 from active_binocular_vision.baselines.turning import MotorMap, steering
 from experiment_manager import Trials
 from lockstep import PAIR
@@ -54,8 +50,13 @@ Method = Callable[[Bench, Effort, Done], None]
 
 
 def _registration(bench: Bench, effort: Effort, done: Done) -> None:
-    sensor = Registration(bench.plant.config.camera.focal_length_px)
+    focal_px = bench.plant.config.camera.focal_length_px
     motor = MotorMap(bench.manager, bench.plant.config)
+
+    def sensor(seen: Seen) -> Array:
+        left, right = seen.pictures
+        return np.nan_to_num(registered_deg(left, right, focal_px))
+
     done(Tested(0, bench.trials(steering(sensor, motor), effort.every)))
 
 
@@ -72,9 +73,9 @@ def _read_out(
 def _cma_es(bench: Bench, effort: Effort, done: Done) -> None:
     search = CommandSearch(bench.manager.space, bench.manager.limits, bench.manager.seed)
     trials = bench.trials(search, effort.every, SHOWN_LOOKS[-1] + 1)
-    found = best_so_far(trials, np.array(search.costs))
+    costs = np.array(search.costs)
     for n_looks in SHOWN_LOOKS:
-        done(Tested(0, first_looks(found, n_looks), n_looks))
+        done(Tested(0, best_so_far(trials, costs[:, : n_looks + 1]), n_looks))
 
 
 def _stable_baselines(bench: Bench, effort: Effort, done: Done, algorithm: str) -> None:

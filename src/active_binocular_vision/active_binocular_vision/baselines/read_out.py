@@ -82,7 +82,7 @@ def calibrated_sensor(
 
 def known_places(bench: Bench, motor: MotorMap) -> Iterator[tuple[Seen, Array]]:
     """Yield what is seen at places of training episodes, and the true errors (3,) there in deg."""
-    for episode in bench.training_episodes():
+    for episode in bench.protocol.training_episodes():
         draw = generator(bench.manager.seed, "known places", episode.episode)
         start_deg = now_deg = np.zeros(3)
 

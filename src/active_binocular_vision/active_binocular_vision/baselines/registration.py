@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from active_binocular_vision.baselines.bench import Seen
 from sparse_coder.gaze.movement import movement
 
 Array = NDArray[np.float64]
@@ -19,20 +18,3 @@ def registered_deg(left: NDArray[np.uint8], right: NDArray[np.uint8], focal_px: 
     NaN where they do not align. The right picture is taken for what the left eye saw after a turn.
     """
     return _ERRORS_OF_MOVEMENT * movement(left, right, focal_px)
-
-
-class Registration:
-    """The sensor; it counts how often pictures did not align."""
-
-    def __init__(self, focal_px: float) -> None:
-        """focal_px: of both cameras."""
-        self._focal_px = focal_px
-        self.n_seen = self.n_unclear = 0
-
-    def __call__(self, seen: Seen) -> Array:
-        """Return the errors (3,), 0 where the pictures do not align."""
-        left, right = seen.pictures
-        found_deg = registered_deg(left, right, self._focal_px)
-        self.n_seen += 1
-        self.n_unclear += bool(np.isnan(found_deg).any())
-        return np.nan_to_num(found_deg)
