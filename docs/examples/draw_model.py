@@ -93,18 +93,7 @@ def _box(axes: Axes, name: str, at: tuple[float, float], colour: str, text: str)
             2 * half_x,
             2 * half_y,
             boxstyle="round,pad=0,rounding_size=0.12",
-            fc=colour,
-            alpha=0.14,
-            ec="none",
-        )
-    )
-    axes.add_patch(
-        FancyBboxPatch(
-            (x - half_x, y - half_y),
-            2 * half_x,
-            2 * half_y,
-            boxstyle="round,pad=0,rounding_size=0.12",
-            fc="none",
+            fc=(colour, 0.14),
             ec=colour,
             lw=1.4,
         )
