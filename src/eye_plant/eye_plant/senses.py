@@ -1,7 +1,7 @@
 """What the senses make of what is there: noise of pictures and of felt activations, and gaps.
 
-Noise is a function of the seed and of the moment, so nothing of it is saved. A
-picture or an activation that is missing stays as it was last, as a camera repeats a lost frame.
+Noise is a function of the seed and of the moment, so nothing of it is saved. A picture or an
+activation that is missing stays as it was last, as a camera repeats a lost frame.
 """
 
 from dataclasses import dataclass

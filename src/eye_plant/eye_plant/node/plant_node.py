@@ -45,8 +45,8 @@ class EyePlantNode(LockstepPlant[EyePlant, Observation]):
                 "muscle_command", {START_RUN: self._start_run, RECONFIGURE: self._reconfigure}
             )
 
-    def _start_run(self, _: Arguments) -> None:
-        self._end_run(_)
+    def _start_run(self, arguments: Arguments) -> None:
+        self._end_run(arguments)
         self._reconfigure({})
 
     def _reconfigure(self, arguments: Arguments) -> None:

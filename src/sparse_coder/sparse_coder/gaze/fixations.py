@@ -88,8 +88,7 @@ class Fixations(Turns):
     ) -> Gaze:
         """Return what an observation says of gaze.
 
-        given_deg: (2,) the target that a fixation begins with, NaN
-        where the eyes choose.
+        given_deg: (2,) the target that a fixation begins with, NaN where the eyes choose.
         """
         iteration = moment.iteration
         if iteration == 0:
