@@ -1,4 +1,4 @@
-"""The rule as docs/model/hindsight.md describes it, written anew, gives the product's commands.
+"""The rule as docs/model/hindsight.md describes it, rewritten, gives the product's commands.
 
 docs/examples/hindsight.py was written from the page; both see the same observations.
 """

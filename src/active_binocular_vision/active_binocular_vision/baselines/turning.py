@@ -18,7 +18,7 @@ Sensor = Callable[[Seen], Array]
 
 
 class MotorMap:
-    """How activations turn the eyes, from the simulator: no learner of ours is given that."""
+    """How activations turn the eyes, from the simulator. Our own learners never get it."""
 
     def __init__(self, manager: ExperimentManagerConfig, plant: EyePlantConfig) -> None:
         """Build an inverse of the eyes of a plant, within the limits of their commands."""
