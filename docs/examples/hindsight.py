@@ -169,7 +169,7 @@ class HindsightRegression:
         return place if self.c.n_best == 1 else made_up(place, asked, self.noise, beyond)
 
     def target(self, best: Floats, v: Sample) -> Floats:
-        """Eq. 3: from a sample to the best place, or beyond a limit where the actor wants to go."""
+        """Eq. 3: from a sample to the best place, or beyond a limit if the actor's command is."""
         wanted = v.x + self.actor @ v.s
         beyond = ((best <= self.lowest) & (wanted < self.lowest)) | (
             (best >= self.highest) & (wanted > self.highest)

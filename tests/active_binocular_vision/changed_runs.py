@@ -14,7 +14,7 @@ def with_errors(test: Trials, errors_deg: np.ndarray) -> Trials:
 
 
 def priced(run: Run, weight: float, error_factor: float) -> Run:
-    """The same run as if it had another lambda and other errors, but for the start."""
+    """The same run as if it had another lambda and other errors, except at the start."""
     other = copy.copy(run)
     other.about = {**run.about, "metabolic_cost_weight": weight}
     factors = np.where(np.arange(21) > 0, error_factor, 1.0)

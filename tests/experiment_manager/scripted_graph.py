@@ -24,7 +24,7 @@ _REPEAT_PERIOD_S = 0.1
 
 
 class Scripted(Node):
-    """Answers requests with yes, but for the kind that it is told to refuse; notes them all."""
+    """Accepts requests, except the kind that it is told to refuse; records them all."""
 
     kinds: tuple[str, ...] = ("start_run", "save", "load", "end_run")
 

@@ -1,4 +1,4 @@
-"""Whether MuJoCo's renderer, the oracle of ours, works here."""
+"""Whether MuJoCo's renderer, the oracle of the project's own, works here."""
 
 from functools import cache
 

@@ -1,4 +1,4 @@
-"""Which runs are pooled, and what tells groups apart."""
+"""Which runs are pooled, and what distinguishes groups."""
 
 import copy
 from typing import Any

@@ -22,7 +22,7 @@ def angles_deg(eyes: Oculomotor) -> np.ndarray:
 
 
 def all_but(default: float, **values: float) -> tuple[float, ...]:
-    """Twelve numbers: the default but for the muscles named."""
+    """Twelve numbers: the default except for the muscles named."""
     return tuple(values.get(name, default) for name in MUSCLE_NAMES)
 
 

@@ -1,4 +1,4 @@
-"""The plant at a fixed rate: it waits for nobody, and a command acts when it comes."""
+"""The plant at a fixed rate: it waits for no node, and a command acts on arrival."""
 
 from pathlib import Path
 

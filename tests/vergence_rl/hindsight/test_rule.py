@@ -26,7 +26,7 @@ WIDE = changed(IN_NOISE, {"hindsight.least_noise_share": 0.8})
 
 
 class SlowRule:
-    """The same rule with every visit kept, weighted and regressed anew; no running sums."""
+    """The same rule with every visit kept, weighted and regressed each time; no running sums."""
 
     def __init__(self, config: VergenceRlConfig) -> None:
         self.config = config
