@@ -39,8 +39,8 @@ def run_in_process(directory: Path, head: Head | None = None) -> int:
     eyes. What is wrong here would be so again, so nothing is tried twice. Raises InputError for
     what cannot be begun.
     """
-    interrupts = Interrupts()
     configuration = read_configuration(directory / CONFIG_FILE)
+    interrupts = Interrupts()
     try:
         resume = goes_on(directory)
         run = InProcessRun(configuration, directory, interrupts, resume=resume, head=head)
@@ -53,6 +53,8 @@ def run_in_process(directory: Path, head: Head | None = None) -> int:
         return _fault(f"{directory} cannot be written: {error}; what was saved before is intact")
     except DivergenceError as error:
         return _fault(f"{error}; what was saved before is intact", EXIT_DIVERGED)
+    finally:
+        interrupts.stop()
     return 0 if is_over else EXIT_INTERRUPTED
 
 
