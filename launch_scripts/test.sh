@@ -24,5 +24,5 @@ status=0
 "$python" -m mypy || status=1
 ((status == 0)) || echo "test.sh: formatter, linter or type checker failed (above); the tests follow" >&2
 n_cores=$(env -u OMP_NUM_THREADS nproc) # which takes that variable for the number of cores
-"$python" -m pytest -n "$((n_cores + 1))" --maxprocesses 8 --dist loadscope --no-loadscope-reorder "$@" || status=$?
+"$python" -m pytest -n "$((n_cores + 1))" --maxprocesses 8 --max-worker-restart 0 --dist loadscope --no-loadscope-reorder "$@" || status=$?
 exit "$status"
