@@ -222,10 +222,11 @@ def draw_angles_deg(
     """
     largest_deg, sides = largest_angles_deg(config), corner(config, of_tests=of_tests)
     shares = draw.uniform(-1.0, 1.0, len(largest_deg))
-    in_corner = draw.uniform(*_CORNER, len(ERRORS)) * sides
-    if draw.random() < config.aside_share:
-        n = sum(name in ERRORS for name in largest_deg)
-        shares[:n] = in_corner[:n]
+    if config.aside_share:
+        in_corner = draw.uniform(*_CORNER, len(ERRORS)) * sides
+        if draw.random() < config.aside_share:
+            n = sum(name in ERRORS for name in largest_deg)
+            shares[:n] = in_corner[:n]
     return {
         name: float(most * share)
         for (name, most), share in zip(largest_deg.items(), shares, strict=True)
