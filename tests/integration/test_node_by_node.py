@@ -31,22 +31,29 @@ def _in_run(directory: Path) -> tuple[str, str]:
     return "-p", f"run_directory:={directory}"
 
 
-def test_any_order_and_a_late_learner_give_the_same_numbers(
-    start_node, tmp_path, config_file
+def test_any_order_a_late_learner_and_another_plant_give_the_same_numbers(
+    graph: Graph, start_node, tmp_path, config_file
 ) -> None:
     run = tmp_path / "run"
-    manager = start_node("experiment_manager", *_in_run(run))
+    manager = start_node("experiment_manager", *_in_run(run), "-p", "gap_s:=0.5")
     manager.wait_for_line("waiting for episode, ")
     start_node("vergence_rl").wait_for_line("ready, untrained")
-    start_node("eye_plant").wait_for_line("5 stimuli resident")
+    plant = start_node("eye_plant")
+    plant.wait_for_line("5 stimuli resident")
     # The coder joins when all others have been waiting for it.
     manager.wait_for_line("waiting for reward")
     start_node("sparse_coder")
+    # The plant is started again in an early episode.
+    first = run / "checkpoints" / "000000000" / "manifest.json"
+    graph.spin_until(first.exists, "the first episode")
+    plant.process.terminate()
+    start_node("eye_plant")
+    manager.wait_for_line("eye_plant was started again: rolling back to the newest checkpoint")
     manager.finished()
     assert_as_the_loop(run)
     # All parameters of all nodes are written down.
     expected = read_configuration(config_file)
-    expected["experiment_manager"]["run_directory"] = str(run)
+    expected["experiment_manager"] |= {"run_directory": str(run), "gap_s": 0.5}
     assert read_configuration(run / "config.yaml") == expected
     assert Run(run).configuration_text == (run / "config.yaml").read_text()
     assert evaluate([str(run)]) == 0

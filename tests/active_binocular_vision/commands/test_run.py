@@ -1,11 +1,15 @@
 """What run_experiment.sh refuses before anything is written, and how it says how to go on."""
 
 import shutil
+from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
-from active_binocular_vision.commands.run import concluded, main
-from experiment_manager import RunRequest
+from active_binocular_vision.commands import run as run_command
+from active_binocular_vision.commands.run import concluded, main, prepare_new
+from experiment_manager import RunRequest, read_configuration
+from experiment_manager.run import hold
 from lockstep import InputError
 from lockstep.exit_codes import EXIT_DIVERGED, EXIT_FAULT, EXIT_INTERRUPTED
 
@@ -43,6 +47,52 @@ def test_a_name_that_is_too_long_is_one_error(tmp_path, capsys, option: str) -> 
     error = refused(capsys, option, str(tmp_path / ("x" * 300)), *out)
     assert error.startswith("error: ")
     assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("is_there", [True, False])
+def test_of_two_starts_at_the_same_moment_one_has_the_directory(
+    tmp_path, pictures, capsys, monkeypatch, is_there
+) -> None:
+    """The second one starts while the first reads its pictures, which takes longest."""
+    directory = tmp_path / "run"
+    if is_there:
+        directory.mkdir()
+    settings = {"eye_plant.stimuli.size_px": 64}
+    request = RunRequest(stimuli=str(pictures), overrides=settings)
+    other = replace(request, seed=2)
+    monkeypatch.setattr(
+        run_command, "_prepare_stimuli", once(lambda: prepare_new(other, directory))
+    )
+    with pytest.raises(InputError, match="expected a new or empty directory, it is not empty"):
+        prepare_new(request, directory)
+    assert [path.name for path in directory.iterdir()] == ["config.yaml"]
+    assert read_configuration(directory / "config.yaml")["task"]["seed"] == 2
+
+
+def once(act: Callable[[], object]) -> Callable[[object], None]:
+    """Return a function that acts when it is called first, whatever it is given."""
+    acts = [act]
+
+    def call(_: object) -> None:
+        if acts:
+            acts.pop()()
+
+    return call
+
+
+def test_a_run_that_another_process_makes_is_not_resumed(
+    tmp_path, small_run, capsys, monkeypatch
+) -> None:
+    monkeypatch.setattr(hold, "_PATIENCE_S", 0.0)
+    directory = shutil.copytree(small_run, tmp_path / "run")
+    before = {path: path.read_bytes() for path in directory.rglob("*") if path.is_file()}
+    with hold.hold(directory):
+        for more in ([], ["--extend", "20"]):
+            error = refused(capsys, "--in-process", "--resume", str(directory), *more)
+            assert error == (
+                f"error: {directory}: expected a run at rest, another process is making it"
+            )
+    assert before == {path: path.read_bytes() for path in directory.rglob("*") if path.is_file()}
 
 
 @pytest.mark.parametrize(

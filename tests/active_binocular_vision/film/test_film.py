@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import cv2
+import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
@@ -16,6 +17,7 @@ from active_binocular_vision.film.frames import (
     HEADER_PX,
     PANEL_WIDTH_PX,
     Page,
+    frames,
     shown_part,
 )
 from active_binocular_vision.film.scenes import Scene, scenes
@@ -106,12 +108,21 @@ def _write(
 
 def _frames_of_mp4(file: Path) -> list[np.ndarray]:
     video = cv2.VideoCapture(str(file))
-    frames: list[np.ndarray] = []
+    found: list[np.ndarray] = []
     while True:
         there, frame = video.read()
         if not there:
-            return frames
-        frames.append(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB))
+            return found
+        found.append(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB))
+
+
+def test_between_two_frames_figures_are_drawn_as_their_owner_wants(bag: Path) -> None:
+    drawn = frames(scenes(Bag(bag)))
+    with mpl.rc_context({"font.size": 20.0}):
+        for _ in range(2):
+            next(drawn)
+            assert mpl.rcParams["font.size"] == 20.0
+    drawn.close()
 
 
 # Ten iterations of each of three scenes; each ends with four periods of its last.

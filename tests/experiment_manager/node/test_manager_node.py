@@ -19,7 +19,7 @@ from experiment_manager.node.manager_node import ExperimentManagerNode
 from experiment_manager.run.recorded_topics import SMALL_TOPICS
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from lockstep import InputError
-from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_UNWRITABLE
+from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_ROLL_BACK, EXIT_UNWRITABLE
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import period_ns
 from lockstep.wire.topics import PLANT_VECTORS, REWARD_NAMES
@@ -197,6 +197,23 @@ def test_a_node_that_is_started_again_later_goes_on_from_the_newest_checkpoint(
     coder = graph.add(ScriptedCoder)
     assert _finished(graph, manager) == 0
     assert coder.asked[:3] == ["start_run", "load", "save"]
+
+
+def test_a_plant_that_is_started_again_rolls_the_run_back(graph, nodes, tmp_path, capfd) -> None:
+    """During an episode it is only found by what it is asked."""
+    nodes[1].is_mute = True
+    manager = _start(graph, tmp_path / "run", gap_s=0.3)
+    graph.spin_until(lambda: nodes[0].episodes, "the first episode")
+    # Of one that is still the same, the question changes nothing.
+    _spin_until_said(graph, capfd, "no message for 0.3 s; missing: ")
+    graph.spin_until(lambda: manager._n_awaited == 1, "the answer")
+    assert nodes[0].asked == ["start_run", "episode"]
+    graph.remove(nodes[0])
+    graph.add(ScriptedPlant)
+    assert _finished(graph, manager) == EXIT_ROLL_BACK
+    error = capfd.readouterr().err
+    assert "eye_plant was started again: rolling back to the newest checkpoint" in error
+    assert "the run cannot continue" not in error
 
 
 def _is_held(manager: ExperimentManagerNode) -> bool:

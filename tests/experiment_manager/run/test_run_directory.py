@@ -17,6 +17,7 @@ from active_binocular_vision.commands.evaluate import main as evaluate
 from active_binocular_vision.commands.run import main as run_experiment
 from active_binocular_vision.figures.runs.learning_curve import learning_curve
 from experiment_manager import Bag, ExperimentManagerConfig
+from experiment_manager.run import hold
 from experiment_manager.run.config_file import configuration_text
 from experiment_manager.run.run_directory import Run
 from experiment_manager.sections import DEFAULTS, sections_of_nodes
@@ -135,6 +136,19 @@ def test_a_config_yaml_that_is_no_text_is_refused(tmp_path: Path) -> None:
     (tmp_path / "config.yaml").write_bytes(b"\xff")
     with pytest.raises(InputError, match=r"config\.yaml: expected text in UTF-8"):
         Run(_config(tmp_path))
+
+
+def test_a_run_has_its_directory_until_it_is_closed(tmp_path, drive, monkeypatch) -> None:
+    monkeypatch.setattr(hold, "_PATIENCE_S", 0.0)
+    first = _begin(tmp_path / "run")
+    _commit(first)
+    with pytest.raises(InputError, match="expected a run at rest, another process is making it"):
+        Run(_config(tmp_path / "run", resume=True))
+    first.close()
+    # One that is refused leaves it to the next one.
+    with pytest.raises(InputError, match="was 60, is 20"):
+        Run(dataclasses.replace(first._config, resume=True, n_training_iterations=20))
+    assert _end(Run(_config(tmp_path / "run", resume=True)), drive)["tests"]
 
 
 def test_a_run_that_ended_before_its_first_episode_goes_on(tmp_path: Path, drive: Drive) -> None:

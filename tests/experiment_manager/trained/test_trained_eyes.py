@@ -91,6 +91,19 @@ def test_a_name_stands_for_a_run_and_what_is_there_takes_precedence(
     assert run_directory("clinic/nobody") == Path("clinic/nobody")
 
 
+def test_without_the_folder_of_trained_eyes(tmp_path: Path, run_of, monkeypatch, capsys) -> None:
+    monkeypatch.setattr(trained_directory, "FOLDER", tmp_path / "none" / "eyes")
+    assert main([]) == 0
+    assert capsys.readouterr().out == "no trained eyes come with this package\n"
+    assert examine(["gaze", "--cover"]) == 2
+    assert capsys.readouterr().err == (
+        "error: expected a run directory or trained eyes, got gaze\n"
+    )
+    assert not (tmp_path / "none").exists()
+    assert main([str(run_of("pair"))]) == 0
+    assert [*trained_eyes()] == ["precise"]
+
+
 def test_a_run_that_has_not_ended_is_refused(tmp_path: Path, run_of, capsys) -> None:
     (tmp_path / "config.yaml").write_text((run_of("pair") / "config.yaml").read_text())
     assert main([str(tmp_path), "--out", str(tmp_path / "some.eyes")]) == 2

@@ -8,7 +8,12 @@ from pathlib import Path
 import pytest
 
 from lockstep.files import durable_files
-from lockstep.files.durable_files import replace_file, replacement_of, why_unwritable
+from lockstep.files.durable_files import (
+    first_to_make,
+    replace_file,
+    replacement_of,
+    why_unwritable,
+)
 from tests.refusing import refusing
 
 
@@ -20,6 +25,18 @@ def test_a_file_that_cannot_be_replaced_leaves_nothing(tmp_path, monkeypatch) ->
         replace_file(tmp_path / "a", b"new")
     assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [("a", b"old")]
     assert why_unwritable(tmp_path) == "[Errno 28] No space left on device"
+
+
+def test_one_of_two_makes_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "a"
+    with first_to_make(path):
+        with pytest.raises(FileExistsError), first_to_make(path):
+            pass
+        replace_file(path, b"first")
+    for _ in range(2):
+        with pytest.raises(FileExistsError), first_to_make(path):
+            pass
+    assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [("a", b"first")]
 
 
 def test_why_a_directory_cannot_be_written(tmp_path: Path) -> None:

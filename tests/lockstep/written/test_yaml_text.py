@@ -10,8 +10,8 @@ from rclpy.context import Context
 from rclpy.node import Node
 
 from experiment_manager.supervision.domains import own_domain
-from experiment_manager.supervision.processes import parameter_arguments
 from lockstep import InputError
+from lockstep.node.parameter_files import parameter_arguments
 from lockstep.written.yaml_text import dump_yaml, load_yaml, yaml_line
 
 # What some reader of YAML takes for a number, a truth, nothing, a comment, a mapping, a date, ...

@@ -30,6 +30,7 @@ from experiment_manager.run.config_file import (
     configuration_text,
     read_configuration,
 )
+from experiment_manager.run.hold import hold
 from experiment_manager.run.in_process import run_in_process
 from experiment_manager.run.run_directory import new_directory
 from experiment_manager.sections import config_of
@@ -39,7 +40,12 @@ from eye_plant import EyePlantConfig, load_stimuli
 from eye_plant.stimuli.stimulus_set import announcement
 from lockstep import COMMAND_SPACES, InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_DIVERGED, EXIT_FAULT, EXIT_INTERRUPTED
-from lockstep.files.durable_files import is_free, replace_file, why_unwritable
+from lockstep.files.durable_files import (
+    first_to_make,
+    is_free,
+    replace_file,
+    why_unwritable,
+)
 from lockstep.machine.environment import reaches_other_machines
 from lockstep.written.command_line import command
 from lockstep.written.yaml_text import yaml_line
@@ -157,8 +163,8 @@ def prepare_new(
     plant. Raises InputError for a request that no run can meet, and a directory that holds
     something.
     """
-    _refuse_used(directory)
-    is_there = directory.exists()
+    if not is_free(directory):
+        raise _used(directory)
     configuration = (
         configuration_of(request, source_commit()) if branched is None else branched.configuration
     )
@@ -171,11 +177,14 @@ def prepare_new(
         )
     _prepare_stimuli(configuration)
     try:
-        directory.mkdir(parents=True, exist_ok=is_there)  # another run may have begun there since
-        if branched is not None:
-            branched.write(directory)
-        else:
-            replace_file(directory / CONFIG_FILE, text.encode())
+        directory.mkdir(parents=True, exist_ok=True)
+        with first_to_make(directory / CONFIG_FILE):  # another run may have begun there since
+            if branched is not None:
+                branched.write(directory)
+            else:
+                replace_file(directory / CONFIG_FILE, text.encode())
+    except FileExistsError as error:
+        raise _used(directory) from error
     except OSError as error:
         raise InputError(f"{directory}: cannot be written: {error}") from error
     return directory
@@ -205,14 +214,14 @@ def check_old(directory: Path, request: RunRequest) -> None:
 def _check_writable(directory: Path) -> None:
     if why := why_unwritable(directory):
         raise InputError(f"{directory}: cannot be written: {why}")
+    hold(directory).close()
 
 
-def _refuse_used(directory: Path) -> None:
-    if not is_free(directory):
-        raise InputError(
-            f"{directory}: expected a new or empty directory, it is not empty; "
-            f"--resume {shlex.quote(str(directory))} continues a run"
-        )
+def _used(directory: Path) -> InputError:
+    return InputError(
+        f"{directory}: expected a new or empty directory, it is not empty; "
+        f"--resume {shlex.quote(str(directory))} continues a run"
+    )
 
 
 def figure_of(directory: Path) -> Path | None:

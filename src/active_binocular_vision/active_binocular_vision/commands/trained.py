@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from active_binocular_vision.command_lines.trained import parser
 from active_binocular_vision.runs.run import Run
 from experiment_manager.measures.tables import number, percent, text_table
-from experiment_manager.trained.directory import FOLDER, pack, trained_eyes
-from experiment_manager.trained.eyes_file import name_of_file
+from experiment_manager.trained.directory import file_of, pack, trained_eyes
 from lockstep import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT
 
@@ -21,7 +20,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 raise InputError("--out: expected it with RUN, got it alone")
             print(_table() if trained_eyes() else "no trained eyes come with this package")
         else:
-            file = options.out or FOLDER / name_of_file(Run(options.run).profile)
+            file = options.out or file_of(Run(options.run).profile)
             print(f"{file}: {pack(options.run, file) / 1e6:.2f} MB")
     except (InputError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)

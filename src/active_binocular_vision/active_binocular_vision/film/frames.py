@@ -37,11 +37,12 @@ def frames(scenes: Sequence[Scene]) -> Iterator[Frame]:
     """Yield per iteration of each scene (height_px, width_px, 3) uint8, RGB, and its periods."""
     with own_style():
         page = Page(scenes)
-        for scene in scenes:
-            last = len(scene.errors_deg) - 1
-            for iteration in range(last + 1):
-                n_periods = _HELD_PERIODS if iteration == last else 1
-                yield page.draw(scene, iteration), n_periods
+    for scene in scenes:
+        last = len(scene.errors_deg) - 1
+        for iteration in range(last + 1):
+            with own_style():  # not while whoever takes the frame draws figures of their own
+                frame = page.draw(scene, iteration)
+            yield frame, _HELD_PERIODS if iteration == last else 1
 
 
 def shown_part(picture: np.ndarray) -> np.ndarray:

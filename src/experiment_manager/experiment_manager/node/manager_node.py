@@ -1,5 +1,6 @@
 """The node experiment_manager: asks for one episode after another, and records them all."""
 
+import os
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -18,10 +19,12 @@ from experiment_manager.node.recorder import Recorder
 from experiment_manager.node.requests import LEARNERS, PLANT, Ask, Requests
 from experiment_manager.run.recorded_topics import small_topics
 from experiment_manager.run.run_directory import Run
+from eye_plant import Episode
 from lockstep import InputError
-from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, FAULT_TEXT
+from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED, EXIT_ROLL_BACK, FAULT_TEXT
 from lockstep.machine.own_process import give_back_blocks_of
 from lockstep.node.diagnostics import Diagnostics
+from lockstep.node.parameter_files import parameter_arguments
 from lockstep.node.process import run_node
 from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, Arguments
 from lockstep.node.ros_parameters import declare_config
@@ -123,7 +126,7 @@ class ExperimentManagerNode(Node):
     def _welcome(self, name: str) -> list[Ask]:
         """Return the requests that take a learner into the run which a person has started again.
 
-        The plant is not among them, which would lack the changes of a schedule.
+        The plant is not among them: it would begin an episode again that learners know in part.
         """
         if self.config.supervised or name not in LEARNERS:
             return []
@@ -160,8 +163,12 @@ class ExperimentManagerNode(Node):
         episode = self.run.episode()
         self._recorder.sample_pictures()
         self._recorder.begin(episode)
-        self._n_awaited = 2
-        self._requests.ask([(PLANT, "episode", episode.as_arguments())], self._acknowledged)
+        self._n_awaited = 1
+        self._ask_for(episode, self._acknowledged)
+
+    def _ask_for(self, episode: Episode, then: Callable[[], None]) -> None:
+        self._n_awaited += 1
+        self._requests.ask([(PLANT, "episode", episode.as_arguments())], then)
 
     def _acknowledged(self) -> None:
         # The plant is busy now; what is drawn here costs the run no time.
@@ -278,6 +285,9 @@ class ExperimentManagerNode(Node):
         else:
             self._say_waiting(found.reason)
             self._recorder.wait_from_now()
+            if not supervised and self._n_awaited == 1:
+                # Acknowledged once more, except by a plant that was started again.
+                self._ask_for(self.run.episode(), self._go_on)
 
     def _guarded(self, act: Callable[[], None]) -> None:
         """Act; input that is refused and a disk that refuses are faults."""
@@ -290,7 +300,10 @@ class ExperimentManagerNode(Node):
         if self._is_over:
             return
         self.exit_code = fault.exit_code
-        self.get_logger().error(f"{FAULT_TEXT}{fault.reason}")
+        if fault.exit_code == EXIT_ROLL_BACK and not self.config.supervised:
+            self.get_logger().warning(f"{fault.reason}: rolling back to the newest checkpoint")
+        else:
+            self.get_logger().error(f"{FAULT_TEXT}{fault.reason}")
         self._stop()
 
     def _state_of_run(self) -> dict[str, str]:
@@ -302,6 +315,18 @@ def _nothing() -> None:
 
 
 def main() -> None:
-    """Run the node until its run is over."""
+    """Run the node until its run is over; without a supervisor, roll it back where that helps."""
     give_back_blocks_of(_PICTURE_BYTES)
-    sys.exit(run_node(ExperimentManagerNode))
+    made: list[ExperimentManagerNode] = []
+
+    def make_node() -> Node:
+        made.append(ExperimentManagerNode())
+        return made[0]
+
+    code = run_node(make_node)
+    if code == EXIT_ROLL_BACK and not made[0].config.supervised:
+        directory = str(made[0].run.directory.resolve())
+        words = parameter_arguments({"run_directory": directory, "resume": True})
+        again = [sys.executable, "-m", __package__, *sys.argv[1:], "--ros-args", *words]
+        os.execv(sys.executable, again)
+    sys.exit(code)

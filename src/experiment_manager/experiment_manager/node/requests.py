@@ -8,6 +8,7 @@ from rclpy.node import Node
 
 from experiment_manager.node.fault_detection import LEARNER_OF, Fault, of_refusal
 from lockstep import InputError
+from lockstep.exit_codes import EXIT_ROLL_BACK
 from lockstep.node.requests import NOT_STARTED, Arguments, RequestClient, service_name
 
 PLANT = "eye_plant"
@@ -95,6 +96,8 @@ class Requests:
                 self._guard(partial(self.ask, rest, then))
             elif first:
                 self._guard(partial(self.ask, [*first, *asks], then))
+            elif reason.startswith(NOT_STARTED):
+                self._on_fault(Fault(f"{name} was started again", EXIT_ROLL_BACK))
             else:
                 self._on_fault(of_refusal(name, kind, reason))
 

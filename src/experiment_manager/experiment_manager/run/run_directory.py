@@ -34,6 +34,7 @@ from experiment_manager.run.config_file import (
     configuration_text,
     parameters_in,
 )
+from experiment_manager.run.hold import hold
 from experiment_manager.run.picture_sample import is_sampled
 from experiment_manager.run.progress import Progress
 from experiment_manager.run.progress_bar import ProgressBar
@@ -67,7 +68,7 @@ class Run:
     def __init__(self, config: ExperimentManagerConfig) -> None:
         """Raise InputError for a directory that holds a run, another run or nothing to resume.
 
-        And for one whose config.yaml cannot be read.
+        And for one whose config.yaml cannot be read, and a run that another process makes.
         """
         self._config = config
         self.protocol = make_protocol(config)
@@ -81,6 +82,15 @@ class Run:
         # A directory without a checkpoint is left as it is.
         found = self._newest() if config.resume else None
         self.directory.mkdir(parents=True, exist_ok=True)
+        self._hold = hold(self.directory)
+        try:
+            self._begin(config, found)
+        except BaseException:
+            self._hold.close()
+            raise
+
+    def _begin(self, config: ExperimentManagerConfig, found: tuple[Manifest, Path] | None) -> None:
+        """found: the checkpoint to go on from."""
         config_file = self.directory / CONFIG_FILE
         try:
             text = config_file.read_text() if config_file.exists() else ""
@@ -303,6 +313,10 @@ class Run:
         So a run that was refused before its first episode can be started again in this directory.
         """
         self._bar.close()
+        with self._hold:
+            self._close_bag()
+
+    def _close_bag(self) -> None:
         self.writer.close()
         bag = self.directory / "bag"
         # After a failed write its only file may be cut off, and none of the writer's whole ones.

@@ -1,11 +1,11 @@
 """A ROS domain of our own: no other run's messages get in, and ours get to nobody."""
 
-import errno
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from lockstep import InputError
+from lockstep.machine.claims import claim
 
 # Domains 0 to 101 stay below Linux' ephemeral ports; 0 and the documented one of nodes that are
 # started one by one are everybody's.
@@ -20,29 +20,21 @@ _UNICAST_OFFSETS = 10, 11
 def own_domain(avoid: frozenset[int] = frozenset()) -> Iterator[int]:
     """Yield a domain that nobody on this machine uses.
 
-    avoid: domains not to take again. A name in Linux' abstract namespace keeps two runs that start
-    at once apart until the block is left: it is everybody's who shares the ports, and no file.
-    Raises InputError when none is free.
+    avoid: domains not to take again. A claim keeps two runs that start at once apart until the
+    block is left. Raises InputError when none is free.
     """
     for domain in _CANDIDATES:
         if domain in avoid:
             continue
-        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as claim:
-            if not _takes(claim, domain) or not is_silent(domain):
+        # In a sandbox without such names the ports alone show who is here.
+        if (holder := claim(f"ros_domain_{domain}")) is None:
+            continue
+        with holder:
+            if not is_silent(domain):
                 continue
             yield domain
             return
     raise InputError("expected a free ROS domain between 1 and 101, all are in use")
-
-
-def _takes(claim: socket.socket, domain: int) -> bool:
-    """Whether the domain is this socket's now, and no other's."""
-    try:
-        claim.bind(f"\0active_binocular_vision/ros_domain_{domain}")
-    except OSError as error:
-        # A sandbox without such names refuses otherwise; there the ports alone show who is here.
-        return error.errno != errno.EADDRINUSE
-    return True
 
 
 def is_silent(domain: int) -> bool:

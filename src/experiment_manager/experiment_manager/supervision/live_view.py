@@ -11,10 +11,10 @@ from experiment_manager.sections import TASK
 from experiment_manager.supervision.processes import (
     Process,
     last_words,
-    parameter_arguments,
     start_node,
     stop,
 )
+from lockstep.node.parameter_files import parameter_arguments
 
 PACKAGE = "experiment_manager.live"
 

@@ -14,21 +14,10 @@ from experiment_manager.nodes import MANAGER
 from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.run.progress_bar import TERMINAL_VARIABLE
 from lockstep.machine.own_process import die_with
-from lockstep.written.yaml_text import yaml_line
 
 _POLL_S, _PATIENCE_S = 0.02, 3.0
 
 Process = subprocess.Popen[bytes]
-
-
-def parameter_arguments(values: Mapping[str, object]) -> list[str]:
-    """Return the command-line arguments, behind --ros-args, that set parameters of a node.
-
-    Raises InputError for a text that ROS cannot be told, which has to be in UTF-8.
-    """
-    return [
-        word for name, value in values.items() for word in ("-p", f"{name}:={yaml_line(value)}")
-    ]
 
 
 def last_words(log: Path) -> str:

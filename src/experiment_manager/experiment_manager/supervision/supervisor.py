@@ -19,7 +19,6 @@ from experiment_manager.supervision.node_heartbeats import Heartbeats
 from experiment_manager.supervision.processes import (
     NodeProcesses,
     last_words,
-    parameter_arguments,
 )
 from lockstep.exit_codes import (
     EXIT_BAD_INPUT,
@@ -33,6 +32,7 @@ from lockstep.exit_codes import (
 from lockstep.files.durable_files import why_unwritable
 from lockstep.machine.domain import given_domain
 from lockstep.machine.interrupts import Interrupts
+from lockstep.node.parameter_files import parameter_arguments
 
 # For nodes elsewhere, in s: a cut shorter than this looks like a hang. Longer than Fast DDS
 # goes on to count somebody whom it does not hear, 20 s.

@@ -11,7 +11,7 @@ from experiment_manager.run import checkpoint
 from experiment_manager.run.beginning import write_beginning
 from experiment_manager.run.config_file import CONFIG_FILE, parameters_in, read_configuration
 from experiment_manager.sections import completed
-from experiment_manager.trained.eyes_file import packed, unpacked
+from experiment_manager.trained.eyes_file import name_of_file, packed, unpacked
 from lockstep import InputError, read_state, write_state
 from lockstep.files.durable_files import replace_file
 from lockstep.files.user_cache import user_cache
@@ -24,6 +24,11 @@ def trained_eyes() -> dict[str, Path]:
     """Return the files of trained eyes that come with the package, by name."""
     files = sorted(FOLDER.glob("*.eyes"))
     return {file.stem.replace(".", "/"): file for file in files}
+
+
+def file_of(name: str) -> Path:
+    """Return the file of trained eyes of a name, which need not be there; InputError for none."""
+    return FOLDER / name_of_file(name)
 
 
 def run_directory(run: str | os.PathLike[str]) -> Path:

@@ -30,7 +30,7 @@ def replacement_of(path: Path) -> Iterator[BinaryIO]:
     The directory is synced too: after this, the content survives a loss of power. When the block or
     the disk raises something, path is as it was and nothing lies beside it.
     """
-    beside = path.with_name(path.name + ".part")
+    beside = _beside(path)
     try:
         with beside.open("wb") as stream:
             yield stream
@@ -41,6 +41,26 @@ def replacement_of(path: Path) -> Iterator[BinaryIO]:
             beside.unlink()
         raise
     sync_directory(path.parent)
+
+
+def _beside(path: Path) -> Path:
+    return path.with_name(path.name + ".part")
+
+
+@contextlib.contextmanager
+def first_to_make(path: Path) -> Iterator[None]:
+    """Let only one process make a file, by `replace_file` in this block, on any file system.
+
+    Raises FileExistsError where it is there, or another one is about to make it.
+    """
+    _beside(path).open("xb").close()
+    try:
+        if path.exists():
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
+        yield
+    finally:
+        with contextlib.suppress(OSError):
+            _beside(path).unlink()
 
 
 def sync(file: IO[bytes]) -> None:

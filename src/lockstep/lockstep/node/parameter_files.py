@@ -1,4 +1,4 @@
-"""What ROS reads otherwise than people do in the parameter files that they give to a node."""
+"""Parameters as a node is told them: on its command line, and in files that people write."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
@@ -6,7 +6,17 @@ from pathlib import Path
 from typing import Any
 
 from lockstep.errors import InputError
-from lockstep.written.yaml_text import load_yaml
+from lockstep.written.yaml_text import load_yaml, yaml_line
+
+
+def parameter_arguments(values: Mapping[str, object]) -> list[str]:
+    """Return the command-line arguments, behind --ros-args, that set parameters of a node.
+
+    Raises InputError for a text that ROS cannot be told, which has to be in UTF-8.
+    """
+    return [
+        word for name, value in values.items() for word in ("-p", f"{name}:={yaml_line(value)}")
+    ]
 
 
 def check_arguments(words: Sequence[str]) -> None:
