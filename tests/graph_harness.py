@@ -76,7 +76,7 @@ class NodeProcess:
         """Wait for the end with that exit code; return all that the node said."""
         assert self.process.stdout is not None
         self.lines.extend(self.process.stdout)
-        got = self.process.wait()
+        got = self.process.wait(PATIENCE_S)
         output = "".join(self.lines)
         assert got == code, f"exit code {got}:\n{output}"
         return output
@@ -85,7 +85,7 @@ class NodeProcess:
         """End the process, however it stands."""
         self._watchdog.cancel()
         self.process.kill()
-        self.process.communicate()
+        self.process.communicate(timeout=PATIENCE_S)
 
 
 def vectors(directory: Path) -> dict[str, VectorTable]:

@@ -73,7 +73,12 @@ class Cluster:
     def call(self, *command: str, check: bool = True) -> str:
         """Return what a command of Slurm's prints; check: that it does what it is told."""
         done = subprocess.run(
-            command, env=os.environ | self.variables, capture_output=True, text=True, check=False
+            command,
+            env=os.environ | self.variables,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=PATIENCE_S,
         )
         assert done.returncode == 0 or not check, f"{command}: {done.stderr}"
         return done.stdout

@@ -54,7 +54,7 @@ class SupervisedRun(AbstractContextManager["SupervisedRun"]):
     def __exit__(self, *exception: object) -> None:
         """Kill the supervisor, and with it its nodes."""
         self.process.kill()
-        self.process.wait()
+        self.process.wait(PATIENCE_S)
         self._log.close()
 
     def nodes(self) -> dict[str, int]:
@@ -94,13 +94,13 @@ class SupervisedRun(AbstractContextManager["SupervisedRun"]):
     def wait(self) -> int:
         """Wait for the end of the run; return its exit code."""
         self.wait_until(lambda: False, "the end of the run")
-        return self.process.wait()
+        return self.process.wait(PATIENCE_S)
 
     def kill(self) -> None:
         """Kill the supervisor; raise RuntimeError when its nodes outlive it."""
         nodes = self.nodes().values()
         self.process.kill()
-        self.process.wait()
+        self.process.wait(PATIENCE_S)
         if not are_gone(nodes):
             raise RuntimeError(f"nodes outlive their supervisor: {nodes}")
 

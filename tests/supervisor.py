@@ -92,4 +92,4 @@ class LoneNode(AbstractContextManager["LoneNode"]):
     def __exit__(self, *exception: object) -> None:
         """End the node."""
         self.process.kill()
-        self.process.wait()
+        self.process.wait(PATIENCE_S)

@@ -56,7 +56,7 @@ class Host:
 
     def close(self) -> None:
         """Let go of the host; it goes when its last process has ended."""
-        self._anchor.communicate()
+        self._anchor.communicate(timeout=PATIENCE_S)
 
 
 class NodeOnHost(LoneNode):

@@ -12,6 +12,7 @@ from msgspec.structs import replace
 import active_binocular_vision as abv
 from experiment_manager import Summary
 from lockstep import InputError
+from tests.patience import PATIENCE_S
 
 
 class Stopped(Exception):  # noqa: N818 (as Optuna's TrialPruned)
@@ -63,7 +64,7 @@ def test_a_run_from_python_is_that_of_the_command_line_and_can_be_stopped_and_re
 
     thread = threading.Thread(target=resume)
     thread.start()
-    thread.join()
+    thread.join(PATIENCE_S)
     assert tuple(seen)[-1] == of_command_line.summaries[-1]
     assert made[0].results.equals(of_command_line.results)
     assert made[0].trials.equals(of_command_line.trials)

@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 
 from eye_plant.export.__main__ import export
+from tests.patience import PATIENCE_S
 
 OLDER = "3.17.0"  # the last one before 4.0, of which MJX and dm_control are
-PATIENCE_S = 25
+_INSTALL_S = 25
 LOAD = """
 import mujoco, sys
 for name in sys.argv[1:]:
@@ -28,6 +29,7 @@ def _said(code: str, *arguments: str, fails: bool = True, **variables: str) -> s
         capture_output=True,
         text=True,
         check=False,
+        timeout=PATIENCE_S,
     )
     assert (done.returncode != 0) == fails, done.stderr
     return (done.stderr if fails else done.stdout).strip()
@@ -76,7 +78,9 @@ def test_compiling_is_announced_once() -> None:
         "    loop.__module__ = 'eye_plant.loops'\n"
         "    numba.njit('int64(int64)')(loop)\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=PATIENCE_S
+    )
     assert done.stderr.count("compiling the simulation, once") == 1
 
 
@@ -89,12 +93,12 @@ def test_an_older_mujoco_refuses_the_exported_files_and_is_refused(tmp_path: Pat
             check=True,
             capture_output=True,
             text=True,
-            timeout=PATIENCE_S,
+            timeout=_INSTALL_S,
         )
     except subprocess.CalledProcessError as error:
         pytest.skip(f"pip cannot install mujoco {OLDER} here: {error.stderr.strip()[-200:]}")
     except subprocess.TimeoutExpired:
-        pytest.skip(f"pip does not install mujoco {OLDER} within {PATIENCE_S} s")
+        pytest.skip(f"pip does not install mujoco {OLDER} within {_INSTALL_S} s")
     export(tmp_path / "eyes")
     files = sorted(map(str, (tmp_path / "eyes").glob("*.xml")))
     refusals = _said(LOAD, *files, fails=False, PYTHONPATH=older)

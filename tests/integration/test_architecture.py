@@ -1,17 +1,19 @@
-"""Which packages and modules may import what (CONTRIBUTING.md, "Where things are")."""
+"""Which modules may import what (CONTRIBUTING.md, "Where things are"), and how long tests wait."""
 
 import ast
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 from tests.imported_names import imported_names
+from tests.patience import PATIENCE_S
 
 SRC = Path(__file__).parents[2] / "src"
+TESTS = Path(__file__).parents[1]
 SCIENCE = ("eye_plant", "sparse_coder", "vergence_rl")
 # The arrows of the packages: each may import these others.
 MAY_IMPORT: dict[str, tuple[str, ...]] = {
@@ -47,9 +49,41 @@ def test_ros_is_imported_only_where_the_name_says_so() -> None:
     assert [str(module) for module in users if not may_use_ros(module)] == []
 
 
+def _is_of(name: str, call: ast.Call) -> bool:
+    return ast.unparse(call.func).split(".")[-2].endswith(name)
+
+
+def _has_timeout(call: ast.Call) -> bool:
+    return "timeout" in {keyword.arg for keyword in call.keywords}
+
+
+# Calls that may wait for ever, and whether a call of them has its end.
+_WAITS: dict[str, Callable[[ast.Call], bool]] = {
+    "run": lambda call: not _is_of("subprocess", call) or _has_timeout(call),
+    "urlopen": _has_timeout,
+    "communicate": _has_timeout,
+    "join": lambda call: bool(call.args),
+    "wait": lambda call: bool(call.args) or not _is_of("process", call),
+}
+
+
+def test_no_test_can_wait_for_ever() -> None:
+    calls = [
+        (path, node.func.attr, node)
+        for path in TESTS.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
+    ]
+    found = [f"{p}:{c.lineno}" for p, name, c in calls if not _WAITS.get(name, bool)(c)]
+    assert found == []
+    assert {name for _, name, _ in calls} >= _WAITS.keys()
+
+
 def test_importing_a_package_imports_no_ros() -> None:
     line = "import sys, eye_plant, lockstep, sparse_coder, vergence_rl; print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", line], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", line], capture_output=True, text=True, check=True, timeout=PATIENCE_S
+    )
     assert set(done.stdout.split()).isdisjoint(ROS)
 
 

@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 from active_binocular_vision.command_lines.docs import SCRIPT
+from tests.patience import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
 DOCS = sorted(p for p in (ROOT / "docs").rglob("*.md") if p.parent.name != "pictures")
@@ -40,7 +41,9 @@ def test_the_index_is_a_click_from_the_readme() -> None:
 def test_the_site_is_built_without_a_warning() -> None:
     """That is: each link leads somewhere, and each page is in the table of contents."""
     assert SCRIPT == ROOT / "launch_scripts" / "docs.sh"
-    done = subprocess.run([SCRIPT, "--check"], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [SCRIPT, "--check"], capture_output=True, text=True, check=False, timeout=PATIENCE_S
+    )
     assert done.returncode == 0, done.stderr
     assert (ROOT / "build" / "site" / "docs" / "index.html").is_file()
 

@@ -33,6 +33,7 @@ from tests.loop_contract import (
     run_line,
     whole_graph,
 )
+from tests.patience import PATIENCE_S
 from tests.supervised_run import SupervisedRun, are_gone
 from tests.supervisor import finished, start_supervisor
 
@@ -76,7 +77,7 @@ def _killed_in_process_and_as_a_graph(line: list[str], directory: Path) -> None:
             assert run.wait_until(partial(_is_beyond, run, n_episodes), "a checkpoint")
             nodes = run.nodes()
             run.process.kill()
-            run.process.wait()
+            run.process.wait(PATIENCE_S)
             assert are_gone(nodes.values())
     with SupervisedRun(line, directory, resume=True, in_process=True) as run:
         assert run.wait() == 0, run.output()

@@ -8,6 +8,7 @@ import pytest
 from active_binocular_vision.command_lines.abv import COMMANDS
 from experiment_manager.preparation.profile_paths import profile_files
 from tests.integration.test_scripts import ROOT
+from tests.patience import PATIENCE_S
 
 # Each takes a good part of a second, or more: numba compiles what it decorates.
 HEAVY = {"cv2", "gymnasium", "matplotlib", "mcap", "mujoco", "numba", "rclpy", "scipy"}
@@ -28,7 +29,7 @@ finally:
 
 def _started(module: str, *words: str) -> "subprocess.CompletedProcess[str]":
     command = [sys.executable, "-c", START, str(ROOT), module, *words]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE_S)
 
 
 def _of_abv(*words: str) -> "subprocess.CompletedProcess[str]":
@@ -81,8 +82,16 @@ def test_the_help_of_a_run_names_every_profile() -> None:
 
 def test_names_of_a_package_are_imported_when_they_are_asked_for() -> None:
     line = "import sys, eye_plant; print({'numba', 'mujoco'} & {*sys.modules}); eye_plant.EyePlant"
-    done = subprocess.run([sys.executable, "-c", line], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", line], capture_output=True, text=True, check=True, timeout=PATIENCE_S
+    )
     assert done.stdout == "set()\n"
     line = "import eye_plant; eye_plant.EyePlnat"
-    done = subprocess.run([sys.executable, "-c", line], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", line],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE_S,
+    )
     assert "AttributeError: module 'eye_plant' has no attribute 'EyePlnat'" in done.stderr

@@ -9,6 +9,7 @@ import pytest
 
 from experiment_manager.run.config_file import CONFIG_FILE
 from tests.loop_contract import N_TRAINING, N_TRIALS, PICTURE_PX, assert_as_the_loop, run_line
+from tests.patience import PATIENCE_S
 from tests.supervised_run import SupervisedRun, are_gone, is_alive
 from tests.two_hosts import NodeOnHost, TwoHosts
 
@@ -76,7 +77,7 @@ def test_the_plant_on_another_machine_behind_a_network_that_breaks(hosts, pictur
             # The plant outlives its run, and is there for the one that goes on with it.
             nodes = first.nodes().values()
             first.process.kill()
-            first.process.wait()
+            first.process.wait(PATIENCE_S)
             assert are_gone(nodes)
             with start(resume=True) as run:
                 place = run.place()

@@ -17,6 +17,7 @@ from lockstep.wire.topics import PICTURES
 from tests.foxglove_client import FoxgloveClient
 from tests.graph_harness import small_run
 from tests.loop_contract import assert_as_the_loop
+from tests.patience import PATIENCE_S
 from tests.supervisor import finished, start_supervisor
 
 pytestmark = pytest.mark.graph
@@ -49,7 +50,7 @@ def _watched(line: Sequence[str], port: int) -> Iterator["subprocess.Popen[str]"
         yield process
     finally:
         process.kill()
-        process.wait()
+        process.wait(PATIENCE_S)
 
 
 def _live_view_of(supervisor_id: int) -> psutil.Process:

@@ -60,7 +60,7 @@ class Disk:
         return ballast
 
     def close(self) -> None:
-        self._anchor.communicate()
+        self._anchor.communicate(timeout=PATIENCE_S)
 
 
 def test_a_full_disk(line: list[str], tmp_path: Path) -> None:
@@ -92,7 +92,11 @@ def test_a_disk_that_may_only_be_read(line: list[str], tmp_path: Path, resume: b
     with closing(Disk(tmp_path / "run", "size=1m")) as disk:
         if resume:
             write_configuration(disk.root / "config.yaml", line)
-        subprocess.run([*disk.prefix, "mount", "-o", "remount,ro", tmp_path / "run"], check=True)
+        subprocess.run(
+            [*disk.prefix, "mount", "-o", "remount,ro", tmp_path / "run"],
+            check=True,
+            timeout=PATIENCE_S,
+        )
         with SupervisedRun(line, disk.root, resume=resume, prefix=disk.prefix) as run:
             assert run.wait() == 2
             output = run.output()

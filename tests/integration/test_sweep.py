@@ -45,7 +45,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory, sweep_file: Path) -> Path:
 def _wait_for(process: "subprocess.Popen[str]", condition: Callable[[], bool]) -> None:
     end_s = time.monotonic() + PATIENCE_S
     while not condition():
-        assert process.poll() is None, process.communicate()[0]
+        assert process.poll() is None, process.communicate(timeout=PATIENCE_S)[0]
         assert time.monotonic() < end_s
         time.sleep(_POLL_S)
 
@@ -93,7 +93,7 @@ def test_a_sweep_that_is_stopped_and_then_killed_goes_on(whole, sweep_file, tmp_
     sweep = start_sweep(directory, "--jobs", 3)
     _wait_for(sweep, lambda: any(third.glob("checkpoints/*/manifest.json")))
     sweep.kill()
-    sweep.communicate()
+    sweep.communicate(timeout=PATIENCE_S)
     assert "3 done" in finished(start_sweep(directory, "--jobs", 3))
     for run in (*runs, third):
         assert differences(run, whole / run.name) == []

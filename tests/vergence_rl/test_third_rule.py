@@ -11,6 +11,7 @@ from pathlib import Path
 
 import vergence_rl
 import vergence_rl.rules
+from tests.patience import PATIENCE_S
 
 ROOT = Path(__file__).parents[2]
 IMPORTS = """
@@ -46,6 +47,7 @@ def test_it_can_be_chosen_and_learns_the_probe(tmp_path: Path) -> None:
         env=os.environ | {"PYTHONPATH": path},
         capture_output=True,
         text=True,
+        timeout=PATIENCE_S,
     )
     assert done.returncode == 0, done.stderr
     assert float(done.stdout) < 0.005

@@ -17,6 +17,7 @@ from experiment_manager.bag.mcap_file import McapFile
 from experiment_manager.bag.writer import BagWriter
 from lockstep.wire.topics import GROUND_TRUTH_NAMES, TEST
 from tests.config_text import config_text
+from tests.patience import PATIENCE_S
 
 VECTOR = "sensor_msgs/msg/JointState"
 IMAGE = "sensor_msgs/msg/Image"
@@ -224,5 +225,6 @@ def test_a_reader_that_has_seen_enough_is_no_error(bag: Path) -> None:
         capture_output=True,
         text=True,
         check=False,
+        timeout=PATIENCE_S,
     )
     assert (done.returncode, done.stderr) == (0, "")

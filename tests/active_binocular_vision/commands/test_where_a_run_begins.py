@@ -9,12 +9,15 @@ from active_binocular_vision.commands import run
 from active_binocular_vision.commands.run import prepare_new, source_commit
 from experiment_manager import RunRequest
 from lockstep import InputError
+from tests.patience import PATIENCE_S
 
 
 def _git(folder: Path, *words: str) -> str:
     named = ("-c", "user.name=Anybody", "-c", "user.email=anybody@example.org")
     command = ["git", "-C", str(folder), *named, *words]
-    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+    return subprocess.run(
+        command, check=True, capture_output=True, text=True, timeout=PATIENCE_S
+    ).stdout.strip()
 
 
 def test_the_commit_is_that_of_the_source_in_any_environment(monkeypatch, tmp_path) -> None:

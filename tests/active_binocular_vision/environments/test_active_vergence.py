@@ -24,6 +24,7 @@ from lockstep import InputError, write_state
 from lockstep.wire.topics import GROUND_TRUTH_NAMES
 from sparse_coder import SparseCoder, SparseCoderConfig
 from sparse_coder.matching_pursuit import Selections, mean_squared_coefficients
+from tests.patience import PATIENCE_S
 from vergence_rl import Agent, VergenceRlConfig
 
 EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "gymnasium_agent.py"
@@ -82,7 +83,11 @@ def test_an_environment_needs_neither_ros_nor_reports(settings: dict[str, Any]) 
         f"import sys, gymnasium, active_binocular_vision.environments; {make}; print(*sys.modules)"
     )
     done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+        [sys.executable, "-c", program],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=PATIENCE_S,
     )
     loaded = {name.partition(".")[0] for name in done.stdout.split()}
     assert {"gymnasium", "sparse_coder"} <= loaded

@@ -16,6 +16,7 @@ from active_binocular_vision.figures.style import (
     panel_grid,
     title_panels,
 )
+from tests.patience import PATIENCE_S
 from tests.readable import assert_readable, drawn_texts
 
 
@@ -104,6 +105,11 @@ def test_only_commands_draw_with_a_backend_of_their_own(script: str, backend: st
         "MPLBACKEND": _INLINE,
     }
     done = subprocess.run(
-        [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=False
+        [sys.executable, "-c", script],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE_S,
     )
     assert done.stderr == f"{backend}\n"

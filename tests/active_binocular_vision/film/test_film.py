@@ -122,7 +122,6 @@ def test_between_two_frames_figures_are_drawn_as_their_owner_wants(bag: Path) ->
         for _ in range(2):
             next(drawn)
             assert mpl.rcParams["font.size"] == 20.0
-    drawn.close()
 
 
 # Ten iterations of each of three scenes; each ends with four periods of its last.

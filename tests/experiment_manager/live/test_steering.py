@@ -21,6 +21,7 @@ from lockstep import InputError
 from lockstep.wire.topics import GAZE_TARGET, PICTURES, TARGET_NAMES
 from tests.foxglove_client import FoxgloveClient
 from tests.node_harness import Graph
+from tests.patience import PATIENCE_S
 
 F_PX = 100.0
 PICTURE = np.arange(240 * 320, dtype=np.uint32).reshape(240, 320).astype(np.uint8)
@@ -92,7 +93,7 @@ def _page(steering: Steering) -> tuple[Page, str]:
 
 def _click(address: str, query: str, **headers: str) -> int:
     request = urllib.request.Request(f"{address}/look?{query}", method="POST", headers=headers)
-    with urllib.request.urlopen(request) as answer:
+    with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:
         return int(answer.status)
 
 
@@ -100,7 +101,7 @@ def test_the_page_shows_the_picture_and_takes_clicks(steering: Steering) -> None
     page, address = _page(steering)
     is_watched: bool = steering.shown.is_watched
     assert not is_watched
-    with urllib.request.urlopen(f"{address}/left.png?1") as answer:
+    with urllib.request.urlopen(f"{address}/left.png?1", timeout=PATIENCE_S) as answer:
         seen = cv2.imdecode(np.frombuffer(answer.read(), np.uint8), cv2.IMREAD_GRAYSCALE)
     np.testing.assert_array_equal(seen, PICTURE)
     is_watched = steering.shown.is_watched
@@ -148,9 +149,10 @@ def test_pages_of_others_neither_steer_nor_see(steering: Steering) -> None:
     assert steering.take() is None
     with pytest.raises(HTTPError, match=r"403: .*127\.0\.0\.1 or this machine as Host, got evil"):
         urllib.request.urlopen(
-            urllib.request.Request(f"{address}/left.png", headers={"Host": "evil"})
+            urllib.request.Request(f"{address}/left.png", headers={"Host": "evil"}),
+            timeout=PATIENCE_S,
         )
-    with urllib.request.urlopen(f"http://{here}/left.png") as answer:
+    with urllib.request.urlopen(f"http://{here}/left.png", timeout=PATIENCE_S) as answer:
         assert "Access-Control-Allow-Origin" not in answer.headers
     page.close()
 
@@ -167,7 +169,7 @@ def test_the_page_listens_on_ipv6(steering: Steering) -> None:
 def test_before_the_first_picture_there_is_nothing_to_click_in() -> None:
     page, address = _page(Steering(Shown(F_PX)))
     with pytest.raises(HTTPError, match="404"):
-        urllib.request.urlopen(f"{address}/left.png")
+        urllib.request.urlopen(f"{address}/left.png", timeout=PATIENCE_S)
     with pytest.raises(HTTPError, match="400"):
         _click(address, "column_px=1&row_px=1")
     page.close()
@@ -196,7 +198,7 @@ def test_a_viewer_and_the_page_steer_through_the_real_node(
     def has_picture() -> bool:
         pictures.publish(image_bytes(PICTURE, 7))
         try:
-            with urllib.request.urlopen(f"{address}/left.png"):
+            with urllib.request.urlopen(f"{address}/left.png", timeout=PATIENCE_S):
                 return True
         except HTTPError:
             return False

@@ -40,6 +40,7 @@ from sparse_coder import SparseCoder, SparseCoderConfig
 from sparse_coder.picture_of_code import reconstructed_windows, seen_windows
 from tests.foxglove_client import FoxgloveClient
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
+from tests.patience import PATIENCE_S
 
 NAMES = {
     "muscle_command": COMMAND_NAMES,
@@ -173,14 +174,14 @@ def test_without_the_sdk_the_command_that_installs_it_is_told(monkeypatch) -> No
 def test_the_page_has_links_to_open_the_view_and_serves_the_layout() -> None:
     page = Page("127.0.0.1", 0, "ws://127.0.0.1:8765", Steering(Shown(1.0)))
     address = f"http://127.0.0.1:{page.port}"
-    with urllib.request.urlopen(f"{address}/") as answer:
+    with urllib.request.urlopen(f"{address}/", timeout=PATIENCE_S) as answer:
         text = answer.read().decode()
     assert re.findall(r'href="(\w+)://[^"]*ds.url=ws%3A%2F%2F127.0.0.1%3A8765"', text)
     assert text.index("Lichtblick") < text.index("in Foxglove")
-    with urllib.request.urlopen(f"{address}/layout.json") as answer:
+    with urllib.request.urlopen(f"{address}/layout.json", timeout=PATIENCE_S) as answer:
         assert answer.read() == LAYOUT.read_bytes()
     with pytest.raises(urllib.request.HTTPError, match="404"):
-        urllib.request.urlopen(f"{address}/../config.py")
+        urllib.request.urlopen(f"{address}/../config.py", timeout=PATIENCE_S)
     page.close()
 
 

@@ -18,6 +18,7 @@ from experiment_manager.sweep.status import table
 from experiment_manager.sweep.sweep_run import SweepRun
 from lockstep.exit_codes import EXIT_FAULT
 from tests.experiment_manager.summaries import summary
+from tests.patience import PATIENCE_S
 
 
 @pytest.fixture
@@ -70,7 +71,7 @@ def test_a_run_is_running_as_long_as_a_process_holds_its_log(run, pictures, time
         assert table([run]).splitlines()[1].split() == ["seed_1", "running", *place, *words, *test]
         assert not run.make(["nothing"], lambda process: None)
     finally:
-        holder.communicate()
+        holder.communicate(timeout=PATIENCE_S)
     assert table([run]).splitlines()[1].split() == ["seed_1", "stopped", *place, *test]
 
 

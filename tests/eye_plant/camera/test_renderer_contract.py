@@ -31,6 +31,7 @@ from tests.eye_plant.camera.pinhole import (
 )
 from tests.eye_plant.opengl import need_opengl
 from tests.eye_plant.rotations import rotation, turned_inward
+from tests.patience import PATIENCE_S
 
 SIZE_PX = 1920
 GREYS = (0, 77, 255)
@@ -236,4 +237,4 @@ assert not any(name in Path("/proc/self/maps").read_text() for name in ("libGL",
 def test_the_default_needs_no_opengl(monkeypatch) -> None:
     assert CameraConfig().renderer == PLANE
     monkeypatch.setenv("MUJOCO_GL", "disable")
-    subprocess.run([sys.executable, "-c", NO_OPENGL], check=True)
+    subprocess.run([sys.executable, "-c", NO_OPENGL], check=True, timeout=PATIENCE_S)

@@ -14,6 +14,7 @@ from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import MUSCLE_NAMES, InputError
 from lockstep.command_space import MUSCLES
+from tests.patience import PATIENCE_S
 
 SETS = ("k17", "anatomical")
 
@@ -91,7 +92,12 @@ def test_the_readme_states_the_masses(exported, parameter_set) -> None:
 def test_the_readmes_code_runs_without_this_project(exported: Path) -> None:
     code = (exported / "README.md").read_text().split("```python\n")[1].split("```")[0]
     done = subprocess.run(
-        [sys.executable, "-I", "-c", code], cwd=exported, capture_output=True, text=True, check=True
+        [sys.executable, "-I", "-c", code],
+        cwd=exported,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=PATIENCE_S,
     )
     (angle_deg,) = [float(word) for word in done.stdout.strip("[]\n ").split()]
     assert angle_deg == pytest.approx(float(code.split("# ")[1]), abs=5e-4)

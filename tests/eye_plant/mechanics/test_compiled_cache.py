@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tests.patience import PATIENCE_S
+
 CODE = """
 from eye_plant.mechanics.metabolics import metabolic_terms
 from eye_plant.mechanics.parameters import Energetics
@@ -25,6 +27,7 @@ def _said(cache: Path, code: str) -> str:
         capture_output=True,
         text=True,
         check=False,
+        timeout=PATIENCE_S,
     )
     assert done.returncode == 0, f"exit code {done.returncode}:\n{done.stderr}"
     return done.stdout

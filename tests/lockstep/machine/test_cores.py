@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from lockstep.machine import cores
+from tests.patience import PATIENCE_S
 from tests.refusing import refusing
 
 PROGRAM = """
@@ -35,7 +36,7 @@ AVAILABLE = sorted(os.sched_getaffinity(0))
 def shared(available: list[int], i_core: int, *, gives_way: bool = False) -> dict[str, Any]:
     """Return the cores of each thread of a process that has these cores, and whether all wait."""
     command = [sys.executable, "-c", PROGRAM, json.dumps(available), str(i_core), str(gives_way)]
-    found = subprocess.run(command, capture_output=True, text=True, check=True)
+    found = subprocess.run(command, capture_output=True, text=True, check=True, timeout=PATIENCE_S)
     return dict(json.loads(found.stdout))
 
 

@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 from lockstep.machine.lasting_output import lasting
+from tests.patience import PATIENCE_S
 
 
 def test_a_reader_that_leaves_is_not_missed() -> None:
@@ -27,6 +28,8 @@ def test_streams_that_were_closed_from_the_start_go_nowhere() -> None:
         "sys.exit(sys.stderr.fileno() + 40)"
     )
     done = subprocess.run(
-        ["sh", "-c", 'exec "$0" -c "$1" <&- >&- 2>&-', sys.executable, code], check=False
+        ["sh", "-c", 'exec "$0" -c "$1" <&- >&- 2>&-', sys.executable, code],
+        check=False,
+        timeout=PATIENCE_S,
     )
     assert done.returncode == 42

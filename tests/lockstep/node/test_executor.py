@@ -16,6 +16,7 @@ from sensor_msgs.msg import JointState
 from lockstep.node.executor import LockstepExecutor
 from lockstep.wire.qos import LOCKSTEP_QOS
 from tests.node_harness import Graph
+from tests.patience import PATIENCE_S
 
 
 @pytest.mark.parametrize("way", ["spin", "spin_once"])
@@ -50,7 +51,7 @@ def test_parameters_of_no_known_type_end_nobody(graph: Graph, way: str) -> None:
     good = client.call_async(SetParameters.Request(parameters=[]))
     graph.spin_until(lambda: good.done() or errors, "the answer to a request with sense")
     stop.set()
-    worker.join()
+    worker.join(PATIENCE_S)
     node.destroy_node()
     assert errors == []
     assert good.result().results == []
@@ -97,6 +98,6 @@ def test_messages_not_waited_for_are_taken_with_those_that_are(graph: Graph) -> 
     publishers["b"].publish(JointState())
     graph.spin_until(lambda: "b" in listener.heard, "what is waited for")
     publishers["c"].publish(JointState())
-    worker.join()
+    worker.join(PATIENCE_S)
     listener.destroy_node()
     assert sorted(listener.heard) == ["a", "b", "c"]
