@@ -5,6 +5,7 @@ import os
 import pickle
 import subprocess
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from active_binocular_vision.environments.one_thread import OneThread
 from eye_plant.camera.config import MUJOCO, RENDERERS
 from lockstep import InputError
 from tests.eye_plant.opengl import need_opengl
+from tests.patience import PATIENCE_S
 
 ID = "ActiveVergenceFeatures-v0"
 
@@ -146,13 +148,30 @@ def test_an_environment_computes_on_one_thread_and_leaves_the_users_own(settings
         with pytest.raises(InputError):
             made.step(np.zeros(1))
         assert _threads() == {2}
+        assert within == [{1}, {1}]
         limit = OneThread()
         with limit:
             with limit:  # as another thread would
                 pass
             assert _threads() == {1}
         assert _threads() == {2}
-    assert within == [{1}, {1}]
+
+
+def test_each_thread_computes_on_one_whoever_has_set_limits_before() -> None:
+    limit, found = OneThread(), []
+
+    def compute() -> None:
+        with limit:
+            found.append(_threads())
+
+    with threadpool_limits(2, user_api="blas"):
+        for _ in range(2):
+            compute()
+            other = threading.Thread(target=compute)
+            other.start()
+            other.join(PATIENCE_S)
+            assert _threads() == {2}
+    assert found == [{1}] * 4
 
 
 def test_generating_stimuli_is_announced(settings, tmp_path: Path, capsys) -> None:

@@ -107,6 +107,16 @@ def test_a_file_that_is_damaged_inside_is_named(tmp_path, suffix, breaks) -> Non
         read(path)
 
 
+@pytest.mark.parametrize("compression", [5, 32773])  # LZW and PackBits, as TIFF numbers them
+def test_a_compressed_tiff_that_is_damaged_inside_is_named(tmp_path, compression: int) -> None:
+    path = tmp_path / "a.tif"
+    smooth = cv2.resize(noise()[:40, :50], (500, 400))
+    cv2.imwrite(str(path), smooth, [cv2.IMWRITE_TIFF_COMPRESSION, compression])
+    path.write_bytes(_with_zeros(path.read_bytes()))
+    with pytest.raises(InputError, match=r"damaged inside: (LZW|PackBits)Decode: "):
+        read(path)
+
+
 @pytest.mark.parametrize("kind", [np.float32, np.float64, np.int32])
 def test_more_than_sixteen_bits_are_named(tmp_path: Path, kind: type) -> None:
     path = write(tmp_path / "a.tiff", noise(kind=kind))

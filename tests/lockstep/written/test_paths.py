@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from lockstep import InputError
 from lockstep.written.paths import written_path
 
 
@@ -23,3 +24,8 @@ from lockstep.written.paths import written_path
 def test_the_home_directory_at_the_start(monkeypatch, text: str, path: str) -> None:
     monkeypatch.setenv("HOME", "/home/me")
     assert written_path(text) == Path(path)
+
+
+def test_no_path_is_not_the_working_directory() -> None:
+    with pytest.raises(InputError, match="expected a path, got ''"):
+        written_path("")

@@ -23,6 +23,7 @@ class OneThread(ContextDecorator):
         """Limit BLAS, unless another thread is inside already."""
         with self._lock:
             if not self._n_inside:
+                self._take_over()
                 self._limit = self._blas.limit(limits=1)
             self._n_inside += 1
 
@@ -31,4 +32,12 @@ class OneThread(ContextDecorator):
         with self._lock:
             self._n_inside -= 1
             if not self._n_inside:
+                self._take_over()
                 self._limit.restore_original_limits()
+                self._take_over()
+
+    def _take_over(self) -> None:
+        """Let any thread set it next; since threadpoolctl 3.8 it is for the last one to set it."""
+        for library in self._blas.lib_controllers:
+            if clear := getattr(library, "clear_controlling_thread", None):
+                clear(force=True)

@@ -22,6 +22,7 @@ _LEAST_CONTRAST, _OUTLIERS = 16, 0.01
 _DAMAGE = re.compile(
     r"Corrupt JPEG data: (?!\d+ extraneous bytes before marker 0x(?:c[012]|db|e.|fe)).*"
     r"|Premature end of .*|Inconsistent progression .*|Invalid SOS .*|(?<=TIFF_Error ).*"
+    r"|(?<=TIFF_Warning )\w+Decode: .*"
 )
 # A list of faults is as long as it is: each has to be mended.
 _MOST_CHARACTERS = 100_000
