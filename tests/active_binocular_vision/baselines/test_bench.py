@@ -3,14 +3,14 @@
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from gymnasium.utils.env_checker import check_env
 
 from active_binocular_vision import Run
-from active_binocular_vision.baselines.bench import Bench, errors_deg
-from active_binocular_vision.baselines.deep_rl import ACTION_SCALE, VergenceTask
+from active_binocular_vision.baselines import deep_rl
+from active_binocular_vision.baselines.bench import Bench, Controller, errors_deg
 from active_binocular_vision.baselines.read_out import known_places
 from active_binocular_vision.baselines.turning import MotorMap, steering
 from experiment_manager import summary_of
@@ -26,7 +26,7 @@ def bench(run_of: Callable[[str], Path]) -> Iterator[Callable[[str], Bench]]:
             run = Run(run_of(kind))
             assert run.states is not None
             state = read_state(run.states / "sparse_coder.npz", "sparse_coder")
-            return benches.enter_context(closing(Bench(run.configuration, state)))
+            return benches.enter_context(closing(Bench(run, state)))
 
         yield opened
 
@@ -67,24 +67,45 @@ def test_known_places_have_errors_of_all_sizes(bench):
     assert (errors.min(axis=0) < 0.05).all()
 
 
-def test_the_task_of_other_agents_earns_what_e_falls_by(bench):
+class Follower:
+    """An agent of a package that is not there: it steps with one action, which it always takes."""
+
+    def __init__(self, policy, environment, seed):
+        assert policy == "MlpPolicy"
+        self.num_timesteps, self.environment = 0, environment
+        self.observed, _ = environment.reset(seed=seed)
+
+    def learn(self, total_timesteps, reset_num_timesteps):
+        assert reset_num_timesteps == (self.num_timesteps == 0)
+        for _ in range(total_timesteps):
+            action, _ = self.predict(self.observed, deterministic=True)
+            self.observed, *_, is_over, _ = self.environment.step(action)
+            self.num_timesteps += 1
+            if is_over:
+                self.observed, _ = self.environment.reset()
+
+    def predict(self, observed, deterministic):
+        assert deterministic
+        assert self.environment.observation_space.contains(observed)
+        return np.array([1.0, 0.0]), None
+
+
+def test_agents_of_another_package_act_in_the_test_as_in_training(bench, monkeypatch):
+    package = SimpleNamespace(Follower=Follower, set_num_threads=lambda n: None)
+    monkeypatch.setattr(deep_rl, "extra", lambda name: package)
     eyes = bench("pair")
-    pauses: list[int] = []
-    task = VergenceTask(eyes, pauses.append)
-    check_env(task, skip_render_check=True)
-    pauses.clear()
-    first, _ = task.reset(seed=1)
-    before = eyes.given(task._now).error
-    found, gained, terminated, truncated, _ = task.step(np.array([1.0, 0.0], np.float32))
-    assert gained == before - eyes.given(task._now).error
-    np.testing.assert_allclose(found[-12] - first[-12], ACTION_SCALE, rtol=1e-5)
-    assert (terminated, truncated) == (False, False)
-    ends = [task.step(np.zeros(2, np.float32))[3] for _ in range(9)]
-    assert ends == [False] * 8 + [True]
-    task.reset()
-    assert pauses[1] - pauses[0] == 10
+    tested: list[tuple[int, float]] = []
+
+    def scored(n_steps: int, controller: Controller) -> None:
+        first, then, *_ = eyes.observations(controller, eyes.protocol.episode(0))
+        change = then.state.activations - first.state.activations
+        tested.append((n_steps, eyes.manager.space.from_all(change)[0]))
+
+    deep_rl.train(eyes, "Follower", 12, scored)
+    assert [n for n, _ in tested] == [2, 4, 7, 9, 12]
+    assert [change for _, change in tested] == pytest.approx([1 / 128] * 5)
 
 
 def test_eyes_that_make_saccades_have_another_test(run_of):
     with pytest.raises(InputError, match="expected a run without saccades"):
-        Bench(Run(run_of("gaze")).configuration, {})
+        Bench(Run(run_of("gaze")), {})

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from active_binocular_vision.runs.run import Run
 from experiment_manager import ExperimentManagerConfig, Trials, protocol_of
 from experiment_manager.measures.trials import TrialTable, only_test
-from experiment_manager.sections import Configuration, config_of
-from eye_plant import Episode, EyePlant, EyePlantConfig, Observation, StimulusSet
+from experiment_manager.sections import config_of
+from eye_plant import Episode, EyePlant, EyePlantConfig, Observation
 from lockstep import InputError
 from sparse_coder import Encoding, SparseCoder, SparseCoderConfig
 
@@ -54,16 +55,19 @@ Controller = Callable[[Seen], Array]
 class Bench:
     """Eyes and dictionaries of a run, before the run's own pictures."""
 
-    def __init__(
-        self,
-        configuration: Configuration,
-        coder_state: Mapping[str, NDArray[Any]],
-        stimuli: StimulusSet | None = None,
-    ) -> None:
-        """configuration: of the run; coder_state: as saved by it; stimuli: in place of the run's.
+    def __init__(self, run: Run, coder_state: Mapping[str, NDArray[Any]]) -> None:
+        """run: with its configuration; coder_state: as saved by it.
 
         Raises InputError for a run whose eyes make saccades, and for a state that does not fit.
         """
+        configuration = run.configuration
+        self.directory = run.directory
+        # {"SECTION.NAME": value}: what the run looks at.
+        self.stimuli = {
+            f"eye_plant.{name}": value
+            for name, value in configuration["eye_plant"].items()
+            if name.startswith("stimuli.")
+        }
         self.manager = config_of(ExperimentManagerConfig, configuration)
         if self.manager.fixation_iterations:
             raise InputError(
@@ -73,7 +77,7 @@ class Bench:
         self.protocol = protocol_of(configuration)
         self._coder = SparseCoder(config_of(SparseCoderConfig, configuration))
         self._coder.restore(coder_state)
-        self.plant = EyePlant(config_of(EyePlantConfig, configuration), stimuli)
+        self.plant = EyePlant(config_of(EyePlantConfig, configuration))
         self._limits = tuple(map(np.array, vars(self.manager.limits).values()))
 
     def observations(self, controller: Controller, episode: Episode) -> Iterator[Observation]:

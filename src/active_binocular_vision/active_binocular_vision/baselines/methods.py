@@ -20,7 +20,6 @@ from lockstep import PAIR
 
 # Of a search in one scene: a trial has 20 looks.
 SHOWN_LOOKS = (20, 60, 200)
-_N_SCORES = 5
 
 
 @dataclass(frozen=True)
@@ -82,7 +81,7 @@ def _stable_baselines(bench: Bench, effort: Effort, done: Done, algorithm: str) 
     def score(n_steps: int, controller: Controller) -> None:
         done(Tested(n_steps, bench.trials(controller, effort.every)))
 
-    train(bench, algorithm, effort.n_steps, score, effort.n_steps // _N_SCORES)
+    train(bench, algorithm, effort.n_steps, score)
 
 
 METHODS: Mapping[str, Method] = MappingProxyType(

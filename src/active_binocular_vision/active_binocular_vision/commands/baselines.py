@@ -50,7 +50,7 @@ def _tested(
     """Return all rows of the table, to which each test of each method is added once it is made."""
     rows: list[Mapping[str, Any]] = []
     commit = source_commit()
-    with closing(Bench(run.configuration, state)) as bench:
+    with closing(Bench(run, state)) as bench:
         for method in methods:
             print(f"testing {method}", file=sys.stderr, flush=True)
             tests: list[Tested] = []

@@ -26,7 +26,7 @@ from sparse_coder import Percept, SparseCoder
 Pictures = np.ndarray
 _RESET_OPTIONS = ("episode", "trial")
 _LARGEST_SEED = 2**31
-_one_thread = OneThread()
+one_thread = OneThread()
 
 
 class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
@@ -120,7 +120,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         """Return what an agent is given of the pictures, sharing no memory with anything."""
         raise NotImplementedError
 
-    @_one_thread
+    @one_thread
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
@@ -153,7 +153,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         self._next_episode = self._experiment.after(number)
         return episode
 
-    @_one_thread
+    @one_thread
     def step(
         self, action: np.ndarray
     ) -> tuple[dict[str, np.ndarray], float, bool, bool, dict[str, Any]]:
