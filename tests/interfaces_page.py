@@ -1,12 +1,15 @@
 """What docs/reference/topics.md says, for the tests that hold it against the code."""
 
+import csv
 import re
 from pathlib import Path
 
 from lockstep.wire import topics
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES
 
-PAGE = (Path(__file__).parents[1] / "docs" / "reference" / "topics.md").read_text()
+_FOLDER = Path(__file__).parents[1] / "docs" / "reference"
+PAGE = (_FOLDER / "topics.md").read_text()
+_HEAD, *ROWS = csv.reader((_FOLDER / "vectors.csv").read_text().splitlines())
 VECTORS = {
     "episode": topics.EPISODE_NAMES,
     "ground_truth": topics.GROUND_TRUTH_NAMES[len(topics.EPISODE_NAMES) :],

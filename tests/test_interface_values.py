@@ -19,7 +19,8 @@ from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import MUSCLE_NAMES
 from lockstep.wire.topics import TEST, TRAINING
 from lockstep.wire.vectors import read_vector
-from tests.interfaces_page import PAGE, VECTORS, quoted, table
+from tests.interfaces_page import PAGE, VECTORS, quoted
+from tests.interfaces_page import ROWS as VECTOR_ROWS
 from tests.pair import HORIZONTAL_RECTI, pair_activations
 
 N_BASES = 32
@@ -34,7 +35,7 @@ def _rows() -> Iterator[tuple[str, str, list[str], str, str]]:
     """Yield (topic, field, names, unit, range) of each row of the page's vectors."""
     topic = field = ""
     names: list[str] = []
-    for row in table("Vectors"):
+    for row in VECTOR_ROWS:
         if row[0]:
             topic, field = quoted(row[0])[0], "position"
         if row[1].startswith("as "):
@@ -116,7 +117,7 @@ def test_every_vector_has_a_row_per_name() -> None:
         told = [n for t, field, row, _, _ in ROWS if (t, field) == (topic, "position") for n in row]
         own = told[len(VECTORS["episode"]) :] if topic == "ground_truth" else told
         assert own == list(names), topic
-    assert all(row[4] for row in table("Vectors")), "each has a meaning"
+    assert all(row[4] for row in VECTOR_ROWS), "each has a meaning"
 
 
 def test_names_and_fields_are_those_of_the_page(sent: Sent) -> None:

@@ -1,24 +1,17 @@
-"""docs/reference/topics.md against the code: topics, types, names, requests."""
+"""docs/reference/topics.md against the code: names, requests, times."""
 
 import re
 from functools import partial
-from typing import get_type_hints
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, ReliabilityPolicy
 
 from experiment_manager.node.requests import PLANT_WAIT_S, SERVICE_WAIT_S
-from eye_plant import Episode
 from lockstep.node.requests import END_RUN, RECONFIGURE, START_RUN, RequestClient
 from lockstep.wire import topics
 from lockstep.wire.qos import LOCKSTEP_QOS, QUEUE_DEPTH
 from tests.interfaces_page import PAGE, quoted, table
 from tests.node_harness import Outsider, ros_graph
 from vergence_rl.node import VergenceRlNode
-
-
-def test_every_topic_with_its_type() -> None:
-    found = {topic: row[1] for row in table("Topics") for topic in quoted(row[0])}
-    assert found == topics.TOPIC_TYPES
 
 
 def test_the_quality_of_service() -> None:
@@ -53,12 +46,6 @@ def test_every_kind_of_request() -> None:
     of_learners = expected[1].split(", ")
     assert set(kinds) == {"episode", RECONFIGURE, *of_learners}
     assert {START_RUN, END_RUN} < set(kinds)
-
-
-def test_every_argument_of_an_episode_with_its_type() -> None:
-    found = {name: row[1] for row in table("Requests", 1) for name in quoted(row[0])}
-    words = {int: "integer", float: "double", tuple[float, ...]: "double array"}
-    assert found == {name: words[kind] for name, kind in get_type_hints(Episode).items()}
 
 
 def test_the_times() -> None:
