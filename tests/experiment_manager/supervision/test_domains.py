@@ -58,8 +58,14 @@ def test_a_domain_needs_no_file(monkeypatch) -> None:
         assert first != second
 
 
-def test_without_abstract_names_the_ports_decide(monkeypatch) -> None:
+@pytest.mark.parametrize("call", ["__init__", "bind"])
+def test_without_abstract_names_the_ports_decide(monkeypatch, call: str) -> None:
     class Sandboxed(socket.socket):
+        def __init__(self, family: int, kind: int) -> None:
+            if (family, call) == (socket.AF_UNIX, "__init__"):
+                refusing(errno.EAFNOSUPPORT)()
+            super().__init__(family, kind)
+
         def bind(self, address: Any) -> None:
             if self.family == socket.AF_UNIX:
                 refusing(errno.EACCES)()

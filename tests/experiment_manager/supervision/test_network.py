@@ -33,6 +33,12 @@ def test_this_machine_has_its_loopback() -> None:
     assert "127.0.0.1" in addresses()
 
 
+@pytest.mark.parametrize("number", [errno.EPERM, errno.EAFNOSUPPORT])
+def test_without_netlink_there_is_none(monkeypatch, number: int) -> None:
+    monkeypatch.setattr(psutil, "net_if_addrs", refusing(number))
+    assert addresses() == frozenset()
+
+
 def test_without_proc_every_interface_counts(monkeypatch) -> None:
     monkeypatch.setattr(psutil, "net_if_stats", refusing(errno.ENOENT))
     assert "127.0.0.1" in addresses()

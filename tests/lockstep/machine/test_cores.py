@@ -70,6 +70,12 @@ def test_what_a_sandbox_refuses_is_left_out(monkeypatch, call: str, number: int)
     assert "sched_setaffinity" in done or call == "sched_setaffinity"
 
 
+def test_without_knowing_the_cores_nothing_is_done(monkeypatch) -> None:
+    for name in ("sched_getaffinity", "sched_setaffinity"):
+        monkeypatch.setattr(cores.os, name, refusing(errno.ENOSYS))
+    cores.share_two_cores(0, gives_way=True)
+
+
 def test_without_proc_nothing_is_done(monkeypatch, tmp_path: Path) -> None:
     monkeypatch.setattr(cores, "_TASKS", tmp_path / "nowhere")
     monkeypatch.setattr(cores.os, "sched_getaffinity", lambda _: {0, 1})

@@ -1,7 +1,7 @@
 """Who makes a run, so that nobody else on this machine does."""
 
-import socket
 import time
+from contextlib import ExitStack
 from pathlib import Path
 
 from lockstep import InputError
@@ -11,7 +11,7 @@ from lockstep.machine.claims import claim
 _PATIENCE_S, _POLL_S = 3.0, 0.05
 
 
-def hold(directory: Path) -> socket.socket:
+def hold(directory: Path) -> ExitStack:
     """Return the hold on the directory of a run, until it is closed.
 
     Raises InputError where another process has it, and OSError for a directory that is not there.

@@ -8,9 +8,13 @@ import psutil
 def addresses() -> frozenset[str]:
     """Return the IPv4 addresses of this machine's interfaces that work now, loopback too.
 
-    Fast DDS tells others the addresses that it finds when a node starts.
+    Fast DDS tells others the addresses that it finds when a node starts. A sandbox without netlink
+    has none.
     """
-    found = psutil.net_if_addrs()
+    try:
+        found = psutil.net_if_addrs()
+    except OSError:
+        return frozenset()
     try:
         works = {name for name, state in psutil.net_if_stats().items() if state.isup}
     except OSError:  # without /proc; then all of them count

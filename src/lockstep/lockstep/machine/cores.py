@@ -22,7 +22,9 @@ def share_two_cores(i_core: int, *, gives_way: bool) -> None:
     starts them. Does nothing where this process may use another number of cores than two, and
     leaves out what a sandbox or a container does not allow.
     """
-    cores = sorted(os.sched_getaffinity(0))
+    cores: list[int] = []
+    with suppress(OSError):
+        cores = sorted(os.sched_getaffinity(0))
     if len(cores) != _N_CORES or not _TASKS.is_dir():
         return
     for number in [int(task.name) for task in _TASKS.iterdir()]:
