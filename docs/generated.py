@@ -67,20 +67,15 @@ def _parameters() -> Iterator[str]:
 
 
 def _profiles() -> Iterator[str]:
-    rows = []
     for name, path in sorted(profile_files().items(), key=lambda item: ("/" in item[0], item[0])):
         profile = load_yaml(path.read_text())
-        own = [
-            f"`{section}.{key}={yaml_line(value)}`"
-            for section, settings in profile["settings"].items()
-            for key, value in settings.items()
-        ]
-        changes = [
-            f"from {c['at']} on: `{yaml_line(c['set'])}`" for c in profile.get("schedule", ())
-        ]
-        base = f"`{profile['base']}`" if "base" in profile else ""
-        rows.append((f"`{name}`", profile["description"], base, "<br>".join(own + changes)))
-    return _table(("profile", "what", "based on", "settings of its own"), rows)
+        base = f" Based on `{profile['base']}`." if "base" in profile else ""
+        yield from (f"**`{name}`** {profile['description']}{base}", "", "```text")
+        for section, settings in profile["settings"].items():
+            yield from (f"{section}.{key}={yaml_line(value)}" for key, value in settings.items())
+        for change in profile.get("schedule", ()):
+            yield f"from {change['at']} on: {yaml_line(change['set'])}"
+        yield from ("```", "")
 
 
 _MUSCLE_HEAD = (
