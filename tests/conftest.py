@@ -28,9 +28,24 @@ STIMULUS_PX = 64
 pytest_plugins = ["tests.made_runs"]
 
 
+# By seconds on two idle cores, longest first; each module stays in one worker.
+LONGEST = (
+    *("graph", "command_spaces", "sweep", "slurm", "faults", "hosts", "node_by_node", "resources"),
+    *("packaging", "examples", "tutorials", "live_view", "docs", "set_up"),
+)
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with the longest tests: those of whole runs, so that no core ends with one of them."""
-    items.sort(key=lambda item: "integration" not in item.path.parts)
+    ranks = {f"test_{name}": rank for rank, name in enumerate(LONGEST, start=-len(LONGEST))}
+    of_rules = {"test_contract": 1, "test_rules": 1}  # of many short tests
+
+    def rank(item: pytest.Item) -> int:
+        if "integration" in item.path.parts:
+            return ranks.get(item.path.stem, 0)
+        return of_rules.get(item.path.stem, 2)
+
+    items.sort(key=rank)
 
 
 @pytest.fixture

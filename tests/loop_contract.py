@@ -29,12 +29,15 @@ N_TRAINING = 300
 # Of both tests of small_run.
 N_TRIALS = 8
 PICTURE_PX = 130
-SETTINGS = (
-    "experiment_manager.checkpoint_period_s=0.2",
-    "experiment_manager.gap_s=8.0",
+SMALL = (
     "task.n_bases=32",
     f"eyes.camera.roi_width_px={PICTURE_PX}",
     f"eyes.camera.roi_height_px={PICTURE_PX}",
+)
+SETTINGS = (
+    *SMALL,
+    "experiment_manager.checkpoint_period_s=0.2",
+    "experiment_manager.gap_s=8.0",
     # Disease and treatment: of the muscles, of what one eye sees, and of what must be drawn for it.
     "task.schedule=["
     "{at: 90, set: {eyes.mechanics.rest_adduction_deg: [0.0, 1.5],"

@@ -120,6 +120,24 @@ class SupervisedRun(AbstractContextManager["SupervisedRun"]):
         return Path(self._log.name).read_text(errors="replace")
 
 
+def interrupted_and_resumed(
+    line: Sequence[str], directory: Path, *, begins_in_process: bool
+) -> None:
+    """Begin a run in one process or as a graph, interrupt it, and end it the other way."""
+    with SupervisedRun(line, directory, in_process=begins_in_process) as run:
+        assert run.wait_until(lambda: run.place() >= 2, "a checkpoint")
+        run.process.send_signal(signal.SIGINT)
+        assert run.wait() == 130, run.output()
+        assert "stopping after this episode, with a checkpoint" in run.output()
+        option = " --in-process" if begins_in_process else ""
+        assert f" run --resume {directory}{option}\n" in run.output()
+        stopped_at = run.place()
+    assert not (directory / "results.json").exists()
+    with SupervisedRun(line, directory, resume=True, in_process=not begins_in_process) as run:
+        assert run.wait() == 0, run.output()
+        assert run.place() > stopped_at
+
+
 def is_alive(process_id: int) -> bool:
     """Return whether a process exists and is more than the record of its end."""
     try:

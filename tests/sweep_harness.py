@@ -6,11 +6,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import psutil
+import pytest
 import yaml
 
 from tests.command_lines import set_words
 from tests.graph_harness import SCRIPTS
-from tests.supervisor import started
+from tests.made_once import made_once
+from tests.supervisor import finished, started
 
 OPTIONS = {
     "profile": "paper",
@@ -32,6 +34,22 @@ def write_sweep(path: Path, pictures: Path, axes: dict[str, list[object]], **mor
     options = OPTIONS | {"stimuli": str(pictures)} | more
     path.write_text(yaml.safe_dump({"options": options, "axes": axes}, sort_keys=False))
     return path
+
+
+def whole_sweep(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
+    """Return the directory of a finished sweep of three seeds, of a local pool; not to change.
+
+    Its file is beside it, as small.yaml.
+    """
+
+    def make(directory: Path) -> None:
+        axes: dict[str, list[object]] = {"model": ["M_C"], "seed": [1, 2, 3]}
+        sweep_file = write_sweep(directory / "small.yaml", pictures, axes)
+        output = finished(start_sweep(sweep_file, "--out", directory / "sweep", "--jobs", 2))
+        assert "3/3 model_M_C-seed_" in output
+        assert "3 done" in output
+
+    return made_once(tmp_path_factory, "whole_sweep", make) / "sweep"
 
 
 def command_line(pictures: Path, **more: object) -> list[str]:

@@ -10,7 +10,6 @@ from sensor_msgs.msg import Image, JointState
 
 from active_binocular_vision import Run
 from active_binocular_vision.commands.evaluate import main as evaluate
-from active_binocular_vision.commands.report import main as report
 from experiment_manager import read_configuration
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.topics import LEARNER_VECTORS
@@ -98,7 +97,6 @@ def test_a_foreign_node_needs_only_its_topics(graph: Graph, start_node, tmp_path
     # Of ten episodes and trials; a picture that comes after the last has a file of its own.
     assert len(list((run / "bag").glob("*.mcap"))) <= 2
     assert evaluate([str(run)]) == 0
-    assert report([str(run), "--out", str(tmp_path / "report")]) == 0
     # Without a checkpoint there is nothing to go on from; what was recorded stays.
     (run / "config.yaml").write_bytes((tmp_path / "config.yaml").read_bytes())
     assert "error: " in finished(start_supervisor(["--resume", str(run)]), code=2)

@@ -5,7 +5,6 @@ import os
 import pty
 import subprocess
 import sys
-from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
@@ -122,46 +121,6 @@ def test_a_node_without_memory(line: list[str], tmp_path: Path) -> None:
     assert "before the first checkpoint" in output
     assert "Unable to allocate" in output
     assert not (directory / "results.json").exists()
-
-
-# The clock of every Python of the run jumps by the seconds in a file, as soon as there are any.
-# Whoever has looked at it then leaves a note.
-CLOCK = """
-import os, pathlib, time
-
-_now, _now_ns = time.time, time.time_ns
-_folder = pathlib.Path(os.environ["CLOCK_FOLDER"])
-
-def _jump():
-    try:
-        seconds = float((_folder / "jump").read_text() or 0.0)
-    except FileNotFoundError:
-        return 0.0
-    (_folder / f"seen_by_{os.getpid()}").touch()
-    return seconds
-
-time.time = lambda: _now() + _jump()
-time.time_ns = lambda: _now_ns() + int(_jump() * 1e9)
-"""
-
-
-def test_a_clock_that_jumps(line: list[str], tmp_path: Path) -> None:
-    directory = tmp_path / "run"
-    (tmp_path / "sitecustomize.py").write_text(CLOCK)
-    prefix = ("env", f"PYTHONPATH={tmp_path}", f"CLOCK_FOLDER={tmp_path}")
-    with SupervisedRun(line, directory, prefix=prefix) as run:
-        for seconds in (86400.0, -86400.0):
-            place = max(run.place(), 0)
-            assert run.wait_until(_beyond(run, place), "a checkpoint")
-            (tmp_path / "jump").write_text(str(seconds))
-        assert run.wait() == 0, run.output()
-        assert "fault: " not in run.output()
-    assert list(tmp_path.glob("seen_by_*"))
-    assert_as_the_loop(directory)
-
-
-def _beyond(run: SupervisedRun, place: int) -> Callable[[], bool]:
-    return lambda: run.place() > place
 
 
 # Becomes the command that follows the terminal's name, alone in that terminal.

@@ -13,7 +13,7 @@ from tests.sweep_harness import (
     are_held_at_first_checkpoint,
     goes_on_interrupted,
     start_sweep,
-    write_sweep,
+    whole_sweep,
 )
 
 
@@ -25,9 +25,11 @@ def slurm() -> Iterator[Cluster]:
         yield started
 
 
-def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, pictures, tmp_path):
-    sweep_file = tmp_path / "small.yaml"
-    write_sweep(sweep_file, pictures, {"seed": [1, 2, 3]}, iterations=400)
+def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(
+    slurm, pictures, tmp_path, tmp_path_factory
+) -> None:
+    pool = whole_sweep(tmp_path_factory, pictures)
+    sweep_file = pool.with_name("small.yaml")
     directory = tmp_path / "50%jobs"  # Slurm's patterns begin with %
     words = ["--slurm", "--partition", PARTITION, "--time", "60", "--tasks", "2"]
     output = finished(start_sweep(sweep_file, "--out", directory, *words, **slurm.variables))
@@ -49,8 +51,6 @@ def test_tasks_that_are_requeued_end_with_the_results_of_the_pool(slurm, picture
     assert "3 done" in status, slurm.logs()
     log = (directory / "logs" / f"{warned.name}.log").read_text()
     assert "stopping after this episode, with a checkpoint" in log
-    pool = tmp_path / "pool"
-    finished(start_sweep(sweep_file, "--out", pool, "--jobs", 2))
     assert (directory / "logs" / "slurm_0.out").exists()
     for run in runs:
         assert differences(run, pool / run.name) == []

@@ -20,6 +20,7 @@ from tests.sweep_harness import (
     command_line,
     goes_on_interrupted,
     start_sweep,
+    whole_sweep,
     write_sweep,
 )
 
@@ -27,19 +28,15 @@ _POLL_S = 0.02
 
 
 @pytest.fixture(scope="module")
-def sweep_file(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
-    path = tmp_path_factory.mktemp("sweep") / "small.yaml"
-    return write_sweep(path, pictures, {"model": ["M_C"], "seed": [1, 2, 3]})
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory, sweep_file: Path) -> Path:
+def whole(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:
     """Return the directory of a finished sweep."""
-    directory = tmp_path_factory.mktemp("whole") / "sweep"
-    output = finished(start_sweep(sweep_file, "--out", directory, "--jobs", 2))
-    assert "3/3 model_M_C-seed_" in output
-    assert "3 done" in output
-    return directory
+    return whole_sweep(tmp_path_factory, pictures)
+
+
+@pytest.fixture
+def sweep_file(whole: Path) -> Path:
+    """Return what was asked for."""
+    return whole.with_name("small.yaml")
 
 
 def _wait_for(process: "subprocess.Popen[str]", condition: Callable[[], bool]) -> None:
@@ -65,8 +62,7 @@ def test_each_run_is_the_run_of_its_command_line(whole, sweep_file, pictures, tm
 
 def test_a_finished_sweep_is_left_alone(whole: Path, sweep_file: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in whole.rglob("*.mcap")}
-    for line in ((sweep_file, "--out", whole), (whole,)):
-        assert "3 done" in finished(start_sweep(*line))
+    assert "3 done" in finished(start_sweep(sweep_file, "--out", whole))
     # A task of Slurm that is queued again, or submitted twice.
     assert "1/1 model_M_C-seed_1: done" in finished(start_sweep(whole, "--task", 0))
     assert {path: path.stat().st_mtime_ns for path in whole.rglob("*.mcap")} == before
@@ -117,20 +113,21 @@ def test_ctrl_c_while_stimuli_are_made_is_one_line(tmp_path: Path) -> None:
     assert not (tmp_path / "sweep").exists()
 
 
-def test_a_run_that_fails_leaves_the_others_alone(whole, sweep_file, tmp_path) -> None:
-    directory = tmp_path / "sweep"
-    bad, *others = read_sweep(sweep_file).runs()
+def test_a_run_that_fails_leaves_the_others_alone(whole, pictures, tmp_path) -> None:
+    axes = {"model": ["M_C"], "seed": [1, 2]}
+    sweep_file, directory = tmp_path / "two.yaml", tmp_path / "sweep"
+    bad, other = read_sweep(write_sweep(sweep_file, pictures, axes)).runs()
     notes = directory / bad / "notes.txt"
     notes.parent.mkdir(parents=True)
     notes.write_text("mine")
-    (directory / "sweep.yaml").write_bytes((whole / "sweep.yaml").read_bytes())
+    (directory / "sweep.yaml").write_text(read_sweep(sweep_file).text())
     output = finished(start_sweep(sweep_file, "--out", directory), code=3)
     failed = [line for line in output.splitlines() if line.startswith("failed: ")]
     assert len(failed) == 1
     assert f"failed: {bad}: {directory / bad}: expected a new or empty directory" in failed[0]
     assert f"log: {directory / 'logs' / bad}.log" in failed[0]
-    assert "1 failed, 2 done" in output
+    assert "1 failed, 1 done" in output
     notes.unlink()
     finished(start_sweep(directory))
-    for name in (bad, *others):
+    for name in (bad, other):
         assert differences(directory / name, whole / name) == []

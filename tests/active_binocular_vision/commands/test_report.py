@@ -13,6 +13,7 @@ from active_binocular_vision import Run
 from active_binocular_vision.commands import run
 from active_binocular_vision.commands.report import main
 from active_binocular_vision.figures.runs.learning_curve import performance_figure
+from active_binocular_vision.runs.results_folder import runs_at
 from experiment_manager.measures.kept_trials import with_test, write_trials
 from experiment_manager.measures.results import write_document
 from experiment_manager.measures.tables import percent
@@ -187,9 +188,9 @@ def test_results_alone_are_shown_as_far_as_they_go(kept, tmp_path, capsys) -> No
 
 def test_the_runs_that_are_kept_make_a_report(tmp_path: Path) -> None:
     results = Path(__file__).parents[3] / "results"
-    assert (
-        main([str(results / "twelve"), str(results / "gaze_saliency"), "--out", str(tmp_path)]) == 0
-    )
+    sweeps = results / "twelve", results / "gaze_saliency"
+    runs = [sweep / runs_at(sweep)[0].name for sweep in sweeps]
+    assert main([*map(str, runs), "--out", str(tmp_path)]) == 0
     assert (tmp_path / "figures" / "performance.png").is_file()
 
 
