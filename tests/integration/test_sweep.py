@@ -114,7 +114,7 @@ def test_ctrl_c_while_stimuli_are_made_is_one_line(tmp_path: Path) -> None:
 
 
 def test_a_run_that_fails_leaves_the_others_alone(whole, pictures, tmp_path) -> None:
-    axes = {"model": ["M_C"], "seed": [1, 2]}
+    axes: dict[str, list[object]] = {"model": ["M_C"], "seed": [1, 2]}
     sweep_file, directory = tmp_path / "two.yaml", tmp_path / "sweep"
     bad, other = read_sweep(write_sweep(sweep_file, pictures, axes)).runs()
     notes = directory / bad / "notes.txt"

@@ -11,7 +11,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog
 
 from eye_plant.gaze_error import gaze_error
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
@@ -204,6 +203,9 @@ class GazeInverse:
         self, activations: Array, weights: Array, wanted_deg: Mapping[str, float], distance_m: float
     ) -> LeastCost:
         """Return the least that reweighting finds from these activations and first weights."""
+        # What a quarter of a second is needed for, which each node that never searches would wait.
+        from scipy.optimize import linprog  # noqa: PLC0415
+
         held, wanted = _held([*wanted_deg], wanted_deg)
         values = activations[self._space.indices]
         for _ in range(_MAX_ROUNDS):
