@@ -1,7 +1,9 @@
 """Whole graphs as processes, in a configuration small enough for tests, and what they recorded."""
 
+import os
 import threading
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 from experiment_manager import Bag, ExperimentManagerConfig, VectorTable, make_protocol
@@ -9,6 +11,7 @@ from experiment_manager.loop import Step, make_loop
 from experiment_manager.run.config_file import Configuration, configuration_text
 from experiment_manager.sections import config_of
 from eye_plant import Episode
+from lockstep.machine.own_process import die_with
 from lockstep.wire.stamps import period_ns
 from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
 from tests.command_lines import configured, set_words
@@ -58,6 +61,7 @@ class NodeProcess:
         self.process = started(
             [script, "--ros-args", "--params-file", config_file, *more],
             {"ROS_DOMAIN_ID": str(domain)},
+            preexec_fn=partial(die_with, os.getpid()),
         )
         self.lines: list[str] = []
         self._watchdog = threading.Timer(PATIENCE_S, self.process.kill)

@@ -34,12 +34,13 @@ def test_a_domain_may_be_taken_again_once_left() -> None:
             assert again == domain
 
 
-def test_a_domain_with_somebody_in_it_is_not_taken() -> None:
+@pytest.mark.parametrize("participant", [0, 31])
+def test_a_domain_with_somebody_in_it_is_not_taken(participant: int) -> None:
     with own_domain() as domain:
         pass
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as somebody:
-        # RTPS: participant 0 of a domain listens for unicast discovery on 7400 + 250 d + 10.
-        somebody.bind(("", 7400 + 250 * domain + 10))
+        # RTPS: participant p of a domain listens for unicast discovery on 7400 + 250 d + 10 + 2 p.
+        somebody.bind(("", 7400 + 250 * domain + 10 + 2 * participant))
         with own_domain() as other:
             assert other != domain
 

@@ -11,9 +11,10 @@ from lockstep.machine.claims import claim
 # started one by one are everybody's.
 NODE_SCRIPTS_DOMAIN = 42
 _CANDIDATES = tuple(d for d in range(1, 102) if d != NODE_SCRIPTS_DOMAIN)
-# RTPS 2.2, 9.6.1.1: the ports of a domain, and those on which its first participant receives.
+# RTPS 2.2, 9.6.1.1: the ports of a domain, and those two on which each participant receives. Those
+# who came first may have left; of more than this_machine.xml allows for, some never meet.
 _FIRST_PORT, _PORTS_PER_DOMAIN = 7400, 250
-_UNICAST_OFFSETS = 10, 11
+_UNICAST_OFFSETS = range(10, 10 + 2 * 32)
 
 
 @contextmanager
