@@ -1,13 +1,9 @@
 """Scores in the same trials: random actions, the least possible, and hindsight regression.
 
 All with the trained dictionaries of `results/precise`, seed 1, which do not learn. Hindsight
-regression is trained for STEPS steps first. gymnasium_sac.py prints the row of SAC, which is
-trained and tested the same way.
+regression is trained for STEPS steps first.
 
-usage: .venv/bin/python docs/examples/gymnasium_scores.py [STEPS] [CSV]
-
-CSV: the error over the training of hindsight regression is written there (hindsight_curve.csv).
-gymnasium_curves.py draws it.
+usage: .venv/bin/python docs/examples/gymnasium_scores.py [STEPS]
 
 On a machine that is busy, set OMP_NUM_THREADS=1.
 """
@@ -15,7 +11,7 @@ On a machine that is busy, set OMP_NUM_THREADS=1.
 import dataclasses
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -30,13 +26,11 @@ from vergence_rl import Agent, VergenceRlConfig
 
 PRECISE = Path(__file__).parents[2] / "results" / "precise"
 N_TRIALS, TESTED_EVERY = 1560, 10
-RUNNING, WRITTEN_EVERY = 200, 50  # episodes
-CURVE_HEADER = "step,running_median_error_deg"
 HEADER = "policy                  |error|/deg  quartiles     within 1 px  reward  steps/s"
 Policy = Callable[[dict[str, np.ndarray], float, dict[str, Any]], np.ndarray]
 
 
-def make_environment(action_scale: float | None = None) -> gymnasium.Env:
+def make_environment() -> gymnasium.Env:
     """Return the environment of all scores; its dictionaries do not learn."""
     return gymnasium.make(
         "active_binocular_vision.environments:ActiveVergenceFeatures-v0",
@@ -46,7 +40,6 @@ def make_environment(action_scale: float | None = None) -> gymnasium.Env:
         },
         coder_state=PRECISE / "sparse_coder_seed_1.npz",
         coder_learns=False,
-        action_scale=action_scale,
     )
 
 
@@ -92,22 +85,12 @@ def best_policy() -> Policy:
     return policy
 
 
-def write_curve(path: Path, errors_deg: Sequence[float], n_iterations: int = 10) -> None:
-    """Write the running median of |error| at the ends of training episodes (n_episodes,)."""
-    absolute_deg = np.abs(errors_deg)
-    lines = [CURVE_HEADER]
-    for n in range(WRITTEN_EVERY, len(absolute_deg) + 1, WRITTEN_EVERY):
-        median_deg = np.median(absolute_deg[max(0, n - RUNNING) : n])
-        lines.append(f"{n * n_iterations},{median_deg:.4f}")
-    path.write_text("\n".join(lines) + "\n")
-
-
-def trained_policy(environment: gymnasium.Env, n_steps: int, curve: Path) -> Policy:
+def trained_policy(environment: gymnasium.Env, n_steps: int) -> Policy:
     """Return hindsight regression as in `precise`, trained for so many steps, frozen."""
     (run,) = runs_at(PRECISE / "profile_precise-seed_1")
     trained = config_of(VergenceRlConfig, run.configuration)
     agent = Agent(dataclasses.replace(trained, n_training_iterations=n_steps))
-    write_curve(curve, train(environment, agent, n_steps // 10, seed=1))
+    train(environment, agent, n_steps // 10, seed=1)
 
     def policy(observed: dict[str, np.ndarray], reward: float, info: dict[str, Any]) -> np.ndarray:
         decision = agent.observe(
@@ -127,13 +110,12 @@ def trained_policy(environment: gymnasium.Env, n_steps: int, curve: Path) -> Pol
 def main() -> None:
     """Print the table."""
     n_steps = int(sys.argv[1]) if len(sys.argv) > 1 else 20_000
-    curve = Path(sys.argv[2] if len(sys.argv) > 2 else "hindsight_curve.csv")
     environment = make_environment()
     print(HEADER)
     for name, policy in (
         ("random", random_policy(environment)),
         ("least possible", best_policy()),
-        (f"hindsight, {n_steps} steps", trained_policy(environment, n_steps, curve)),
+        (f"hindsight, {n_steps} steps", trained_policy(environment, n_steps)),
     ):
         print(f"{name:24s}{score(environment, policy)}", flush=True)
     environment.close()
