@@ -25,7 +25,7 @@ FEW: dict[str, dict[str, Any]] = {
     "prisms": {"distances_m": (2.0,), "ladder_share": 0.03},
     "acuity": {"distances_m": (2.0,)},
     "stereo": {"distances_m": (2.0,)},
-    "nine-positions": {"distances_m": (2.0,), "n_random": 1},
+    "nine-positions": {"distances_m": (2.0,), "n_random": 4},
     "main-sequence": {"amplitudes_deg": (2.0, 10.0), "directions_deg": (0.0, 90.0)},
     "landscape": {"distances_m": (2.0,), "vergence_errors_deg": (-1.0, 0.0, 1.0)},
     "tuning": {},
