@@ -8,6 +8,7 @@ from experiment_manager.live.address import Address
 from experiment_manager.supervision.domains import own_domain
 from experiment_manager.supervision.live_view import LiveView
 from tests.graph_harness import small_run, write_configuration
+from tests.patience import PATIENCE_S
 
 
 def test_one_that_was_killed_is_said_once(pictures, tmp_path: Path, capsys) -> None:
@@ -20,7 +21,7 @@ def test_one_that_was_killed_is_said_once(pictures, tmp_path: Path, capsys) -> N
         view.look()
         assert capsys.readouterr().err == ""
         process.kill()
-        psutil.wait_procs([process])
+        psutil.wait_procs([process], timeout=PATIENCE_S)
         view.look()
         view.look()
     said = "the live view has ended: without a word; the run continues\n"
