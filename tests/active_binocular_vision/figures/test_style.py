@@ -84,9 +84,15 @@ try:
 finally:
     {_BACKEND}
 """
-_OF_VALIDATION = f"import eye_plant.validation.figure; {_BACKEND}"
+_OF_VALIDATION = f"""
+import contextlib, io, sys
+from eye_plant.validation.__main__ import main
+with contextlib.redirect_stderr(io.StringIO()), contextlib.suppress(SystemExit):
+    main(["--out", "/dev/null/x"])
+{_BACKEND}
+"""
 _OF_NOTEBOOK = """
-import os, sys, active_binocular_vision as abv
+import os, sys, active_binocular_vision as abv, eye_plant.validation
 abv.run
 print(os.environ["MPLBACKEND"], file=sys.stderr)
 """

@@ -1,6 +1,7 @@
 """Hold both sets of eyes against physiology and OpenEyeSim: python -m eye_plant.validation."""
 
 import json
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -30,6 +31,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         help="where to write the values and a figure (default: plant_validation)",
     )
     out: Path = parser.parse_args(arguments).out
+    # The figure is a file. A notebook's kernel names a backend that matplotlib may not find here.
+    os.environ["MPLBACKEND"] = "agg"
     # Not at the top: a help need not wait for MuJoCo and Matplotlib.
     from eye_plant.validation.checks import CHECKS, openeyesim_maps  # noqa: PLC0415
     from eye_plant.validation.figure import draw  # noqa: PLC0415
