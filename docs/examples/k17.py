@@ -93,11 +93,8 @@ class Learner:
     def step(self, seen: Observation, *, training: bool) -> Floats:
         """Return the command (2,) for an observation; in training learn from it, and explore."""
         # What the eyes see is coded: patches of both eyes, at two scales, each by ten atoms.
-        left, right = seen.pictures  # type: ignore[misc]  # each (height_px, width_px)
-        patches = [
-            binocular_patches(window_of(left, scale), window_of(right, scale))
-            for scale in (COARSE, FINE)
-        ]
+        windows = ([window_of(p, s) for p in seen.pictures] for s in (COARSE, FINE))  # type: ignore[union-attr]
+        patches = [binocular_patches(*of_both) for of_both in windows]
         codes = [
             matching_pursuit(p, dictionary.atoms, dictionary.gram, N_SELECTIONS)
             for p, dictionary in zip(patches, self.dictionaries, strict=True)

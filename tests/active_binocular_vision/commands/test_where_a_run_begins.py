@@ -8,6 +8,7 @@ import pytest
 from active_binocular_vision.commands import run
 from active_binocular_vision.commands.run import prepare_new, source_commit
 from experiment_manager import RunRequest
+from experiment_manager.run.config_file import CONFIG_FILE
 from lockstep import InputError
 from tests.patience import PATIENCE_S
 
@@ -39,8 +40,9 @@ def test_of_two_runs_that_begin_at_once_one_has_the_directory(monkeypatch, tmp_p
 
     def somebody_else_begins(configuration: object) -> None:
         directory.mkdir()
+        (directory / CONFIG_FILE).write_text("theirs")
 
     monkeypatch.setattr(run, "_prepare_stimuli", somebody_else_begins)
-    with pytest.raises(InputError, match=r"cannot be written: .*File exists"):
+    with pytest.raises(InputError, match="expected a new or empty directory"):
         prepare_new(RunRequest(), directory)
-    assert list(directory.iterdir()) == []
+    assert [path.read_text() for path in directory.iterdir()] == ["theirs"]
