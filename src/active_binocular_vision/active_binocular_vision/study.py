@@ -70,6 +70,16 @@ def run(
     else:
         with contextlib.redirect_stdout(sys.stderr):
             prepare_new(request, directory, has_head=head is not None)
+    if not _is_over(directory, on_test, head):
+        raise KeyboardInterrupt
+    return Run(directory)
+
+
+def _is_over(
+    directory: Path, on_test: Callable[[Summary], object] | None, head: Head | None
+) -> bool:
+    """Bring a run to its end; return whether it came there, or was interrupted before."""
+    # Signals come to the main thread alone.
     interrupts = Interrupts(listens=threading.current_thread() is threading.main_thread())
     try:
         process = InProcessRun(
@@ -81,12 +91,9 @@ def run(
             head=head,
         )
         with contextlib.closing(process):
-            is_over = process.go_on()
+            return process.go_on()
     finally:
         interrupts.stop()
-    if not is_over:
-        raise KeyboardInterrupt
-    return Run(directory)
 
 
 def compare(runs: Iterable[Run | str | Path]) -> "pandas.DataFrame":

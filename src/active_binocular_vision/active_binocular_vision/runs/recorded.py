@@ -131,8 +131,7 @@ def _sum_in_order(values: np.ndarray) -> float:
 
 
 def _total_error(reward: VectorTable) -> np.ndarray:
-    of_scales = [name for name in reward.names if name.startswith("reconstruction_error_")]
-    return np.sum([reward.column(name) for name in of_scales], axis=0)
+    return reward.column("reconstruction_error_coarse") + reward.column("reconstruction_error_fine")
 
 
 def trial_table(
