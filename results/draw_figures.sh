@@ -18,7 +18,7 @@ draw paper "performance boxes motor_space conditions" results/paper
 draw paper_falling_rate "performance boxes motor_space" results/paper_falling_rate
 draw paper_short motor_space results/paper_short
 draw demonstration "performance motor_space" results/demonstration
-draw price_of_energy price_of_energy results/price_of_energy results/precise/profile_precise_m_c-seed_1
+draw lambda lambda results/lambda results/precise/profile_precise_m_c-seed_1
 draw twelve "errors activations_1_M_C" results/twelve
 draw rearing "landscapes histograms" results/rearing --conditions --columns landscape,tuning --ages end
 draw clinic conditions results/clinic --conditions \

@@ -1,4 +1,4 @@
-"""Find the price of energy, lambda, with which it has a share of the reward (K17 II).
+"""Find the lambda with which energy has a share of the reward (K17 II).
 
 usage: .venv/bin/python sweeps/lambda_share.py SHARE [options of run_experiment.sh]
 

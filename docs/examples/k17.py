@@ -1,7 +1,7 @@
 """The published model end to end in one file, from the parts of the packages: K17's Fig. 1.
 
     .venv/bin/python docs/examples/k17.py --iterations 2000                      # model M
-    .venv/bin/python docs/examples/k17.py --iterations 200000 --price 0.065      # model M_C
+    .venv/bin/python docs/examples/k17.py --iterations 200000 --lambda 0.065     # model M_C
 
 Two eyes look at a plane. Matching pursuit codes both pictures together; what the code leaves
 unexplained, and the energy of the muscles, are the (negative) reward. CACLA+VAR learns from it how
@@ -72,9 +72,9 @@ class Last:
 class Learner:
     """Dictionaries, normaliser, critic and actor."""
 
-    def __init__(self, seed: int, n_iterations: int, price: float) -> None:
-        """n_iterations: of training; price: lambda in 1/W, 0 for model M."""
-        self.seed, self.n_iterations, self.price = seed, n_iterations, price
+    def __init__(self, seed: int, n_iterations: int, weight: float) -> None:
+        """n_iterations: of training; weight: lambda in 1/W, 0 for model M."""
+        self.seed, self.n_iterations, self.weight = seed, n_iterations, weight
         self.dictionaries = [
             Dictionary(initial_atoms(generator(seed, "dictionary", scale), N_BASES, N_PIXELS))
             for scale in (0, 1)  # coarse, fine
@@ -103,7 +103,7 @@ class Learner:
         # The reward (eq. 2, eq. 5).
         errors = [reconstruction_error(p, code) for p, code in zip(patches, codes, strict=True)]
         rate_w = float(seen.state.metabolic_rate_w[RECTI.indices].sum())
-        r_t = reward(np.array(errors), rate_w, self.price).value
+        r_t = reward(np.array(errors), rate_w, self.weight).value
         # The state: features and activations, normalised, and a constant.
         activations = RECTI.from_all(seen.state.activations)
         entries = np.concatenate([*features, activations], dtype=np.float64)
@@ -233,13 +233,15 @@ def main() -> None:
     """Train, test, and print how precisely the eyes verge."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--iterations", type=int, default=1_000_000)
-    parser.add_argument("--price", type=float, default=0.0, help="lambda in 1/W; 0: model M")
+    parser.add_argument(
+        "--lambda", dest="weight", type=float, default=0.0, help="lambda in 1/W; 0: model M"
+    )
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
     config = EyePlantConfig()
     stimuli = load_stimuli(config.stimuli)
     plant = EyePlant(config, stimuli)
-    learner = Learner(arguments.seed, arguments.iterations, arguments.price)
+    learner = Learner(arguments.seed, arguments.iterations, arguments.weight)
     experiment = Experiment(arguments.seed, config, stimuli)
     train(plant, learner, experiment)
     errors_deg = tested_errors_deg(plant, learner, experiment, n_stimuli=1)

@@ -13,7 +13,7 @@ from tests.command_lines import configured
 from tests.graph_harness import OracleRun, small_run
 
 FILE = Path(__file__).parents[2] / "docs" / "examples" / "k17.py"
-N_ITERATIONS, PRICE = 300, 0.065
+N_ITERATIONS, LAMBDA = 300, 0.065
 
 
 @pytest.fixture
@@ -28,7 +28,7 @@ def k17(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
 def test_one_file_learns_what_the_loop_learns_bit_for_bit(k17: ModuleType, pictures: Path) -> None:
     line = small_run(pictures, N_ITERATIONS)
-    oracle = OracleRun(configured(*line, "--model", "M_C", "--lambda", str(PRICE)))
+    oracle = OracleRun(configured(*line, "--model", "M_C", "--lambda", str(LAMBDA)))
     expected_deg = [
         abs(step.observation.truth.vergence_error_deg)
         for episode, step in oracle.steps()
@@ -37,7 +37,7 @@ def test_one_file_learns_what_the_loop_learns_bit_for_bit(k17: ModuleType, pictu
 
     config = oracle.plant.config
     stimuli = load_stimuli(config.stimuli)
-    plant, learner = EyePlant(config, stimuli), k17.Learner(1, N_ITERATIONS, PRICE)
+    plant, learner = EyePlant(config, stimuli), k17.Learner(1, N_ITERATIONS, LAMBDA)
     experiment = k17.Experiment(1, config, stimuli)
     k17.train(plant, learner, experiment)
     errors_deg = k17.tested_errors_deg(plant, learner, experiment, n_stimuli=1)

@@ -1,4 +1,4 @@
-"""sweeps/lambda_share.py: the price of energy that gives it a share of the reward."""
+"""sweeps/lambda_share.py: the lambda that gives energy a share of the reward."""
 
 import re
 import runpy

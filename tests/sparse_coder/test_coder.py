@@ -78,10 +78,10 @@ def test_the_price_rises_with_the_learning_steps() -> None:
         "metabolic_cost_weight": 0.5,
         "price_rise_share": 0.4,
     }
-    coder, prices = SparseCoder(dataclasses.replace(SMALL, **changes)), []
+    coder, lambdas = SparseCoder(dataclasses.replace(SMALL, **changes)), []
     for coder.learning_steps in range(6):
-        prices.append(coder.price_of_energy)
-    assert prices == [0.0, 0.125, 0.25, 0.375, 0.5, 0.5]
+        lambdas.append(coder.lambda_by_now)
+    assert lambdas == [0.0, 0.125, 0.25, 0.375, 0.5, 0.5]
 
 
 def test_a_step_at_rate_zero_would_leave_the_bits_of_normalised_atoms(stereo_pair: Pair) -> None:

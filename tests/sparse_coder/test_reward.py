@@ -5,7 +5,7 @@ import pytest
 
 from lockstep import InputError
 from sparse_coder.matching_pursuit import Selections
-from sparse_coder.reward import price_of_energy, random_reward, reconstruction_error, reward
+from sparse_coder.reward import lambda_by_now, random_reward, reconstruction_error, reward
 
 ERRORS = np.array([0.1, 0.3])
 
@@ -35,8 +35,8 @@ def test_a_bad_metabolic_rate_is_refused(rate_w: float) -> None:
 
 
 def test_a_price_rises_from_0_or_is_constant() -> None:
-    assert [price_of_energy(0.5, n, 4.0) for n in range(6)] == [0.0, 0.125, 0.25, 0.375, 0.5, 0.5]
-    assert price_of_energy(0.5, 0, 0.0) == 0.5
+    assert [lambda_by_now(0.5, n, 4.0) for n in range(6)] == [0.0, 0.125, 0.25, 0.375, 0.5, 0.5]
+    assert lambda_by_now(0.5, 0, 0.0) == 0.5
 
 
 def test_random_rewards_differ_by_seed_and_time_alone() -> None:

@@ -18,7 +18,7 @@ from lockstep.command_space import (
 from lockstep.errors import InputError
 from lockstep.settings import check_settings, setting
 
-# K17: without and with a price on energy.
+# K17: whose reward does not count energy, and does.
 MODELS = ("M", "M_C")
 
 # Lambda of M_C unless another is given, 1/W, by the eyes' parameter set: energy is 20 % of the
@@ -47,8 +47,8 @@ class TaskConfig:
     )
     measures_turns: bool = setting(
         False,
-        "whether the turns of both eyes are measured without saccades, too, so that vergence can be"
-        " learned as turns (D23)",
+        "whether rotations of both eyes are measured without saccades, too, so that vergence can be"
+        " learned as rotations (D23)",
     )
     command_space: str = setting(
         PAIR,
@@ -70,11 +70,11 @@ class TaskConfig:
     n_bases: int = setting(400, "basis functions of each scale's dictionary", least=1)
     n_selections: int = setting(10, "matching pursuit's selections per patch", least=1)
     metabolic_cost_weight: float = setting(
-        0.0, "lambda of K17 eq. 5, price of energy in the reward; 0 in model M", "1/W", least=0
+        0.0, "lambda of K17 eq. 5, what a watt takes from the reward; 0 in model M", "1/W", least=0
     )
     price_rise_share: float = setting(
         0.0,
-        "share of training over which that price rises linearly from 0 (D21); 0: it is constant",
+        "share of training over which lambda rises linearly from 0 (D21); 0: it is constant",
         least=0,
         most=1,
     )
@@ -95,7 +95,7 @@ class TaskConfig:
             )
         if self.fixation_iterations and self.measures_turns:
             raise InputError(
-                "measures_turns: expected false with saccades, whose turns are measured anyway"
+                "measures_turns: expected false with saccades, whose rotations are measured anyway"
             )
         if self.space.of_joints and self.metabolic_cost_weight:
             raise InputError(

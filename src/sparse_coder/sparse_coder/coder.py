@@ -25,7 +25,7 @@ from sparse_coder.patches import (
     fine_window,
 )
 from sparse_coder.percept import NOWHERE_DEG, Encoding, Percept
-from sparse_coder.reward import price_of_energy, random_reward, reconstruction_error, reward
+from sparse_coder.reward import lambda_by_now, random_reward, reconstruction_error, reward
 
 SCALES = ("coarse", "fine")
 _LARGEST_NORM_ERROR = 1e-4
@@ -81,7 +81,7 @@ class SparseCoder:
         """
         encoding = self.encode(left, right)
         rate_w = float(metabolic_rates_w.sum())
-        earned = reward(encoding.reconstruction_error, rate_w, self.price_of_energy)
+        earned = reward(encoding.reconstruction_error, rate_w, self.lambda_by_now)
         if not len(metabolic_rates_w):
             rate_w = math.nan
         if self.config.random_reward:
@@ -133,10 +133,10 @@ class SparseCoder:
         return dictionary_rate(config.learning_rate, config.final_learning_rate_share, done)
 
     @property
-    def price_of_energy(self) -> float:
+    def lambda_by_now(self) -> float:
         """Lambda by now, in 1/W (D21)."""
         n_rising = self.config.price_rise_share * self.config.n_training_iterations
-        return price_of_energy(self.config.metabolic_cost_weight, self.learning_steps, n_rising)
+        return lambda_by_now(self.config.metabolic_cost_weight, self.learning_steps, n_rising)
 
     def atoms(self) -> NDArray[np.float32]:
         """Return a copy of the basis functions, (n_scales, n_bases, n_pixels)."""

@@ -5,7 +5,7 @@
     r = -E - lambda C                                                   (eq. 5)
 
 p_j: binocular patch j; phi_k: basis functions; kappa_jk: their coefficients; C: settled metabolic
-rate of the commanded muscles, W; lambda: price of energy, 1/W, 0 in model M.
+rate of the commanded muscles, W; lambda: what a watt costs, 1/W, 0 in model M.
 """
 
 import math
@@ -33,11 +33,11 @@ def reconstruction_error(patches: NDArray[np.float32], selections: Selections) -
     return max(0.0, 1.0 - energy(selections.coefficients) / total)
 
 
-def price_of_energy(highest: float, learning_steps: int, n_rising: float) -> float:
+def lambda_by_now(highest: float, learning_steps: int, n_rising: float) -> float:
     """Return lambda, in 1/W, by now: it rises linearly from 0 to its highest value (D21).
 
     Eyes learn what to look at before saving is worth much. learning_steps: done so far; n_rising:
-    steps until the price has risen, 0 for a constant price (K17).
+    steps until it has risen, 0 where it is constant (K17).
     """
     return highest * learning_steps / n_rising if learning_steps < n_rising else highest
 
@@ -54,16 +54,16 @@ class Reward:
     energy_penalty: float
 
 
-def reward(reconstruction_errors: NDArray[np.float64], rate_w: float, price: float) -> Reward:
+def reward(reconstruction_errors: NDArray[np.float64], rate_w: float, weight: float) -> Reward:
     """Return r = -E - lambda C (K17 eq. 5), E being the sum of both scales' errors.
 
-    reconstruction_errors: (n_scales,); rate_w: C; price: lambda, 1/W. Raises InputError for a rate
+    reconstruction_errors: (n_scales,); rate_w: C; weight: lambda, 1/W. Raises InputError for a rate
     that is not finite or is negative.
     """
     if not (math.isfinite(rate_w) and rate_w >= 0.0):
         raise InputError(f"metabolic rate: expected 0 W or more, got {rate_w}")
     error = float(np.sum(reconstruction_errors))
-    loss = error + price * rate_w
+    loss = error + weight * rate_w
     return Reward(-loss, loss - error)
 
 

@@ -30,7 +30,7 @@ from vergence_rl import Agent, VergenceRlConfig
 EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "gymnasium_agent.py"
 IDS = ("ActiveVergence-v0", "ActiveVergenceFeatures-v0")
 N_EPISODES = 8
-PRICE = 0.08
+LAMBDA = 0.08
 # The left eye is covered in episodes 2 to 4; from 5 on the muscles are weaker, and all is noisy.
 SCHEDULE = json.dumps(
     [
@@ -55,7 +55,7 @@ def settings(pictures: Path) -> dict[str, Any]:
     return {
         "eye_plant.stimuli.directory": str(pictures),
         "eye_plant.stimuli.size_px": 64,
-        "task.metabolic_cost_weight": PRICE,
+        "task.metabolic_cost_weight": LAMBDA,
         "task.n_training_iterations": 10 * N_EPISODES,
     }
 
@@ -192,7 +192,7 @@ def test_the_reward_is_that_of_where_the_action_led(bare: VergenceEnvironment) -
     _, reward, _, _, info = bare.step(np.array([0.1, 0.0]))
     error = info["reconstruction_error_coarse"] + info["reconstruction_error_fine"]
     assert reward == pytest.approx(
-        -error - PRICE * info["ground_truth"]["metabolic_rate_w"], rel=1e-12
+        -error - LAMBDA * info["ground_truth"]["metabolic_rate_w"], rel=1e-12
     )
     assert info["ground_truth"]["iteration"] == 1
 

@@ -32,9 +32,9 @@ def test_seeds_are_one_condition_and_what_differs_is_in_its_name() -> None:
     ]
     found = conditions_of([*runs, examined("patching_half", model="M_C")])
     assert [(of.name.replace("\N{NO-BREAK SPACE}", " "), len(of.runs)) for of in found] == [
-        ("surgery, at 10 %, resting, M", 2),
+        ("surgery, at 10 %, frozen, M", 2),
         ("surgery, at 10 %, plastic, M", 2),
-        ("surgery, at 60 %, resting, M", 2),
+        ("surgery, at 60 %, frozen, M", 2),
         ("surgery, at 60 %, plastic, M", 2),
         ("glasses, patching half, M_C", 1),
     ]

@@ -62,7 +62,7 @@ def test_the_demonstration_differs_in_named_settings_alone() -> None:
         (("--model", "M", "--lambda", "0"), 0.0),
     ],
 )
-def test_the_price_of_energy(line: tuple[str, ...], expected: float) -> None:
+def test_the_default_of_lambda(line: tuple[str, ...], expected: float) -> None:
     assert configured(*line)["task"]["metabolic_cost_weight"] == expected
 
 
@@ -122,7 +122,7 @@ def test_values_are_read_as_yaml_1_2(setting: str, expected: object) -> None:
         ),
         (
             ("--model", "M", "--lambda", "0.03"),
-            "--lambda 0.03: expected 0 with model M, which has no price on energy, got 0.03; model",
+            "--lambda 0.03: expected 0 with model M, whose reward counts no energy, got 0.03;",
         ),
         (
             ("--iterations", "500", "--set", "task.n_training_iterations=1000"),
@@ -168,7 +168,7 @@ def test_values_are_read_as_yaml_1_2(setting: str, expected: object) -> None:
             "profile: expected a known name, got 'precice'; did you mean precise",
         ),
         (("--profile", "zzz"), "profile: expected one of ablation/*, clinic/*, demonstr"),
-        (("--stimuli", "/nowhere"), "stimuli.directory: expected a directory of pictures"),
+        (("--stimuli", "/nowhere"), "stimuli.directory: expected a directory of images"),
         (
             ("--set", "vergence_rl.cacla.discount=0.5", "--set", "vergence_rl.cacla.discount=0.4"),
             "--set vergence_rl.cacla.discount=0.5 and --set vergence_rl.cacla.discount=0.4: "

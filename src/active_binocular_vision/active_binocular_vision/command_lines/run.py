@@ -33,7 +33,7 @@ def parser() -> argparse.ArgumentParser:
     )
     _add_settings(line)
     _add_tests(line)
-    _add_price(line)
+    _add_lambda(line)
     _add_directories(line)
     _add_ways_to_run(line)
     return line
@@ -62,7 +62,7 @@ def _add_settings(line: argparse.ArgumentParser) -> None:
         " otherwise demonstration)",
     )
     group.add_argument(
-        "--model", choices=MODELS, help="M: no price on energy; M_C: a price on energy"
+        "--model", choices=MODELS, help="M: the reward counts no energy; M_C: it counts energy"
     )
     group.add_argument(
         "--iterations",
@@ -114,14 +114,14 @@ def _add_tests(line: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_price(line: argparse.ArgumentParser) -> None:
-    group = line.add_argument_group("price of energy")
+def _add_lambda(line: argparse.ArgumentParser) -> None:
+    group = line.add_argument_group("energy")
     group.add_argument(
         "--lambda",
         dest="metabolic_cost_weight",
         type=float,
         metavar="L",
-        help="price of energy in the reward, 1/W (default: the profile's; with --model M_C"
+        help="what a watt takes from the reward, 1/W (default: the profile's; with --model M_C"
         f" {DEFAULT_METABOLIC_COST_WEIGHTS['k17']}, with anatomical eyes"
         f" {DEFAULT_METABOLIC_COST_WEIGHTS['anatomical']})",
     )
@@ -169,7 +169,7 @@ def _add_ways_to_run(line: argparse.ArgumentParser) -> None:
         type=_nodes,
         metavar="NODE,...",
         help="nodes that you start yourself on another machine, any of "
-        f"{', '.join(MOVABLE_NODES)}; see docs/dev/reliability.md",
+        f"{', '.join(MOVABLE_NODES)}; see docs/how_to/two_machines.md",
     )
     group.add_argument(
         "--live",
@@ -177,8 +177,8 @@ def _add_ways_to_run(line: argparse.ArgumentParser) -> None:
         const=Address(),
         type=Address.of,
         metavar="HOST:PORT",
-        help="show the run in Lichtblick or Foxglove, at HOST, PORT or both; without HOST only"
-        f" viewers on this machine can connect (default: {Address()})",
+        help="watch the run in a browser, or, at HOST:PORT, in Lichtblick or Foxglove;"
+        f" without HOST only on this machine (default: {Address()})",
     )
 
 

@@ -63,7 +63,7 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
     ) -> None:
         """Set up plant and coder.
 
-        profile: by name, as --profile of abv run; model: M, or M_C with a price on
+        profile: by name, as --profile of abv run; model: M, or M_C, which counts
         energy, None for the profile's; settings: {"SECTION.NAME": value}, as its --set;
         coder_state: sparse_coder.npz of a checkpoint, to begin with; action_scale: change of either
         activation that an action of 1 makes.

@@ -138,9 +138,9 @@ def conditions_of(runs: Sequence[ExaminedRun]) -> list[Condition]:
     conditions = []
     for key, of_key in by_key.items():
         alike = [other for other, name in names.items() if name == names[key]]
-        is_priced = len({other.weight for other in alike}) > 1
-        price = [f"\N{GREEK SMALL LETTER LAMDA} = {key.weight:.3g} / W"] * is_priced
-        name = ", ".join([names[key], *price, *differences(key, alike)])
+        has_weights = len({other.weight for other in alike}) > 1
+        weight = [f"\N{GREEK SMALL LETTER LAMDA} = {key.weight:.3g} / W"] * has_weights
+        name = ", ".join([names[key], *weight, *differences(key, alike)])
         conditions.append(Condition(name, tuple(of_key)))
     return conditions
 
@@ -154,7 +154,7 @@ def _name(run: ExaminedRun, others: Sequence[ExaminedRun]) -> str:
         share = 100.0 * run.changed_at[0] / run.iterations
         parts.append(f"at {share:.0f}\N{NO-BREAK SPACE}%")
     if len({other.final_learning_rate for other in alike}) > 1:
-        parts.append("plastic" if run.final_learning_rate else "resting")
+        parts.append("plastic" if run.final_learning_rate else "frozen")
     if len({other.model for other in others}) > 1:
         parts.append(run.model)
     return ", ".join(parts)

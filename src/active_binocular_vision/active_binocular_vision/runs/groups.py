@@ -160,10 +160,10 @@ def groups_of(runs: Sequence[Run]) -> list[Group]:
 
 def _label(key: Common, own: Sequence[str], n_runs: int) -> str:
     names = {"M": "model M", "M_C": r"model M$_C$"}
-    price = [rf"$\lambda$ = {key.weight:.3g} / W"] * bool(key.weight)
+    weight = [rf"$\lambda$ = {key.weight:.3g} / W"] * bool(key.weight)
     settings = textwrap.shorten(", ".join(own), _LONGEST_LABEL, placeholder=" ...")
     count = f"n = {n_runs} seed{'s' if n_runs > 1 else ''}"
-    return ", ".join(filter(None, [names.get(key.model, key.model), *price, settings, count]))
+    return ", ".join(filter(None, [names.get(key.model, key.model), *weight, settings, count]))
 
 
 def _shown_profile(key: Common, keys: Sequence[Common], own: Sequence[str]) -> list[str]:
@@ -275,5 +275,5 @@ def _named(name: str, value: str) -> str:
     if name == _STIMULI:
         return f"{Path(value).name or 'generated'} stimuli"
     if name == _PICTURES_SEED:
-        return f"pictures {value if value == _OF_EACH else f'of seed {value}'}"
+        return f"stimuli {value if value == _OF_EACH else f'of seed {value}'}"
     return f"{name.rpartition('.')[2]} {value or 'none'}"

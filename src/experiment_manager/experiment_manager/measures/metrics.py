@@ -147,6 +147,6 @@ def cost_share(
     reconstruction_error, metabolic_rate_w: E of both scales and C, summed over some iterations.
     None where the reward is nothing, as over no iterations.
     """
-    priced = metabolic_cost_weight * metabolic_rate_w
-    total = reconstruction_error + priced
-    return priced / total if total else None
+    penalty = metabolic_cost_weight * metabolic_rate_w
+    total = reconstruction_error + penalty
+    return penalty / total if total else None

@@ -82,7 +82,7 @@ def configuration_with(settings: Mapping[str, Any], request: RunRequest) -> Conf
         configuration = completed(by_section(values))
     except InputError as error:
         raise _in_words_of_request(error, given) from error
-    _check_price(configuration, request, given)
+    _check_lambda(configuration, request, given)
     check_control(request.control, request.by("control"), configuration["task"]["command_space"])
     check_reach(configuration)
     return configuration
@@ -95,7 +95,7 @@ def _default_weight(values: Mapping[str, Any]) -> float:
     return DEFAULT_METABOLIC_COST_WEIGHTS[values.get("eyes.mechanics.parameter_set", default)]
 
 
-def _check_price(
+def _check_lambda(
     configuration: Configuration, request: RunRequest, given: Mapping[str, Given]
 ) -> None:
     if configuration["experiment_manager"]["model"] != "M":
@@ -104,7 +104,7 @@ def _check_price(
     if weight > 0.0:
         by = given[WEIGHT].by if WEIGHT in given else "metabolic_cost_weight"
         raise InputError(
-            f"{by}: expected 0 with model M, which has no price on energy, got {weight:g}; "
+            f"{by}: expected 0 with model M, whose reward counts no energy, got {weight:g}; "
             "model M_C has one"
         )
 

@@ -195,7 +195,7 @@ class GazeInverse:
             chosen = [names.index(name) for name in (names if dear is None else dear)]
             weights += [*(1.0 + 9.0 * np.eye(n))[chosen]]
         else:
-            weights += [self._price_slopes(near.activations[self._space.indices])]
+            weights += [self._cost_slopes(near.activations[self._space.indices])]
         found = [self._cheaper(first, w, wanted_deg, distance_m) for w in weights]
         return min(found, key=lambda least: least.metabolic_rate_w)
 
@@ -226,14 +226,14 @@ class GazeInverse:
             values = np.clip(solution.x, self._lowest, self._highest)
             if change < _SETTLED:
                 break
-            weights = self._price_slopes(values)
+            weights = self._cost_slopes(values)
         now = self._settled_deg(self._with(values), distance_m)[held]
         if np.abs(now - wanted).max() > _ACCEPTED_DEG:
             return LeastCost(activations, math.inf)
         rates_w = self._eyes.settled_metabolic_rate_w()
         return LeastCost(self._with(values), float(rates_w[self._space.indices].sum()))
 
-    def _price_slopes(self, values: Array) -> Array:
+    def _cost_slopes(self, values: Array) -> Array:
         """Return the slope of each muscle's rate, (n,), as long as now and a little more driven."""
         lengths_m = self._eyes.data.actuator_length
         low, high = (

@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 Pictures = tuple[NDArray[np.uint8], NDArray[np.uint8]]
 
 _AHEAD = np.array([0.0, 0.0, 1.0])
-# Of vergence's commands the first turns the eyes most; the later ones lower the price of energy
+# Of vergence's commands the first turns the eyes most; the later ones lower the metabolic rate
 # (D23) at activations that no first command reaches.
 _MEASURED_EVERY = 2
 # Without saccades: the first command, and one when the eyes have verged and their muscles have

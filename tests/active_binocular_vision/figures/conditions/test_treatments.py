@@ -60,7 +60,7 @@ def test_marks_of_the_sheet_are_medians_and_lines_ranges() -> None:
 def test_a_treatment_at_several_ages_is_a_course() -> None:
     plastic = [glasses(at, 0.5, final_learning_rate=0.2) for at in (200, 1800)]
     resting, other = courses_of([*some_conditions(), *conditions_of(plastic)])
-    assert (resting.treatment, resting.label) == ("glasses", "M, resting dictionaries")
+    assert (resting.treatment, resting.label) == ("glasses", "M, frozen dictionaries")
     assert resting.ages_percent == (10.0, 90.0)
     assert [of.runs[0].changed_at for of in resting.conditions] == [(200,), (1800,)]
     assert resting.untreated is not None

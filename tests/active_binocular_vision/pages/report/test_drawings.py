@@ -80,10 +80,10 @@ def test_the_motor_space_is_that_of_the_last_test(runs, monkeypatch) -> None:
 
 
 def test_every_figure_of_a_report_can_be_read(runs: list[Run]) -> None:
-    of_prices = [priced(runs[1], weight, 1 + weight) for weight in (0.05, 0.1, 0.2)]
-    found = {drawing.name: drawing.draw() for drawing in drawings(groups_of([*runs, *of_prices]))}
+    of_lambdas = [priced(runs[1], weight, 1 + weight) for weight in (0.05, 0.1, 0.2)]
+    found = {drawing.name: drawing.draw() for drawing in drawings(groups_of([*runs, *of_lambdas]))}
     figures = {name: figure for name, figure in found.items() if figure is not None}
     assert figures.keys() > {"performance", "boxes", "motor_space", "conditions", "encoding"}
-    assert figures.keys() > {"price_of_energy"}
+    assert figures.keys() > {"lambda"}
     for figure in figures.values():
         assert_readable(figure)

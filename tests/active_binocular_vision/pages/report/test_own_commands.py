@@ -11,7 +11,7 @@ from active_binocular_vision.figures.runs.activations import activations_figure
 from active_binocular_vision.figures.runs.boxes import box_figure
 from active_binocular_vision.figures.runs.errors import errors_figure
 from active_binocular_vision.figures.runs.learning_curve import performance_figure
-from active_binocular_vision.figures.runs.price import over_prices, price_figure
+from active_binocular_vision.figures.runs.over_lambda import lambda_figure, over_lambda
 from active_binocular_vision.pages.report.drawings import drawings
 from active_binocular_vision.pages.report.tables import antagonist_rows, comparison_rows
 from active_binocular_vision.runs.groups import Group, groups_of
@@ -79,8 +79,8 @@ def test_prices_show_the_errors_about_all_axes(tmp_path: Path) -> None:
         Run(write_run(tmp_path / f"{weight}", ALL_MUSCLES, "M_C", weight))
         for weight in (0.1, 0.3, 1.0)
     ]
-    groups = over_prices(groups_of(family))
-    figure = price_figure(groups)
+    groups = over_lambda(groups_of(family))
+    figure = lambda_figure(groups)
     assert_readable(figure)
     error, _, _ = figure.axes
     drawn = [np.asarray(line.get_ydata()) for line in error.lines[::2]]

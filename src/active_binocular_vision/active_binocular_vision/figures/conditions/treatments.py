@@ -41,15 +41,15 @@ _MARGIN_SHARE = 0.2
 _ROW_IN, _OTHER_IN = 1.15, 1.0
 # Of life, between the marks of two courses at the same age.
 _ASIDE_PERCENT = 4.0
-_CODE = {True: "plastic", False: "resting"}
+_CODE = {True: "plastic", False: "frozen"}
 
 
 @dataclass(frozen=True)
 class Course:
     """A treatment at several ages, of learners that are otherwise alike.
 
-    ages_percent: of life, rising, those of `conditions`; untreated: the same learners without it,
-    if there are any.
+    ages_percent: of training, rising, those of `conditions`; untreated: the same learners without
+    it, if there are any.
     """
 
     treatment: str
@@ -113,7 +113,7 @@ def treatments_figure(courses: Sequence[Course], columns: Sequence[Column]) -> F
             margin = _MARGIN_SHARE * PERCENT_TICKS[-1]
             axes.set(yticks=PERCENT_TICKS, ylim=(-margin, PERCENT_TICKS[-1] + margin))
     for axes in grid[-1]:
-        axes.set_xlabel("age\n% of life")
+        axes.set_xlabel("age\n% of training")
         axes.set_xlim(0.0, 100.0)
         axes.set_xticks(sorted({age for course in courses for age in course.ages_percent}))
     shown = [condition for course in courses for condition in course.conditions]

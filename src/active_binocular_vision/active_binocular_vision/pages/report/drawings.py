@@ -14,8 +14,8 @@ from active_binocular_vision.figures.runs.dictionaries import dictionary_figure
 from active_binocular_vision.figures.runs.errors import errors_figure
 from active_binocular_vision.figures.runs.learning_curve import performance_figure
 from active_binocular_vision.figures.runs.motor_space import motor_space, motor_space_figure
+from active_binocular_vision.figures.runs.over_lambda import lambda_figure, over_lambda
 from active_binocular_vision.figures.runs.pictures import anaglyph_figure, encoding_figure
-from active_binocular_vision.figures.runs.price import over_prices, price_figure
 from active_binocular_vision.pages.html import Drawing
 from active_binocular_vision.runs.groups import Group
 from active_binocular_vision.runs.run import Run
@@ -42,7 +42,7 @@ _BOXES = (
 _MOTOR_SPACE = (
     "Activations of both eyes' horizontal recti during trials with (a) the nearest and (b) the "
     "farthest object. Lines with dots: iterations of the last test's trials, of all seeds, with "
-    "the first test picture, that start with errors of -3, -1, 1 and 3 deg where the distance "
+    "the first test stimulus, that start with errors of -3, -1, 1 and 3 deg where the distance "
     "allows. Circles (M) and diamonds (M_C): their ends. Grey contours: metabolic rate of both "
     "eyes. Black: activations that fixate the object; dashed: 1 px off. The cost of a muscle is "
     "constant below the dotted activation of 0.005. At most four settings are shown."
@@ -53,7 +53,7 @@ _ERRORS = (
     "are quartiles over all trials of all seeds. The axis is broken where iterations were not "
     "kept. Fewer than five tests are not joined. Horizontal "
     "and vertical: disparity of the point that the left fovea looks at. Torsional: rotation of one "
-    "eye's picture around that point against the other's."
+    "eye's image around that point against the other's."
 )
 _ACTIVATIONS = (
     "Median activation of each muscle (a) at the start and (b) at the end of the last test's "
@@ -65,7 +65,7 @@ _CONDITIONS = (
     "object distance and by the vergence error at the start of the trial, in whole degrees. White "
     "is 1 px, blue less, red more. Hatched: no trials."
 )
-_PRICES = (
+_LAMBDA = (
     "After the last iteration of the last test's trials: (a) absolute error and (b) c, the share "
     "of the possible saving, over lambda, and (c) median error against median metabolic rate, a "
     "point per lambda, with its lambda. Points are medians over all trials of all seeds; bars are "
@@ -88,7 +88,7 @@ _DICTIONARIES = (
 _ANAGLYPHS = (
     "One trial in the bag's first test (a, b) and last test (c, d), at its start and at its end: "
     "left eye in red, right eye in cyan. Coloured fringes are disparity. The frame is the window "
-    "of the coarse scale. Of the trials with pictures, this one ends with the median error."
+    "of the coarse scale. Of the trials with images, this one ends with the median error."
 )
 
 
@@ -129,8 +129,8 @@ def drawings(groups: Sequence[Group]) -> Iterator[Drawing]:
         lack,
         without,
     )
-    prices = _of_any(price_figure, over_prices(groups))
-    yield Drawing("price_of_energy", "The price of energy", _PRICES, prices)
+    lambdas = _of_any(lambda_figure, over_lambda(groups))
+    yield Drawing("lambda", "Accuracy and energy over lambda", _LAMBDA, lambdas)
     yield from _from_bags(groups)
 
 
@@ -193,7 +193,7 @@ def _from_bags(groups: Sequence[Group]) -> Iterator[Drawing]:
             f"What the eyes of {run.name} see",
             _ANAGLYPHS,
             partial(anaglyph_figure, run),
-            "Not drawn without a bag with pictures of a trial common to its first and last test",
+            "Not drawn without a bag with images of a trial common to its first and last test",
         )
 
 

@@ -1,6 +1,6 @@
-"""Ask the eyes' mechanics which price makes antagonists share their work as Sherrington found.
+"""Ask the eyes' mechanics which cost makes antagonists share their work as Sherrington found.
 
-usage: .venv/bin/python sweeps/prices.py OUT [DEG_BETWEEN_GAZES]
+usage: .venv/bin/python sweeps/costs.py OUT [DEG_BETWEEN_GAZES]
 
 Nothing is learned. An eye with anatomical muscles is held at gazes of up to 25 deg about straight
 ahead, without torsion in Listing's coordinates. Its six activations have to balance three torques,
@@ -8,7 +8,7 @@ ahead, without torsion in Listing's coordinates. Its six activations have to bal
     M a + c = 0,  low <= a <= 1,
 
 M: torque per activation, c: torque of passive tissue. Forces are linear in activation at a posture.
-Of all activations that do, each price chooses the cheapest:
+Of all activations that do, each cost chooses the cheapest:
 
     metabolic rate    sum of S A^0.6 h m (Umberger 2003), as in C: concave, so that its least is at
                       a corner with three muscles at their lowest; all corners are tried
@@ -17,8 +17,8 @@ Of all activations that do, each price chooses the cheapest:
     endpoint variance of the line of sight with noise of each activation in proportion to it
                       (Harris & Wolpert 1998): sum of a_i^2 |(K^-1 m_i)|^2, K: stiffness with a
 
-with a tonic floor, a tension below which no muscle falls, or none. Writes OUT/prices.csv, a row a
-price, OUT/gazes.csv, a row a price and gaze, and OUT/figures/prices.png.
+with a tonic floor, a tension below which no muscle falls, or none. Writes OUT/costs.csv, a row a
+cost, OUT/gazes.csv, a row a cost and gaze, and OUT/figures/costs.png.
 """
 
 import csv
@@ -56,7 +56,7 @@ from eye_plant.mechanics.parameters import GRAM_FORCE_N
 from lockstep.command_space import MUSCLES
 
 Array = NDArray[np.float64]
-Price = Callable[["Held", Array], float]
+Cost = Callable[["Held", Array], float]
 
 MOST_DEG = 25.0
 DEG_BETWEEN_GAZES = 5.0
@@ -158,7 +158,7 @@ class Eye:
         return -self._eyes.data.actuator_force[:_N]
 
 
-# Prices
+# Costs
 
 
 def metabolic_rate_w(held: Held, a: Array) -> float:
@@ -191,21 +191,21 @@ def corners(held: Held, low: Array) -> Iterator[Array]:
                 yield a
 
 
-def cheapest(held: Held, price: Price, low: Array, *, is_concave: bool) -> Array | None:
+def cheapest(held: Held, cost: Cost, low: Array, *, is_concave: bool) -> Array | None:
     """Return the cheapest balanced activations (6,) between low and 1; None where there are none.
 
-    A concave price is least at a corner; others, which have one valley here, are descended from the
+    A concave cost is least at a corner; others, which have one valley here, are descended from the
     mean of all corners.
     """
     found = [*corners(held, low)]
     if not found:
         return None
     if is_concave:
-        return min(found, key=lambda a: price(held, a))
+        return min(found, key=lambda a: cost(held, a))
     start = np.mean(found, axis=0)
-    unit = price(held, start) or 1.0
+    unit = cost(held, start) or 1.0
     solution = minimize(
-        lambda a: price(held, a) / unit,
+        lambda a: cost(held, a) / unit,
         start,
         method="SLSQP",
         bounds=[(least, 1.0) for least in low],
@@ -216,8 +216,8 @@ def cheapest(held: Held, price: Price, low: Array, *, is_concave: bool) -> Array
     return np.clip(solution.x, low, 1.0) if is_balanced else None
 
 
-def prices(tonic: Array) -> Mapping[str, tuple[Price, float, bool]]:
-    """Return each price with its tonic floor in gf, and whether it is concave, by name."""
+def costs(tonic: Array) -> Mapping[str, tuple[Cost, float, bool]]:
+    """Return each cost with its tonic floor in gf, and whether it is concave, by name."""
 
     def change(_: Held, a: Array) -> float:
         return float((a - tonic) @ (a - tonic))
@@ -244,7 +244,7 @@ def gazes(step_deg: float) -> list[tuple[float, float]]:
 
 
 def measures(places: Array, activations: Array, tensions_gf: Array) -> dict[str, Any]:
-    """Return a row of prices.csv; places: (n, 2), activations, tensions_gf: (n, 6), NaN: none."""
+    """Return a row of costs.csv; places: (n, 2), activations, tensions_gf: (n, 6), NaN: none."""
     known = np.isfinite(activations).all(axis=1)
     of_pairs = activations.reshape(-1, 3, 2)
     active = active_pairs(of_pairs[known] >= _SILENT)
@@ -289,7 +289,7 @@ def yoked(places: Array, activations: Array, first: str, second: str) -> dict[st
 
 
 def figure_of(places: Array, found: Mapping[str, Array]) -> Figure:
-    """Return activations of the horizontal recti over the horizontal meridian, a panel a price."""
+    """Return activations of the horizontal recti over the horizontal meridian, a panel a cost."""
     level = places[:, 1] == 0.0
     figure = new_figure(8.0, 6.6)
     panels = figure.subplots(3, 3, sharex=True, sharey=True)
@@ -318,27 +318,27 @@ def main() -> None:
     out.mkdir(parents=True, exist_ok=True)
     with (out / "gazes.csv").open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["price", "azimuth_deg", "elevation_deg", *MUSCLES])
-        for name, (price, floor_gf, is_concave) in prices(eye.tonic).items():
+        writer.writerow(["cost", "azimuth_deg", "elevation_deg", *MUSCLES])
+        for name, (cost, floor_gf, is_concave) in costs(eye.tonic).items():
             chosen = [
-                cheapest(held, price, held.lowest(floor_gf), is_concave=is_concave)
+                cheapest(held, cost, held.lowest(floor_gf), is_concave=is_concave)
                 for held in all_held
             ]
             found[name] = np.array([np.full(_N, np.nan) if a is None else a for a in chosen])
             tensions_gf = np.array(
                 [held.tension_gf(a) for held, a in zip(all_held, found[name], strict=True)]
             )
-            row: dict[str, Any] = {"price": name}
+            row: dict[str, Any] = {"cost": name}
             rows.append(row | measures(at, found[name], tensions_gf))
             for place, a in zip(places, found[name], strict=True):
                 writer.writerow([name, *place, *(f"{value:.6g}" for value in a)])
-    with (out / "prices.csv").open("w", newline="") as file:
+    with (out / "costs.csv").open("w", newline="") as file:
         of_rows = csv.DictWriter(file, [*rows[0]], lineterminator="\n")
         of_rows.writeheader()
         for row in rows:
             of_rows.writerow({k: number(v) if isinstance(v, float) else v for k, v in row.items()})
     with own_style():
-        save(figure_of(at, found), out / "figures" / "prices.png")
+        save(figure_of(at, found), out / "figures" / "costs.png")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""sweeps/prices.py: the cheapest activations that hold an eye, against slower searches."""
+"""sweeps/costs.py: the cheapest activations that hold an eye, against slower searches."""
 
 import importlib.util
 from pathlib import Path
@@ -10,13 +10,13 @@ import pytest
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 
-SCRIPT = Path(__file__).parents[2] / "sweeps" / "prices.py"
+SCRIPT = Path(__file__).parents[2] / "sweeps" / "costs.py"
 GAZE_DEG = (10.0, -15.0)
 
 
 @pytest.fixture(scope="module")
-def prices() -> Any:
-    spec = importlib.util.spec_from_file_location("prices", SCRIPT)
+def costs() -> Any:
+    spec = importlib.util.spec_from_file_location("costs", SCRIPT)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -25,8 +25,8 @@ def prices() -> Any:
 
 
 @pytest.fixture(scope="module")
-def eye(prices: Any) -> Any:
-    return prices.Eye()
+def eye(costs: Any) -> Any:
+    return costs.Eye()
 
 
 @pytest.fixture(scope="module")
@@ -34,11 +34,11 @@ def held(eye: Any) -> Any:
     return eye.held(*GAZE_DEG)
 
 
-def test_the_cheapest_activations_hold_the_gaze(prices: Any, eye: Any, held: Any) -> None:
+def test_the_cheapest_activations_hold_the_gaze(costs: Any, eye: Any, held: Any) -> None:
     eyes = Oculomotor(MechanicsConfig(parameter_set="anatomical", moves="at_once"))
-    for price, floor_gf, is_concave in prices.prices(eye.tonic).values():
+    for cost, floor_gf, is_concave in costs.costs(eye.tonic).values():
         low = held.lowest(floor_gf)
-        a = prices.cheapest(held, price, low, is_concave=is_concave)
+        a = costs.cheapest(held, cost, low, is_concave=is_concave)
         assert a is not None
         assert (a >= low).all()
         assert held.tension_gf(a).min() >= floor_gf - 1e-6
@@ -49,21 +49,21 @@ def test_the_cheapest_activations_hold_the_gaze(prices: Any, eye: Any, held: Any
         )
 
 
-def test_nothing_that_holds_the_gaze_is_cheaper(prices: Any, eye: Any, held: Any) -> None:
+def test_nothing_that_holds_the_gaze_is_cheaper(costs: Any, eye: Any, held: Any) -> None:
     low = held.lowest(0.0)
-    corners = np.array([*prices.corners(held, low)])
+    corners = np.array([*costs.corners(held, low)])
     # What lies between corners is balanced, too.
     weights = np.random.default_rng(0).dirichlet(np.ones(len(corners)) / 4.0, 2000)
     others = weights @ corners
     assert np.abs([held.missed(a) for a in others]).max() < 1e-9
-    for price, floor_gf, is_concave in prices.prices(eye.tonic).values():
+    for cost, floor_gf, is_concave in costs.costs(eye.tonic).values():
         if floor_gf == 0.0:
-            best = price(held, prices.cheapest(held, price, low, is_concave=is_concave))
-            assert best <= min(price(held, a) for a in (*others, *corners)) + 1e-12
+            best = cost(held, costs.cheapest(held, cost, low, is_concave=is_concave))
+            assert best <= min(cost(held, a) for a in (*others, *corners)) + 1e-12
 
 
-def test_endpoint_variance_is_that_of_eyes_with_noise(prices: Any, held: Any) -> None:
-    a = prices.cheapest(held, prices.squares, held.lowest(5.0), is_concave=False)
+def test_endpoint_variance_is_that_of_eyes_with_noise(costs: Any, held: Any) -> None:
+    a = costs.cheapest(held, costs.squares, held.lowest(5.0), is_concave=False)
     eyes = Oculomotor(MechanicsConfig(parameter_set="anatomical", moves="at_once"))
     noise, draw = 1e-3, np.random.default_rng(1)
     ends = []
@@ -71,18 +71,18 @@ def test_endpoint_variance_is_that_of_eyes_with_noise(prices: Any, held: Any) ->
         shaken = a * (1.0 + noise * draw.standard_normal(6))
         eyes.rest(np.concatenate([shaken, eyes.tonic_activations[6:]]))
         ends.append(eyes.data.qpos[:2].copy())
-    expected = noise**2 * prices.endpoint_variance(held, a)
+    expected = noise**2 * costs.endpoint_variance(held, a)
     assert np.var(ends, axis=0).sum() == pytest.approx(expected, rel=0.25)
 
 
-def test_reciprocity_and_yokes_of_activations_that_are_known(prices: Any) -> None:
-    places = np.array(prices.gazes(12.5))
+def test_reciprocity_and_yokes_of_activations_that_are_known(costs: Any) -> None:
+    places = np.array(costs.gazes(12.5))
     activations = np.full((25, 6), np.nan)
     # One relaxes as the other contracts, by half as much, about a tonic level.
     turn = places[:, 0] / 1000.0
     for i in (0, 2, 4):
         activations[:, i], activations[:, i + 1] = 0.1 + turn, 0.1 - turn
-    row = prices.measures(places, activations, 100.0 * activations)
+    row = costs.measures(places, activations, 100.0 * activations)
     assert (row["gazes"], row["both active"], row["active muscles"]) == (25, 1.0, 6.0)
     assert row["medial rectus ahead / gf"] == pytest.approx(10.0)
     assert row["slope, horizontal recti, 25 deg"] == pytest.approx(-1.0)

@@ -1,4 +1,4 @@
-"""What a price of energy does: accuracy and saved energy over lambda, and the trade-off."""
+"""What lambda does: accuracy and saved energy over lambda, and the trade-off."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -35,9 +35,9 @@ from active_binocular_vision.figures.style import (
 from active_binocular_vision.runs.groups import Group
 from experiment_manager import Trials
 
-_LEAST_PRICES = 3
+_LEAST_LAMBDAS = 3
 _LOOKS = ((VERMILION, "o"), (BLUE, "s"), (GREEN, "^"))
-# Lambda 0 has a place on a logarithmic axis so many times below the least price.
+# Lambda 0 has a place on a logarithmic axis so many times below the least one.
 _ZERO_BELOW = 3.0
 _CLEARANCE_PX = 2.0
 # Of the name of a point from it, the best first.
@@ -51,7 +51,7 @@ def _reductions_percent(trials: Trials) -> np.ndarray:
     return 100 * reductions[~np.isnan(reductions)]
 
 
-def over_prices(groups: Sequence[Group]) -> list[Group]:
+def over_lambda(groups: Sequence[Group]) -> list[Group]:
     """Return groups with trials that differ in lambda alone, by lambda; none for less than three.
 
     A group of M counts as lambda 0. Of several such families, the largest.
@@ -64,13 +64,13 @@ def over_prices(groups: Sequence[Group]) -> list[Group]:
             if group.model != "M" or group.common.weight not in family:
                 family[group.common.weight] = group
     largest = max(families.values(), key=len, default={})
-    return [largest[w] for w in sorted(largest)] if len(largest) >= _LEAST_PRICES else []
+    return [largest[w] for w in sorted(largest)] if len(largest) >= _LEAST_LAMBDAS else []
 
 
-def price_figure(groups: Sequence[Group]) -> Figure:
+def lambda_figure(groups: Sequence[Group]) -> Figure:
     """Return error and saving of the last test over lambda, and error against metabolic rate.
 
-    groups: of `over_prices`. Median and quartiles over all trials of all seeds, whose numbers stand
+    groups: of `over_lambda`. Median and quartiles over all trials of all seeds, whose numbers stand
     below the figure.
     """
     figure = new_figure(WIDTH_IN, 3.2)
@@ -128,13 +128,13 @@ def _draw(
     quartiles = np.array([quartiles_of(values(g.last_trials)) for g in groups]).T
     places = np.maximum(weights, zero)
     draw_bars(axes, places, quartiles, colour, **style)
-    paid = weights > 0
-    axes.plot(places[paid], quartiles[1, paid], color=colour, lw=0.8)
+    is_positive = weights > 0
+    axes.plot(places[is_positive], quartiles[1, is_positive], color=colour, lw=0.8)
     axes.set_xscale("log")
-    axes.set_xlabel(r"price $\lambda$ / (1/W)")
+    axes.set_xlabel(r"$\lambda$ / (1/W)")
     steps = [step * 10.0**decade for decade in range(-6, 4) for step in (1, 3)]
-    ticks = [step for step in steps if weights[paid].min() <= step <= 1.001 * weights.max()]
-    is_there = [zero] if not paid.all() else []
+    ticks = [step for step in steps if weights[is_positive].min() <= step <= 1.001 * weights.max()]
+    is_there = [zero] if not is_positive.all() else []
     axes.set_xticks(is_there + ticks, ["0"] * len(is_there) + [f"{tick:g}" for tick in ticks])
     axes.xaxis.set_minor_locator(mpl.ticker.NullLocator())
     if is_there:
