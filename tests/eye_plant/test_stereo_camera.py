@@ -216,7 +216,7 @@ def test_a_distance_out_of_range_is_refused(camera, distance_m) -> None:
 )
 def test_a_stimulus_of_another_kind_is_refused(stimulus) -> None:
     grey = np.zeros((8, 8), np.uint8)
-    with pytest.raises(InputError, match="stimulus 1: expected a grey picture"):
+    with pytest.raises(InputError, match="stimulus 1: expected a grey image"):
         StereoCamera(CameraConfig(), StimulusSet((grey,), (stimulus,)))
 
 
@@ -229,7 +229,7 @@ def test_a_stimulus_of_another_kind_is_refused(stimulus) -> None:
         ({"focal_length_px": float("nan")}, r"focal_length_px: expected more than 0 px, got nan"),
         ({"left_magnification": 0.0}, r"left_magnification: expected more than 0, got 0.0"),
         ({"right_blur_px": -1.0}, r"right_blur_px: expected 0 px or more, got -1"),
-        ({"left_blur_px": 320.5}, r"left_blur_px: expected 0 to 320, the picture's longer side"),
+        ({"left_blur_px": 320.5}, r"left_blur_px: expected 0 to 320, the image's longer side"),
         ({"right_vertical_blur_px": 1000.0}, r"right_vertical_blur_px: expected 0 to 320"),
         ({"right_rotation_deg": 60.0}, r"right_rotation_deg: expected -45 to 45 deg"),
     ],

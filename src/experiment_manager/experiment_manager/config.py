@@ -183,11 +183,11 @@ class ExperimentManagerConfig(ProtocolConfig, EyesConfig):
         5.0, "wall time without a new message that counts as a fault", "s", above=0
     )
     pictures_every_n_episodes: int = setting(
-        1000, "record pictures and features of every n-th training episode; 0: of none", least=0
+        1000, "record images and features of every n-th training episode; 0: of none", least=0
     )
     pictures_every_n_trials: int = setting(
         230,
-        "record pictures and features of every n-th test trial; 0: of none (a test has 39"
+        "record images and features of every n-th test trial; 0: of none (a test has 39"
         " conditions per stimulus, so a multiple of 39 would record only one of them)",
         least=0,
     )

@@ -30,15 +30,15 @@ class NoiseConfig(TurnNoiseConfig):
         least=0,
         most=255,
     )
-    missing_pictures: float = share("pictures of an eye that are missing; its last one stays")
+    missing_pictures: float = share("images of an eye that are missing; its last one stays")
     activation_sd: float = setting(
         0.0,
-        "standard deviation of the noise with which the activation of each muscle is felt",
+        "standard deviation of the noise of each activation that the agent gets",
         least=0,
         most=1,
     )
     missing_activations: float = share(
-        "activations that are not felt; the muscle feels as it did last"
+        "activations that the agent does not get; their last values stay"
     )
 
     @property

@@ -137,6 +137,6 @@ class StereoCamera:
 def _check_picture(i_stimulus: int, picture: np.ndarray) -> None:
     if picture.dtype != np.uint8 or picture.ndim != 2 or picture.size == 0:
         raise InputError(
-            f"stimulus {i_stimulus}: expected a grey picture (height, width) of uint8, "
+            f"stimulus {i_stimulus}: expected a grey image (height, width) of uint8, "
             f"got shape {picture.shape} of {picture.dtype}"
         )

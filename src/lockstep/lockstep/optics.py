@@ -12,7 +12,7 @@ class OpticsConfig:
 
     focal_length_px: float = setting(
         257.34,
-        "focal length of both cameras, magnification aside; turns of the eyes are measured with it",
+        "focal length of both cameras, magnification aside; rotations are measured with it",
         "px",
         above=0,
     )
@@ -32,9 +32,9 @@ class TurnNoiseConfig:
     """Noise of the turns that are measured in pictures; InputError for a value out of range."""
 
     turn_sd_deg: float = setting(
-        0.0, "standard deviation of the noise of each angle of a measured turn", "deg", least=0
+        0.0, "standard deviation of the noise of each angle of a measured rotation", "deg", least=0
     )
-    missing_turns: float = share("turns of an eye that are not measured")
+    missing_turns: float = share("rotations of an eye that are not measured")
 
     def __post_init__(self) -> None:
         """Refuse values out of range."""

@@ -37,7 +37,7 @@ def central_view(picture: Image, camera: Pinhole, focal_px: float) -> Image:
     if min(ends) < -0.5:
         least_deg = 2.0 * math.degrees(math.atan(COARSE_WINDOW_PX / 2.0 / focal_px))
         raise InputError(
-            f"picture: expected a field of view of {least_deg:.1f} deg or more about the principal "
+            f"image: expected a field of view of {least_deg:.1f} deg or more about the principal "
             f"point, got {width_px} x {height_px} px with a focal length of "
             f"{camera.focal_px[0]:g} px; a camera that sees less needs a larger "
             "eyes.camera.focal_length_px"

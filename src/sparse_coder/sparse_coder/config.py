@@ -28,7 +28,7 @@ class SparseCoderConfig(TaskConfig):
     )
     random_reward: bool = setting(
         False,
-        "whether the reward is a random number, uniform in [-1, 0], that says nothing of pictures"
+        "whether the reward is a random number, uniform in [-1, 0], that says nothing of images"
         " or energy: whatever is still learned does not come from the reward",
     )
     camera: OpticsConfig = field(default_factory=OpticsConfig)

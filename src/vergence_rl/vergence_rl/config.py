@@ -35,8 +35,8 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
     )
     state_entries: str = setting(
         "all",
-        "entries of the state that the learner uses: all, features (what is seen), or activations"
-        " (what is felt); the others are 0",
+        "entries of the state that the learner uses: all, features (visual) or activations"
+        " (proprioceptive); the others are 0",
         choices=("all", "features", "activations"),
     )
     products_of_activations: bool = setting(
@@ -68,7 +68,7 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
         if self.learns_turns and not self.rule_config.turns_eyes:
             raise InputError(
                 f"learning_rule: expected another one than {self.learning_rule} with saccades or "
-                "measures_turns: its actions are changes of activation and not turns of the eyes"
+                "measures_turns: its actions are changes of activation, not rotations of the eyes"
             )
         self.rule_config.check_fits(self.iterations_per_fixation, self.n_visits)
 

@@ -230,7 +230,7 @@ def test_an_mp4_that_the_disk_cuts_short_is_one_error_and_not_left(bag, capsys) 
 def test_a_bag_without_pictures_is_one_error(make_bag, capsys) -> None:
     bag = make_bag({"/ground_truth": (GROUND_TRUTH_NAMES, np.zeros((3, len(GROUND_TRUTH_NAMES))))})
     assert main([str(bag), "--film", str(bag.parent / "film.gif")]) == 2
-    assert "expected pictures of both eyes, it has none" in capsys.readouterr().err
+    assert "expected images of both eyes, it has none" in capsys.readouterr().err
 
 
 def test_training_without_given_targets_has_none_to_ring(

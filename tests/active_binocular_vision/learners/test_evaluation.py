@@ -47,7 +47,7 @@ def test_own_stimuli_from_their_directory_are_the_same(small_run, run, pictures,
     assert document["tests"] == [to_builtins(_tests(small_run)[-1])]
     assert document["stimuli"] == str(pictures)
     text = capsys.readouterr().out
-    assert f"2 pictures of {pictures}" in text
+    assert f"2 stimuli of {pictures}" in text
     assert "{" not in text
     assert main([str(run), "--stimuli", str(pictures), "--json", "-"]) == 0
     assert json.loads(capsys.readouterr().out) == document
@@ -77,7 +77,7 @@ def test_other_pictures_and_fewer_of_them(run: Path, tmp_path: Path) -> None:
     ("line", "message"),
     [
         (("--checkpoint", "7"), "checkpoints: expected a checkpoint after 7 episodes, there is"),
-        (("--stimuli", "/nowhere"), "expected a directory of pictures, got /nowhere"),
+        (("--stimuli", "/nowhere"), "expected a directory of images, got /nowhere"),
         (("--stimuli", ".", "--test-stimuli", "0"), "test stimuli: expected 1 or more"),
         (("--start-scale", "0"), "start_scale: expected a run with a command for each muscle"),
     ],
@@ -124,7 +124,7 @@ def test_a_test_with_altered_input_is_another_one(small_run: Path, run: Path) ->
 
 def test_random_dot_stereograms(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([str(run), "--random-dots", "--test-stimuli", "2"]) == 0
-    assert "2 pictures of random-dot stereograms" in capsys.readouterr().out
+    assert "2 stimuli of random-dot stereograms" in capsys.readouterr().out
 
 
 def test_generated_stimuli_of_a_run_that_was_trained_on_others(run: Path) -> None:

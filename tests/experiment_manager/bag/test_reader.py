@@ -137,7 +137,7 @@ def test_what_is_no_vector_or_picture_is_refused(tmp_path, vector_bytes) -> None
     ):
         with pytest.raises(InputError, match=error):
             bag.vectors(topic)
-    with pytest.raises(InputError, match="expected a little-endian mono8 or 32FC1 picture"):
+    with pytest.raises(InputError, match="expected a little-endian mono8 or 32FC1 image"):
         list(bag.images("b"))
 
 

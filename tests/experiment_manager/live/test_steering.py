@@ -112,7 +112,7 @@ def test_the_page_shows_the_picture_and_takes_clicks(steering: Steering) -> None
         ("column_px=1", "expected a number as column_px and one as row_px"),
         ("column_px=a&row_px=1", "expected a number"),
         ("", "expected a number"),
-        ("column_px=9999&row_px=1", "picture of 320 x 240 px, got column 9999 and row 1"),
+        ("column_px=9999&row_px=1", "image of 320 x 240 px, got column 9999 and row 1"),
         ("column_px=1&row_px=-0.5", "got column 1 and row -0.5"),
         ("column_px=nan&row_px=1", "got column nan"),
     ):

@@ -184,7 +184,7 @@ def test_after_the_end_of_a_run_the_plant_is_silent(bench: Bench) -> None:
     [
         ("camera__width_px", "wide", "camera.width_px: expected an integer, got 'wide'"),
         ("mechanics__parameter_set", "k99", "mechanics.parameter_set: expected k17 or anatomical"),
-        ("stimuli__directory", "/nowhere", "stimuli.directory: expected a directory of pictures"),
+        ("stimuli__directory", "/nowhere", "stimuli.directory: expected a directory of images"),
         ("camera__with_px", 320, "unknown parameter camera.with_px"),
     ],
 )

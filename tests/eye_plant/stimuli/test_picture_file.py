@@ -82,7 +82,7 @@ def test_a_broken_file_is_named(
 ) -> None:
     path = write(tmp_path / f"a{suffix}", noise())
     path.write_bytes(breaks(path.read_bytes()))
-    with pytest.raises(InputError, match=rf"{path}: expected a picture, got a "):
+    with pytest.raises(InputError, match=rf"{path}: expected an image, got a "):
         read(path)
     assert capfd.readouterr().err == "", "the decoders' own words"
 
@@ -103,7 +103,7 @@ def test_a_file_that_is_damaged_inside_is_named(tmp_path, suffix, breaks) -> Non
     path = write(tmp_path / f"a{suffix}", noise())
     path.write_bytes(breaks(path.read_bytes()))
     expected = "file that is damaged inside: Corrupt JPEG data" if suffix == ".jpg" else "broken"
-    with pytest.raises(InputError, match=rf"{path}: expected a picture, got a {expected}"):
+    with pytest.raises(InputError, match=rf"{path}: expected an image, got a {expected}"):
         read(path)
 
 
@@ -134,7 +134,7 @@ def test_a_picture_beyond_what_opencv_reads_is_named(tmp_path: Path) -> None:
     head = struct.pack(">IIBBBBB", 40_000, 40_000, 1, 0, 0, 0, 0)
     parts = chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(b"")) + chunk(b"IEND", b"")
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + parts)
-    with pytest.raises(InputError, match=rf"{path}: expected a picture of 2\^30 pixels at most"):
+    with pytest.raises(InputError, match=rf"{path}: expected an image of 2\^30 pixels at most"):
         read(path)
 
 
@@ -156,7 +156,7 @@ def test_a_picture_without_contrast_is_named(tmp_path: Path, picture, greys: str
 def test_all_faults_are_one_error(tmp_path: Path) -> None:
     paths = [write(tmp_path / f"{i:02d}.png", noise(1 if i % 2 else 256)) for i in range(40)]
     paths[0].write_bytes(b"x")
-    with pytest.raises(InputError, match=r"^21 of 40 pictures cannot be used: ") as error:
+    with pytest.raises(InputError, match=r"^21 of 40 images cannot be used: ") as error:
         read_each(read, paths)
     assert all(str(path) in str(error.value) for path in (paths[0], *paths[1::2]))
     assert str(paths[2]) not in str(error.value)

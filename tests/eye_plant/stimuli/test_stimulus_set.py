@@ -290,7 +290,7 @@ def test_unseen_stimuli_of_a_part_for_tests_are_in_the_order_of_a_run(tmp_path: 
 @pytest.mark.parametrize("part", ["", "test"])
 def test_unseen_stimuli_that_are_none(tmp_path: Path, part: str) -> None:
     (tmp_path / part).mkdir(exist_ok=True)
-    with pytest.raises(InputError, match="expected 1 or more pictures"):
+    with pytest.raises(InputError, match="expected 1 or more images"):
         load_unseen_stimuli(str(tmp_path), small(Path()), 40)
 
 
@@ -328,12 +328,12 @@ def _empty_test(directory: Path) -> None:
     ("make", "message"),
     [
         (_small_picture, r"000\.png: expected .* 64 x 64 px or more, got 500 x 63"),
-        (_no_picture, r"stimuli: expected pictures .*, got photo\.heic$"),
+        (_no_picture, r"stimuli: expected images .*, got photo\.heic$"),
         (_links, r"got a\.png \(a link to nowhere that leads nowhere\), loop \(a link to loop "),
-        (lambda d: d.rmdir(), r"expected a directory of pictures, got .*stimuli"),
-        (lambda d: None, "expected 2 or more pictures .* got 0"),
-        (lambda d: write_pictures(d, 1), "expected 2 or more pictures .* got 1"),
-        (_empty_test, "test: expected 1 or more pictures .* got 0"),
+        (lambda d: d.rmdir(), r"expected a directory of images, got .*stimuli"),
+        (lambda d: None, "expected 2 or more images .* got 0"),
+        (lambda d: write_pictures(d, 1), "expected 2 or more images .* got 1"),
+        (_empty_test, "test: expected 1 or more images .* got 0"),
         (lambda d: write_pictures(d / "train", 3), "expected both train and test"),
     ],
 )
@@ -349,12 +349,12 @@ def test_a_directory_that_makes_no_set_is_named(
 
 def test_a_directory_that_cannot_be_listed_is_named(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(Path, "iterdir", refusing(errno.EACCES))
-    with pytest.raises(InputError, match=rf"{tmp_path}: expected pictures, got Permission denied"):
+    with pytest.raises(InputError, match=rf"{tmp_path}: expected images, got Permission denied"):
         load_stimuli(of_directory(tmp_path))
 
 
 def test_a_name_beyond_all_limits_is_no_directory() -> None:
-    with pytest.raises(InputError, match=r"expected a directory of pictures, got /n+$"):
+    with pytest.raises(InputError, match=r"expected a directory of images, got /n+$"):
         load_stimuli(of_directory(Path(f"/{300 * 'n'}")))
 
 

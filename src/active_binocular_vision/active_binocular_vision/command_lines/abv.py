@@ -30,7 +30,7 @@ _GROUPS = {
         "validate-plant": ("eye_plant.validation.__main__:main", "compare them with physiology"),
     },
     "Nodes, started one by one": {
-        "plant": (f"{_LINES}.nodes:plant", "two eyes with twelve muscles, and their pictures"),
+        "plant": (f"{_LINES}.nodes:plant", "two eyes with twelve muscles, and their images"),
         "coder": (f"{_LINES}.nodes:coder", "learns basis functions; features and reward"),
         "agent": (f"{_LINES}.nodes:agent", "learns muscle commands"),
         "manager": (f"{_LINES}.nodes:manager", "drives and records a run"),

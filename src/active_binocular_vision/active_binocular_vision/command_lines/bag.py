@@ -13,7 +13,9 @@ def parser() -> argparse.ArgumentParser:
         prog=command("bag"),
         description="Print the run, its learning curve, and topics with counts, rates and gaps.",
     )
-    line.add_argument("bag", type=written_path, help="bag directory, run directory or .mcap file")
+    line.add_argument(
+        "bag", type=written_path, metavar="BAG", help="bag directory, run directory or .mcap file"
+    )
     line.add_argument(
         "--configuration", action="store_true", help="also print config.yaml of the run"
     )
@@ -24,7 +26,7 @@ def parser() -> argparse.ArgumentParser:
         "--extract",
         type=written_path,
         metavar="DIR",
-        help="write all pictures into DIR as PNG files",
+        help="write all images into DIR as PNG files",
     )
     line.add_argument(
         "--film",

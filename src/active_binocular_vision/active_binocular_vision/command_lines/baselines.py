@@ -16,7 +16,7 @@ def parser() -> argparse.ArgumentParser:
     """Return the command line of `abv baselines`."""
     line = CommandLine(
         prog=command("baselines"),
-        description="Test other methods as a run was tested, with its eyes, pictures and first "
+        description="Test other methods as a run was tested, with its eyes, stimuli and first "
         "gazes, and write their measures beside the run's own. sac, ppo and cma_es need the extra "
         "rl: pip install stable-baselines3 cma.",
     )

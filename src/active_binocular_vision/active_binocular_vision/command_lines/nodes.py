@@ -11,7 +11,7 @@ from lockstep.written.command_line import CommandLine, command
 
 def plant() -> NoReturn:
     """Start the eyes."""
-    _become("plant", "eye_plant", "Two eyes with twelve muscles in MuJoCo, and their pictures.")
+    _become("plant", "eye_plant", "Two eyes with twelve muscles in MuJoCo, and their images.")
 
 
 def coder() -> NoReturn:

@@ -19,7 +19,7 @@ def parser() -> argparse.ArgumentParser:
         prog=command("report"),
         description="Draw the paper's figures and tables of runs into one report.html, from "
         "results.json, trials.npz, checkpoints and, where they exist, bags. Runs that differ only "
-        "in their seed, or in it and the seed of their pictures, are pooled, as in K17.",
+        "in their seed, or in it and the seed of their stimuli, are pooled, as in K17.",
     )
     line.add_argument(
         "runs",

@@ -97,7 +97,7 @@ def _topics(bag: Bag) -> str:
     ]
     note = (
         f"Rates and gaps in simulated time. A gap is longer than two periods of {period_ns / 1e9:g}"
-        " s; an episode's last observation is not answered. Pictures (a sample), changes of the "
+        " s; an episode's last observation is not answered. Images (a sample), changes of the "
         "plant and diagnostics (in real time) have no gaps."
     )
     return f"{text_table(header, rows, n_left=2)}\n{note}"
@@ -140,16 +140,16 @@ def _print_repairs(path: Path) -> None:
 
 def _extract(bag: Bag, directory: Path) -> None:
     if not is_free(directory):
-        raise InputError(f"expected a new or empty directory for pictures, got {directory}")
+        raise InputError(f"expected a new or empty directory for images, got {directory}")
     n_pictures = 0
     for topic in (topic for topic, kind in bag.types.items() if kind == _IMAGE):
         below = directory / topic.strip("/")
         below.mkdir(parents=True, exist_ok=True)
         for stamp_ns, picture in bag.images(topic):
             if not cv2.imwrite(str(below / f"{stamp_ns:019d}.png"), _as_grey(picture)):
-                raise OSError(f"cannot write a picture below {below}")
+                raise OSError(f"cannot write an image below {below}")
             n_pictures += 1
-    print(f"{n_pictures} pictures below {directory}")
+    print(f"{n_pictures} images below {directory}")
 
 
 def _as_grey(picture: np.ndarray) -> np.ndarray:

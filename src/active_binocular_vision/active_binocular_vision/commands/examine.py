@@ -76,7 +76,7 @@ def _examine(options: argparse.Namespace) -> None:
         manager = learners.manager
         print(
             f"model {manager.model}, seed {manager.seed}, checkpoint after "
-            f"{learners.place} episodes, {document['n_stimuli']} pictures of "
+            f"{learners.place} episodes, {document['n_stimuli']} stimuli of "
             f"{document['stimuli'] or 'its own test stimuli'}\n\n{table}"
         )
         if options.json is not None:

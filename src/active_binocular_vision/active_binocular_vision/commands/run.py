@@ -89,7 +89,7 @@ def _prepare_stimuli(configuration: Configuration) -> None:
     if plant.space.of_joints:
         return  # a head sees the world, or its own
     if stimuli.directory:
-        print(f"reading the pictures of {stimuli.directory}")
+        print(f"reading the images of {stimuli.directory}")
     elif text := announcement(stimuli):
         print(text)
     load_stimuli(stimuli)

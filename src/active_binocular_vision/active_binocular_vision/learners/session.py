@@ -244,7 +244,7 @@ def check_looks_at_targets(learners: FrozenLearners, shown: Shown, option: str) 
 def check_shows_pictures(shown: Shown, option: str) -> None:
     """Raise InputError, which names the option, for stereograms."""
     if shown.random_dots or shown.stereograms is not None:
-        raise InputError(f"{option}: expected pictures on a plane, got stereograms")
+        raise InputError(f"{option}: expected stimuli on a plane, got stereograms")
 
 
 def is_fused(errors_deg: Array, px_deg: float) -> NDArray[np.bool_]:

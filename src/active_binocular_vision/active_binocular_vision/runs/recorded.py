@@ -115,7 +115,7 @@ def pictured_episodes(bag: Bag) -> PicturedEpisodes:
     both = np.array(sorted(left & right), np.int64)
     wanted = np.unique(number[np.isin(truth.stamps_ns, both)])
     if not len(wanted):
-        raise InputError(f"bag {bag.path}: expected pictures of both eyes, it has none")
+        raise InputError(f"bag {bag.path}: expected images of both eyes, it has none")
     return PicturedEpisodes(truth, tuple(np.flatnonzero(number == n) for n in wanted))
 
 

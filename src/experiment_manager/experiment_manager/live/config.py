@@ -22,5 +22,5 @@ class LiveViewConfig(TaskConfig):
         PORT + 1, "port of the page for browsers, 0 for any free one", least=0, most=65535
     )
     run: str = setting("", "name of the run, for the page")
-    rate_hz: float = setting(20.0, "pictures a second at most", "Hz", above=0, most=100)
+    rate_hz: float = setting(20.0, "images a second at most", "Hz", above=0, most=100)
     camera: CameraConfig = field(default_factory=CameraConfig)

@@ -30,11 +30,11 @@ class Steering:
         Raises InputError for one outside.
         """
         if self.shown.size_px is None:
-            raise InputError("expected a picture of the left eye, none has come yet")
+            raise InputError("expected an image of the left eye, none has come yet")
         width_px, height_px = self.shown.size_px
         if not (0.0 <= column_px <= width_px and 0.0 <= row_px <= height_px):
             raise InputError(
-                f"expected a place in a picture of {width_px} x {height_px} px, got column "
+                f"expected a place in an image of {width_px} x {height_px} px, got column "
                 f"{column_px:g} and row {row_px:g}"
             )
         focal_px = self.shown.focal_length_px

@@ -67,7 +67,7 @@ def in_words(test: Summary, px_deg: float) -> str:
     if error_deg is None:
         return _NO_TRUTH if test.n_trials else ""
     sentences = [
-        f"After {test.iteration:,} training iterations, on pictures that training never shows:",
+        f"After {test.iteration:,} training iterations, on stimuli that training never shows:",
         f"vergence is off by {number(error_deg / px_deg, 2)} px in the median, and by less than "
         f"1 px in {percent(test.share_within_1_px)} of the trials"
         + (";" if _has_muscles(test) else "."),

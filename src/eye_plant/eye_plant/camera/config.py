@@ -82,12 +82,12 @@ class CameraConfig(CameraTurns, OpticsConfig):
         " slower",
         choices=RENDERERS,
     )
-    width_px: int = setting(320, "width of each picture", "px", least=2, multiple_of=2)
-    height_px: int = setting(240, "height of each picture", "px", least=2, multiple_of=2)
+    width_px: int = setting(320, "width of each image", "px", least=2, multiple_of=2)
+    height_px: int = setting(240, "height of each image", "px", least=2, multiple_of=2)
     roi_width_px: int = setting(
         320,
-        "width of the region of interest about the picture's centre; only this region is drawn,"
-        " with the same bits as in the full picture",
+        "width of the region of interest about the image's centre; only this region is drawn,"
+        " with the same bits as in the full image",
         "px",
         least=2,
         multiple_of=2,
@@ -102,28 +102,24 @@ class CameraConfig(CameraTurns, OpticsConfig):
     landscape_width_m: float = setting(39.0, "width of the landscape", "m", above=0)
     landscape_height_m: float = setting(12.0, "height of the landscape", "m", above=0)
     landscape_seed: int = setting(0, "seed of the generated landscape")
-    left_blur_px: float = _blur_px("standard deviation of the Gaussian blur of the left picture")
-    right_blur_px: float = _blur_px("standard deviation of the Gaussian blur of the right picture")
+    left_blur_px: float = _blur_px("standard deviation of the Gaussian blur of the left image")
+    right_blur_px: float = _blur_px("standard deviation of the Gaussian blur of the right image")
     left_horizontal_blur_px: float = _blur_px(
-        "additional blur of the left picture along its rows; it removes vertical stripes"
+        "additional blur of the left image along its rows; it removes vertical stripes"
     )
-    right_horizontal_blur_px: float = _blur_px(
-        "additional blur of the right picture along its rows"
-    )
+    right_horizontal_blur_px: float = _blur_px("additional blur of the right image along its rows")
     left_vertical_blur_px: float = _blur_px(
-        "additional blur of the left picture along its columns; it removes horizontal stripes"
+        "additional blur of the left image along its columns; it removes horizontal stripes"
     )
-    right_vertical_blur_px: float = _blur_px(
-        "additional blur of the right picture along its columns"
-    )
+    right_vertical_blur_px: float = _blur_px("additional blur of the right image along its columns")
     left_magnification: float = setting(
-        1.0, "magnification of the left picture about its centre", above=0
+        1.0, "magnification of the left image about its centre", above=0
     )
     right_magnification: float = setting(
-        1.0, "magnification of the right picture about its centre", above=0
+        1.0, "magnification of the right image about its centre", above=0
     )
-    left_occluded: bool = setting(False, "whether the left picture is black")
-    right_occluded: bool = setting(False, "whether the right picture is black")
+    left_occluded: bool = setting(False, "whether the left image is black")
+    right_occluded: bool = setting(False, "whether the right image is black")
 
     def __post_init__(self) -> None:
         """Refuse a configuration that cannot be drawn."""
@@ -136,7 +132,7 @@ class CameraConfig(CameraTurns, OpticsConfig):
         for name in _BLURS:
             if getattr(self, name) > widest_px:
                 raise InputError(
-                    f"{name}: expected 0 to {widest_px}, the picture's longer side (a wider blur "
+                    f"{name}: expected 0 to {widest_px}, the image's longer side (a wider blur "
                     f"leaves one even grey), got {getattr(self, name)}"
                 )
 

@@ -201,7 +201,7 @@ def _space_of(head: Head) -> str:
 def _pair(pictures: Sequence[np.ndarray]) -> Sequence[np.ndarray]:
     shapes = [np.shape(picture)[:2] for picture in pictures]
     if len(shapes) != 2 or shapes[0] != shapes[1]:
-        raise InputError(f"pictures: expected two of one size, left and right, got {shapes}")
+        raise InputError(f"pictures: expected two images of one size, left and right, got {shapes}")
     return pictures
 
 

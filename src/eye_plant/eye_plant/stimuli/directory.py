@@ -47,7 +47,7 @@ def choose_test_files(directory: str, seed: int) -> tuple[Path, ...]:
 def _root(directory: str) -> Path:
     root = written_path(directory)
     if not os.path.isdir(root):
-        raise InputError(f"stimuli.directory: expected a directory of pictures, got {directory}")
+        raise InputError(f"stimuli.directory: expected a directory of images, got {directory}")
     return root
 
 
@@ -58,7 +58,7 @@ def _pictures_in(directory: Path, least: int) -> list[Path]:
     try:
         found = sorted(directory.iterdir())
     except OSError as error:
-        raise InputError(f"{directory}: expected pictures, got {error.strerror}") from error
+        raise InputError(f"{directory}: expected images, got {error.strerror}") from error
     pictures: list[Path] = []
     others: list[str] = []
     for path in found:
@@ -73,10 +73,10 @@ def _pictures_in(directory: Path, least: int) -> list[Path]:
             others.append(path.name)
     kinds = ", ".join(SUFFIXES)
     if others:
-        raise InputError(f"{directory}: expected pictures ({kinds}), got {', '.join(others)}")
+        raise InputError(f"{directory}: expected images ({kinds}), got {', '.join(others)}")
     if len(pictures) < least:
         raise InputError(
-            f"{directory}: expected {least} or more pictures ({kinds}), got {len(pictures)}"
+            f"{directory}: expected {least} or more images ({kinds}), got {len(pictures)}"
         )
     return pictures
 

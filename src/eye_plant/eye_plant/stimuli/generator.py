@@ -1,4 +1,4 @@
-"""Grey pictures with the statistics of natural and man-made scenes, drawn from a seed (D8).
+"""Grey pictures in place of photographs, drawn from a seed (D8).
 
 Each picture is a dead-leaves world: opaque shapes whose sizes follow a power law occlude one
 another, which gives edges at all scales and an amplitude spectrum that falls about as 1/f, as in

@@ -40,7 +40,7 @@ def read_each(read: Callable[[Item], Result], items: Sequence[Item]) -> list[Res
         except InputError as error:
             faults.append(str(error))
     if len(faults) > 1:
-        faults = [f"{len(faults)} of {len(items)} pictures cannot be used: {'; '.join(faults)}"]
+        faults = [f"{len(faults)} of {len(items)} images cannot be used: {'; '.join(faults)}"]
     if faults:
         raise InputError(faults[0], longest=_MOST_CHARACTERS)
     return results
@@ -58,7 +58,7 @@ def read_picture(path: Path, size_px: int, smallest_px: int) -> np.ndarray:
     side_px = min(height_px, width_px)
     if side_px < smallest_px:
         raise InputError(
-            f"{path}: expected a picture of {smallest_px} x {smallest_px} px or more, "
+            f"{path}: expected an image of {smallest_px} x {smallest_px} px or more, "
             f"got {width_px} x {height_px}"
         )
     top, left = (height_px - side_px) // 2, (width_px - side_px) // 2
@@ -69,7 +69,7 @@ def read_picture(path: Path, size_px: int, smallest_px: int) -> np.ndarray:
     darkest, brightest = np.searchsorted(share_up_to, (_OUTLIERS, 1.0 - _OUTLIERS))
     if brightest - darkest < _LEAST_CONTRAST:
         raise InputError(
-            f"{path}: expected a picture with contrast, got greys from {darkest} to {brightest} of "
+            f"{path}: expected an image with contrast, got greys from {darkest} to {brightest} of "
             "0 to 255"
         )
     return stimulus
@@ -86,7 +86,7 @@ def _decoded(path: Path) -> np.ndarray:
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise InputError(f"{path}: expected a readable picture, got {error.strerror}") from error
+        raise InputError(f"{path}: expected a readable image, got {error.strerror}") from error
     got = f"a broken file of {len(content)} bytes"
     if content and not _is_cut_off(content):
         data = np.frombuffer(content, np.uint8)
@@ -96,7 +96,7 @@ def _decoded(path: Path) -> np.ndarray:
                 other = grey if grey is not None else cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
         except cv2.error as error:
             raise InputError(
-                f"{path}: expected a picture of 2^30 pixels at most, got {error.err}"
+                f"{path}: expected an image of 2^30 pixels at most, got {error.err}"
             ) from error
         damage = _DAMAGE.search(messages())
         if damage is not None:
@@ -105,7 +105,7 @@ def _decoded(path: Path) -> np.ndarray:
             return grey
         elif other is not None:
             got = f"one of {other.dtype.name} (expected 8 or 16 bits)"
-    raise InputError(f"{path}: expected a picture, got {got}")
+    raise InputError(f"{path}: expected an image, got {got}")
 
 
 def _is_cut_off(content: bytes) -> bool:

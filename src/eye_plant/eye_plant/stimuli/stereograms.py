@@ -83,7 +83,7 @@ def _read_pair(pair: Mapping[str, Path], size_px: int, smallest_px: int) -> Ster
     sizes_px = {side: size_of_picture(pair[side]) for side in SIDES}
     if sizes_px["left"] != sizes_px["right"]:
         raise InputError(
-            f"{pair['right']}: expected a picture of {_size(sizes_px['left'])} px, as the left "
+            f"{pair['right']}: expected an image of {_size(sizes_px['left'])} px, as the left "
             f"eye's, got {_size(sizes_px['right'])} px"
         )
     left, right = (read_picture(pair[side], size_px, smallest_px) for side in SIDES)

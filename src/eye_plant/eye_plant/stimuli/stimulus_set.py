@@ -27,15 +27,15 @@ class StimuliConfig:
 
     directory: str = setting(
         "",
-        "directory of pictures that replace the generated ones, with train and test inside, or all"
+        "directory of images that replace the generated ones, with train and test inside, or all"
         " in one, split by seed; empty: none",
     )
-    seed: int = setting(0, "seed of the generated pictures, or of the split of a directory")
-    n_training: int = setting(100, "number of training pictures", least=1)
-    n_test: int = setting(40, "number of test pictures", least=1)
-    size_px: int = setting(1920, "width and height of each picture", "px", least=SMALLEST_PX)
+    seed: int = setting(0, "seed of the generated stimuli, or of the split of a directory")
+    n_training: int = setting(100, "number of training stimuli", least=1)
+    n_test: int = setting(40, "number of test stimuli", least=1)
+    size_px: int = setting(1920, "width and height of each stimulus", "px", least=SMALLEST_PX)
     cache_directory: str = setting(
-        "", "directory of the generated pictures; empty: the user's cache directory"
+        "", "directory of the generated stimuli; empty: the user's cache directory"
     )
 
     def __post_init__(self) -> None:

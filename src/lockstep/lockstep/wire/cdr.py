@@ -167,7 +167,7 @@ def image_array(data: bytes) -> np.ndarray:
     image = deserialized(data, Image)
     kinds: dict[str, np.dtype[Any]] = {"mono8": np.dtype("u1"), "32FC1": np.dtype("<f4")}
     if image.encoding not in kinds or image.is_bigendian:
-        raise InputError(f"expected a little-endian mono8 or 32FC1 picture, got {image.encoding!r}")
+        raise InputError(f"expected a little-endian mono8 or 32FC1 image, got {image.encoding!r}")
     kind, row_bytes = kinds[image.encoding], image.width * kinds[image.encoding].itemsize
     if len(image.data) != image.step * image.height or image.step < row_bytes:
         raise InputError(

@@ -12,14 +12,14 @@ class GazeConfig:
     saccade_noise: float = setting(
         0.0015,
         "standard deviation of the noise on each activation of the first saccade, or the first"
-        " command of an episode without saccades, in training; how activations turn the eyes is"
+        " command of an episode without saccades, in training; how activations rotate the eyes is"
         " learned from it (D22)",
         least=0,
     )
     memory_share: float = setting(
         0.0,
-        "movements after which one has 1 / e of its weight in what is known of how activations turn"
-        " an eye, as a share of all so far; 0: all have the same weight (D22)",
+        "movements after which one has 1 / e of its weight in what is known of how activations"
+        " rotate an eye, as a share of all so far; 0: all have the same weight (D22)",
         least=0,
     )
 

@@ -113,7 +113,7 @@ def _examine(learners: FrozenLearners, shown: Shown, options: LandscapeOptions) 
         n_stimuli=session.n_pictures,
         summary=summary,
         tables={"errors": rows},
-        titles={"summary": "", "errors": "Mean over pictures and distances"},
+        titles={"summary": "", "errors": "Mean over stimuli and distances"},
     )
 
 

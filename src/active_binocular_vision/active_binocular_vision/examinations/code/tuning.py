@@ -60,7 +60,7 @@ class TuningSummary:
 def _examine(learners: FrozenLearners, shown: Shown, _: Options) -> Findings:
     """Fit the basis functions; no picture is shown."""
     if shown.text:
-        raise InputError("--tuning: expected no pictures, since the dictionary alone is examined")
+        raise InputError("--tuning: expected no stimuli, since the dictionary alone is examined")
     px_deg = degrees_per_px(learners.plant.camera.focal_length_px)
     rows = [
         scale_row(scale, tuned, atoms, px_deg)

@@ -92,7 +92,7 @@ DECLARED = {
         ),
         Declared(
             "prisms",
-            "turn the right eye's picture as prisms do, until the eyes no longer fuse",
+            "shift and rotate the right eye's image as prisms do, until the eyes no longer fuse",
             PrismOptions,
         ),
         Declared(
@@ -100,7 +100,7 @@ DECLARED = {
         ),
         Declared(
             "stereo",
-            "how small a disparity of random dots still decides which way the eyes turn",
+            "how small a disparity of random dots still decides whether the eyes converge",
             Distances,
         ),
         Declared(
@@ -116,7 +116,7 @@ DECLARED = {
         ),
         Declared(
             "landscape",
-            "code pictures at vergence errors of -4 to 4 deg: the landscape of the reward",
+            "code images at vergence errors of -4 to 4 deg: the landscape of the reward",
             LandscapeOptions,
         ),
         Declared(

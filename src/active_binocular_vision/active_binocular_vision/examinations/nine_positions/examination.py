@@ -66,8 +66,8 @@ def _examine(learners: FrozenLearners, shown: Shown, options: NinePositionsOptio
             "looks": [*looks("nine", nine), *looks("random", random)],
         },
         titles={
-            "positions": f"Medians over pictures after {looking.n_iterations} iterations{covered}",
-            "distances": "Medians over pictures and positions, of absolute values",
+            "positions": f"Medians over stimuli after {looking.n_iterations} iterations{covered}",
+            "distances": "Medians over stimuli and positions, of absolute values",
             "antagonists": "Antagonists at the nine positions: how many of both are active",
             "planes": "Displacement planes of nine positions and random places",
             "tilts": "Temporal tilt of the plane per deg of vergence",

@@ -64,7 +64,9 @@ def cover_figure(results: CoverTraces) -> Figure:
         for side, colour in zip(SIDES, _COLOURS, strict=True)
     ]
     pixel = Line2D([], [], color=GREY, lw=0.8, ls=":", label="1 px")
-    legend_below(figure, [*handles, Patch(color=LIGHT_GREY, alpha=0.5, label="cover"), pixel])
+    cover = Patch(color=LIGHT_GREY, alpha=0.5, label="cover")
+    n = Line2D([], [], ls="", label=f"n = {len(trials)} stimuli")
+    legend_below(figure, [*handles, cover, pixel, n])
     return figure
 
 
@@ -152,7 +154,7 @@ def stereo_figure(curve: StereoCurve) -> Figure:
         axes.plot(curve.disparity_deg, shares, ms=3.5, label=label, **look)
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter(mpl.ticker.FormatStrFormatter("%g"))
-    axes.set(xlabel="disparity / deg", ylabel="share of right commands", ylim=(-0.03, 1.03))
+    axes.set(xlabel="disparity / deg", ylabel="share of correct commands", ylim=(-0.03, 1.03))
     mark_level(axes, 0.5, "1/2")
     mark_level(axes, 0.75, "3/4")
     if curve.threshold_deg is not None:

@@ -68,11 +68,12 @@ def hess_chart(examined: NinePositionsTraces) -> Figure:
         for side in SIDES
     ]
     title_panels(panels.ravel(), titles)
+    seen = f"gaze, median over n = {nine.pictures.shape[1]} stimuli"
     legend_below(
         figure,
         [
             Line2D([], [], color=GREY, marker="o", mfc="white", ms=7, label="required gaze"),
-            Line2D([], [], color=BLUE, marker="o", ms=3.5, label="gaze, median over pictures"),
+            Line2D([], [], color=BLUE, marker="o", ms=3.5, label=seen),
         ],
     )
     return figure

@@ -74,7 +74,7 @@ _FIGURES: tuple[tuple[str, str, str, str, _Draw], ...] = (
         "landscapes",
         "Landscape of the reward",
         "Reconstruction error E of both scales over the vergence error, divided by its mean, at the"
-        " end of the run: ten test pictures at 0.5, 2 and 6 m, mean over seeds. Grey: normal eyes."
+        " end of the run: ten test stimuli at 0.5, 2 and 6 m, mean over seeds. Grey: normal eyes."
         " The number is the depth, the share of the mean error that the best vergence saves.",
         landscapes_figure,
     ),

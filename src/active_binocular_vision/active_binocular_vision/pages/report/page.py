@@ -40,7 +40,7 @@ _ABOUT_PAIR = (
     "code, whose trials start at -2, -4/3, -2/3 deg and thirds of up to 2 deg; nearest to them are "
     "our trials that start at -3, -2, -1, 1 or 2 deg (starts up to 2 deg; abv examine "
     "--start-errors code makes the authors' own). The paper gives four interquartile "
-    "ranges, 0.319 and 1.076 deg, from a plant and pictures of its own. Antagonist silent: the "
+    "ranges, 0.319 and 1.076 deg, from a plant and stimuli of its own. Antagonist silent: the "
     "lateral rectus up to 2 m, the medial one from 4 m on; other distances do not count in that "
     "share, and both may be silent."
 )
@@ -86,7 +86,7 @@ _FIXATIONS = (
 _TESTS = (
     "Below each run's tests: the parts of the remaining error. A trial ends at the mean error of "
     "its second half; those that end within 1 deg count. Bias: median of these errors. SD within: "
-    "among trials of one picture and distance, which start from other errors and activations, "
+    "among trials of one stimulus and distance, which start from other errors and activations, "
     "median over pairs. SD between: of the pairs' means. SD over time: in the second half, median "
     "over trials. Share left after an iteration: of a distance of 0.03 to 0.3 deg from where the "
     "trial ends."

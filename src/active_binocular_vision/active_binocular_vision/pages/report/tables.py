@@ -321,7 +321,7 @@ def learning_rows(run: Run) -> list[Row]:
 def resting_rows(tests: Sequence[RecordedTest]) -> list[Row]:
     """Return where the trials of a run's tests end."""
     names = [
-        *("bias / deg", "SD / deg", "SD within picture and distance / deg"),
+        *("bias / deg", "SD / deg", "SD within stimulus and distance / deg"),
         *("SD between them / deg", "SD over time / deg", "share left after an iteration"),
     ]
     rows = []
