@@ -4,6 +4,7 @@
 >>> run = abv.run("demonstration", seed=2)  # train and test, in this process
 >>> run.results  # the measures of its tests, as a data frame
 >>> abv.compare([run, abv.Run("runs/other")])
+>>> print(abv.examine("gaze", "cover").text())  # what trained eyes do when one is covered
 
 Its modules are imported only when a name of theirs is asked for.
 """
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from active_binocular_vision.learners.learners import FrozenLearners
     from active_binocular_vision.runs.groups import groups_of
     from active_binocular_vision.runs.run import Run
-    from active_binocular_vision.study import compare, run
+    from active_binocular_vision.study import compare, examine, run
     from eye_plant import EyePlant, Head, run_head
     from sparse_coder import SparseCoder
     from vergence_rl import Agent
@@ -29,6 +30,7 @@ __all__ = [
     "Run",
     "SparseCoder",
     "compare",
+    "examine",
     "groups_of",
     "run",
     "run_head",
@@ -38,7 +40,7 @@ _MODULES = {
     "active_binocular_vision.learners.learners": "FrozenLearners",
     "active_binocular_vision.runs.groups": "groups_of",
     "active_binocular_vision.runs.run": "Run",
-    "active_binocular_vision.study": "compare run",
+    "active_binocular_vision.study": "compare examine run",
     "eye_plant": "EyePlant Head run_head",
     "sparse_coder": "SparseCoder",
     "vergence_rl": "Agent",

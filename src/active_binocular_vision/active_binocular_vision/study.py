@@ -1,4 +1,4 @@
-"""Runs from Python: make one, and compare several."""
+"""Runs from Python: make one, compare several, examine what one has learned."""
 
 import contextlib
 import sys
@@ -9,6 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from active_binocular_vision.commands.run import check_old, prepare_new
 from active_binocular_vision.environments.one_thread import OneThread
+from active_binocular_vision.examinations.contract.examination import Findings
+from active_binocular_vision.examinations.registry import EXAMINATIONS
+from active_binocular_vision.learners.learners import FrozenLearners
+from active_binocular_vision.learners.shown import Shown
 from active_binocular_vision.runs.frames import frame_of_runs
 from active_binocular_vision.runs.run import Run
 from experiment_manager import RunRequest, Summary
@@ -18,7 +22,9 @@ from experiment_manager.run.in_process import InProcessRun
 from experiment_manager.run.run_directory import new_directory
 from eye_plant import Head
 from eye_plant.head.plant import settings_of
+from lockstep import InputError, build
 from lockstep.machine.interrupts import Interrupts
+from lockstep.written.nearest import unknown
 
 if TYPE_CHECKING:
     import pandas
@@ -102,3 +108,43 @@ def compare(runs: Iterable[Run | str | Path]) -> "pandas.DataFrame":
     runs: or their directories, or names of trained eyes.
     """
     return frame_of_runs([each if isinstance(each, Run) else Run(each) for each in runs])
+
+
+@OneThread()
+def examine(
+    run: Run | str | Path,
+    examination: str,
+    *,
+    settings: Mapping[str, Any] | None = None,
+    test_stimuli: int | None = None,
+    **options: Any,
+) -> Findings:
+    """Examine what a run has learned, without learning, as `abv examine` does.
+
+    run: or its directory, or the name of trained eyes; examination: "cover", "nine-positions" or
+    another option of that command, without dashes; settings: of the eyes, {"eyes.NAME": value}, as
+    --set; test_stimuli: so many at most; options: of the examination.
+
+    `text()` of what is returned are its tables, `measures()` the same as a document. Raises
+    InputError for what cannot be examined.
+
+    Example:
+        >>> import active_binocular_vision as abv
+        >>> found = abv.examine("runs/first", "landscape", test_stimuli=1, distances_m=(2.0,))
+        >>> found.measures()["n_stimuli"]
+        1
+    """
+    if examination not in EXAMINATIONS:
+        raise InputError(f"examination: {unknown(examination, EXAMINATIONS)}")
+    of_eyes = {}
+    for name, value in (settings or {}).items():
+        if not name.startswith("eyes."):
+            raise InputError(f"settings: expected names that begin with eyes., got {name}")
+        of_eyes[name.removeprefix("eyes.")] = value
+    directory = run.directory if isinstance(run, Run) else Path(run)
+    chosen = EXAMINATIONS[examination]
+    return chosen.examine(
+        FrozenLearners(directory, settings=of_eyes),
+        Shown(n_most=test_stimuli),
+        build(chosen.options, options),
+    )
