@@ -4,6 +4,7 @@ import signal
 import threading
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -118,3 +119,33 @@ def test_compared_runs_show_the_settings_in_which_they_differ(
     untested.document = replace(untested.document, tests=())
     found = abv.compare([untested, of_command_line])
     assert found["n_trials"].isna().tolist() == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("examination", "options", "message"),
+    [
+        ("covr", {}, "examination: expected a known name, got 'covr'; did you mean cover"),
+        ("cover", {"distances": (2.0,)}, "unknown parameter distances: did you mean distances_m"),
+        (
+            "cover",
+            {"settings": {"mechanics.strength": [1.0] * 12}},
+            r"settings: expected names that begin with eyes\., got mechanics\.strength",
+        ),
+    ],
+)
+def test_an_examination_that_cannot_be_made_is_refused(
+    examination: str, options: dict[str, Any], message: str, of_command_line: abv.Run
+) -> None:
+    with pytest.raises(InputError, match=message):
+        abv.examine(of_command_line, examination, **options)
+
+
+def test_eyes_are_examined_with_other_cameras_too(of_command_line: abv.Run) -> None:
+    blurred = {"eyes.camera.right_blur_px": 4.0}
+    options: dict[str, Any] = {"test_stimuli": 1, "distances_m": (2.0,)}
+    own, other = (
+        abv.examine(of_command_line, "acuity", settings=settings, **options)
+        for settings in (None, blurred)
+    )
+    assert own.measures()["n_stimuli"] == other.measures()["n_stimuli"] == 1
+    assert own.measures() != other.measures()

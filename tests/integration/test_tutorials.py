@@ -25,17 +25,11 @@ def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     os.environ.update(variables)
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """One for all, as two of them make the same run."""
-    return tmp_path_factory.mktemp("tutorials")
-
-
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
 def test_a_tutorial_runs(
-    page: Path, domain: None, folder: Path, monkeypatch: pytest.MonkeyPatch
+    page: Path, domain: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.chdir(folder)
+    monkeypatch.chdir(tmp_path)
     cells = _CELL.findall(page.read_text())
     names: dict[str, object] = {"__name__": "__main__"}
     for i, cell in enumerate(cells):
