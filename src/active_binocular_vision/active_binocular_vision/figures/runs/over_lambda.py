@@ -23,6 +23,7 @@ from active_binocular_vision.figures.quartiles import (
 from active_binocular_vision.figures.style import (
     BLUE,
     GREEN,
+    GREY,
     SMALLEST_PT,
     VERMILION,
     WIDTH_IN,
@@ -152,7 +153,10 @@ def _draw_trade(axes: Axes, groups: Sequence[Group]) -> None:
 
 
 def _name_points(figure: Figure, axes: Axes, names: Sequence[str]) -> None:
-    """Write a name beside each point of a line, where it covers neither the line nor a name."""
+    """Write a name beside each point of a line, where it covers neither the line nor a name.
+
+    A thin line joins a name to its point where they are not next to each other.
+    """
     figure.draw_without_rendering()  # so that the places are known
     line = axes.lines[0]
     course = line.get_transform().transform_path(line.get_path())
@@ -176,3 +180,6 @@ def _name_points(figure: Figure, axes: Axes, names: Sequence[str]) -> None:
             if not covers and box.x0 > axes.bbox.x0:
                 break
         boxes.append(box)
+        if abs(dy) > abs(_OFFSETS_PT[0][1]):
+            join = {"arrowstyle": "-", "lw": 0.5, "color": GREY, "shrinkA": 0.0, "shrinkB": 2.0}
+            axes.annotate("", point, (dx, dy), textcoords="offset points", arrowprops=join)
