@@ -88,16 +88,3 @@ def test_eyes_that_make_saccades_are_recorded_as_the_loop_has_them(pictures, tmp
     kept = kept_tests(directory)[-1]
     assert kept.activations.shape[-1] == 12
     assert np.isfinite(kept.column("cyclovergence_error_deg")[:, -1]).all()
-
-
-def test_vergence_by_turns_without_saccades_is_recorded_as_the_loop_has_it(
-    pictures, tmp_path
-) -> None:
-    turns = "task.measures_turns=true"
-    directory = _with_own_commands(pictures, tmp_path / "run", *_TWELVE, turns)
-    (gaze,) = Bag(directory / "bag").vectors("gaze").values()
-    assert np.isnan(gaze.column("target_up_deg")).all()
-    # Before they have learned, the eyes do not move in a test.
-    for name in ("left_up_deg", "right_up_deg"):
-        assert gaze.column(name)[[1, 6]] == pytest.approx(0.0, abs=1e-3)
-        assert np.isnan(gaze.column(name)[[0, 2]]).all()
