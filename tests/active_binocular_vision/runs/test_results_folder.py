@@ -69,6 +69,13 @@ def test_a_run_of_a_folder_is_named_as_if_it_were_a_directory(made, tmp_path) ->
     assert [run.name for run in found] == ["pair", "priced", "all"], "each once"
 
 
+def test_runs_of_one_name_are_not_mixed(made: list[Run], tmp_path: Path) -> None:
+    twin = tmp_path / "elsewhere" / made[0].name
+    with pytest.raises(InputError, match=f"different names, got {made[0].directory} and {twin}"):
+        keep([*made, Run(twin)], tmp_path / "kept")
+    assert not (tmp_path / "kept").exists()
+
+
 def test_a_sweep_has_its_runs_in_its_order(tmp_path: Path) -> None:
     (tmp_path / "sweep.yaml").write_text("axes: {seed: [2, 3, 1], profile: [paper]}")
     with pytest.raises(InputError, match="expected runs in the sweep"):

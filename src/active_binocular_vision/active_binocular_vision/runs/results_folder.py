@@ -207,8 +207,16 @@ def runs_with_tests(paths: Sequence[Path]) -> tuple[list[Run], list[str]]:
 def keep(runs: Sequence[Run], directory: Path, *, with_trials: bool = True) -> None:
     """Write a folder of results; of the trials nothing where with_trials is False.
 
-    Raises InputError for a run that is damaged, OSError when the disk refuses.
+    Raises InputError for a run that is damaged and for two of one name, OSError when the disk
+    refuses.
     """
+    of_name: dict[str, Run] = {}
+    for run in runs:
+        if (other := of_name.setdefault(run.name, run)) is not run:
+            raise InputError(
+                f"{directory}: expected runs of different names, got {other.directory} and"
+                f" {run.directory}"
+            )
     directory.mkdir(parents=True, exist_ok=True)
     sections = {run.name: {RUN_SECTION: dict(run.about)} | run.configuration for run in runs}
     common, own = _common_and_own(sections)
