@@ -233,9 +233,7 @@ def main() -> None:
     """Train, test, and print how precisely the eyes verge."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--iterations", type=int, default=1_000_000)
-    parser.add_argument(
-        "--lambda", dest="weight", type=float, default=0.0, help="lambda in 1/W; 0: model M"
-    )
+    parser.add_argument("--lambda", dest="weight", type=float, default=0.0, help="1/W; 0: model M")
     parser.add_argument("--seed", type=int, default=1)
     arguments = parser.parse_args()
     config = EyePlantConfig()

@@ -78,6 +78,15 @@ def test_a_run_from_python_is_that_of_the_command_line_and_can_be_stopped_and_re
         _run(tmp_path / "run", of_command_line)
 
 
+def test_a_run_goes_on_from_another(tmp_path: Path, of_command_line: abv.Run) -> None:
+    begun = abv.run(
+        branch=of_command_line.directory, iterations=60, tests=[60], out=tmp_path / "run"
+    )
+    assert begun.results.index.tolist() == [60]
+    with pytest.raises(InputError, match="expected 40 or more"):
+        abv.run(branch=of_command_line.directory, iterations=20, out=tmp_path / "too_few")
+
+
 def test_results_have_a_row_per_test_and_trials_one_per_trial(of_command_line: abv.Run) -> None:
     run = of_command_line
     assert run.results.index.tolist() == [0, 40]

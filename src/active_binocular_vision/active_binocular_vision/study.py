@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from active_binocular_vision.commands.run import check_old, prepare_new
+from active_binocular_vision.commands.run import check_old, prepare_new, source_commit
 from active_binocular_vision.environments.one_thread import OneThread
 from active_binocular_vision.examinations.contract.examination import Findings
 from active_binocular_vision.examinations.registry import EXAMINATIONS
@@ -16,6 +16,7 @@ from active_binocular_vision.learners.shown import Shown
 from active_binocular_vision.runs.frames import frame_of_runs
 from active_binocular_vision.runs.run import Run
 from experiment_manager import RunRequest, Summary
+from experiment_manager.preparation.continuation import branch as begun_from
 from experiment_manager.run.attempt import goes_on
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.in_process import InProcessRun
@@ -39,6 +40,7 @@ def run(
     out: str | Path | None = None,
     on_test: Callable[[Summary], object] | None = None,
     resume: bool = False,
+    branch: str | Path | None = None,
     head: Head | None = None,
     **options: Any,
 ) -> Run:
@@ -47,7 +49,8 @@ def run(
     profile: by name, default as on the command line; settings: {"SECTION.NAME": value}, as --set;
     out: run directory, default below runs/; on_test: called after each test with its measures, and
     what it raises ends the run; resume: go on with a run that has begun in `out`, and return one
-    that has ended; head: a robot's head in the place of the eyes, whose settings are taken over;
+    that has ended; branch: a run, its checkpoint or the name of trained eyes to go on from, as
+    --branch; head: a robot's head in the place of the eyes, whose settings are taken over;
     options: as --model, --iterations, --stimuli, --tests, --test-stimuli,
     --control, --schedule-delay and, as metabolic_cost_weight, --lambda, with _ for -.
 
@@ -75,7 +78,8 @@ def run(
         check_old(directory, request)
     else:
         with contextlib.redirect_stdout(sys.stderr):
-            prepare_new(request, directory, has_head=head is not None)
+            begins = None if branch is None else begun_from(str(branch), request, source_commit())
+            prepare_new(request, directory, begins, has_head=head is not None)
     if not _is_over(directory, on_test, head):
         raise KeyboardInterrupt
     return Run(directory)

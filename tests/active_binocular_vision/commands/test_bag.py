@@ -103,7 +103,7 @@ def test_pictures_never_overwrite(bag, tmp_path, capsys) -> None:
     (tmp_path / "pictures").mkdir()
     (tmp_path / "pictures" / "mine.png").write_text("")
     assert main([str(bag), "--extract", str(tmp_path / "pictures")]) == 2
-    assert "error: expected a new or empty directory for pictures" in capsys.readouterr().err
+    assert "error: expected a new or empty directory for images" in capsys.readouterr().err
 
 
 def test_a_rate_that_is_none_is_one_line(tmp_path: Path, capsys) -> None:

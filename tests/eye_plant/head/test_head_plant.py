@@ -99,9 +99,9 @@ def test_colours_become_grey() -> None:
 @pytest.mark.parametrize(
     ("shapes", "message"),
     [
-        (((4, 6), (4, 8)), r"two of one size, left and right, got \[\(4, 6\), \(4, 8\)\]"),
+        (((4, 6), (4, 8)), r"two images of one size, left and right, got \[\(4, 6\), \(4, 8\)\]"),
         (((4, 6, 4), (4, 6, 4)), r"expected uint8 of shape .* got uint8 of shape \(4, 6, 4\)"),
-        (((4, 6),), "two of one size"),
+        (((4, 6),), "two images of one size"),
     ],
 )
 def test_pictures_that_nobody_can_use_are_refused(shapes, message: str) -> None:

@@ -112,7 +112,10 @@ def examined(
     if figure is not None and figure.suffix.lower() != ".png":
         raise InputError(f"--figure: expected a name that ends in .png, got {figure}")
     if figure is not None and name not in FIGURES:
-        raise InputError(f"--figure: expected one of {_options(FIGURES)}, got --{name}")
+        raise InputError(
+            f"--figure: expected one of {_options(FIGURES)}, got --{name}, of which --json writes"
+            " the numbers"
+        )
     found = examination.examine(learners, shown, options)
     if figure is not None:
         with own_style():

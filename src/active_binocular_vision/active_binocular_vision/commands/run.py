@@ -277,6 +277,7 @@ def _announced(directory: Path) -> Path:
         f"{protocol.config.n_training_iterations:,} training iterations, "
         f"tests after {', '.join(f'{n:,}' for n in protocol.test_iterations)}: "
         f"{protocol.n_trials:,} trials of {protocol.config.iterations_per_trial} iterations each"
+        " (fewer: --test-stimuli)"
     )
     return directory
 

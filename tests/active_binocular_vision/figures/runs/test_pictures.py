@@ -63,7 +63,7 @@ def test_a_bag_without_a_test_is_left_out_and_named(runs: list[Run]) -> None:
     assert encoding.draw() is None
     assert encoding.left_out == [run.name for run in runs]
     assert anaglyphs.draw() is None
-    assert anaglyphs.lack.startswith("Not drawn without a bag with pictures")
+    assert anaglyphs.lack.startswith("Not drawn without a bag with images")
 
 
 def test_an_anaglyph_is_red_for_the_left_eye_and_cyan_for_the_right() -> None:
