@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import Image, JointState
 
-from lockstep.wire.topics import EPISODE_NAMES, PICTURES, REWARD_NAMES, TRAINING
+from lockstep.wire.topics import EPISODE_NAMES, PICTURES, TRAINING, reward_names
 from lockstep.wire.vectors import vector_message
 from sparse_coder import SparseCoder, SparseCoderConfig
 from sparse_coder.node import INPUTS, SparseCoderNode
@@ -65,7 +65,7 @@ def test_features_and_reward_are_the_coders(bench: LearnerBench) -> None:
         assert features.encoding == "32FC1"
         assert bytes(features.data) == encoding.features.tobytes()
         coarse, fine = encoding.reconstruction_error.tolist()
-        assert tuple(values.name) == REWARD_NAMES
+        assert tuple(values.name) == reward_names()
         rate_w = 1.875
         penalty = 0.1 * rate_w
         expected = [coarse, fine, rate_w, penalty, -(coarse + fine) - penalty, number - 1]

@@ -3,7 +3,7 @@
 In a parameter file the task stands under `/**/*`, so it reaches every node.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from lockstep.command_space import (
     ALL_MUSCLES,
@@ -16,6 +16,7 @@ from lockstep.command_space import (
     activation_limits,
 )
 from lockstep.errors import InputError
+from lockstep.scales import ScalesConfig
 from lockstep.settings import check_settings, setting
 
 # K17: without and with a price on energy.
@@ -78,6 +79,7 @@ class TaskConfig:
         least=0,
         most=1,
     )
+    scales: ScalesConfig = field(default_factory=ScalesConfig)
     schedule: str = setting(
         "",
         "changes of the eyes during the run, as YAML or JSON:"

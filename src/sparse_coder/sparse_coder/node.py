@@ -20,9 +20,9 @@ from lockstep.wire.topics import (
     GAZE_NAMES,
     GAZE_TARGET,
     PICTURES,
-    REWARD_NAMES,
     TARGET_NAMES,
     TRAINING,
+    reward_names,
     state_topic,
 )
 from lockstep.wire.vectors import VectorPublisher, values_of, whole_values_of
@@ -55,10 +55,11 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
     def __init__(self, **kwargs: Any) -> None:
         """Set up the coder; raises InputError for a bad configuration."""
         super().__init__("sparse_coder", SparseCoderConfig, **kwargs)
-        self._features = ImagePublisher(self, "features", features_message(self.config.n_bases))
-        self._reward = VectorPublisher(self, "reward", REWARD_NAMES)
+        scales, n_bases = self.config.scales.names, self.config.n_bases
+        self._features = ImagePublisher(self, "features", features_message(len(scales), n_bases))
+        self._reward = VectorPublisher(self, "reward", reward_names(scales))
         self._basis_functions = ImagePublisher(
-            self, BASIS_FUNCTIONS, basis_functions_message(self.config.n_bases)
+            self, BASIS_FUNCTIONS, basis_functions_message(len(scales), n_bases)
         )
         self._sent_basis_functions_s = 0.0
         self._wanted_deg: np.ndarray | None = None

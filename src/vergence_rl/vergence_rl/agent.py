@@ -86,7 +86,7 @@ class Agent:
     ) -> Decision:
         """Learn from what was done so far and answer with what to do next.
 
-        features: (2, n_features / 2) or any shape of that size; activations: (n_muscles,) of now,
+        features: (n_scales, n_bases) or any shape of that size; activations: (n_muscles,) of now,
         those that are commanded; reward: r_t, of now; iteration: within the episode, from 0;
         training_iteration: number of training iterations before this one; learning: whether to
         learn from the last action, and later from this one (there is nothing to learn at an

@@ -74,8 +74,8 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
 
     @property
     def n_features(self) -> int:
-        """Features of both scales."""
-        return 2 * self.n_bases
+        """Features of all scales."""
+        return len(self.scales.all) * self.n_bases
 
     @property
     def n_before(self) -> int:

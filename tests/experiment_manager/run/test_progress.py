@@ -26,8 +26,8 @@ CRITERIA = criteria_of(EyePlantConfig())
 
 
 def _reward(coarse: float, fine: float, cost_w: float) -> np.ndarray:
-    """Return the values of REWARD_NAMES."""
-    return np.array([coarse, fine, cost_w, 0.0, 0.0])
+    """Return the values of reward_names."""
+    return np.array([coarse, fine, cost_w, 0.0, 0.0, 0.0])
 
 
 def _trial(trial: int, errors_deg: list[float]) -> list[np.ndarray]:

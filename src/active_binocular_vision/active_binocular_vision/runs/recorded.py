@@ -131,7 +131,8 @@ def _sum_in_order(values: np.ndarray) -> float:
 
 
 def _total_error(reward: VectorTable) -> np.ndarray:
-    return reward.column("reconstruction_error_coarse") + reward.column("reconstruction_error_fine")
+    of_scales = [name for name in reward.names if name.startswith("reconstruction_error_")]
+    return np.sum([reward.column(name) for name in of_scales], axis=0)
 
 
 def trial_table(

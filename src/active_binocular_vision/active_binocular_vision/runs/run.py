@@ -28,7 +28,7 @@ from experiment_manager.run.config_file import CONFIG_FILE, about_in, parameters
 from experiment_manager.sections import Configuration
 from experiment_manager.trained.directory import run_directory
 from lockstep import PAIR, InputError
-from sparse_coder.patches import PATCH_SIZE_PX
+from lockstep.scales import PATCH_SIZE_PX
 
 if TYPE_CHECKING:
     import pandas
