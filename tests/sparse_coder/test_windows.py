@@ -16,6 +16,7 @@ THREE = ScalesConfig(
     window_px=(128, 40, 40),
     size_px=(32, 40, 40),
     zoom=(1.0, 1.0, 4.0),
+    focus_d=(0.0, 0.0, 0.0),
 )
 
 
@@ -24,7 +25,7 @@ def foveal(stereo_pair: Pair) -> NDArray[np.uint8]:
     return np.stack([picture[:40, :40] for picture in stereo_pair])
 
 
-def test_a_zoomed_scale_is_cut_from_its_own_pictures(
+def test_a_scale_apart_is_cut_from_its_own_pictures(
     stereo_pair: Pair, foveal: NDArray[np.uint8]
 ) -> None:
     windows = windows_of(*stereo_pair, [foveal], THREE)
@@ -52,7 +53,7 @@ def test_three_scales_are_coded_and_learned(stereo_pair: Pair, foveal: NDArray[n
         coder.learn(coder.encode(*stereo_pair, [foveal]))
     errors = coder.encode(*stereo_pair, [foveal]).reconstruction_error
     assert (errors < 0.8 * first.reconstruction_error).all()
-    percept = coder.perceive(*stereo_pair, np.zeros(4), zoomed=[foveal])
+    percept = coder.perceive(*stereo_pair, np.zeros(4), apart=[foveal])
     assert percept.reward == pytest.approx(-errors.sum())
     assert len(percept.reward_values()) == 7
 
@@ -66,13 +67,15 @@ def test_the_first_scales_do_not_depend_on_further_ones(
     np.testing.assert_array_equal(three.features[:2], two.features)
 
 
-def test_missing_and_wrong_zoomed_pictures_are_refused(
+def test_missing_and_wrong_pictures_of_scales_are_refused(
     stereo_pair: Pair, foveal: NDArray[np.uint8]
 ) -> None:
     coder = SparseCoder(SparseCoderConfig(n_bases=40, scales=THREE))
-    with pytest.raises(InputError, match="zoomed pictures: expected those of foveal, got 0"):
+    with pytest.raises(
+        InputError, match="pictures of scales apart: expected those of foveal, got 0"
+    ):
         coder.encode(*stereo_pair)
-    with pytest.raises(InputError, match="zoomed pictures: expected those of none, got 1"):
+    with pytest.raises(InputError, match="pictures of scales apart: expected those of none, got 1"):
         SparseCoder(SparseCoderConfig(n_bases=40)).encode(*stereo_pair, [foveal])
     with pytest.raises(InputError, match="even sides of at least 40 px, got height 38"):
         coder.encode(*stereo_pair, [foveal[:, :38]])

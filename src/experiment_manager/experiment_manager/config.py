@@ -161,7 +161,7 @@ class ProtocolConfig(TaskConfig):
     @property
     def pair_limits(self) -> PairLimits:
         """((lowest, highest) medial, (lowest, highest) lateral) first activations."""
-        return pair_limits(self.limits.lowest, self.limits.highest)
+        return pair_limits(self.turning_limits.lowest, self.turning_limits.highest)
 
 
 @dataclass(frozen=True)

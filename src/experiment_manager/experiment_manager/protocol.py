@@ -53,7 +53,7 @@ class Protocol:
         self._schedule = schedule
         self._seed = seed
         self._starts = tuple(starts_of_stages)
-        self._follows_changes = config.starts_follow_changes or config.command_space == PAIR
+        self._follows_changes = config.starts_follow_changes or config.turning_space == PAIR
         self.conditions = conditions(config, self._starts[0].baseline_m)
         self.n_trials = config.n_stimuli_per_test * len(self.conditions)
         self.segments = self._segments()

@@ -49,7 +49,7 @@ def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ..
     Of the pair and of joints they are `start_errors_deg`; of muscles with a command each they are
     drawn.
     """
-    if config.command_space in TURNED_ANGLES:
+    if config.turning_space in TURNED_ANGLES:
         planes_m = np.repeat(config.test_distances_m, config.n_starts_per_distance).tolist()
         return tuple(
             Condition(distance_m, _first_error_deg(config, start), start)
@@ -169,7 +169,7 @@ class GazeStarts:
         return tuple(self._inverse.activations(angles_deg, distance_m, aside).tolist())
 
     def _aside(self, spread: float, draw: np.random.Generator) -> np.ndarray:
-        return draw.normal(0.0, spread, len(self._config.space.names))
+        return draw.normal(0.0, spread, len(self._config.space.turning.names))
 
     def targets_deg(
         self, activations: Activations, n_iterations: int, draw: np.random.Generator
@@ -197,7 +197,7 @@ def starts(
     """
     if config.space.of_joints:
         return JointStarts(config, mechanics.baseline_m)
-    if config.command_space == PAIR:
+    if config.turning_space == PAIR:
         inverse, limits = Inverse(mechanics), config.pair_limits
         of_vergence = functools.partial(inverse.activations, limits=limits)
         return PairStarts(config, mechanics.baseline_m, of_vergence)
@@ -208,8 +208,8 @@ def gaze_inverse(
     config: ProtocolConfig, mechanics: MechanicsConfig, turns_deg: TurnsDeg = NO_TURNS_DEG
 ) -> GazeInverse:
     """Return what finds activations for a gaze, within the limits of first activations."""
-    limits = config.limits
-    return GazeInverse(mechanics, config.space, limits.lowest, limits.highest, turns_deg)
+    limits = config.turning_limits
+    return GazeInverse(mechanics, config.space.turning, limits.lowest, limits.highest, turns_deg)
 
 
 def draw_angles_deg(
@@ -244,7 +244,7 @@ def largest_angles_deg(config: ProtocolConfig) -> dict[str, float]:
     largest = dict(zip(ERRORS, config.start_error_deg, strict=True)) | dict(
         zip(("version", "elevation"), config.start_version_deg, strict=True)
     )
-    return {name: largest[name] for name in TURNED_ANGLES[config.command_space]}
+    return {name: largest[name] for name in TURNED_ANGLES[config.turning_space]}
 
 
 def _draw_of(config: ProtocolConfig, start: int) -> np.random.Generator:

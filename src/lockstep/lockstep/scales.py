@@ -15,14 +15,20 @@ PATCH_SIZE_PX, STRIDE_PX = 8, 4
 class Scale:
     """One scale: a window about the centre of a picture, and the pixels that are coded of it.
 
-    zoom: focal length of the picture over that of the eyes' pictures; of another zoom than 1 it is
-    a picture of its own, as wide as the window.
+    zoom: focal length of the picture over that of the eyes' pictures; focus_d: by how much more the
+    eyes focus the light that it is made of.
     """
 
     name: str
     window_px: int
     size_px: int
     zoom: float
+    focus_d: float = 0.0
+
+    @property
+    def is_apart(self) -> bool:
+        """Whether the eyes take a picture of its own for it, as wide as the window."""
+        return self.zoom != 1.0 or self.focus_d != 0.0
 
     @property
     def n_reductions(self) -> int:
@@ -64,9 +70,17 @@ class ScalesConfig:
     )
     zoom: tuple[float, ...] = setting(
         (1.0, 1.0),
-        "focal length of the picture that each window is cut from, over that of both cameras; of"
+        "focal length of the picture that each window is cut from, over that of both cameras; for"
         " another zoom than 1 the eyes take a picture of its own, as wide as the window",
         above=0,
+    )
+    focus_d: tuple[float, ...] = setting(
+        (0.0, 0.0),
+        "by how much more the eyes focus the light of each scale, as chromatic aberration has it"
+        " of short waves; for another value than 0 the eyes take a picture of its own",
+        "D",
+        least=-5,
+        most=5,
     )
     whitened: bool = setting(
         False,
@@ -80,7 +94,7 @@ class ScalesConfig:
         n_scales = len(self.names)
         if len(set(self.names)) < n_scales or not all(map(str.isidentifier, self.names)):
             raise InputError(f"names: expected a word for each scale, got {list(self.names)}")
-        for name in ("window_px", "size_px", "zoom"):
+        for name in ("window_px", "size_px", "zoom", "focus_d"):
             values = getattr(self, name)
             if len(values) != n_scales:
                 raise InputError(
@@ -97,18 +111,18 @@ class ScalesConfig:
     @cached_property
     def all(self) -> tuple[Scale, ...]:
         """The scales, in their order."""
-        lists = self.names, self.window_px, self.size_px, self.zoom
+        lists = self.names, self.window_px, self.size_px, self.zoom, self.focus_d
         return tuple(Scale(*values) for values in zip(*lists, strict=True))
 
     @property
-    def zoomed(self) -> tuple[Scale, ...]:
+    def apart(self) -> tuple[Scale, ...]:
         """Those with a picture of their own."""
-        return tuple(scale for scale in self.all if scale.zoom != 1.0)
+        return tuple(scale for scale in self.all if scale.is_apart)
 
     @property
     def widest_px(self) -> int:
         """Side of what all scales together see of the eyes' pictures."""
-        return max((scale.window_px for scale in self.all if scale.zoom == 1.0), default=0)
+        return max((scale.window_px for scale in self.all if not scale.is_apart), default=0)
 
 
 SCALES = ScalesConfig().names

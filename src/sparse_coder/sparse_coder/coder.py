@@ -71,21 +71,21 @@ class SparseCoder:
         right: Image,
         metabolic_rates_w: NDArray[np.float64],
         *,
-        zoomed: Sequence[NDArray[np.uint8]] = (),
+        apart: Sequence[NDArray[np.uint8]] = (),
         moment: Moment = _START,
         given_deg: NDArray[np.float64] = NOWHERE_DEG,
     ) -> Percept:
         """Return what an observation is worth, and what it says of gaze; the atoms stay.
 
         left, right: grey uint8 pictures (height_px, width_px).
-        zoomed: as for `encode`.
+        apart: as for `encode`.
         metabolic_rates_w: (n_muscles,) settled rates of the charged muscles, (0,) of joints.
         moment: which observation it is; turns of the eyes are followed from iteration 0 on.
         given_deg: (2,) place to look at when a fixation begins, NaN where the eyes choose.
 
         Raises InputError for unsuitable pictures or rates.
         """
-        encoding = self.encode(left, right, zoomed)
+        encoding = self.encode(left, right, apart)
         rate_w = float(metabolic_rates_w.sum())
         earned = reward(encoding.worth, rate_w, self.price_of_energy)
         if not len(metabolic_rates_w):
@@ -101,17 +101,17 @@ class SparseCoder:
         )
 
     def encode(
-        self, left: Image, right: Image, zoomed: Sequence[NDArray[np.uint8]] = ()
+        self, left: Image, right: Image, apart: Sequence[NDArray[np.uint8]] = ()
     ) -> Encoding:
         """Return the code of two grey uint8 pictures (height, width); changes nothing.
 
-        zoomed: of each scale of another zoom than 1 both eyes' pictures (2, height, width).
+        apart: of each scale with a picture of its own both eyes' (2, height, width).
         Raises InputError for pictures of another type or number, of odd or different or too small
         size.
         """
         config = self.config
         check_images(left, right, config.scales.widest_px)
-        windows = windows_of(left, right, zoomed, config.scales)
+        windows = windows_of(left, right, apart, config.scales)
         parts = [patches_and_energies(*pair) for pair in windows]
         patches = tuple(p for p, _ in parts)
         selections = tuple(

@@ -16,23 +16,23 @@ _DEFAULT = ScalesConfig()
 def windows_of(
     left: Image,
     right: Image,
-    zoomed: Sequence[NDArray[np.uint8]] = (),
+    apart: Sequence[NDArray[np.uint8]] = (),
     scales: ScalesConfig = _DEFAULT,
 ) -> tuple[tuple[Window, Window], ...]:
     """Return the left and the right window (size_px, size_px) of each scale, in grey levels.
 
-    Of whitened scales they are whitened. left, right: pictures that check_images accepts; zoomed:
-    of each scale of another zoom than 1 both eyes' pictures (2, height, width). Raises InputError
+    Of whitened scales they are whitened. left, right: pictures that check_images accepts; apart:
+    of each scale with a picture of its own both eyes' (2, height, width). Raises InputError
     for another number or kind of the latter.
     """
-    if len(zoomed) != len(scales.zoomed):
-        names = ", ".join(scale.name for scale in scales.zoomed) or "none"
-        raise InputError(f"zoomed pictures: expected those of {names}, got {len(zoomed)}")
-    own = iter(zoomed)
+    if len(apart) != len(scales.apart):
+        names = ", ".join(scale.name for scale in scales.apart) or "none"
+        raise InputError(f"pictures of scales apart: expected those of {names}, got {len(apart)}")
+    own = iter(apart)
     windows = []
     for scale in scales.all:
         pair = left, right
-        if scale.zoom != 1.0:
+        if scale.is_apart:
             pair = _pair(next(own), scale.name)
             check_images(*pair, scale.window_px)
         first, second = (window_of(picture, scale) for picture in pair)

@@ -85,7 +85,7 @@ def _with_starts(
     protocol: ExperimentManagerConfig, start_scale: float, start_errors: str | None
 ) -> ExperimentManagerConfig:
     if start_errors is not None:
-        if protocol.command_space != PAIR:
+        if protocol.turning_space != PAIR:
             raise InputError(
                 "start_errors: expected a run of the pair; with a command for each muscle first "
                 "errors are drawn"
@@ -93,7 +93,7 @@ def _with_starts(
         protocol = dataclasses.replace(protocol, start_errors=start_errors)
     if start_scale == 1.0:
         return protocol
-    if protocol.command_space == PAIR:
+    if protocol.turning_space == PAIR:
         raise InputError(
             "start_scale: expected a run with a command for each muscle, whose first errors "
             "are drawn from ranges; those of the pair are whole degrees"

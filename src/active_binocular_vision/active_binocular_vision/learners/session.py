@@ -106,7 +106,8 @@ class Eyes:
         loop.plant.reconfigure({})
         observation = loop.plant.begin(self._episode(1, ()))
         assert observation.pictures is not None
-        return loop.coder.encode(*observation.pictures)
+        left, right = observation.pictures
+        return loop.coder.encode(left, right, observation.apart)
 
     def _episode(self, n_iterations: int, targets_deg: Sequence[float]) -> Episode:
         return Episode.alone(

@@ -145,7 +145,7 @@ class Run:
     @property
     def is_of_pair(self) -> bool:
         """Whether two activations are commanded, the same in both eyes, as in K17."""
-        return self.evaluation_settings.plant.command_space == PAIR
+        return self.evaluation_settings.plant.turning_space == PAIR
 
     # What it measured
 
