@@ -90,9 +90,10 @@ class CommandSpace:
         """For each name the positions of its muscles among muscle_names."""
         if self.of_joints:
             return np.arange(len(self.names))[:, None]
-        return np.array(
-            [[self.muscle_names.index(muscle) for muscle in muscles_of(n)] for n in self.names]
-        )
+        members = [[self.muscle_names.index(m) for m in muscles_of(name)] for name in self.names]
+        # A muscle of its own among pairs is there twice: the mean is the same.
+        widest = max(map(len, members))
+        return np.array([of_name * (widest // len(of_name)) for of_name in members])
 
     def from_muscles(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return (..., n_names) from values (..., n_muscles) of muscle_names.
