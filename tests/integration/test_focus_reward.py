@@ -16,7 +16,7 @@ from lockstep.scales import ScalesConfig
 from sparse_coder import Encoding, SparseCoder, SparseCoderConfig
 
 BASELINE_M, DISTANCE_M = 0.056, 1.0
-N_TRAINING, N_TEST, N_VIEWS = 8, 8, 300
+N_TRAINING, N_TEST, N_VIEWS = 6, 6, 240
 SCALES = ScalesConfig(
     names=("fine", "foveal"),
     window_px=(40, 40),
@@ -26,24 +26,24 @@ SCALES = ScalesConfig(
     whitened=True,
 )
 CODER = SparseCoderConfig(
-    n_bases=64,
+    n_bases=100,
     scales=SCALES,
     learning_rate=4.0,
     final_learning_rate_share=0.0,
     n_training_iterations=N_VIEWS,
     iterations_per_episode=1,
     rewards_information=True,
-    sensor_noise=(1.75, 7.0),
+    sensor_noise=(7.0,),
 )
-FOCUS_D, VERGENCE_DEG = (0.0, 0.25, 1.0, 2.0), (0.1, 0.5, 1.5)
+FOCUS_D, VERGENCE_DEG = (0.0, 0.25, 0.5, 1.0, 2.0), (0.1, 0.5, 1.5)
 
 
 class Eyes:
     """Eyes before stimuli on a plane, set to errors of vergence and of focus."""
 
     def __init__(self) -> None:
-        stimuli = load_stimuli(StimuliConfig(n_training=N_TRAINING, n_test=N_TEST, size_px=480))
-        config = CameraConfig(plane_size_m=0.5, roi_width_px=40, roi_height_px=40)
+        stimuli = load_stimuli(StimuliConfig(n_training=N_TRAINING, n_test=N_TEST, size_px=960))
+        config = CameraConfig(plane_size_m=0.75, roi_width_px=40, roi_height_px=40)
         self._camera = StereoCamera(config, stimuli, 1.7, SCALES, focuses=True)
         self.draw = np.random.default_rng(1)
 
