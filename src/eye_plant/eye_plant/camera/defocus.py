@@ -14,7 +14,7 @@ from scipy.special import j1
 # A blur mixes in what lies so near; of a wider disc the rest is cut off.
 REACH_PX = 12
 # Steps of the diameter, which keep the number of kernels small.
-_STEP_PX = 0.02
+STEP_PX = 0.02
 _N_GRID = 64
 # Weights are whole numbers of this sum, so that sums are exact in any order and part of a picture.
 _BITS = 16
@@ -36,7 +36,7 @@ def defocused(
     Where a disc reaches beyond the picture, the picture goes on as its own mirror image, its
     outermost pixel not repeated.
     """
-    kernel = disc_kernel(round(diameter_px / _STEP_PX))
+    kernel = disc_kernel(round(diameter_px / STEP_PX))
     half = len(kernel) // 2
     margins = [(side - kept) // 2 for side, kept in zip(picture.shape, kept_px, strict=True)]
     lacking = [max(half - margin, 0) for margin in margins]
@@ -51,12 +51,12 @@ def defocused(
 
 @lru_cache(maxsize=2048)
 def disc_kernel(n_steps: int) -> NDArray[np.int32]:
-    """Return the weights (n, n), n odd, of a disc of n_steps hundredths of 2 px; their sum is 2^16.
+    """Return the weights (n, n), n odd, of a disc of n_steps times STEP_PX; their sum is 2^16.
 
     From the disc's transfer function, 2 J1(pi D f) / (pi D f), so that discs narrower than a pixel
     blur, too (Goodman 2005, section 6.4, for geometrical optics).
     """
-    diameter_px = n_steps * _STEP_PX
+    diameter_px = n_steps * STEP_PX
     half = min(int(diameter_px / 2.0 + 2.5), REACH_PX) if n_steps else 0
     frequency = np.fft.fftfreq(_N_GRID)
     x = np.maximum(np.pi * diameter_px * np.hypot(frequency[:, None], frequency), 1e-9)
