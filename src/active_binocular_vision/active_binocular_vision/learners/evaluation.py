@@ -125,7 +125,7 @@ def _trial_table(loop: InProcessLoop, protocol: Protocol) -> TrialTable:
     numbers = range(test.first, test.first + test.n_episodes)
     for i in progress(numbers, file=sys.stderr, desc="test", unit="trial"):
         rows += _trial(loop, protocol.episode(i), n_training)
-    return TrialTable(np.array(rows, dtype=np.float64))
+    return TrialTable(np.array(rows, dtype=np.float64), protocol.config.space)
 
 
 def _trial(loop: InProcessLoop, episode: Episode, n_training: int) -> list[tuple[float, ...]]:

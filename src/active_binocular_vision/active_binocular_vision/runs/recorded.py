@@ -143,7 +143,7 @@ def trial_table(
     if activations is not None and len(activations.stamps_ns):
         of_commands = _at_stamps(activations, commanded(activations, space), truth.stamps_ns)
     columns = [truth.column(name) for name in GROUND_TRUTH_NAMES]
-    return TrialTable.of(np.stack(columns, axis=1), of_commands)
+    return TrialTable.of(np.stack(columns, axis=1), of_commands, space)
 
 
 def commanded(activations: VectorTable, space: CommandSpace) -> np.ndarray:

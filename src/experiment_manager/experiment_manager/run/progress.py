@@ -166,7 +166,7 @@ class Progress:
                 f"expected activations of {len(truth)} observations of a test, got those of "
                 f"{len(activations)}"
             )
-        return TrialTable.of(truth, activations)
+        return TrialTable.of(truth, activations, self.space)
 
     def _keep(self, table: TrialTable) -> None:
         rows = table.rows.astype(np.float64)

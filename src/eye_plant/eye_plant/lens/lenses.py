@@ -84,6 +84,11 @@ class Lenses:
         left = np.exp(-duration_s / TIME_CONSTANTS_S)
         self._activations = self._targets + (self._activations - self._targets) * left
 
+    def focus_d(self, ciliary: Array) -> Array:
+        """Return the dioptres in focus (..., 2) of settled ciliary muscles (..., 2) or (..., 1)."""
+        focus_d: Array = self._amplitude_d * self._unparalysed[:, 0] * ciliary + self._added_d
+        return focus_d
+
     def state(self) -> LensState:
         """Return copies of the present state."""
         effective = self._unparalysed * self._activations
