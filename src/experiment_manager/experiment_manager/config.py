@@ -210,4 +210,4 @@ class ExperimentManagerConfig(ProtocolConfig, EyesConfig):
     @property
     def plant(self) -> EyePlantConfig:
         """Of the plant's configuration what the first activations of episodes depend on."""
-        return EyePlantConfig(mechanics=self.mechanics, camera=self.camera)
+        return EyePlantConfig(mechanics=self.mechanics, camera=self.camera, lenses=self.lenses)

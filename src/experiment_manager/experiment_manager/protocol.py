@@ -237,7 +237,7 @@ def make_protocol(config: ExperimentManagerConfig) -> Protocol:
     """Return the sequence of episodes of a configuration."""
     schedule = read_schedule(config.schedule)
     starts_of_stages = [
-        starts(config, plant.mechanics, plant.camera.turns_deg)
+        starts(config, plant.mechanics, plant.camera.turns_deg, plant.lenses)
         for plant in schedule.plants(config.plant)
     ]
     return Protocol(config, config.seed, starts_of_stages, schedule)
