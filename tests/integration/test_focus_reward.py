@@ -1,6 +1,7 @@
 """Which reward is best where both eyes are in focus and converged, on rendered stimuli."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -41,10 +42,10 @@ FOCUS_D, VERGENCE_DEG = (0.0, 0.25, 0.5, 1.0, 2.0), (0.1, 0.5, 1.5)
 class Eyes:
     """Eyes before stimuli on a plane, set to errors of vergence and of focus."""
 
-    def __init__(self) -> None:
+    def __init__(self, scales: ScalesConfig = SCALES) -> None:
         stimuli = load_stimuli(StimuliConfig(n_training=N_TRAINING, n_test=N_TEST, size_px=960))
         config = CameraConfig(plane_size_m=0.75, roi_width_px=40, roi_height_px=40)
-        self._camera = StereoCamera(config, stimuli, 1.7, SCALES, focuses=True)
+        self._camera = StereoCamera(config, stimuli, 1.7, scales, focuses=True)
         self.draw = np.random.default_rng(1)
 
     def see(
@@ -70,11 +71,7 @@ class Eyes:
 @pytest.fixture(scope="module")
 def rewards() -> dict[tuple[float, float], NDArray[np.float64]]:
     """Return -E and I of each test picture, (N_TEST, 2), by errors of vergence and focus."""
-    eyes, coder = Eyes(), SparseCoder(CODER)
-    for k in range(N_VIEWS):
-        spread = 0.1 if k % 2 else 1.0  # half of what is learned is near the right place
-        error_deg, *errors_d = spread * eyes.draw.uniform(-2.0, 2.0, 3)
-        coder.learn(eyes.see(coder, k % N_TRAINING, error_deg, np.array(errors_d)))
+    eyes, coder = _trained(SCALES)
     places = [(0.0, d) for d in FOCUS_D] + [(deg, 0.0) for deg in VERGENCE_DEG]
     return {
         (deg, d): _rewards(
@@ -82,6 +79,15 @@ def rewards() -> dict[tuple[float, float], NDArray[np.float64]]:
         )
         for deg, d in places
     }
+
+
+def _trained(scales: ScalesConfig) -> tuple[Eyes, SparseCoder]:
+    eyes, coder = Eyes(scales), SparseCoder(replace(CODER, scales=scales))
+    for k in range(N_VIEWS):
+        spread = 0.1 if k % 2 else 1.0  # half of what is learned is near the right place
+        error_deg, *errors_d = spread * eyes.draw.uniform(-2.0, 2.0, 3)
+        coder.learn(eyes.see(coder, k % N_TRAINING, error_deg, np.array(errors_d)))
+    return eyes, coder
 
 
 def _rewards(codes: Sequence[Encoding]) -> NDArray[np.float64]:
@@ -107,3 +113,15 @@ def test_both_are_best_where_the_eyes_converge(rewards) -> None:
         means = [rewards[deg, 0.0][:, i].mean() for deg in (0.0, *VERGENCE_DEG)]
         assert int(np.argmax(means)) == 0
         assert (rewards[0.0, 0.0][:, i] > rewards[0.5, 0.0][:, i]).all()
+
+
+def test_light_focused_farther_and_nearer_gives_blur_a_sign() -> None:
+    scales = replace(SCALES, names=("far", "near"), zoom=(4.0, 4.0), focus_d=(-0.5, 0.5))
+    eyes, coder = _trained(scales)
+    nearer = []
+    for error_d in (-0.5, 0.5):
+        views = range(N_TRAINING, N_TRAINING + N_TEST)
+        told = [eyes.see(coder, i, 0.0, np.full(2, error_d)).information for i in views]
+        nearer.append(np.array(told) @ [-1.0, 1.0])
+    # Eyes that focus too far see the light sharp that they focus nearer.
+    assert nearer[0].min() > 0.0 > nearer[1].max()

@@ -12,6 +12,9 @@ from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.hindsight.rule import HindsightRule
 from vergence_rl.learning_rule import Decision, LearningRule, Task, TimeStep
 
+# Of the activation of a lens; 0.05 are 0.6 D at the age of 20.
+_FIRST_NOISE_SD, _LEAST_NOISE_SHARE, _TARGET_SCALE = 0.05, 0.2, 0.04
+
 
 @dataclasses.dataclass(frozen=True)
 class LensConfig:
@@ -23,20 +26,13 @@ class LensConfig:
         " places, while the dictionaries learn what is seen there",
         least=0,
     )
-    exploration_sd: float = setting(
-        0.05, "standard deviation of the first noise on the activation of a lens", above=0
-    )
-    least_noise_share: float = setting(
-        0.2, "least standard deviation of that noise, as a share of the first", least=0, most=1
-    )
-    target_scale: float = setting(
-        0.04, "as hindsight.target_scale, of the activation of a lens", above=0
-    )
     ridge_share: float = setting(
         100.0, "as hindsight.ridge_share, of the weights of what is seen", above=0
     )
     felt_ridge_share: float = setting(
-        1e-6, "as hindsight.felt_ridge_share: what is felt tells a lens where to go", above=0
+        1e-6,
+        "as hindsight.felt_ridge_share: the less, the more a lens follows what is felt",
+        above=0,
     )
 
     def __post_init__(self) -> None:
@@ -44,11 +40,11 @@ class LensConfig:
         check_settings(self)
 
     def rule_config(self, eyes: HindsightConfig) -> HindsightConfig:
-        """Return the settings of a lens's rule; what they do not say is that of the eyes' rule."""
+        """Return the settings of a lens's rule, which remembers as long as the eyes' rule."""
         return HindsightConfig(
-            exploration_variance=self.exploration_sd**2,
-            least_noise_share=self.least_noise_share,
-            target_scale=self.target_scale,
+            exploration_variance=_FIRST_NOISE_SD**2,
+            least_noise_share=_LEAST_NOISE_SHARE,
+            target_scale=_TARGET_SCALE,
             ridge_share=self.ridge_share,
             felt_ridge_share=self.felt_ridge_share,
             memory_share=eyes.memory_share,
