@@ -14,7 +14,7 @@ VECTORS = {
     "episode": topics.EPISODE_NAMES,
     "ground_truth": topics.GROUND_TRUTH_NAMES[len(topics.EPISODE_NAMES) :],
     "eye_states": topics.EYE_STATE_NAMES,
-    "reward": topics.REWARD_NAMES,
+    "reward": topics.reward_names(),
     "muscle_command": COMMAND_NAMES,
     "actor_critic": ACTOR_CRITIC_NAMES,
 }

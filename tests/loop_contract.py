@@ -117,7 +117,7 @@ def _of_the_loop(configuration: str) -> tuple[_Messages, _Messages, _States]:
     for _, step in oracle.steps():
         if laid_out != oracle.plant.config:
             laid_out = oracle.plant.config
-            messages = StepMessages(laid_out, oracle.coder.config.n_bases)
+            messages = StepMessages(laid_out)
         stamp_ns = step.observation.number * oracle.period_ns
         for topic, message in messages.small(stamp_ns, step):
             small.setdefault(topic, {})[stamp_ns] = message

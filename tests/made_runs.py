@@ -15,7 +15,7 @@ from active_binocular_vision.commands.run import main as run_experiment
 from experiment_manager.bag.writer import BagWriter
 from experiment_manager.run.config_file import text_of_continuation
 from experiment_manager.sections import DEFAULTS
-from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, reward_names
 from tests.command_lines import set_words
 from tests.made_once import made_once
 from tests.supervisor import finished, start_supervisor
@@ -251,7 +251,7 @@ class SyntheticRun:
         cost_w = values["metabolic_rate_w"]
         penalty, number = weight * cost_w, float(self._observation)
         parts = [half, half, cost_w, penalty, -2 * half - penalty, number]
-        self._writer.write("reward", _vector_bytes(REWARD_NAMES, parts, stamp_ns), stamp_ns)
+        self._writer.write("reward", _vector_bytes(reward_names(), parts, stamp_ns), stamp_ns)
         if values["phase"] == 1 and values["trial"] % 10 == 0:
             shift_px = error_deg / 0.2226 / 2
             for side, sign in (("left", 1), ("right", -1)):

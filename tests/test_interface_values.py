@@ -85,7 +85,7 @@ def sent(request: pytest.FixtureRequest, pictures: Path) -> Sent:
         "eye_plant": {"stimuli.directory": str(pictures), "stimuli.size_px": 64},
     }
     loop = make_loop(configuration)
-    messages = StepMessages(config_of(EyePlantConfig, configuration), N_BASES)
+    messages = StepMessages(config_of(EyePlantConfig, configuration))
     found: Sent = defaultdict(list)
     for number in range(3):
         for step in loop.run_episode(_episode(number, phase=TEST if number == 2 else TRAINING)):

@@ -26,7 +26,7 @@ from experiment_manager.protocol import ProtocolConfig
 from eye_plant import desired_vergence_deg
 from eye_plant.camera.config import CameraConfig
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
-from sparse_coder.patches import COARSE_WINDOW_PX, FINE_WINDOW_PX
+from sparse_coder.patches import COARSE, FINE
 
 # Of each node: centre and half sizes in units of the drawing, colour, title, what it does.
 NODES = {
@@ -167,8 +167,8 @@ def _draw_above(axes: Axes) -> None:
     reach_m = 7.2
     for width_px, colour, name in (
         (camera.width_px, LIGHT_GREY, "image"),
-        (COARSE_WINDOW_PX, BLUE, "coarse window"),
-        (FINE_WINDOW_PX, ORANGE, "fine window"),
+        (COARSE.window_px, BLUE, "coarse window"),
+        (FINE.window_px, ORANGE, "fine window"),
     ):
         half = width_px / 2.0 / camera.focal_length_px
         degrees = 2.0 * math.degrees(math.atan(half))

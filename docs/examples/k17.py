@@ -29,7 +29,7 @@ from eye_plant import (
 from lockstep import COMMAND_SPACES, generator
 from sparse_coder.dictionary import Dictionary, initial_atoms, learned_atoms
 from sparse_coder.matching_pursuit import matching_pursuit, mean_squared_coefficients
-from sparse_coder.patches import N_PIXELS, binocular_patches, coarse_window, fine_window
+from sparse_coder.patches import COARSE, FINE, N_PIXELS, binocular_patches, window_of
 from sparse_coder.reward import reconstruction_error, reward
 from vergence_rl.cacla.actor import (
     ActorOutput,
@@ -93,8 +93,8 @@ class Learner:
     def step(self, seen: Observation, *, training: bool) -> Floats:
         """Return the command (2,) for an observation; in training learn from it, and explore."""
         # What the eyes see is coded: patches of both eyes, at two scales, each by ten atoms.
-        left, right = seen.pictures  # type: ignore[misc]  # each (height_px, width_px)
-        patches = [binocular_patches(w(left), w(right)) for w in (coarse_window, fine_window)]
+        windows = ([window_of(p, s) for p in seen.pictures] for s in (COARSE, FINE))  # type: ignore[union-attr]
+        patches = [binocular_patches(*of_both) for of_both in windows]
         codes = [
             matching_pursuit(p, dictionary.atoms, dictionary.gram, N_SELECTIONS)
             for p, dictionary in zip(patches, self.dictionaries, strict=True)
@@ -103,7 +103,7 @@ class Learner:
         # The reward (eq. 2, eq. 5).
         errors = [reconstruction_error(p, code) for p, code in zip(patches, codes, strict=True)]
         rate_w = float(seen.state.metabolic_rate_w[RECTI.indices].sum())
-        r_t = reward(np.array(errors), rate_w, self.weight).value
+        r_t = reward(-sum(errors), rate_w, self.weight).value
         # The state: features and activations, normalised, and a constant.
         activations = RECTI.from_all(seen.state.activations)
         entries = np.concatenate([*features, activations], dtype=np.float64)

@@ -7,10 +7,11 @@ import numpy as np
 
 from active_binocular_vision.examinations.code.tuning import scale_row
 from active_binocular_vision.examinations.contract.measure import record
-from active_binocular_vision.learners.basis_functions import SCALES, tunings
+from active_binocular_vision.learners.basis_functions import tunings
 from active_binocular_vision.runs.conditions import Column, all_columns
 from active_binocular_vision.runs.examined_run import AGES, ExaminedRun
 from active_binocular_vision.runs.groups import Common
+from lockstep.scales import SCALES
 from tests.active_binocular_vision.learners.gabor_patch import gabor_patch
 
 ERRORS_DEG = (-1.0, 0.0, 1.0)

@@ -14,7 +14,7 @@ from lockstep.node.diagnostics import Diagnostics
 from lockstep.node.requests import RequestServer
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import to_time
-from lockstep.wire.topics import EPISODE_NAMES, GROUND_TRUTH_NAMES, PLANT_VECTORS, REWARD_NAMES
+from lockstep.wire.topics import EPISODE_NAMES, GROUND_TRUTH_NAMES, PLANT_VECTORS, reward_names
 from lockstep.wire.vectors import VectorPublisher
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES, HORIZONTAL_RECTI
 from tests.stamps import to_ns
@@ -127,7 +127,7 @@ class ScriptedCoder(Scripted):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("sparse_coder", **kwargs)
         self.is_mute = self.answers_all = False
-        self._reward = VectorPublisher(self, "reward", REWARD_NAMES)
+        self._reward = VectorPublisher(self, "reward", reward_names())
         self.create_publisher(Image, "features", LOCKSTEP_QOS)
         self.create_subscription(Image, "left/image_raw", lambda m: None, LOCKSTEP_QOS)
         self.create_subscription(JointState, "episode", self._answer, LOCKSTEP_QOS)

@@ -80,3 +80,28 @@ def test_a_copy_learns_the_same(
     found = state_of(other)
     for name, values in state_of(loop).items():
         assert values.tobytes() == found[name].tobytes(), name
+
+
+def test_lenses_are_commanded_felt_and_coded_at_a_scale_of_their_own() -> None:
+    task = {
+        "command_space": "pair_and_lenses",
+        "highest_activations": [0.2, 0.1, 0.4, 0.4],
+        "lowest_activations": [0.0],
+        "n_bases": 32,
+        "scales.names": ["coarse", "fine", "foveal"],
+        "scales.window_px": [128, 40, 40],
+        "scales.size_px": [32, 40, 40],
+        "scales.zoom": [1.0, 1.0, 4.0],
+        "scales.focus_d": [0.0, 0.0, 0.0],
+    }
+    loop = loop_of(task=task, sparse_coder={"rewards_information": True})
+    assert loop.agent.config.n_state == 3 * 32 + 4 + 1
+    *_, before, last = trained(loop, range(2))
+    assert before.answer is not None
+    percept, command = before.answer.percept, before.answer.decision.command
+    assert percept.encoding.features.shape == (3, 32)
+    assert percept.reward == percept.encoding.worth > 0.0
+    assert last.observation.lenses is not None
+    np.testing.assert_allclose(last.observation.lenses.accommodation_d, 12.5 * command[2:])
+    assert loop.agent.learning_steps == 8
+    loop.plant.close()

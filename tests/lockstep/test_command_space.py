@@ -5,6 +5,7 @@ import pytest
 
 from lockstep import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI, PAIR, CommandSpace, InputError
 from lockstep.command_space import activation_limits
+from lockstep.task import TaskConfig
 
 PAIR_OF_RECTI = COMMAND_SPACES[PAIR]
 
@@ -58,3 +59,27 @@ def test_spaces_of_single_muscles_pass_activations_through() -> None:
     recti = COMMAND_SPACES[HORIZONTAL_RECTI]
     assert recti.names == PAIR_OF_RECTI.muscle_names
     assert recti.from_all(values).tolist() == [0.0, 1.0, 6.0, 7.0]
+
+
+def test_spaces_with_lenses_turn_the_eyes_as_those_without() -> None:
+    for name, turning in (
+        ("pair_and_lens", PAIR),
+        ("pair_and_lenses", PAIR),
+        ("all_muscles_and_lenses", ALL_MUSCLES),
+    ):
+        space = COMMAND_SPACES[name]
+        assert space.has_lenses
+        assert space.turning == COMMAND_SPACES[turning]
+        assert space.names[: len(space.turning.names)] == space.turning.names
+        config = TaskConfig(command_space=name, highest_activations=(0.3,), lowest_activations=(0,))
+        assert config.turning_space == turning
+        assert config.turning_limits.highest == (0.3,) * len(space.turning.names)
+    assert not COMMAND_SPACES[PAIR].has_lenses
+    assert COMMAND_SPACES[PAIR].turning is COMMAND_SPACES[PAIR]
+
+
+def test_one_lens_is_the_mean_of_both_and_two_are_their_own() -> None:
+    values = np.arange(16.0)
+    assert COMMAND_SPACES["pair_and_lens"].from_all(values).tolist() == [3.0, 4.0, 13.0]
+    assert COMMAND_SPACES["pair_and_lenses"].from_all(values).tolist() == [3.0, 4.0, 12.0, 14.0]
+    assert len(COMMAND_SPACES["pair_and_lens"].activation_names) == 16

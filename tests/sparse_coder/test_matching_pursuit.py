@@ -9,7 +9,7 @@ from sparse_coder.matching_pursuit import (
     mean_squared_coefficients,
     residual_energies,
 )
-from sparse_coder.patches import binocular_patches, coarse_window, fine_window
+from sparse_coder.patches import COARSE, FINE, binocular_patches, window_of
 from sparse_coder.picture_of_code import coded_patches
 from sparse_coder.reward import reconstruction_error
 from tests.sparse_coder.slow import slow_pursuit
@@ -21,7 +21,7 @@ def random_patches(n_patches: int, n_pixels: int = 128) -> NDArray[np.float32]:
 
 
 def image_patches(picture: NDArray[np.uint8]) -> NDArray[np.float32]:
-    windows = (coarse_window(picture), fine_window(picture))
+    windows = (window_of(picture, COARSE), window_of(picture, FINE))
     return np.concatenate([binocular_patches(w, np.roll(w, 1, axis=1).copy()) for w in windows])
 
 

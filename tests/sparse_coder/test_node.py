@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import Image, JointState
 
-from lockstep.wire.topics import EPISODE_NAMES, PICTURES, REWARD_NAMES, TRAINING
+from lockstep import SIDES
+from lockstep.wire.topics import EPISODE_NAMES, PICTURES, TRAINING, reward_names
 from lockstep.wire.vectors import vector_message
 from sparse_coder import SparseCoder, SparseCoderConfig
 from sparse_coder.node import INPUTS, SparseCoderNode
@@ -65,7 +66,7 @@ def test_features_and_reward_are_the_coders(bench: LearnerBench) -> None:
         assert features.encoding == "32FC1"
         assert bytes(features.data) == encoding.features.tobytes()
         coarse, fine = encoding.reconstruction_error.tolist()
-        assert tuple(values.name) == REWARD_NAMES
+        assert tuple(values.name) == reward_names()
         rate_w = 1.875
         penalty = 0.1 * rate_w
         expected = [coarse, fine, rate_w, penalty, -(coarse + fine) - penalty, number - 1]
@@ -120,3 +121,33 @@ REFUSED = [
         "muscle_activations: expected finite values, got ",
     ),
 ]
+
+
+def test_a_scale_with_pictures_of_its_own_waits_for_them(graph: Graph) -> None:
+    lists = {
+        "names": ["fine", "foveal"],
+        "window_px": [40, 40],
+        "size_px": [40, 40],
+        "zoom": [1.0, 4.0],
+        "focus_d": [0.0, 0.0],
+    }
+    own = {f"{side}/foveal/image_raw": Image for side in SIDES}
+    node = graph.add(SparseCoderNode, n_bases=16, **{f"scales__{n}": v for n, v in lists.items()})
+    assert node.inputs() == INPUTS | own
+    foveal = np.stack([_picture(7, side)[:40, :40] for side in range(2)])
+
+    def observation(number: int, phase: int = TRAINING) -> dict[str, Any]:
+        pairs = zip(own, foveal, strict=True)
+        return _observation(number, phase) | {
+            topic: image_message(picture, "mono8", number * 10**9) for topic, picture in pairs
+        }
+
+    bench = LearnerBench(
+        graph, node, INPUTS | own, {"features": Image, "reward": JointState}, observation
+    )
+    bench.show(1)
+    message = bench.wait_distinct("features", 1)[0]
+    coder = SparseCoder(node.config)
+    expected = coder.encode(_picture(1, 0), _picture(1, 1), [foveal]).features
+    assert bytes(message.data) == expected.tobytes()
+    assert bench.wait_distinct("reward", 1)[0].name[1] == "reconstruction_error_foveal"

@@ -3,25 +3,25 @@ import pytest
 from numpy.typing import NDArray
 
 from lockstep import InputError
-from sparse_coder.patches import binocular_patches, check_images, coarse_window, fine_window
+from sparse_coder.patches import COARSE, FINE, binocular_patches, check_images, window_of
 from tests.sparse_coder.slow import slow_patches, slow_reduction
 
 IMAGE = np.zeros((240, 320), np.uint8)
 
 
 def test_fine_window_is_the_central_40_px(picture: NDArray[np.uint8]) -> None:
-    np.testing.assert_array_equal(fine_window(picture), picture[110:150, 150:190])
+    np.testing.assert_array_equal(window_of(picture, FINE), picture[110:150, 150:190])
 
 
 def test_coarse_window_is_the_central_128_px_reduced_twice(picture: NDArray[np.uint8]) -> None:
     expected = slow_reduction(slow_reduction(picture[66:194, 106:234]))
-    np.testing.assert_array_equal(coarse_window(picture), expected)
+    np.testing.assert_array_equal(window_of(picture, COARSE), expected)
 
 
 def test_windows_of_the_central_region_alone_are_the_same(picture: NDArray[np.uint8]) -> None:
     centre = np.ascontiguousarray(picture[66:194, 106:234])
-    np.testing.assert_array_equal(coarse_window(centre), coarse_window(picture))
-    np.testing.assert_array_equal(fine_window(centre), fine_window(picture))
+    np.testing.assert_array_equal(window_of(centre, COARSE), window_of(picture, COARSE))
+    np.testing.assert_array_equal(window_of(centre, FINE), window_of(picture, FINE))
 
 
 @pytest.mark.parametrize(("side", "n_patches"), [(32, 49), (40, 81), (8, 1)])
@@ -37,7 +37,7 @@ def test_patches_match_a_slow_extraction(picture: NDArray[np.uint8]) -> None:
 
 
 def test_each_eye_has_mean_0_and_norm_1(picture: NDArray[np.uint8]) -> None:
-    patches = binocular_patches(coarse_window(picture), coarse_window(picture[::-1]))
+    patches = binocular_patches(window_of(picture, COARSE), window_of(picture[::-1], COARSE))
     for half in (patches[:, :64], patches[:, 64:]):
         np.testing.assert_allclose(half.mean(axis=1), 0.0, atol=1e-7)
         np.testing.assert_allclose(np.linalg.norm(half, axis=1), 1.0, atol=1e-6)
@@ -45,7 +45,7 @@ def test_each_eye_has_mean_0_and_norm_1(picture: NDArray[np.uint8]) -> None:
 
 def test_a_flat_half_is_zero_and_the_other_eye_keeps_its_norm(picture: NDArray[np.uint8]) -> None:
     flat = np.full((240, 320), 137, np.uint8)
-    patches = binocular_patches(coarse_window(flat), coarse_window(picture))
+    patches = binocular_patches(window_of(flat, COARSE), window_of(picture, COARSE))
     np.testing.assert_array_equal(patches[:, :64], 0.0)
     np.testing.assert_allclose(np.linalg.norm(patches[:, 64:], axis=1), 1.0, atol=1e-6)
 

@@ -2,12 +2,22 @@ import math
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from lockstep import InputError
-from sparse_coder.matching_pursuit import Selections
-from sparse_coder.reward import lambda_by_now, random_reward, reconstruction_error, reward
+from sparse_coder import SparseCoder, SparseCoderConfig
+from sparse_coder.matching_pursuit import Selections, residuals_of_eyes
+from sparse_coder.patches import FINE, patches_and_energies, window_of
+from sparse_coder.reward import (
+    information,
+    lambda_by_now,
+    noise_energy,
+    random_reward,
+    reconstruction_error,
+    reward,
+)
 
-ERRORS = np.array([0.1, 0.3])
+WORTH = -0.4
 
 
 def test_the_error_is_the_share_of_all_patches_energy_that_their_selections_leave() -> None:
@@ -16,22 +26,79 @@ def test_the_error_is_the_share_of_all_patches_energy_that_their_selections_leav
     assert reconstruction_error(patches, selections) == pytest.approx(25.0 / 50.0)
 
 
+def test_information_is_how_many_times_the_code_makes_the_uncertain_smaller() -> None:
+    """n + S is 8 and 2, n + R is 8 - 6 = 2 and 2: a mean of 0.5 log 4 and 0.5 log 1."""
+    energies = np.array([[4.0, 3.0], [1.0, 0.0]])
+    residuals = np.array([[0.25, 0.0], [1.0, 0.5]])
+    assert information(energies, residuals, 1.0) == pytest.approx(0.25 * math.log(4.0))
+
+
+def test_information_of_what_noise_drowns_is_nothing() -> None:
+    energies, residuals = np.full((3, 2), 2.0), np.zeros((3, 2))
+    assert information(energies, residuals, 1e9) == pytest.approx(0.0, abs=1e-8)
+    assert information(np.zeros((3, 2)), residuals, 1.0) == 0.0
+
+
+def test_noise_of_a_patch_is_that_of_its_pixels_after_whitening() -> None:
+    assert noise_energy(7.0, 0.5, 128) == pytest.approx(128 * 12.25)
+
+
+def test_energies_are_those_of_each_eyes_part_without_its_mean() -> None:
+    left, right = np.zeros((2, 8, 8), np.float32)
+    left[:4], right[:, :2] = 2.0, 8.0
+    _, energies = patches_and_energies(left, right)
+    # 64 times the variance: 64 x 1 and 64 x (0.25 x 0.75 x 8^2).
+    np.testing.assert_allclose(energies, [[64.0, 768.0]])
+
+
+def test_residuals_are_those_of_each_eyes_half() -> None:
+    patches = np.array([[0.6, 0.8, 1.0, 0.0]], np.float32)
+    atoms = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.6, 0.8]], np.float32)
+    selections = Selections(np.array([[0, 1]], np.int32), np.array([[0.6, 0.5]], np.float32))
+    # Left (0, 0.8); right (1 - 0.3, -0.4).
+    np.testing.assert_allclose(
+        residuals_of_eyes(patches, atoms, selections), [[0.64, 0.49 + 0.16]], rtol=1e-6
+    )
+
+
+def test_eyes_rewarded_for_information_get_that_of_all_scales(picture: NDArray[np.uint8]) -> None:
+    config = SparseCoderConfig(
+        n_bases=40, rewards_information=True, sensor_noise=(2.0, 5.0), metabolic_cost_weight=0.1
+    )
+    coder = SparseCoder(config)
+    percept = coder.perceive(picture, picture, np.full(4, 0.5))
+    encoding = percept.encoding
+    assert encoding.information is not None
+    window = window_of(picture, FINE)
+    _, energies = patches_and_energies(window, window)
+    left = residuals_of_eyes(encoding.patches[1], coder.atoms()[1], encoding.selections[1])
+    expected = information(energies, left, 128 * 25.0)
+    assert encoding.information[1] == pytest.approx(expected)
+    assert percept.reward == pytest.approx(encoding.information.sum() - 0.1 * 2.0)
+
+
+def test_sensor_noise_has_an_entry_for_each_scale_or_one_for_all() -> None:
+    assert SparseCoderConfig(sensor_noise=(3.0,)).noise_energies == (1152.0, 1152.0)
+    with pytest.raises(InputError, match="sensor_noise: expected 2 entries, of coarse, fine, or"):
+        SparseCoderConfig(sensor_noise=(1.0, 2.0, 3.0))
+
+
 def test_energy_is_charged_at_its_price() -> None:
-    got = reward(ERRORS, 1.4, 0.035)
+    got = reward(WORTH, 1.4, 0.035)
     assert got.value == pytest.approx(-0.4 - 0.049)
     assert got.energy_penalty == pytest.approx(0.049)
 
 
 @pytest.mark.parametrize("rate_w", np.random.default_rng(0).uniform(0.1, 2.0, 20))
 def test_reward_and_penalty_make_the_error_to_the_last_bit(rate_w: float) -> None:
-    got = reward(ERRORS, rate_w, 0.065)
+    got = reward(WORTH, rate_w, 0.065)
     assert got.value + got.energy_penalty == -0.4
 
 
 @pytest.mark.parametrize("rate_w", [math.nan, math.inf, -0.1])
 def test_a_bad_metabolic_rate_is_refused(rate_w: float) -> None:
     with pytest.raises(InputError, match="metabolic rate: expected 0 W or more"):
-        reward(ERRORS, rate_w, 0.0)
+        reward(WORTH, rate_w, 0.0)
 
 
 def test_a_price_rises_from_0_or_is_constant() -> None:

@@ -11,7 +11,7 @@ from sensor_msgs.msg import JointState
 
 from lockstep import COMMAND_SPACES, PAIR, build
 from lockstep.wire.stamps import to_time
-from lockstep.wire.topics import EPISODE_NAMES, REWARD_NAMES, TEST, TRAINING
+from lockstep.wire.topics import EPISODE_NAMES, TEST, TRAINING, reward_names
 from lockstep.wire.vectors import vector_message
 from tests.learner_contract import (
     LearnerBench,
@@ -59,7 +59,7 @@ def _observation(number: int, phase: int = TRAINING, **changes: float) -> dict[s
         "training_iteration": number,
     }
     episode |= changes
-    reward = dict.fromkeys(REWARD_NAMES, 0.0) | {"reward": _reward(number)}
+    reward = dict.fromkeys(reward_names(), 0.0) | {"reward": _reward(number)}
     return {
         "features": image_message(_features(number), "32FC1", stamp_ns),
         "reward": vector_message(stamp_ns, tuple(reward), tuple(reward.values())),

@@ -11,7 +11,7 @@ from rcl_interfaces.msg import Parameter, ParameterValue
 from sensor_msgs.msg import Image, JointState
 
 from lockstep.wire.stamps import to_time
-from lockstep.wire.topics import EPISODE_NAMES, REWARD_NAMES
+from lockstep.wire.topics import EPISODE_NAMES, reward_names
 from lockstep.wire.vectors import vector_message
 from tests.pair import COMMAND_NAMES, HORIZONTAL_RECTI
 
@@ -19,7 +19,7 @@ from tests.pair import COMMAND_NAMES, HORIZONTAL_RECTI
 VECTOR_NAMES: dict[str, Sequence[str]] = {
     "episode": EPISODE_NAMES,
     "muscle_activations": HORIZONTAL_RECTI,
-    "reward": REWARD_NAMES,
+    "reward": reward_names(),
     "muscle_command": COMMAND_NAMES,
 }
 IMAGE_TOPICS = ("left/image_raw", "right/image_raw", "features")

@@ -39,7 +39,7 @@ def _picture(message: Any) -> None:
 
 
 def _features(message: Any) -> None:
-    if features_of(message).shape[1] != 32:
+    if features_of(message, 2).shape[1] != 32:
         raise InputError("the agent looks at the size")
 
 

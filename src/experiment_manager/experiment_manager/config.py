@@ -161,7 +161,7 @@ class ProtocolConfig(TaskConfig):
     @property
     def pair_limits(self) -> PairLimits:
         """((lowest, highest) medial, (lowest, highest) lateral) first activations."""
-        return pair_limits(self.limits.lowest, self.limits.highest)
+        return pair_limits(self.turning_limits.lowest, self.turning_limits.highest)
 
 
 @dataclass(frozen=True)
@@ -210,4 +210,4 @@ class ExperimentManagerConfig(ProtocolConfig, EyesConfig):
     @property
     def plant(self) -> EyePlantConfig:
         """Of the plant's configuration what the first activations of episodes depend on."""
-        return EyePlantConfig(mechanics=self.mechanics, camera=self.camera)
+        return EyePlantConfig(mechanics=self.mechanics, camera=self.camera, lenses=self.lenses)

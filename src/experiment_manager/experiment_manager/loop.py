@@ -106,7 +106,9 @@ class InProcessLoop:
             right = central_view(right, seen.cameras[1], focal_px)
         rates_w = seen.rates_w(self._space)
         given_deg = np.array(seen.given_target_deg)
-        return self.coder.perceive(left, right, rates_w, moment=seen.moment, given_deg=given_deg)
+        return self.coder.perceive(
+            left, right, rates_w, apart=seen.apart, moment=seen.moment, given_deg=given_deg
+        )
 
     def _decide(
         self,

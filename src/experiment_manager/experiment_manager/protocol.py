@@ -53,7 +53,7 @@ class Protocol:
         self._schedule = schedule
         self._seed = seed
         self._starts = tuple(starts_of_stages)
-        self._follows_changes = config.starts_follow_changes or config.command_space == PAIR
+        self._follows_changes = config.starts_follow_changes or config.turning_space == PAIR
         self.conditions = conditions(config, self._starts[0].baseline_m)
         self.n_trials = config.n_stimuli_per_test * len(self.conditions)
         self.segments = self._segments()
@@ -237,7 +237,7 @@ def make_protocol(config: ExperimentManagerConfig) -> Protocol:
     """Return the sequence of episodes of a configuration."""
     schedule = read_schedule(config.schedule)
     starts_of_stages = [
-        starts(config, plant.mechanics, plant.camera.turns_deg)
+        starts(config, plant.mechanics, plant.camera.turns_deg, plant.lenses)
         for plant in schedule.plants(config.plant)
     ]
     return Protocol(config, config.seed, starts_of_stages, schedule)

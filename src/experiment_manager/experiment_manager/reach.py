@@ -59,7 +59,7 @@ def _check_eyes(
     protocol: ProtocolConfig, plant: EyePlantConfig, tested: Sequence[Condition]
 ) -> None:
     mechanics, plane_m = plant.mechanics, plant.camera.plane_size_m
-    if protocol.command_space != PAIR:
+    if protocol.turning_space != PAIR:
         _check_gazes(protocol, mechanics, plant.camera.turns_deg, plane_m)
         return
     inverse, limits = Inverse(mechanics), protocol.pair_limits
@@ -90,7 +90,7 @@ def _check_gazes(
             f"{distances_m[-1]:g} m, got {list(protocol.start_version_deg)}"
         )
     inverse = gaze_inverse(protocol, mechanics, turns_deg)
-    at_tonic_level = np.zeros(len(protocol.space.names))
+    at_tonic_level = np.zeros(len(protocol.space.turning.names))
     largest_deg = largest_angles_deg(protocol)
     corners = itertools.product(*((-most, most) for most in largest_deg.values()))
     for corner in (*corners, np.zeros(len(largest_deg))):

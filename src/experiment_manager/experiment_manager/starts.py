@@ -18,6 +18,8 @@ from experiment_manager.config import OF_CODE, ProtocolConfig
 from eye_plant import GazeInverse, Inverse, desired_vergence_deg
 from eye_plant import fixation_distance_m as distance_of_vergence_m
 from eye_plant.inverse.gaze import ERRORS, TURNED_ANGLES
+from eye_plant.lens.config import LensesConfig
+from eye_plant.lens.lenses import Lenses
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.turns import NO_TURNS_DEG, TurnsDeg
 from lockstep import PAIR, generator
@@ -29,6 +31,7 @@ ActivationsOfVergence = Callable[[float, float], Activations]
 _CORNER = (0.7, 1.0)
 _MOST_DRAWS = 1000
 _LARGEST_OF_CODE_DEG = 2.0
+_LENSES = LensesConfig()
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,7 @@ def conditions(config: ProtocolConfig, baseline_m: float) -> tuple[Condition, ..
     Of the pair and of joints they are `start_errors_deg`; of muscles with a command each they are
     drawn.
     """
-    if config.command_space in TURNED_ANGLES:
+    if config.turning_space in TURNED_ANGLES:
         planes_m = np.repeat(config.test_distances_m, config.n_starts_per_distance).tolist()
         return tuple(
             Condition(distance_m, _first_error_deg(config, start), start)
@@ -169,7 +172,7 @@ class GazeStarts:
         return tuple(self._inverse.activations(angles_deg, distance_m, aside).tolist())
 
     def _aside(self, spread: float, draw: np.random.Generator) -> np.ndarray:
-        return draw.normal(0.0, spread, len(self._config.space.names))
+        return draw.normal(0.0, spread, len(self._config.space.turning.names))
 
     def targets_deg(
         self, activations: Activations, n_iterations: int, draw: np.random.Generator
@@ -184,20 +187,68 @@ class GazeStarts:
         return drawn_targets_deg(self._config, n_iterations, gaze_deg, draw)
 
 
-# The first activations (12,) or angles of episodes, for a plant as it is in one stage of a run.
-Starts = PairStarts | GazeStarts
+class LensStarts:
+    """Starts of eyes with lenses, whose activations come after those that turn the eyes.
+
+    Each lens begins anywhere within the limits of its command, which tells nothing of the object;
+    pupils begin at rest.
+    """
+
+    argument = "activations"
+
+    def __init__(
+        self, turned: PairStarts | GazeStarts, config: ProtocolConfig, resting: np.ndarray
+    ) -> None:
+        """turned: how the eyes begin; resting: (4,) activations of lenses and pupils at rest."""
+        self._turned, self._resting, self.baseline_m = turned, resting, turned.baseline_m
+        n = len(config.space.turning.names)
+        self._ends = config.limits.lowest[n:], config.limits.highest[n:]
+
+    def training(self, draw: np.random.Generator) -> tuple[float, Activations]:
+        """Draw the plane's distance in m, and activations (16,)."""
+        distance_m, activations = self._turned.training(draw)
+        return distance_m, activations + self._lenses(draw)
+
+    def trial(self, condition: Condition, draw: np.random.Generator) -> Activations:
+        """Return activations with the condition's gaze, and draw those of lenses."""
+        return self._turned.trial(condition, draw) + self._lenses(draw)
+
+    def _lenses(self, draw: np.random.Generator) -> Activations:
+        activations = self._resting.copy()
+        activations[::2] = draw.uniform(*self._ends)
+        return tuple(activations.tolist())
+
+    def targets_deg(self, *_: object) -> tuple[float, ...]:
+        """Return none: eyes with lenses make no saccades."""
+        return ()
+
+
+# The first activations or angles of episodes, for a plant as it is in one stage of a run.
+Starts = PairStarts | GazeStarts | LensStarts
 
 
 def starts(
-    config: ProtocolConfig, mechanics: MechanicsConfig, turns_deg: TurnsDeg = NO_TURNS_DEG
+    config: ProtocolConfig,
+    mechanics: MechanicsConfig,
+    turns_deg: TurnsDeg = NO_TURNS_DEG,
+    lenses: LensesConfig = _LENSES,
 ) -> Starts:
     """Return how episodes begin with eyes of these mechanics; turns_deg: of the cameras in them.
 
-    The pair's errors are those of the eyes themselves.
+    The pair's errors are those of the eyes themselves. lenses: of eyes that have them.
     """
     if config.space.of_joints:
         return JointStarts(config, mechanics.baseline_m)
-    if config.command_space == PAIR:
+    turned = _turned_starts(config, mechanics, turns_deg)
+    if not config.space.has_lenses:
+        return turned
+    return LensStarts(turned, config, Lenses(lenses).resting_activations)
+
+
+def _turned_starts(
+    config: ProtocolConfig, mechanics: MechanicsConfig, turns_deg: TurnsDeg
+) -> PairStarts | GazeStarts:
+    if config.turning_space == PAIR:
         inverse, limits = Inverse(mechanics), config.pair_limits
         of_vergence = functools.partial(inverse.activations, limits=limits)
         return PairStarts(config, mechanics.baseline_m, of_vergence)
@@ -208,8 +259,8 @@ def gaze_inverse(
     config: ProtocolConfig, mechanics: MechanicsConfig, turns_deg: TurnsDeg = NO_TURNS_DEG
 ) -> GazeInverse:
     """Return what finds activations for a gaze, within the limits of first activations."""
-    limits = config.limits
-    return GazeInverse(mechanics, config.space, limits.lowest, limits.highest, turns_deg)
+    limits = config.turning_limits
+    return GazeInverse(mechanics, config.space.turning, limits.lowest, limits.highest, turns_deg)
 
 
 def draw_angles_deg(
@@ -244,7 +295,7 @@ def largest_angles_deg(config: ProtocolConfig) -> dict[str, float]:
     largest = dict(zip(ERRORS, config.start_error_deg, strict=True)) | dict(
         zip(("version", "elevation"), config.start_version_deg, strict=True)
     )
-    return {name: largest[name] for name in TURNED_ANGLES[config.command_space]}
+    return {name: largest[name] for name in TURNED_ANGLES[config.turning_space]}
 
 
 def _draw_of(config: ProtocolConfig, start: int) -> np.random.Generator:

@@ -11,9 +11,9 @@ from lockstep.wire.images import ImageBytes
 from lockstep.wire.topics import (
     GAZE,
     GAZE_NAMES,
-    REWARD_NAMES,
     actor_critic_names,
     command_topic,
+    reward_names,
 )
 from lockstep.wire.vectors import VectorBytes
 from sparse_coder.messages import features_message
@@ -25,17 +25,17 @@ _WORD_BYTES = 4
 class StepMessages:
     """Serializes steps: (topic, message) by (topic, message)."""
 
-    def __init__(self, plant: EyePlantConfig, n_bases: int, head: Head | None = None) -> None:
-        """Lay out the messages; n_bases: of each scale's dictionary; head: instead of the eyes."""
+    def __init__(self, plant: EyePlantConfig, head: Head | None = None) -> None:
+        """Lay out the messages; head: instead of the eyes."""
         self._space = plant.space
         self._observation: Any = (
             ObservationMessages(plant) if head is None else HeadMessages(head, self._space)
         )
-        self._reward = VectorBytes(REWARD_NAMES)
+        self._reward = VectorBytes(reward_names(plant.scales.names))
         self._gaze = VectorBytes(GAZE_NAMES)
         self._command = VectorBytes(self._space.names)
         self._actor_critic = VectorBytes(actor_critic_names(self._space))
-        self._features = ImageBytes(features_message(n_bases))
+        self._features = ImageBytes(features_message(len(plant.scales.all), plant.n_bases))
 
     def small(self, stamp_ns: int, step: Step) -> Iterator[tuple[str, bytes]]:
         """Yield what is recorded of each step."""

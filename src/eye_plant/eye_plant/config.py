@@ -1,11 +1,12 @@
 """Settings of the eye plant."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from eye_plant.camera.config import CameraConfig
 from eye_plant.inverse.least_cost import CostOfVergence, cost_of_vergence
+from eye_plant.lens.config import LensesConfig
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.senses import NoiseConfig
 from eye_plant.stimuli.stimulus_set import StimuliConfig
@@ -41,6 +42,7 @@ class EyesConfig:
     mechanics: MechanicsConfig = field(default_factory=MechanicsConfig)
     camera: CameraConfig = field(default_factory=CameraConfig)
     noise: NoiseConfig = field(default_factory=NoiseConfig)
+    lenses: LensesConfig = field(default_factory=LensesConfig)
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,20 @@ class EyePlantConfig(TaskConfig, EyesConfig):
     @property
     def least_costs_of(self) -> tuple[MechanicsConfig, str, tuple[float, ...], TurnsDeg]:
         """What the least costs depend on, as cost_of_vergence takes it."""
-        return self.mechanics, self.command_space, self.limits.lowest, self.camera.turns_deg
+        lowest = self.turning_limits.lowest
+        return self.mechanics, self.turning_space, lowest, self.camera.turns_deg
+
+    @property
+    def worn_camera(self) -> CameraConfig:
+        """The cameras with what spectacles magnify, where eyes have lenses."""
+        if not self.space.has_lenses or not any(self.lenses.spectacles_d):
+            return self.camera
+        left, right = self.lenses.magnifications
+        return replace(
+            self.camera,
+            left_magnification=self.camera.left_magnification * left,
+            right_magnification=self.camera.right_magnification * right,
+        )
 
     @property
     def cost_of_vergence(self) -> CostOfVergence:

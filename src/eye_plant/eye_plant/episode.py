@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from lockstep import MUSCLE_NAMES, InputError, check_settings, setting
+from lockstep.command_space import ACTIVATION_NAMES
 from lockstep.configuration import typed
 from lockstep.randomness import Moment
 from lockstep.settings import REQUIRED
@@ -41,8 +42,8 @@ class Episode:
     )
     activations: tuple[float, ...] = setting(
         (),
-        "first activations of the twelve muscles, in the order of muscle_activations; none of a"
-        " robot's head",
+        "first activations of the twelve muscles, in the order of muscle_activations, and of those"
+        " within the eyes, or these are at rest; none of a robot's head",
         least=0,
         most=1,
     )
@@ -63,8 +64,8 @@ class Episode:
     def __post_init__(self) -> None:
         """Check the ranges that do not depend on the plant."""
         check_settings(self)
-        n_activations = 0 if self.joints_rad else len(MUSCLE_NAMES)
-        if len(self.activations) != n_activations:
+        counts = (0,) if self.joints_rad else (len(MUSCLE_NAMES), len(ACTIVATION_NAMES))
+        if len(self.activations) not in counts:
             raise InputError(
                 f"activations: expected those of {len(MUSCLE_NAMES)} muscles, or joints_rad, got "
                 f"{len(self.activations)} activations and {len(self.joints_rad)} angles"

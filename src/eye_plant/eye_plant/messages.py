@@ -1,6 +1,8 @@
 """The messages of an observation, serialized, and those of each eye's camera."""
 
 from collections.abc import Iterator
+from dataclasses import replace
+from itertools import product
 
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image
@@ -9,6 +11,7 @@ from eye_plant.camera.config import CameraConfig
 from eye_plant.config import EyePlantConfig
 from eye_plant.observation import Observation
 from lockstep import MUSCLE_NAMES, SIDES
+from lockstep.scales import Scale
 from lockstep.wire.cdr import serialized
 from lockstep.wire.codec import Writer
 from lockstep.wire.images import ImageBytes
@@ -16,10 +19,11 @@ from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import (
     CAMERA_INFOS,
     EPISODE_NAMES,
-    EYE_STATE_NAMES,
     GROUND_TRUTH_NAMES,
     PICTURES,
     TARGET_NAMES,
+    apart_pictures,
+    eye_state_names,
 )
 from lockstep.wire.vectors import VectorBytes
 
@@ -32,10 +36,17 @@ class ObservationMessages:
         self._episode = VectorBytes(EPISODE_NAMES)
         self._episode_with_target = VectorBytes((*EPISODE_NAMES, *TARGET_NAMES))
         self._muscles = VectorBytes(MUSCLE_NAMES)
+        self._activations = VectorBytes(config.space.activation_names)
         self._feels_noise = config.noise.is_of_activations
-        self._eyes = VectorBytes(EYE_STATE_NAMES)
+        self._eyes = VectorBytes(eye_state_names(config.space))
         self._truth = VectorBytes(GROUND_TRUTH_NAMES)
         self._pictures = [ImageBytes(picture_message(config.camera, i_eye)) for i_eye in range(2)]
+        self._apart = [
+            (topic, ImageBytes(_of_scale(config.camera, scale, i_eye)))
+            for topic, (scale, i_eye) in zip(
+                apart_pictures(config.scales), product(config.scales.apart, range(2)), strict=True
+            )
+        ]
         baseline_m = config.mechanics.baseline_m
         self._infos = [Writer(camera_info(config.camera, i_eye, baseline_m)) for i_eye in range(2)]
 
@@ -55,7 +66,7 @@ class ObservationMessages:
         felt = observation.felt if self._feels_noise else ()
         yield (
             "muscle_activations",
-            self._muscles.of(stamp_ns, state.activations, felt, state.metabolic_rate_w),
+            self._activations.of(stamp_ns, observation.activations, felt, observation.all_rates_w),
         )
         yield "ground_truth", self._truth.of(stamp_ns, observation.ground_truth_values())
         yield (
@@ -65,9 +76,7 @@ class ObservationMessages:
         yield "/clock", serialized(Clock(clock=to_time(stamp_ns)))
         yield (
             "eye_states",
-            self._eyes.of(
-                stamp_ns, state.eye_angles_rad.ravel(), state.eye_velocities_rad_s.ravel()
-            ),
+            self._eyes.of(stamp_ns, *observation.eye_state_values()),
         )
 
     def mean_metabolic_rates(self, stamp_ns: int, observation: Observation) -> bytes:
@@ -84,6 +93,12 @@ class ObservationMessages:
         for topic, layout, picture in zip(
             PICTURES, self._pictures, observation.pictures, strict=True
         ):
+            yield topic, layout.of(stamp_ns, picture)
+
+    def apart(self, stamp_ns: int, observation: Observation) -> Iterator[tuple[str, bytes]]:
+        """Yield the pictures that scales have apart, if there are any; they are not recorded."""
+        pictures = [picture for pair in observation.apart for picture in pair]
+        for (topic, layout), picture in zip(self._apart, pictures, strict=False):
             yield topic, layout.of(stamp_ns, picture)
 
     def camera_infos(self, stamp_ns: int, observation: Observation) -> Iterator[tuple[str, bytes]]:
@@ -131,3 +146,8 @@ def picture_message(config: CameraConfig, i_eye: int) -> Image:
     )
     message.header.frame_id = f"{SIDES[i_eye]}_eye"
     return message
+
+
+def _of_scale(config: CameraConfig, scale: Scale, i_eye: int) -> Image:
+    size_px = scale.window_px
+    return picture_message(replace(config, roi_width_px=size_px, roi_height_px=size_px), i_eye)

@@ -8,10 +8,16 @@ import numpy as np
 
 from eye_plant.episode import Episode
 from eye_plant.ground_truth import GroundTruth
+from eye_plant.lens.lenses import LensState
 from eye_plant.mechanics.oculomotor import OculomotorState
 from lockstep import CommandSpace
 from lockstep.optics import Pinhole
 from lockstep.randomness import Moment
+
+
+def with_lenses(activations: np.ndarray, lenses: LensState | None) -> np.ndarray:
+    """Return activations (12,) of the muscles that turn the eyes, and the others' after them."""
+    return activations if lenses is None else np.append(activations, lenses.activations)
 
 
 @dataclass(frozen=True)
@@ -63,23 +69,54 @@ class Seen:
 class Observation(Seen):
     """An observation of two eyes; their pictures have the size of the region of interest.
 
-    felt: (12,) activations as they are felt.
+    felt: (12,) activations as they are felt, or (16,) with those of lenses and pupils; lenses: None
+    of eyes without; apart: of each scale with a picture of its own both eyes' (2, height_px,
+    width_px), none in the last observation.
     """
 
     state: OculomotorState
     truth: GroundTruth
     felt: np.ndarray
+    lenses: LensState | None = None
+    apart: tuple[np.ndarray, ...] = ()
 
     # Eyes do not know theirs.
     cameras: ClassVar[tuple[Pinhole, Pinhole] | None] = None
 
     def commanded(self, space: CommandSpace) -> np.ndarray:
         """Return the activations (n_muscles,) of the muscles that a space commands."""
-        return self.state.activations[space.indices]
+        return self.activations[space.indices]
+
+    @property
+    def activations(self) -> np.ndarray:
+        """Activations of all muscles, (12,) or (16,) with those of lenses and pupils."""
+        return with_lenses(self.state.activations, self.lenses)
 
     def rates_w(self, space: CommandSpace) -> np.ndarray:
         """Return the settled metabolic rates (n_muscles,) of those muscles."""
-        return self.state.metabolic_rate_w[space.indices]
+        return self.all_rates_w[space.indices]
+
+    @property
+    def all_rates_w(self) -> np.ndarray:
+        """Settled metabolic rates as of `activations`; ours: of muscles within the eye 0."""
+        rates_w = self.state.metabolic_rate_w
+        n_more = len(self.lenses.activations) if self.lenses else 0
+        return np.append(rates_w, np.zeros(n_more)) if n_more else rates_w
+
+    def eye_state_values(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the values of lockstep.wire.topics.eye_state_names, and their rates of change."""
+        state, lenses = self.state, self.lenses
+        angles_rad, velocities_rad_s = state.eye_angles_rad, state.eye_velocities_rad_s
+        if lenses is None:
+            return angles_rad.ravel(), velocities_rad_s.ravel()
+        # The focus changes as the accommodation does.
+        rate_d_s = lenses.accommodation_d_s
+        values = np.stack([lenses.accommodation_d, lenses.focus_d, lenses.pupil_m], axis=1)
+        rates = np.stack([rate_d_s, rate_d_s, lenses.pupil_m_s], axis=1)
+        return (
+            np.append(angles_rad, values),
+            np.append(velocities_rad_s, rates),
+        )
 
     @property
     def given_target_deg(self) -> tuple[float, float]:

@@ -12,8 +12,10 @@ from eye_plant.config import EyePlantConfig, changed
 from eye_plant.episode import Episode
 from eye_plant.gaze_error import gaze_error, listing_torsion_deg, target_place_deg
 from eye_plant.ground_truth import GroundTruth
+from eye_plant.lens.lenses import Lenses, LensState, checked
+from eye_plant.mechanics.mujoco_model import N_MUSCLES
 from eye_plant.mechanics.oculomotor import Oculomotor, OculomotorState
-from eye_plant.observation import Observation
+from eye_plant.observation import Observation, with_lenses
 from eye_plant.senses import Senses
 from eye_plant.stereo_camera import StereoCamera
 from eye_plant.stimuli.stimulus_set import StimulusSet, load_stimuli
@@ -61,14 +63,17 @@ class EyePlant:
         self._settings: Mapping[str, Any] = {}
         self.oculomotor = Oculomotor(config.mechanics)
         self._cost = config.cost_of_vergence
+        self._lenses = Lenses(config.lenses) if config.space.has_lenses else None
         self._camera = StereoCamera(
-            config.camera,
+            config.worn_camera,
             load_stimuli(config.stimuli) if stimuli is None else stimuli,
             config.mechanics.eye_height_m,
+            config.scales,
+            focuses=config.space.has_lenses,
         )
         self.n_stimuli = self._camera.n_stimuli
         self._senses = Senses(config.noise, config.camera, config.seed)
-        self._held_activations = self.oculomotor.tonic_activations
+        self._held_activations = with_lenses(self.oculomotor.tonic_activations, self._lens_state)
         self._episode: Episode | None = None
         self._iteration = 0
         self._desired_deg = 0.0
@@ -100,10 +105,11 @@ class EyePlant:
             oculomotor = Oculomotor(config.mechanics)
         if config.least_costs_of != self.config.least_costs_of:
             cost = config.cost_of_vergence
-        if config.camera != self.config.camera:
-            self._camera.reconfigure(config.camera)
+        lenses = Lenses(config.lenses) if config.space.has_lenses else None
+        if config.worn_camera != self.config.worn_camera:
+            self._camera.reconfigure(config.worn_camera)
         # Nothing is refused from here on.
-        self.oculomotor, self._cost = oculomotor, cost
+        self.oculomotor, self._cost, self._lenses = oculomotor, cost, lenses
         self.config, self._settings = config, dict(settings)
         self._senses = Senses(config.noise, config.camera, self._senses.seed)
         self._episode = None
@@ -128,25 +134,28 @@ class EyePlant:
             self._camera.parallax_m(episode.stimulus),
         )
         optimal_rates_w = self._least_rates_w(episode, desired_deg)
+        activations = self._first_activations(episode)
         # Nothing is refused from here on.
         self._episode, self._iteration = episode, 0
         self._desired_deg, self._optimal_rates_w = desired_deg, optimal_rates_w
-        self._held_activations = np.array(episode.activations)
+        self._held_activations = activations
         self._senses.begin()
-        self.oculomotor.settle(self._held_activations)
+        self.oculomotor.settle(activations[:N_MUSCLES])
+        if self._lenses:
+            self._lenses.settle(activations[N_MUSCLES:])
         state = self.oculomotor.state()
         self._initial_rate_w = self._charged_rate_w(state)
         return self._observe(episode, state)
 
     def targets(self, names: Sequence[str], values: np.ndarray) -> np.ndarray:
-        """Return the target activations (12,) of a command; see `target_activations`.
+        """Return the target activations of a command; see `target_activations`.
 
         Muscles that it does not name keep their last target, at first the first activation of the
         episode. In lockstep a command of muscles with commands of their own names all of
         them; raises InputError for another one.
         """
         space = self.config.space
-        is_own = self.config.command_space != PAIR and not self.config.free_running.rate_hz
+        is_own = self.config.turning_space != PAIR and not self.config.free_running.rate_hz
         if is_own and set(names) != set(space.names):
             raise InputError(
                 f"muscle_command: expected {', '.join(space.names)}, as command_space "
@@ -155,22 +164,31 @@ class EyePlant:
         return target_activations(names, values, self._held_activations)
 
     def execute(self, activations: np.ndarray) -> Observation:
-        """Move the eyes for one control period towards the target activations (12,) in [0, 1].
+        """Move the eyes for one control period towards the target activations in [0, 1].
 
+        activations: (12,), of eyes with lenses (16,); lenses and pupils, too, end settled.
         Raises InputError, having changed nothing, when no command is expected or an activation is
         out of range.
         """
-        return self._move(self.oculomotor.step, activations)
+        return self._move(self.oculomotor.step, activations, math.inf)
 
     def advance(self, activations: np.ndarray, duration_s: float) -> Observation:
         """Simulate for a while towards the target activations, without settling; like `execute`."""
-        return self._move(partial(self.oculomotor.advance, duration_s=duration_s), activations)
+        move = partial(self.oculomotor.advance, duration_s=duration_s)
+        return self._move(move, activations, duration_s)
 
-    def _move(self, move: Callable[[np.ndarray], None], activations: np.ndarray) -> Observation:
+    def _move(
+        self, move: Callable[[np.ndarray], None], activations: np.ndarray, duration_s: float
+    ) -> Observation:
         episode = self._episode
         if episode is None or not self.is_waiting:
             raise InputError("expected a command during an episode only, got one outside")
-        move(activations)
+        if self._lenses:
+            of_lenses = checked(activations[N_MUSCLES:])
+            move(activations[:N_MUSCLES])
+            self._lenses.advance(of_lenses, duration_s)
+        else:
+            move(activations)
         self._held_activations = activations
         self._iteration += 1
         return self._observe(episode, self.oculomotor.state())
@@ -178,7 +196,7 @@ class EyePlant:
     def _observe(self, episode: Episode, state: OculomotorState) -> Observation:
         adduction_deg, elevation_deg, _ = np.degrees(state.eye_angles_rad).T.tolist()
         positions_m, rotations = self.oculomotor.eye_positions_m(), self.oculomotor.eye_rotations()
-        is_pair = self.config.command_space == PAIR
+        is_pair = self.config.turning_space == PAIR
         # Eyes that one command turns alike have K17's errors, which are the eyes' own.
         seeing = rotations if is_pair else turned(rotations, self.config.camera.turns_deg)
         error = gaze_error(
@@ -201,15 +219,32 @@ class EyePlant:
             optimal_metabolic_rate_w=self._optimal_rates_w[target_deg],
             target_deg=target_place_deg(seeing[0], *target_deg) if target_deg else (0.0, 0.0),
         )
-        pictures = None
-        moment = episode.moment(self._iteration)
+        pictures, apart = None, tuple[np.ndarray, ...]()
+        lenses, moment = self._lens_state, episode.moment(self._iteration)
         if self.is_waiting:  # the last observation has none
-            drawn = self._camera.render(
-                positions_m, rotations, episode.stimulus, episode.object_distance_m
+            view = positions_m, rotations, episode.stimulus, episode.object_distance_m
+            pictures = self._senses.pictures(self._camera.render(*view, lenses), moment)
+            apart = tuple(
+                self._senses.pictures(drawn, moment, scale.name)
+                for scale, drawn in self._camera.render_apart(*view, lenses)
             )
-            pictures = self._senses.pictures(drawn, moment)
-        felt = self._senses.felt(state.activations, moment)
-        return Observation(episode, self._iteration, pictures, state, truth, felt)
+        felt = self._senses.felt(with_lenses(state.activations, lenses), moment)
+        return Observation(episode, self._iteration, pictures, state, truth, felt, lenses, apart)
+
+    @property
+    def _lens_state(self) -> LensState | None:
+        return self._lenses.state() if self._lenses else None
+
+    def _first_activations(self, episode: Episode) -> np.ndarray:
+        """Return those that an episode begins with, (12,) or (16,); raises InputError."""
+        activations = np.array(episode.activations)
+        if self._lenses is None and len(activations) > N_MUSCLES:
+            raise InputError(
+                f"activations: expected {N_MUSCLES} of eyes without lenses, got {len(activations)}"
+            )
+        if self._lenses and len(activations) == N_MUSCLES:
+            return np.append(activations, self._lenses.resting_activations)
+        return activations
 
     def _least_rates_w(
         self, episode: Episode, desired_deg: float
@@ -224,7 +259,7 @@ class EyePlant:
         return {target: self._cost.least_w(desired_deg, target) for target in targets}
 
     def _charged_rate_w(self, state: OculomotorState) -> float:
-        return float(state.metabolic_rate_w[self.config.space.indices].sum())
+        return float(state.metabolic_rate_w[self.config.space.turning.indices].sum())
 
     def close(self) -> None:
         """Release what the camera holds."""

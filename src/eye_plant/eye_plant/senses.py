@@ -61,26 +61,31 @@ class Senses:
 
     def begin(self) -> None:
         """Forget the last episode: nothing is missing in the first observation of one."""
-        self._last_pictures: NDArray[np.uint8] | None = None
+        # By what they are drawn for.
+        self._last_pictures: dict[str, NDArray[np.uint8]] = {}
         self._last_felt: NDArray[np.float64] | None = None
 
-    def pictures(self, drawn: NDArray[np.uint8], moment: Moment) -> NDArray[np.uint8]:
+    def pictures(
+        self, drawn: NDArray[np.uint8], moment: Moment, scale: str = ""
+    ) -> NDArray[np.uint8]:
         """Return both eyes' pictures (2, roi_height_px, roi_width_px) as the cameras give them.
 
-        A pixel's noise does not depend on the region of interest.
+        A pixel's noise does not depend on the region of interest. scale: of which these are a
+        picture of its own.
         """
         noise = self._noise
         if not noise.picture_sd and not noise.missing_pictures:
             return drawn
-        draw = moment.generator(self.seed, "pictures")
+        draw = moment.generator(self.seed, f"pictures {scale}" if scale else "pictures")
         seen = drawn
         if noise.picture_sd:
-            noisy = drawn + _central(self._grey_levels(draw), drawn.shape[1:])
+            size_px = drawn.shape[1:] if scale else self._picture_px
+            noisy = drawn + _central(self._grey_levels(draw, size_px), drawn.shape[1:])
             seen = np.clip(noisy, 0, 255).astype(np.uint8)
-        if self._last_pictures is not None:
+        if scale in self._last_pictures:
             is_missing = draw.random(len(seen)) < noise.missing_pictures
-            seen = np.where(is_missing[:, None, None], self._last_pictures, seen)
-        self._last_pictures = seen
+            seen = np.where(is_missing[:, None, None], self._last_pictures[scale], seen)
+        self._last_pictures[scale] = seen
         return seen.copy()
 
     def felt(self, activations: NDArray[np.float64], moment: Moment) -> NDArray[np.float64]:
@@ -97,9 +102,11 @@ class Senses:
         self._last_felt = felt
         return felt
 
-    def _grey_levels(self, draw: np.random.Generator) -> NDArray[np.int16]:
+    def _grey_levels(
+        self, draw: np.random.Generator, size_px: tuple[int, ...]
+    ) -> NDArray[np.int16]:
         """Return the noise (2, height_px, width_px) of two pictures."""
-        size = (len(SIDES), *self._picture_px)
+        size = (len(SIDES), *size_px)
         return _quantiles(self._noise.picture_sd)[draw.integers(_N, size=size, dtype=np.uint16)]
 
 

@@ -1,40 +1,53 @@
 """Both eyes' pictures of the scene: what is checked before and done after they are drawn."""
 
 import copy
+import functools
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from eye_plant.camera.blur import Blur
 from eye_plant.camera.config import MUJOCO, CameraConfig
 from eye_plant.camera.mujoco_renderer import MujocoRenderer
 from eye_plant.camera.ray_casting.plane_renderer import PlaneRenderer
 from eye_plant.camera.renderer import Renderer, View
+from eye_plant.camera.retina import Retina
+from eye_plant.lens.lenses import LensState
 from eye_plant.stimuli.stimulus_set import StimulusSet
 from eye_plant.turns import turned
 from lockstep import InputError
+from lockstep.scales import Scale, ScalesConfig
 
 _NEAREST_M = 0.1
 _GAP_TO_LANDSCAPE_M = 0.1
+_NO_SCALES = ScalesConfig()
 
 
 class StereoCamera:
     """Draws what two eyes see: stimulus i on the plane at a distance, the landscape behind it.
 
-    The camera knows nothing of muscles: it takes the eyes' poses. The renderer that the
-    configuration names draws; blur, occlusion and the region of interest are done here.
+    The camera knows nothing of muscles: it takes the eyes' poses and what their lenses do. The
+    renderer that the configuration names draws; its retinas do the rest.
 
     Deterministic: the same arguments give the same bits on one machine. Use it from one thread.
     """
 
     def __init__(
-        self, config: CameraConfig, stimuli: StimulusSet, eye_height_m: float = 1.7
+        self,
+        config: CameraConfig,
+        stimuli: StimulusSet,
+        eye_height_m: float = 1.7,
+        scales: ScalesConfig = _NO_SCALES,
+        *,
+        focuses: bool = False,
     ) -> None:
         """Give the stimuli to the renderer.
 
         stimuli: grey pictures, and stereograms, which have one for each eye; each is stretched over
         the whole plane, row 0 on top. eye_height_m: height of the plane's and the landscape's
-        centres. Raises InputError for a picture of another kind.
+        centres; scales: those with pictures of their own have them drawn; focuses: whether the eyes
+        have lenses. Raises InputError for a picture of another kind, and for pictures of their own
+        by another renderer than the ray caster.
         """
         textures = list(stimuli.all)
         self._i_textures = [(i, i) for i in range(len(textures))]
@@ -46,7 +59,13 @@ class StereoCamera:
         for i_texture, texture in enumerate(textures):
             _check_picture(i_texture, texture)
         self.n_stimuli = len(self._i_textures)
+        if scales.apart and config.renderer == MUJOCO:
+            raise InputError(
+                f"camera.renderer: expected plane, which draws {scales.apart[0].name} apart, got "
+                f"{MUJOCO}"
+            )
         self._stimuli, self._eye_height_m = stimuli, eye_height_m
+        self._scales, self._focuses = scales, focuses
         self._renderer: Renderer = (
             MujocoRenderer(config, eye_height_m, textures)
             if config.renderer == MUJOCO
@@ -58,23 +77,24 @@ class StereoCamera:
         """Share the pictures and what was made of them, which nobody changes."""
         other = object.__new__(StereoCamera)
         other.__dict__.update(self.__dict__, _renderer=copy.copy(self._renderer))
+        other._retinas_apart = [copy.copy(retina) for retina in self._retinas_apart]
         return other
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as what the camera was made of."""
-        return StereoCamera, (self._config, self._stimuli, self._eye_height_m)
+        made_of = self._config, self._stimuli, self._eye_height_m, self._scales
+        return functools.partial(StereoCamera, focuses=self._focuses), made_of
 
     def reconfigure(self, config: CameraConfig) -> None:
         """Take other settings, of the same renderer and size of pictures; the stimuli stay."""
-        self._renderer.reconfigure(config)
         self._take_settings_of(config)
 
     def _take_settings_of(self, config: CameraConfig) -> None:
         self._config = config
-        kept_px = config.roi_width_px, config.roi_height_px
-        self._blurs = [
-            Blur(config.drawn_px, kept_px, blur_px) if any(blur_px) else None
-            for blur_px in config.blurs_px
+        self._retina = Retina(config, self._renderer, focuses=self._focuses)
+        self._retinas_apart = [
+            Retina.of_scale(config, scale, copy.copy(self._renderer), focuses=self._focuses)
+            for scale in self._scales.apart
         ]
 
     def parallax_m(self, i_stimulus: int) -> float:
@@ -87,18 +107,45 @@ class StereoCamera:
         eye_rotations: np.ndarray,
         i_stimulus: int,
         distance_m: float,
+        lenses: LensState | None = None,
     ) -> np.ndarray:
         """Return both eyes' pictures, (2, roi_height, roi_width) uint8, left first, row 0 on top.
 
         eye_positions_m (2, 3): the eyes' centres; eye_rotations (2, 3, 3): columns are the eyes'
         x (line of sight), y (left) and z (up) axes in world coordinates, so yaw, pitch and torsion
-        all count; i_stimulus, distance_m: as `check` takes them. The array is the caller's own.
+        all count; i_stimulus, distance_m: as `check` takes them; lenses: of eyes that focus, which
+        blur all that is seen by the error of focus at the plane. The array is the caller's own.
         Raises InputError for a view that `check` refuses, and when MuJoCo's renderer lacks OpenGL.
         """
+        view = self._view(eye_positions_m, eye_rotations, i_stimulus, distance_m)
+        return self._retina.pictures(view, lenses)
+
+    def render_apart(
+        self,
+        eye_positions_m: np.ndarray,
+        eye_rotations: np.ndarray,
+        i_stimulus: int,
+        distance_m: float,
+        lenses: LensState | None = None,
+    ) -> Iterator[tuple[Scale, np.ndarray]]:
+        """Yield each scale with a picture of its own, and both eyes' (2, window_px, window_px).
+
+        As `render` does.
+        """
+        for scale, retina in zip(self._scales.apart, self._retinas_apart, strict=True):
+            view = self._view(eye_positions_m, eye_rotations, i_stimulus, distance_m)
+            yield scale, retina.pictures(view, lenses)
+
+    def _view(
+        self,
+        eye_positions_m: np.ndarray,
+        eye_rotations: np.ndarray,
+        i_stimulus: int,
+        distance_m: float,
+    ) -> View:
         self.check(i_stimulus, distance_m)
         rotations = turned(eye_rotations, self._config.turns_deg)
-        view = View(eye_positions_m, rotations, self._i_textures[i_stimulus], distance_m)
-        return self._manipulated(self._renderer.draw(view))
+        return View(eye_positions_m, rotations, self._i_textures[i_stimulus], distance_m)
 
     def check(self, i_stimulus: int, distance_m: float) -> None:
         """Raise InputError unless stimulus i_stimulus can be shown at distance_m.
@@ -117,21 +164,6 @@ class StereoCamera:
     def close(self) -> None:
         """Release the renderer; the camera draws no more."""
         self._renderer.close()
-
-    def _manipulated(self, pictures: np.ndarray) -> np.ndarray:
-        """Return the pictures (2, height, width) as the eyes get them: blurred, black, cropped."""
-        top = (pictures.shape[1] - self._config.roi_height_px) // 2
-        left = (pictures.shape[2] - self._config.roi_width_px) // 2
-        bottom, right = top + self._config.roi_height_px, left + self._config.roi_width_px
-        kept = pictures[:, top:bottom, left:right]
-        # What a renderer returns is the caller's own.
-        kept = kept if top == left == 0 else kept.copy()
-        for i_eye, blur in enumerate(self._blurs):
-            if self._config.occlusions[i_eye]:
-                kept[i_eye] = 0
-            elif blur is not None:
-                kept[i_eye] = blur(pictures[i_eye])
-        return kept
 
 
 def _check_picture(i_stimulus: int, picture: np.ndarray) -> None:

@@ -1,8 +1,9 @@
 """What a command moves, and within which limits: the spaces that a configuration chooses.
 
-The plant has twelve muscles. A command names activations; each is that of one muscle, or the same
-for the muscle of that name in both eyes. A robot's head has joints instead, whose angles in rad a
-command names.
+The plant has twelve muscles that turn the eyes, and four within the eyes: a ciliary muscle, which
+focuses the lens, and the sphincter of a pupil in each. A command names activations; each is that of
+one muscle, or the same for the muscle of that name in both eyes. A robot's head has joints instead,
+whose angles in rad a command names.
 """
 
 import math
@@ -25,6 +26,9 @@ MUSCLES = (
     "inferior_oblique",
 )
 MUSCLE_NAMES = tuple(f"{side}_{muscle}" for side in SIDES for muscle in MUSCLES)
+CILIARY, SPHINCTER = "ciliary", "sphincter"
+INTRAOCULAR_NAMES = tuple(f"{side}_{muscle}" for side in SIDES for muscle in (CILIARY, SPHINCTER))
+ACTIVATION_NAMES = (*MUSCLE_NAMES, *INTRAOCULAR_NAMES)
 
 # Of the pair. K17's restriction of both activations, throughout: its code restricts the initial
 # draw only (D5).
@@ -45,31 +49,51 @@ class CommandSpace:
     @property
     def n_eyes(self) -> int:
         """Eyes with activations of their own: 1 where both are commanded alike, or by joints."""
-        return len(SIDES) if set(self.names) <= set(MUSCLE_NAMES) else 1
+        return len(SIDES) if set(self.names) <= set(ACTIVATION_NAMES) else 1
 
     @cached_property
     def muscle_names(self) -> tuple[str, ...]:
-        """The muscles that are commanded, in the order of MUSCLE_NAMES."""
+        """The muscles that are commanded, in the order of ACTIVATION_NAMES."""
         if self.of_joints:
             return self.names
         commanded = {muscle for name in self.names for muscle in muscles_of(name)}
-        return tuple(muscle for muscle in MUSCLE_NAMES if muscle in commanded)
+        return tuple(muscle for muscle in ACTIVATION_NAMES if muscle in commanded)
+
+    @cached_property
+    def has_lenses(self) -> bool:
+        """Whether a muscle within the eyes is commanded, so that pictures may be out of focus."""
+        return not set(self.muscle_names).isdisjoint(INTRAOCULAR_NAMES)
+
+    @property
+    def activation_names(self) -> tuple[str, ...]:
+        """The muscles whose activations the plant tells, in their order."""
+        return ACTIVATION_NAMES if self.has_lenses else MUSCLE_NAMES
+
+    @cached_property
+    def turning(self) -> "CommandSpace":
+        """The space of what turns the eyes alone; its names come first in a command."""
+        if self.of_joints or not self.has_lenses:
+            return self
+        return CommandSpace(
+            tuple(n for n in self.names if set(muscles_of(n)).isdisjoint(INTRAOCULAR_NAMES))
+        )
 
     @cached_property
     def indices(self) -> NDArray[np.intp]:
-        """Positions of muscle_names among MUSCLE_NAMES, or of joints among themselves."""
+        """Positions of muscle_names among ACTIVATION_NAMES, or of joints among themselves."""
         if self.of_joints:
             return np.arange(len(self.names))
-        return np.array([MUSCLE_NAMES.index(muscle) for muscle in self.muscle_names])
+        return np.array([ACTIVATION_NAMES.index(muscle) for muscle in self.muscle_names])
 
     @cached_property
     def _members(self) -> NDArray[np.intp]:
         """For each name the positions of its muscles among muscle_names."""
         if self.of_joints:
             return np.arange(len(self.names))[:, None]
-        return np.array(
-            [[self.muscle_names.index(muscle) for muscle in muscles_of(n)] for n in self.names]
-        )
+        members = [[self.muscle_names.index(m) for m in muscles_of(name)] for name in self.names]
+        # A muscle of its own among pairs is there twice: the mean is the same.
+        widest = max(map(len, members))
+        return np.array([of_name * (widest // len(of_name)) for of_name in members])
 
     def from_muscles(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return (..., n_names) from values (..., n_muscles) of muscle_names.
@@ -80,7 +104,7 @@ class CommandSpace:
         return means
 
     def from_all(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return (..., n_names) from values (..., 12) of MUSCLE_NAMES."""
+        """Return (..., n_names) from values (..., n) of activation_names."""
         return self.from_muscles(values[..., self.indices])
 
 
@@ -94,7 +118,7 @@ class Limits:
 
 def muscles_of(name: str) -> tuple[str, ...]:
     """Return the muscle of a name, or those of that name in both eyes."""
-    return (name,) if name in MUSCLE_NAMES else tuple(f"{side}_{name}" for side in SIDES)
+    return (name,) if name in ACTIVATION_NAMES else tuple(f"{side}_{name}" for side in SIDES)
 
 
 def activation_limits(
@@ -131,6 +155,8 @@ def _one_each(parameter: str, values: Sequence[float], space: CommandSpace) -> t
 
 
 PAIR, HORIZONTAL_RECTI, ALL_MUSCLES = "pair", "horizontal_recti", "all_muscles"
+PAIR_AND_LENS, PAIR_AND_LENSES = "pair_and_lens", "pair_and_lenses"
+ALL_MUSCLES_AND_LENSES = "all_muscles_and_lenses"
 VERGENCE, PAN_TILT_VERGENCE = "vergence", "pan_tilt_vergence"
 COMMAND_SPACES = {
     # Both eyes alike, as in K17.
@@ -141,6 +167,10 @@ COMMAND_SPACES = {
     ),
     # ... and about all three axes.
     ALL_MUSCLES: CommandSpace(MUSCLE_NAMES),
+    # The same with lenses: one command for both, or one each.
+    PAIR_AND_LENS: CommandSpace(("medial_rectus", "lateral_rectus", CILIARY)),
+    PAIR_AND_LENSES: CommandSpace(("medial_rectus", "lateral_rectus", *INTRAOCULAR_NAMES[::2])),
+    ALL_MUSCLES_AND_LENSES: CommandSpace((*MUSCLE_NAMES, *INTRAOCULAR_NAMES[::2])),
     # A robot's head: the sum of both cameras' turns toward each other, and those of its neck.
     VERGENCE: CommandSpace(("vergence",), of_joints=True),
     PAN_TILT_VERGENCE: CommandSpace(("pan", "tilt", "vergence"), of_joints=True),

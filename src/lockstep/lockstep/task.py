@@ -3,7 +3,7 @@
 In a parameter file the task stands under `/**/*`, so it reaches every node.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from lockstep.command_space import (
     ALL_MUSCLES,
@@ -16,6 +16,7 @@ from lockstep.command_space import (
     activation_limits,
 )
 from lockstep.errors import InputError
+from lockstep.scales import ScalesConfig
 from lockstep.settings import check_settings, setting
 
 # K17: whose reward does not count energy, and does.
@@ -78,6 +79,7 @@ class TaskConfig:
         least=0,
         most=1,
     )
+    scales: ScalesConfig = field(default_factory=ScalesConfig)
     schedule: str = setting(
         "",
         "changes of the eyes during the run, as YAML or JSON:"
@@ -102,6 +104,11 @@ class TaskConfig:
                 f"metabolic_cost_weight: expected 0 with command_space {self.command_space}, whose "
                 f"joints have no metabolic rate, got {self.metabolic_cost_weight}"
             )
+        if self.space.of_joints and self.scales.apart:
+            raise InputError(
+                f"scales.zoom: expected 1 with command_space {self.command_space}, whose cameras "
+                f"take one picture each, got {list(self.scales.zoom)}"
+            )
         self._check_turning()
 
     def check_trains(self) -> None:
@@ -116,7 +123,7 @@ class TaskConfig:
         name, none = (
             ("measures_turns", "false") if self.measures_turns else ("fixation_iterations", "0")
         )
-        if self.command_space != ALL_MUSCLES:
+        if self.turning_space != ALL_MUSCLES:
             raise InputError(
                 f"{name}: expected {none} with command_space {self.command_space}, since each eye "
                 f"is turned about all axes, got {getattr(self, name)}"
@@ -139,6 +146,17 @@ class TaskConfig:
         return COMMAND_SPACES[self.command_space]
 
     @property
+    def turning_space(self) -> str:
+        """Name of the command space of what turns the eyes alone, without lenses."""
+        return next(name for name, space in COMMAND_SPACES.items() if space == self.space.turning)
+
+    @property
     def limits(self) -> Limits:
         """Of the activation of each command."""
         return activation_limits(self.space, self.lowest_activations, self.highest_activations)
+
+    @property
+    def turning_limits(self) -> Limits:
+        """Of the activation of each command that turns the eyes."""
+        n, limits = len(self.space.turning.names), self.limits
+        return Limits(limits.lowest[:n], limits.highest[:n])

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from lockstep import InputError
 from lockstep.optics import Pinhole
-from sparse_coder.patches import COARSE_WINDOW_PX, Image
+from sparse_coder.patches import COARSE, Image
 
 # Of OpenCV's model of a lens: what plumb_bob and rational_polynomial have.
 _N_COEFFICIENTS = (0, 4, 5, 8, 12, 14)
 # From the centre of the window to the centre of its outermost pixel.
-_HALF_PX = (COARSE_WINDOW_PX - 1) / 2.0
+_HALF_PX = (COARSE.window_px - 1) / 2.0
 # Samples of a picture that shrinks are averages over as much of it: a Gaussian, whose SD in its own
 # pixels is that share of the factor (Burt & Adelson's pyramid: about 1 for a factor of 2).
 _BLUR_SHARE = 0.5
@@ -35,7 +35,7 @@ def central_view(picture: Image, camera: Pinhole, focal_px: float) -> Image:
     across, down = _maps(camera, focal_px)
     ends = across.min(), down.min(), width_px - 1 - across.max(), height_px - 1 - down.max()
     if min(ends) < -0.5:
-        least_deg = 2.0 * math.degrees(math.atan(COARSE_WINDOW_PX / 2.0 / focal_px))
+        least_deg = 2.0 * math.degrees(math.atan(COARSE.window_px / 2.0 / focal_px))
         raise InputError(
             f"image: expected a field of view of {least_deg:.1f} deg or more about the principal "
             f"point, got {width_px} x {height_px} px with a focal length of "
@@ -63,7 +63,7 @@ def _maps(camera: Pinhole, focal_px: float) -> tuple[NDArray[np.float32], NDArra
     taken[:2, 2] = camera.centre_px
     wanted = np.diag((focal_px, focal_px, 1.0))
     wanted[:2, 2] = _HALF_PX
-    size = COARSE_WINDOW_PX, COARSE_WINDOW_PX
+    size = COARSE.window_px, COARSE.window_px
     across, down = cv2.initUndistortRectifyMap(
         taken, np.array(camera.distortion), np.eye(3), wanted, size, cv2.CV_32FC1
     )

@@ -1,10 +1,10 @@
 """The sparse coder: two pictures in, features and reconstruction errors out, dictionaries inside.
 
-Dimensions: n_scales is 2, coarse before fine; n_patches, n_pixels, n_bases, n_selections.
+Dimensions: n_scales, by default 2, coarse before fine; n_patches, n_pixels, n_bases, n_selections.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,19 +15,23 @@ from lockstep.randomness import Moment
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.dictionary import Dictionary, dictionary_rate, initial_atoms, learned_atoms
 from sparse_coder.gaze.fixations import gaze_watch
-from sparse_coder.matching_pursuit import matching_pursuit, mean_squared_coefficients
-from sparse_coder.patches import (
-    N_PIXELS,
-    Image,
-    binocular_patches,
-    check_images,
-    coarse_window,
-    fine_window,
+from sparse_coder.matching_pursuit import (
+    Selections,
+    matching_pursuit,
+    mean_squared_coefficients,
+    residuals_of_eyes,
 )
+from sparse_coder.patches import N_PIXELS, Image, check_images, patches_and_energies
 from sparse_coder.percept import NOWHERE_DEG, Encoding, Percept
-from sparse_coder.reward import lambda_by_now, random_reward, reconstruction_error, reward
+from sparse_coder.reward import (
+    information,
+    lambda_by_now,
+    random_reward,
+    reconstruction_error,
+    reward,
+)
+from sparse_coder.windows import windows_of
 
-SCALES = ("coarse", "fine")
 _LARGEST_NORM_ERROR = 1e-4
 _START = Moment()
 
@@ -57,7 +61,7 @@ class SparseCoder:
             Dictionary(
                 initial_atoms(generator(config.seed, "dictionary", i), config.n_bases, N_PIXELS)
             )
-            for i, _ in enumerate(SCALES)
+            for i, _ in enumerate(config.scales.all)
         ]
         self._watch = gaze_watch(config)
 
@@ -67,21 +71,23 @@ class SparseCoder:
         right: Image,
         metabolic_rates_w: NDArray[np.float64],
         *,
+        apart: Sequence[NDArray[np.uint8]] = (),
         moment: Moment = _START,
         given_deg: NDArray[np.float64] = NOWHERE_DEG,
     ) -> Percept:
         """Return what an observation is worth, and what it says of gaze; the atoms stay.
 
         left, right: grey uint8 pictures (height_px, width_px).
+        apart: as for `encode`.
         metabolic_rates_w: (n_muscles,) settled rates of the charged muscles, (0,) of joints.
         moment: which observation it is; turns of the eyes are followed from iteration 0 on.
         given_deg: (2,) place to look at when a fixation begins, NaN where the eyes choose.
 
         Raises InputError for unsuitable pictures or rates.
         """
-        encoding = self.encode(left, right)
+        encoding = self.encode(left, right, apart)
         rate_w = float(metabolic_rates_w.sum())
-        earned = reward(encoding.reconstruction_error, rate_w, self.lambda_by_now)
+        earned = reward(encoding.worth, rate_w, self.lambda_by_now)
         if not len(metabolic_rates_w):
             rate_w = math.nan
         if self.config.random_reward:
@@ -94,26 +100,43 @@ class SparseCoder:
             encoding, rate_w, earned.energy_penalty, earned.value, self.learning_steps, gaze
         )
 
-    def encode(self, left: Image, right: Image) -> Encoding:
+    def encode(
+        self, left: Image, right: Image, apart: Sequence[NDArray[np.uint8]] = ()
+    ) -> Encoding:
         """Return the code of two grey uint8 pictures (height, width); changes nothing.
 
-        Raises InputError for pictures of another type, of odd or different or too small size.
+        apart: of each scale with a picture of its own both eyes' (2, height, width).
+        Raises InputError for pictures of another type or number, of odd or different or too small
+        size.
         """
-        check_images(left, right)
-        patches = tuple(
-            binocular_patches(window(left), window(right))
-            for window in (coarse_window, fine_window)
-        )
+        config = self.config
+        check_images(left, right, config.scales.widest_px)
+        windows = windows_of(left, right, apart, config.scales)
+        parts = [patches_and_energies(*pair) for pair in windows]
+        patches = tuple(p for p, _ in parts)
         selections = tuple(
-            matching_pursuit(p, d.atoms, d.gram, self.config.n_selections)
+            matching_pursuit(p, d.atoms, d.gram, config.n_selections)
             for p, d in zip(patches, self._dictionaries, strict=True)
         )
-        features = [mean_squared_coefficients(s, self.config.n_bases) for s in selections]
+        features = [mean_squared_coefficients(s, config.n_bases) for s in selections]
         errors = [reconstruction_error(p, s) for p, s in zip(patches, selections, strict=True)]
-        return Encoding(np.stack(features), np.array(errors), patches, selections)
+        told = self._information(parts, selections) if config.rewards_information else None
+        return Encoding(np.stack(features), np.array(errors), patches, selections, told)
+
+    def _information(
+        self,
+        parts: Sequence[tuple[NDArray[np.float32], NDArray[np.float64]]],
+        selections: Sequence[Selections],
+    ) -> NDArray[np.float64]:
+        """Return I of each scale; parts: its patches and their energies."""
+        noise, told = self.config.noise_energies, []
+        for i, (patches, energies) in enumerate(parts):
+            left = residuals_of_eyes(patches, self._dictionaries[i].atoms, selections[i])
+            told.append(information(energies, left, noise[i]))
+        return np.array(told)
 
     def learn(self, encoding: Encoding) -> None:
-        """Move both dictionaries by one step towards the pictures that they encoded.
+        """Move all dictionaries by one step towards the pictures that they encoded.
 
         A rate of 0 leaves the dictionaries unchanged (D17).
         """
@@ -155,14 +178,14 @@ class SparseCoder:
         expected = {"atoms", "learning_steps"}
         if set(state) != expected:
             raise InputError(f"state: expected {sorted(expected)}, got {sorted(state)}")
-        atoms = _checked_atoms(state["atoms"], self.config.n_bases)
+        atoms = _checked_atoms(state["atoms"], len(self.config.scales.all), self.config.n_bases)
         learning_steps = _checked_count(state["learning_steps"])
         self._dictionaries = [Dictionary(a.copy()) for a in atoms]
         self.learning_steps = learning_steps
 
 
-def _checked_atoms(atoms: NDArray[Any], n_bases: int) -> NDArray[np.float32]:
-    shape = (len(SCALES), n_bases, N_PIXELS)
+def _checked_atoms(atoms: NDArray[Any], n_scales: int, n_bases: int) -> NDArray[np.float32]:
+    shape = (n_scales, n_bases, N_PIXELS)
     if atoms.shape != shape or atoms.dtype != np.float32:
         raise InputError(
             f"atoms: expected float32 of shape {shape}, got {atoms.dtype} of shape {atoms.shape}"

@@ -2,9 +2,12 @@
 
 from dataclasses import dataclass, field
 
-from lockstep import setting
+from lockstep import InputError, setting
 from lockstep.optics import OpticsConfig, TurnNoiseConfig
 from lockstep.task import TaskConfig
+from sparse_coder.patches import N_PIXELS
+from sparse_coder.reward import noise_energy
+from sparse_coder.whitening import GAIN
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,18 @@ class SparseCoderConfig(TaskConfig):
         "whether the reward is a random number, uniform in [-1, 0], that says nothing of images"
         " or energy: whatever is still learned does not come from the reward",
     )
+    rewards_information: bool = setting(
+        False,
+        "whether the reward is the information that the code has of the windows, which is largest"
+        " in focus, instead of -E, which rises with blur",
+    )
+    sensor_noise: tuple[float, ...] = setting(
+        (7.0,),
+        "standard deviation of the noise of a pixel that is coded, by which that information is"
+        " limited: of each scale, or one for all",
+        "grey levels",
+        above=0,
+    )
     camera: OpticsConfig = field(default_factory=OpticsConfig)
     noise: TurnNoiseConfig = field(default_factory=TurnNoiseConfig)
 
@@ -38,3 +53,17 @@ class SparseCoderConfig(TaskConfig):
         """Refuse values out of range, and a task without training."""
         super().__post_init__()
         self.check_trains()
+        n_scales = len(self.scales.all)
+        if len(self.sensor_noise) not in (1, n_scales):
+            raise InputError(
+                f"sensor_noise: expected {n_scales} entries, of {', '.join(self.scales.names)}, or "
+                f"one for all, got {list(self.sensor_noise)}"
+            )
+
+    @property
+    def noise_energies(self) -> tuple[float, ...]:
+        """Energy of the sensor's noise in a patch of each scale."""
+        n_scales = len(self.scales.all)
+        gain = GAIN if self.scales.whitened else 1.0
+        energies = [noise_energy(sd, gain, N_PIXELS) for sd in self.sensor_noise]
+        return tuple(energies if len(energies) == n_scales else energies * n_scales)

@@ -67,6 +67,46 @@ def residual_energies(patches: NDArray[np.float32], selections: Selections) -> N
     return np.maximum((patches**2).sum(axis=1) - coded, np.float32(0.0))
 
 
+def residuals_of_eyes(
+    patches: NDArray[np.float32], atoms: NDArray[np.float32], selections: Selections
+) -> NDArray[np.float64]:
+    """Return the sum of squared residuals of each eye's half of each patch, (n_patches, 2).
+
+    An atom is a unit over both eyes, so that the halves' residuals have to be formed.
+    """
+    residuals = np.empty((len(patches), 2))
+    _add_up_residuals(patches, atoms, selections.atoms, selections.coefficients, residuals)
+    return residuals
+
+
+@njit(
+    void(float32[:, ::1], float32[:, ::1], int32[:, ::1], float32[:, ::1], float64[:, ::1]),
+    cache=True,
+    nogil=True,
+)
+def _add_up_residuals(
+    patches: NDArray[np.float32],
+    atoms: NDArray[np.float32],
+    selected: NDArray[np.int32],
+    coefficients: NDArray[np.float32],
+    residuals: NDArray[np.float64],
+) -> None:
+    n_patches, n_selections = selected.shape
+    half = patches.shape[1] // 2
+    rest = np.empty(patches.shape[1], np.float32)
+    for i_patch in range(n_patches):
+        rest[:] = patches[i_patch]
+        for i in range(n_selections):
+            coefficient, atom = coefficients[i_patch, i], atoms[selected[i_patch, i]]
+            for i_pixel in range(rest.size):
+                rest[i_pixel] -= coefficient * atom[i_pixel]
+        for i_eye in range(2):
+            total = 0.0
+            for i_pixel in range(i_eye * half, (i_eye + 1) * half):
+                total += np.float64(rest[i_pixel]) ** 2
+            residuals[i_patch, i_eye] = total
+
+
 @njit(
     void(float32[:, ::1], float32[:, ::1], int32[:, ::1], float32[:, ::1]), cache=True, nogil=True
 )

@@ -67,17 +67,17 @@ def camera_of(message: CameraInfo, topic: str) -> Pinhole:
     )
 
 
-def features_message(n_bases: int) -> Image:
-    """Return the message of features (2, n_bases) float32, without stamp and data.
+def features_message(n_scales: int, n_bases: int) -> Image:
+    """Return the message of features (n_scales, n_bases) float32, without stamp and data.
 
     A picture of 32-bit floats, one row per scale: it opens in any viewer.
     """
-    return Image(height=2, width=n_bases, encoding="32FC1", step=4 * n_bases)
+    return Image(height=n_scales, width=n_bases, encoding="32FC1", step=4 * n_bases)
 
 
-def basis_functions_message(n_bases: int) -> Image:
-    """Return the message of atoms (2, n_bases, n_pixels) float32, without stamp and data.
+def basis_functions_message(n_scales: int, n_bases: int) -> Image:
+    """Return the message of atoms (n_scales, n_bases, n_pixels) float32, without stamp and data.
 
     A picture of 32-bit floats, one row per atom, coarse above fine.
     """
-    return Image(height=2 * n_bases, width=N_PIXELS, encoding="32FC1", step=4 * N_PIXELS)
+    return Image(height=n_scales * n_bases, width=N_PIXELS, encoding="32FC1", step=4 * N_PIXELS)

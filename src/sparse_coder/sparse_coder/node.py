@@ -20,9 +20,10 @@ from lockstep.wire.topics import (
     GAZE_NAMES,
     GAZE_TARGET,
     PICTURES,
-    REWARD_NAMES,
     TARGET_NAMES,
     TRAINING,
+    apart_pictures,
+    reward_names,
     state_topic,
 )
 from lockstep.wire.vectors import VectorPublisher, values_of, whole_values_of
@@ -55,10 +56,11 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
     def __init__(self, **kwargs: Any) -> None:
         """Set up the coder; raises InputError for a bad configuration."""
         super().__init__("sparse_coder", SparseCoderConfig, **kwargs)
-        self._features = ImagePublisher(self, "features", features_message(self.config.n_bases))
-        self._reward = VectorPublisher(self, "reward", REWARD_NAMES)
+        scales, n_bases = self.config.scales.names, self.config.n_bases
+        self._features = ImagePublisher(self, "features", features_message(len(scales), n_bases))
+        self._reward = VectorPublisher(self, "reward", reward_names(scales))
         self._basis_functions = ImagePublisher(
-            self, BASIS_FUNCTIONS, basis_functions_message(self.config.n_bases)
+            self, BASIS_FUNCTIONS, basis_functions_message(len(scales), n_bases)
         )
         self._sent_basis_functions_s = 0.0
         self._wanted_deg: np.ndarray | None = None
@@ -73,7 +75,7 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
         Eyes do not know their optics: what a lens does to their pictures, they see as it is.
         """
         if not self.config.space.of_joints:
-            return INPUTS
+            return INPUTS | dict.fromkeys(self._apart_topics, Image)
         of_cameras = dict.fromkeys(PICTURES, Image) | dict.fromkeys(CAMERA_INFOS, CameraInfo)
         return of_cameras | {"episode": JointState, state_topic(self.config.space): JointState}
 
@@ -95,6 +97,7 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
             left,
             right,
             rates_w,
+            apart=self._apart(observation),
             moment=Moment(int(trial), iteration, training_iteration),
             given_deg=given_deg,
         )
@@ -116,6 +119,15 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
         cameras = [camera_of(observation[topic], topic) for topic in CAMERA_INFOS]
         focal_px = self.config.camera.focal_length_px
         return [central_view(p, c, focal_px) for p, c in zip(pictures, cameras, strict=True)]
+
+    @property
+    def _apart_topics(self) -> tuple[str, ...]:
+        return apart_pictures(self.config.scales)
+
+    def _apart(self, observation: Mapping[str, Any]) -> list[np.ndarray]:
+        """Return both eyes' pictures of each scale that has its own."""
+        pictures = [picture_of(observation[topic], topic) for topic in self._apart_topics]
+        return [np.stack(pair) for pair in zip(pictures[::2], pictures[1::2], strict=True)]
 
     def _rates_w(self, observation: Mapping[str, Any]) -> np.ndarray:
         """Return the metabolic rate of each muscle that is charged; joints have none."""

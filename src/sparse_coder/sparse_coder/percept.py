@@ -1,6 +1,6 @@
 """What the sparse coder makes of an observation: code, reward, and where to look.
 
-Dimensions: n_scales is 2, coarse before fine; n_patches, n_pixels, n_bases.
+Dimensions: n_scales, by default 2, coarse before fine; n_patches, n_pixels, n_bases.
 """
 
 from dataclasses import dataclass
@@ -17,13 +17,23 @@ class Encoding:
 
     features: (n_scales, n_bases) mean squared coefficient of each atom;
     reconstruction_error: (n_scales,) unexplained share of the patches' energy, in [0, 1];
-    patches: per scale (n_patches, n_pixels); selections: per scale.
+    patches: per scale (n_patches, n_pixels); selections: per scale;
+    information: (n_scales,) what the code tells of the windows, in nats a patch, None where that is
+    not rewarded.
     """
 
     features: NDArray[np.float32]
     reconstruction_error: NDArray[np.float64]
     patches: tuple[NDArray[np.float32], ...]
     selections: tuple[Selections, ...]
+    information: NDArray[np.float64] | None = None
+
+    @property
+    def worth(self) -> float:
+        """What the eyes are rewarded for: I where there is information, otherwise -E."""
+        if self.information is None:
+            return -float(np.sum(self.reconstruction_error))
+        return float(np.sum(self.information))
 
 
 @dataclass(frozen=True)
@@ -52,8 +62,8 @@ class Percept:
     """What the coder makes of an observation.
 
     metabolic_rate_w: C, of the muscles that are charged, NaN of joints; energy_penalty: lambda C;
-    reward: -E - lambda C (K17 eq. 5); learning_steps: of the coder, before it learns from this;
-    gaze: None where nobody asks.
+    reward: -E - lambda C (K17 eq. 5), or I - lambda C; learning_steps: of the coder, before it
+    learns from this; gaze: None where nobody asks.
     """
 
     encoding: Encoding
@@ -64,7 +74,7 @@ class Percept:
     gaze: Gaze | None = None
 
     def reward_values(self) -> tuple[float, ...]:
-        """Return the values of lockstep.wire.topics.REWARD_NAMES."""
+        """Return the values of lockstep.wire.topics.reward_names."""
         return (
             *self.encoding.reconstruction_error.tolist(),
             self.metabolic_rate_w,

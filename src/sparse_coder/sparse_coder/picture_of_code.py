@@ -6,16 +6,16 @@ Dimensions: n_eyes is 2, left before right; n_patches, n_pixels, n_bases.
 import numpy as np
 from numpy.typing import NDArray
 
+from lockstep.scales import PATCH_SIZE_PX, STRIDE_PX
 from sparse_coder.matching_pursuit import Selections
-from sparse_coder.patches import PATCH_SIZE_PX, STRIDE_PX, Image, coarse_window, fine_window
+from sparse_coder.patches import Image
 from sparse_coder.percept import Encoding
-
-_WINDOWS = (coarse_window, fine_window)
+from sparse_coder.windows import windows_of
 
 
 def seen_windows(left: Image, right: Image) -> tuple[NDArray[np.float32], ...]:
-    """Return what is coded, (n_eyes, side_px, side_px) per scale, in grey levels."""
-    return tuple(np.stack([window(left), window(right)]) for window in _WINDOWS)
+    """Return what is coded at the default scales, (n_eyes, side_px, side_px), in grey levels."""
+    return tuple(np.stack(pair) for pair in windows_of(left, right))
 
 
 def reconstructed_windows(

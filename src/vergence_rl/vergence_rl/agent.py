@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from lockstep import DivergenceError, InputError, generator
 from vergence_rl.config import VergenceRlConfig
+from vergence_rl.focusing import FocusingRule
 from vergence_rl.gaze.control import GazeControl, checked_gaze
 from vergence_rl.gaze.turning import TurningRule
 from vergence_rl.learning_rule import (
@@ -57,6 +58,10 @@ class Agent:
             holds_gaze = config.fixation_iterations > 0
             control = GazeControl(*config.limit_arrays, config.gaze, holds_gaze=holds_gaze)
             rule = TurningRule(rule, control, config.iterations_per_fixation, config.n_before)
+        if config.n_lenses:
+            tasks = config.task, *config.lens_tasks
+            n_held = config.lens.looking_iterations
+            rule = FocusingRule(rule, tasks, config.lens_config, n_held, config.limit_arrays)
         self._rule = rule
         self.learning_steps = 0
         self._last: TimeStep | None = None
@@ -68,7 +73,8 @@ class Agent:
         self._statistics = empty_statistics(
             config.n_features + config.n_felt, config.initial_squared_deviation
         )
-        self._pairs = np.triu_indices(config.n_muscles // config.space.n_eyes)
+        turning = config.space.turning
+        self._pairs = np.triu_indices(len(turning.names) // turning.n_eyes)
 
     def observe(
         self,
@@ -86,7 +92,7 @@ class Agent:
     ) -> Decision:
         """Learn from what was done so far and answer with what to do next.
 
-        features: (2, n_features / 2) or any shape of that size; activations: (n_muscles,) of now,
+        features: (n_scales, n_bases) or any shape of that size; activations: (n_muscles,) of now,
         those that are commanded; reward: r_t, of now; iteration: within the episode, from 0;
         training_iteration: number of training iterations before this one; learning: whether to
         learn from the last action, and later from this one (there is nothing to learn at an
@@ -174,7 +180,8 @@ class Agent:
         """Return the products of two activations of one eye, squares included, (n_products,)."""
         if not self.config.products_of_activations:
             return np.zeros(0)
-        of_eyes = activations.reshape(self.config.space.n_eyes, -1)
+        turning = self.config.space.turning
+        of_eyes = activations[: len(turning.names)].reshape(turning.n_eyes, -1)
         first, second = self._pairs
         return np.ravel(of_eyes[:, first] * of_eyes[:, second])
 

@@ -1,6 +1,6 @@
 """Settings of the agent; those of each learning rule are nested, under the rule's name."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,13 +8,17 @@ from numpy.typing import NDArray
 from lockstep import InputError, setting
 from lockstep.task import TaskConfig
 from lockstep.wire.topics import N_SACCADES
+from vergence_rl.focusing import LensConfig
 from vergence_rl.gaze.config import GazeConfig
 from vergence_rl.gaze.eye_turns import N_TURNS
+from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.learning_rule import RuleConfig, Task
 from vergence_rl.rules import RULES, RuleSettings
 
 # Vergence learns from what follows the saccades.
 LEAST_FIXATION = N_SACCADES + 2
+# Of a lens, whose rewards are compared.
+_LEAST_TRIES = 2
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,8 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
     )
     products_of_activations: bool = setting(
         False,
-        "whether the products of two activations of one eye are entries of the state, too (D22)",
+        "whether the products of two activations that turn one eye are entries of the state, too"
+        " (D22)",
     )
     state_standard_deviation: float = setting(
         0.02, "standard deviation to which each entry of the state is normalised", above=0
@@ -55,6 +60,7 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
         0.001, "zeta of K17, rate of the running variance of the TD error", least=0, below=1
     )
     gaze: GazeConfig = field(default_factory=GazeConfig)
+    lens: LensConfig = field(default_factory=LensConfig)
 
     def __post_init__(self) -> None:
         """Refuse values out of range, and what the chosen rule cannot work with."""
@@ -71,11 +77,27 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
                 "measures_turns: its actions are changes of activation, not rotations of the eyes"
             )
         self.rule_config.check_fits(self.iterations_per_fixation, self.n_visits)
+        if self.n_lenses:
+            self._check_lenses()
+
+    def _check_lenses(self) -> None:
+        """Refuse episodes that are too short to try each lens, and turns of the eyes."""
+        if self.n_tries < _LEAST_TRIES:
+            raise InputError(
+                f"iterations_per_episode: expected {2 * _LEAST_TRIES * self.n_lenses} or more with "
+                f"command_space {self.command_space}, got {self.iterations_per_episode}"
+            )
+        self.lens_config.check_fits(self.iterations_per_episode, self.n_tries)
+        if self.learns_turns:
+            raise InputError(
+                "command_space: expected one without lenses with saccades or measures_turns, got "
+                f"{self.command_space}"
+            )
 
     @property
     def n_features(self) -> int:
-        """Features of both scales."""
-        return 2 * self.n_bases
+        """Features of all scales."""
+        return len(self.scales.all) * self.n_bases
 
     @property
     def n_before(self) -> int:
@@ -96,8 +118,9 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
     @property
     def n_products(self) -> int:
         """Products of two activations of one eye, squares included, among the state's entries."""
-        n_of_eye = self.n_muscles // self.space.n_eyes
-        return self.space.n_eyes * n_of_eye * (n_of_eye + 1) // 2 * self.products_of_activations
+        n_eyes = self.space.turning.n_eyes
+        n_of_eye = len(self.space.turning.names) // n_eyes
+        return n_eyes * n_of_eye * (n_of_eye + 1) // 2 * self.products_of_activations
 
     @property
     def n_felt(self) -> int:
@@ -117,7 +140,31 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
     @property
     def n_visits(self) -> int:
         """Iterations of one picture from which a rule learns: an episode, or of a fixation."""
-        return self.iterations_per_fixation - self.n_before
+        return self.iterations_per_fixation - self.n_before - self.n_tries * self.n_lenses
+
+    @property
+    def n_lenses(self) -> int:
+        """Commands that focus lenses."""
+        return self.n_muscles - len(self.space.turning.names)
+
+    @property
+    def n_tries(self) -> int:
+        """Iterations of an episode in which each lens tries: lenses share half of it."""
+        return self.iterations_per_episode // 2 // self.n_lenses if self.n_lenses else 0
+
+    @property
+    def lens_config(self) -> HindsightConfig:
+        """The settings of a lens's rule."""
+        return self.lens.rule_config(self.hindsight)
+
+    @property
+    def lens_tasks(self) -> tuple[Task, ...]:
+        """What the rule of each lens must know, of one command that is cut at its limits."""
+        no_limit = np.array([np.inf])
+        task = replace(
+            self.task, lowest=-no_limit, highest=no_limit, iterations_per_episode=self.n_tries
+        )
+        return (task,) * self.n_lenses
 
     @property
     def limit_arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -126,8 +173,9 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
 
     @property
     def task(self) -> Task:
-        """What a rule must know; turns of the eyes have no limits."""
-        lowest, highest = self.limit_arrays
+        """What the rule of the eyes must know; turns of the eyes have no limits."""
+        limits = self.turning_limits
+        lowest, highest = np.array(limits.lowest), np.array(limits.highest)
         if self.learns_turns:
             lowest, highest = np.full(N_TURNS, -np.inf), np.full(N_TURNS, np.inf)
         return Task(

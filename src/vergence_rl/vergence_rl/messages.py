@@ -10,11 +10,9 @@ from lockstep.wire.topics import GAZE, GAZE_NAMES, state_topic
 from lockstep.wire.vectors import values_of
 from vergence_rl.learning_rule import Decision
 
-_SCALES = 2
 
-
-def features_of(message: Image) -> np.ndarray:
-    """Return the features (2, n_bases) float32 of a 32FC1 message, without a copy.
+def features_of(message: Image, n_scales: int) -> np.ndarray:
+    """Return the features (n_scales, n_bases) float32 of a 32FC1 message, without a copy.
 
     Raises InputError for another encoding, another number of rows, data that does not match the
     stated size, and values that are not finite.
@@ -23,11 +21,11 @@ def features_of(message: Image) -> np.ndarray:
     if (
         message.encoding != "32FC1"
         or message.is_bigendian
-        or height != _SCALES
+        or height != n_scales
         or len(message.data) != 4 * width * height
     ):
         raise InputError(
-            f"features: expected little-endian 32FC1 with {_SCALES} rows and 4 bytes an entry, "
+            f"features: expected little-endian 32FC1 with {n_scales} rows and 4 bytes an entry, "
             f"got {message.encoding!r}, {height} x {width}, {len(message.data)} bytes"
         )
     features = np.frombuffer(message.data, dtype=np.float32).reshape(height, width)

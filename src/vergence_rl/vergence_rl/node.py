@@ -52,7 +52,7 @@ class VergenceRlNode(LearnerNode[Agent]):
 
     def answer(self, stamp_ns: int, observation: Mapping[str, Any]) -> None:
         """Publish the command that follows from an observation, and what the learner thought."""
-        features = features_of(observation["features"])
+        features = features_of(observation["features"], len(self.config.scales.all))
         (reward_t,) = values_of(observation["reward"], ("reward",), "reward")
         phase, iteration, training_iteration = whole_values_of(
             observation["episode"], _EPISODE, "episode"

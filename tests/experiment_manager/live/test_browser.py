@@ -24,7 +24,7 @@ RIGHT = np.full_like(LEFT, 40)
 RUN = "gaze_short, profile gaze_m_c, model M_C, seed 1"
 BROWSE = Path(__file__).with_name("browse.py")
 NO_BROWSER = 5  # as browse.py has it
-# A wrong page ends the program within half a minute; a browser that hangs would never end it.
+# The program gives up after half a minute where the page is wrong; a browser that hangs does not.
 BROWSER_S = 200
 
 

@@ -33,8 +33,8 @@ from lockstep.wire.topics import (
     GAZE_TARGET,
     GROUND_TRUTH_NAMES,
     PICTURES,
-    REWARD_NAMES,
     VECTOR,
+    reward_names,
 )
 from sparse_coder import SparseCoder, SparseCoderConfig
 from sparse_coder.picture_of_code import reconstructed_windows, seen_windows
@@ -45,7 +45,7 @@ from tests.patience import PATIENCE_S
 NAMES = {
     "muscle_command": COMMAND_NAMES,
     "ground_truth": GROUND_TRUTH_NAMES,
-    "reward": REWARD_NAMES,
+    "reward": reward_names(),
     "actor_critic": ACTOR_CRITIC_NAMES,
     "eye_states": EYE_STATE_NAMES,
     "muscle_activations": MUSCLE_NAMES,
@@ -75,7 +75,7 @@ def test_what_is_watched_is_sent_as_it_is_and_made_into_pictures(server, vector_
     messages = {
         "left/image_raw": image_bytes(left, 7),
         "right/image_raw": image_bytes(right, 7),
-        "reward": vector_bytes(REWARD_NAMES, [0.1, 0.2, 1.0, 0.0, -0.3, 5.0], 7),
+        "reward": vector_bytes(reward_names(), [0.1, 0.2, 1.0, 0.0, -0.3, 5.0], 7),
     }
     coder = SparseCoder(SparseCoderConfig(n_bases=16, seed=3))
     view.take_basis_functions(coder.atoms().reshape(32, 128))

@@ -20,6 +20,7 @@ from experiment_manager.measures.kept_trials import (
 )
 from experiment_manager.measures.results import Measures, Summary
 from eye_plant.config import EyePlantConfig
+from lockstep.command_space import COMMAND_SPACES
 from lockstep.errors import InputError
 from tests.kept_tests import kept_tests
 from tests.pair import COMMAND_NAMES, PAIR_SPACE
@@ -109,6 +110,27 @@ def test_what_was_kept_when_optima_did_not_depend_on_targets_is_read() -> None:
     old = from_arrays({**arrays, "optimal_rate_w": arrays["optimal_rate_w"][:, 0]})
     assert old is not None
     assert np.array_equal(old.optimal_rate_w, arrays["optimal_rate_w"])
+
+
+def test_the_command_space_is_kept_and_of_older_files_follows_from_the_number_of_commands() -> None:
+    pair = _test(0)
+    for name in ("pair_and_lens", "pan_tilt_vergence", "pair_and_lenses", "horizontal_recti"):
+        space = COMMAND_SPACES[name]
+        columns = {**pair.columns, **dict.fromkeys(space.names, pair.vergence_error_deg)}
+        arrays = arrays_of(_kept(replace(pair, space=space, columns=columns)))
+        found = from_arrays(arrays)
+        assert found is not None
+        assert found.space == space
+        assert found.tests()[0].space == space
+        unnamed = {key: values for key, values in arrays.items() if key != "command_space"}
+        if "lens" not in name:
+            older = from_arrays(unnamed)
+            assert older is not None
+            assert older.space == space
+    with pytest.raises(InputError, match=r"command_space: expected one of pair, .*, got three"):
+        from_arrays(arrays | {"command_space": np.array("three")})
+    with pytest.raises(InputError, match=r"command_space: expected one of pair, .*, got $"):
+        from_arrays(unnamed | {"activations": np.zeros((N_TRIALS, 2, 7))})
 
 
 def test_the_optima_of_each_iteration_that_is_kept_are_kept() -> None:

@@ -47,7 +47,7 @@ def _trials() -> Trials:
             values |= {"object_distance_m": 0.5 if trial < 2 else 2.0, "stimulus": 7 + trial // 2}
             values |= (end | activations) if iteration == 2 else dict.fromkeys(end, 9.0)
             rows.append([values[name] for name in NAMES])
-    return only_test(TrialTable(np.array(rows)), 2)
+    return only_test(TrialTable(np.array(rows), SPACE), 2)
 
 
 def test_errors_about_all_axes_by_hand() -> None:

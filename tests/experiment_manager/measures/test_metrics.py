@@ -38,11 +38,11 @@ INDEX = {name: i for i, name in enumerate(TRIAL_NAMES)}
 def summary_of(rows: np.ndarray, criteria: Criteria = CRITERIA) -> Summary:
     """Return the summary of rows whose longest trial is whole."""
     n_iterations = int(rows[:, INDEX["iteration"]].max()) if rows.ndim == 2 else 0
-    return metrics.summary_of(only_test(TrialTable(rows), n_iterations), criteria)
+    return metrics.summary_of(only_test(TrialTable(rows, PAIR_SPACE), n_iterations), criteria)
 
 
 def _tests(rows: list[list[float]], n_iterations: int) -> list[Trials]:
-    return split_tests(TrialTable(np.array(rows)), n_iterations)
+    return split_tests(TrialTable(np.array(rows), PAIR_SPACE), n_iterations)
 
 
 def _row(**values: float) -> list[float]:
@@ -276,7 +276,7 @@ def test_of_a_test_that_ended_in_its_first_trial_nothing_counts() -> None:
     assert len(_tests(part, 2)) == 1
     assert _tests(part, 20) == []
     with pytest.raises(InputError, match="expected the rows of one test, got those of 0"):
-        only_test(TrialTable(np.array(part)), 20)
+        only_test(TrialTable(np.array(part), PAIR_SPACE), 20)
 
 
 def test_what_counts_is_that_of_the_runs_own_eyes_and_cameras() -> None:
@@ -296,7 +296,7 @@ def test_one_test_is_expected() -> None:
         summary_of(np.array(two))
     with pytest.raises(InputError, match="expected the rows of one test, got those of 0"):
         summary_of(np.array(one)[1:])
-    with pytest.raises(InputError, match=r"expected rows of .*, got .*\(3,\)"):
+    with pytest.raises(InputError, match=r"expected rows of \d+ numbers, got .*\(3,\)"):
         summary_of(np.zeros(3))
 
 

@@ -22,7 +22,7 @@ from lockstep import InputError
 from lockstep.exit_codes import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_ROLL_BACK, EXIT_UNWRITABLE
 from lockstep.wire.qos import LOCKSTEP_QOS
 from lockstep.wire.stamps import period_ns
-from lockstep.wire.topics import PLANT_VECTORS, REWARD_NAMES
+from lockstep.wire.topics import PLANT_VECTORS, reward_names
 from lockstep.wire.vectors import VectorPublisher
 from tests.experiment_manager.scripted_graph import (
     PERIOD_NS,
@@ -165,7 +165,7 @@ def _with_a_mute_coder(graph, nodes, directory: Path) -> ExperimentManagerNode:
 
 def test_a_second_publisher_is_a_fault(graph, nodes, tmp_path, capfd) -> None:
     manager = _with_a_mute_coder(graph, nodes, tmp_path / "run")
-    VectorPublisher(nodes[2], "reward", REWARD_NAMES)
+    VectorPublisher(nodes[2], "reward", reward_names())
     assert _finished(graph, manager) == EXIT_FAULT
     assert "expected one publisher per topic, found more on reward" in capfd.readouterr().err
 

@@ -11,7 +11,7 @@ from experiment_manager import Bag, ExperimentManagerConfig
 from experiment_manager.node.recorder import Recorder
 from experiment_manager.run.run_directory import Run
 from lockstep.wire.stamps import NS_PER_S, period_ns
-from lockstep.wire.topics import REWARD_NAMES
+from lockstep.wire.topics import reward_names
 from lockstep.wire.vectors import vector_message
 from tests.node_harness import Graph, Outsider
 from tests.patience import PATIENCE_S
@@ -52,7 +52,9 @@ def test_answers_from_before_the_first_episode_are_not_recorded(
     first_ns = episode.first_observation * period_ns(config.mechanics.period_s)
 
     def answer(value: float) -> None:
-        learner.send("reward", vector_message(first_ns, REWARD_NAMES, [value] * len(REWARD_NAMES)))
+        learner.send(
+            "reward", vector_message(first_ns, reward_names(), [value] * len(reward_names()))
+        )
         assert _has_come(node, "reward")
 
     # Of a learner that does not know yet from where the run goes on.
@@ -68,4 +70,4 @@ def test_answers_from_before_the_first_episode_are_not_recorded(
     recorder.close()
     run.close()
     (values,) = Bag(tmp_path / "run" / "bag").vectors("reward")["reward"].position
-    assert values.tolist() == [2.0] * len(REWARD_NAMES)
+    assert values.tolist() == [2.0] * len(reward_names())

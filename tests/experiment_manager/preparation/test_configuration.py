@@ -262,3 +262,5 @@ def test_each_control_withholds_something_and_none_nothing() -> None:
     assert all(controlled.count(one) == 1 for one in controlled)
     with pytest.raises(InputError, match="--control starts_tonic: with command_space pair expect"):
         configured("--profile", "precise", "--control", "starts_tonic")
+    with pytest.raises(InputError, match="starts_elsewhere: with command_space pair_and_lens "):
+        configured("--profile", "triad", "--control", "starts_elsewhere")

@@ -22,7 +22,7 @@ from experiment_manager.run.config_file import configuration_text
 from experiment_manager.run.run_directory import Run
 from experiment_manager.sections import DEFAULTS, sections_of_nodes
 from lockstep import InputError, flatten, write_state
-from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TRAINING
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, TRAINING, reward_names
 from tests.pair import HORIZONTAL_RECTI
 
 PERIOD_NS = 100_000_000
@@ -77,7 +77,7 @@ def drive(vector_bytes: Callable[..., bytes]) -> Drive:
             "metabolic_rate_w": draw[1],
             "optimal_metabolic_rate_w": 0.1,
         }
-        reward = dict.fromkeys(REWARD_NAMES, 0.0) | {
+        reward = dict.fromkeys(reward_names(), 0.0) | {
             "reconstruction_error_coarse": draw[2],
             "reconstruction_error_fine": draw[3],
             "metabolic_rate_w": draw[1],

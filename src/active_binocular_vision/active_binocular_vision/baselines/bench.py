@@ -111,7 +111,8 @@ class Bench:
         for place in range(test.first, test.first + test.n_episodes, every):
             episode = replace(self.protocol.episode(place), n_iterations=n)
             rows += map(self._row, self.observations(controller, episode))
-        return only_test(TrialTable(np.array(rows, dtype=np.float64)), n)
+        table = TrialTable(np.array(rows, dtype=np.float64), self.manager.space)
+        return only_test(table, n)
 
     def close(self) -> None:
         """Release what the camera holds."""

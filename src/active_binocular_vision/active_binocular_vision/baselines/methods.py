@@ -63,7 +63,7 @@ def _read_out(
     bench: Bench, effort: Effort, done: Done, *, entries: Entries, n_axes: int, places_share: float
 ) -> None:
     motor = MotorMap(bench.manager, bench.plant.config)
-    n_axes = 1 if bench.manager.command_space == PAIR else n_axes
+    n_axes = 1 if bench.manager.turning_space == PAIR else n_axes
     n_places = round(places_share * effort.n_steps)
     sensor = calibrated_sensor(bench, motor, entries, n_axes, n_places)
     done(Tested(n_places, bench.trials(steering(sensor, motor), effort.every)))

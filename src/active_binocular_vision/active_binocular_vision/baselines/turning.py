@@ -23,7 +23,7 @@ class MotorMap:
     def __init__(self, manager: ExperimentManagerConfig, plant: EyePlantConfig) -> None:
         """Build an inverse of the eyes of a plant, within the limits of their commands."""
         self._commanded = manager.space
-        is_pair = manager.command_space == PAIR
+        is_pair = manager.turning_space == PAIR
         # Of the pair both eyes change alike, since their errors are alike and version stays.
         name = HORIZONTAL_RECTI if is_pair else manager.command_space
         self._space, self._angles = COMMAND_SPACES[name], TURNED_ANGLES[name]

@@ -188,9 +188,9 @@ class VergenceEnvironment(gymnasium.Env[Any, np.ndarray]):
         assert self._coder is not None
         assert observation.pictures is not None
         in_training = observation.episode.phase == TRAINING
-        rates_w = observation.state.metabolic_rate_w[self._space.indices]
+        rates_w = observation.rates_w(self._space)
         left, right = observation.pictures
-        percept = self._coder.perceive(left, right, rates_w)
+        percept = self._coder.perceive(left, right, rates_w, apart=observation.apart)
         if self._coder_learns and in_training and not self._is_last(observation):
             self._coder.learn(percept.encoding)
         self._pictures = observation.pictures.copy()

@@ -1,5 +1,6 @@
 """All examinations by their names."""
 
+from active_binocular_vision.examinations.clinic.accommodation import ACCOMMODATION
 from active_binocular_vision.examinations.clinic.acuity import ACUITY
 from active_binocular_vision.examinations.clinic.cover import COVER
 from active_binocular_vision.examinations.clinic.prisms import PRISMS
@@ -16,6 +17,7 @@ EXAMINATIONS = {
         PRISMS,
         ACUITY,
         STEREO,
+        ACCOMMODATION,
         NINE_POSITIONS,
         MAIN_SEQUENCE,
         LANDSCAPE,

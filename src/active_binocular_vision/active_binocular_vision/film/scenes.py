@@ -147,7 +147,7 @@ def _scene(
     has_targets = fixation and (episode.is_trial or settings.gives_targets)
     mechanics = settings.tested_plant(episode.training_iteration).mechanics
     tonic = Musculature(mechanics).tonic_activation
-    errors = ERRORS[: 1 if settings.plant.command_space == PAIR else None]
+    errors = ERRORS[: 1 if settings.plant.turning_space == PAIR else None]
     return Scene(
         caption,
         np.stack([[pair[s] for pair in pairs] for s in stamps_ns]),

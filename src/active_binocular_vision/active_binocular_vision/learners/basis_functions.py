@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from active_binocular_vision.learners.gabor import GOOD_RESIDUAL, Gabors, fit_gabors
 from lockstep import InputError
-from sparse_coder.patches import N_PIXELS, PX_PER_PIXEL
+from lockstep.scales import ScalesConfig
+from sparse_coder.patches import N_PIXELS
 
 Array = NDArray[np.float64]
 
-SCALES = ("coarse", "fine")
 # Edges of the seven bins of ocular dominance, from the left eye alone to the right eye alone
 # (Klimmasch et al. 2021, after Hubel & Wiesel 1962).
 BINOCULARITY_EDGES = np.array([-1.0, -0.85, -0.5, -0.15, 0.15, 0.5, 0.85, 1.0])
@@ -71,8 +71,8 @@ class Tuning:
 def tunings(atoms: NDArray[Any]) -> tuple[Tuning, Tuning]:
     """Return what the atoms (2, n_bases, 128) of both scales are tuned to."""
     coarse, fine = (
-        tuning(of_scale.astype(np.float64), px)
-        for of_scale, px in zip(atoms, PX_PER_PIXEL, strict=True)
+        tuning(of_scale.astype(np.float64), scale.px_per_pixel)
+        for of_scale, scale in zip(atoms, ScalesConfig().all, strict=True)
     )
     return coarse, fine
 

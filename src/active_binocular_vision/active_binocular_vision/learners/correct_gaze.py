@@ -45,7 +45,7 @@ class CorrectGaze:
         eyes = replace(mechanics, baseline_m=mechanics.baseline_m + parallax_m)
         self._baseline_m = eyes.baseline_m
         self._eyes = Oculomotor(eyes)
-        is_pair = protocol.command_space == PAIR
+        is_pair = protocol.turning_space == PAIR
         self._pair = Inverse(eyes) if is_pair else None
         self._gaze = None if is_pair else gaze_inverse(protocol, eyes, turns_deg)
 
@@ -68,9 +68,9 @@ class CorrectGaze:
         if self._protocol.fixation_iterations:
             wanted_deg = _looking_at_deg(target_deg)
         else:
-            wanted_deg = dict.fromkeys(TURNED_ANGLES[self._protocol.command_space], 0.0)
+            wanted_deg = dict.fromkeys(TURNED_ANGLES[self._protocol.turning_space], 0.0)
         wanted_deg["horizontal"] = error_deg
-        nowhere_aside = np.zeros(len(self._protocol.space.names))
+        nowhere_aside = np.zeros(len(self._protocol.space.turning.names))
         return tuple(self._gaze.activations(wanted_deg, distance_m, nowhere_aside).tolist())
 
     def least(self, distance_m: float, target_deg: Sequence[float]) -> LeastCost:

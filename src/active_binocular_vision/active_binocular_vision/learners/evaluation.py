@@ -85,7 +85,7 @@ def _with_starts(
     protocol: ExperimentManagerConfig, start_scale: float, start_errors: str | None
 ) -> ExperimentManagerConfig:
     if start_errors is not None:
-        if protocol.command_space != PAIR:
+        if protocol.turning_space != PAIR:
             raise InputError(
                 "start_errors: expected a run of the pair; with a command for each muscle first "
                 "errors are drawn"
@@ -93,7 +93,7 @@ def _with_starts(
         protocol = dataclasses.replace(protocol, start_errors=start_errors)
     if start_scale == 1.0:
         return protocol
-    if protocol.command_space == PAIR:
+    if protocol.turning_space == PAIR:
         raise InputError(
             "start_scale: expected a run with a command for each muscle, whose first errors "
             "are drawn from ranges; those of the pair are whole degrees"
@@ -125,7 +125,7 @@ def _trial_table(loop: InProcessLoop, protocol: Protocol) -> TrialTable:
     numbers = range(test.first, test.first + test.n_episodes)
     for i in progress(numbers, file=sys.stderr, desc="test", unit="trial"):
         rows += _trial(loop, protocol.episode(i), n_training)
-    return TrialTable(np.array(rows, dtype=np.float64))
+    return TrialTable(np.array(rows, dtype=np.float64), protocol.config.space)
 
 
 def _trial(loop: InProcessLoop, episode: Episode, n_training: int) -> list[tuple[float, ...]]:

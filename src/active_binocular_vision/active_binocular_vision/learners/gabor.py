@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lockstep import InputError
-from sparse_coder.patches import PATCH_SIZE_PX
+from lockstep.scales import PATCH_SIZE_PX
 
 Array = NDArray[np.float64]
 

@@ -1,10 +1,11 @@
 """A session of frozen learners: eyes before pictures, while an examiner covers one of them."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import astuple, dataclass, replace
+from dataclasses import astuple, dataclass, field, replace
 from functools import cache, cached_property
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,7 @@ class Prism:
 
 
 NO_PRISM = Prism()
+_NO_SETTINGS: Mapping[str, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,8 @@ class Course:
     Errors are (n + 1, 3), horizontal, vertical and torsional in deg, signed as GazeError's:
     eyes_deg, those of the eyes themselves; seen_deg, those that the pictures have, to which turned
     cameras and prisms add. lines_of_sight: (n + 1, 2, 3) unit vectors of both eyes. activations:
-    (12,) at the end; missed_deg: angle between the left picture's centre and the target at the end.
+    (12,) at the end; missed_deg: angle between the left picture's centre and the target at the end;
+    accommodation_d: (2,) of both lenses at the end, NaN of eyes without.
     """
 
     eyes_deg: Array
@@ -55,6 +58,7 @@ class Course:
     lines_of_sight: Array
     activations: Array
     missed_deg: float = math.nan
+    accommodation_d: Array = field(default_factory=lambda: np.full(2, np.nan))
 
     @property
     def n_iterations(self) -> int:
@@ -83,21 +87,22 @@ class Eyes:
         covered: str = "",
         prism: Prism = NO_PRISM,
         target_deg: Sequence[float] = AHEAD_DEG,
+        settings: Mapping[str, Any] = _NO_SETTINGS,
     ) -> Course:
         """Let the eyes go on from where they are, for so many iterations.
 
         covered: the side of an eye that sees black; prism: added to the turn that the right camera
-        has anyway; target_deg: azimuth and elevation from the left eye, of the saccades. Eyes that
-        make saccades complete their last fixation, unless fewer iterations than one fixation has
-        were asked for.
+        has anyway; target_deg: azimuth and elevation from the left eye, of the saccades; settings:
+        other parameters of the plant. Eyes that make saccades complete their last fixation, unless
+        fewer iterations than one fixation has were asked for.
         """
         session = self._session
         n_iterations, n_targets = self._whole_fixations(n_iterations)
-        session.loop.plant.reconfigure(session.settings(covered, prism))
+        session.loop.plant.reconfigure(session.settings(covered, prism) | dict(settings))
         episode = self._episode(n_iterations, tuple(target_deg) * n_targets)
         steps = session.loop.run_episode(episode, learning=False)
         observations = [step.observation for step in steps]
-        self.activations = tuple(observations[-1].state.activations.tolist())
+        self.activations = tuple(observations[-1].activations.tolist())
         return session.course(observations, self._i_picture)
 
     def code(self) -> Encoding:
@@ -106,7 +111,8 @@ class Eyes:
         loop.plant.reconfigure({})
         observation = loop.plant.begin(self._episode(1, ()))
         assert observation.pictures is not None
-        return loop.coder.encode(*observation.pictures)
+        left, right = observation.pictures
+        return loop.coder.encode(left, right, observation.apart)
 
     def _episode(self, n_iterations: int, targets_deg: Sequence[float]) -> Episode:
         return Episode.alone(
@@ -217,6 +223,7 @@ class Session:
             np.array(lines_of_sight),
             end.state.activations,
             float(np.hypot(*end.truth.target_deg)),
+            *([end.lenses.accommodation_d] if end.lenses else []),
         )
 
 

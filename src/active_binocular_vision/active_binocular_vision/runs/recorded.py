@@ -131,7 +131,8 @@ def _sum_in_order(values: np.ndarray) -> float:
 
 
 def _total_error(reward: VectorTable) -> np.ndarray:
-    return reward.column("reconstruction_error_coarse") + reward.column("reconstruction_error_fine")
+    of_scales = [name for name in reward.names if name.startswith("reconstruction_error_")]
+    return np.sum([reward.column(name) for name in of_scales], axis=0)
 
 
 def trial_table(
@@ -142,7 +143,7 @@ def trial_table(
     if activations is not None and len(activations.stamps_ns):
         of_commands = _at_stamps(activations, commanded(activations, space), truth.stamps_ns)
     columns = [truth.column(name) for name in GROUND_TRUTH_NAMES]
-    return TrialTable.of(np.stack(columns, axis=1), of_commands)
+    return TrialTable.of(np.stack(columns, axis=1), of_commands, space)
 
 
 def commanded(activations: VectorTable, space: CommandSpace) -> np.ndarray:

@@ -28,7 +28,7 @@ from experiment_manager.run.config_file import CONFIG_FILE, about_in, parameters
 from experiment_manager.sections import Configuration
 from experiment_manager.trained.directory import run_directory
 from lockstep import PAIR, InputError
-from sparse_coder.patches import PATCH_SIZE_PX
+from lockstep.scales import PATCH_SIZE_PX
 
 if TYPE_CHECKING:
     import pandas
@@ -145,7 +145,7 @@ class Run:
     @property
     def is_of_pair(self) -> bool:
         """Whether two activations are commanded, the same in both eyes, as in K17."""
-        return self.evaluation_settings.plant.command_space == PAIR
+        return self.evaluation_settings.plant.turning_space == PAIR
 
     # What it measured
 

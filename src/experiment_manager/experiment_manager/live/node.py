@@ -25,6 +25,7 @@ from experiment_manager.run.recorded_topics import SMALL_TOPICS
 from lockstep import InputError
 from lockstep.node.process import run_node
 from lockstep.node.ros_parameters import declare_config
+from lockstep.scales import ScalesConfig
 from lockstep.wire.cdr import image_array, stamp_ns_of
 from lockstep.wire.topics import BASIS_FUNCTIONS, GAZE_TARGET, PICTURES, TARGET_NAMES
 from lockstep.wire.vectors import VectorPublisher
@@ -57,6 +58,8 @@ class LiveViewNode(Node):
             self._server.close()
             raise
         self._view = View(self._server, config.n_selections)
+        # The reconstructions are of the published model's windows.
+        self._shows_code = config.scales == ScalesConfig()
         self._heard: dict[str, deque[bytes]] = {}
         self._subscribed: dict[str, Subscription] = {}
         self.create_timer(
@@ -89,7 +92,7 @@ class LiveViewNode(Node):
         heard, self._heard = self._heard, {}
         for message in heard.get("ground_truth", ()):
             self._view.count(message)
-        if BASIS_FUNCTIONS in heard:
+        if BASIS_FUNCTIONS in heard and self._shows_code:
             self._view.take_basis_functions(image_array(heard.pop(BASIS_FUNCTIONS)[-1]))
         newest = {topic: messages[-1] for topic, messages in heard.items()}
         left, right = ({stamp_ns_of(m): m for m in heard.get(t, ())} for t in PICTURES)

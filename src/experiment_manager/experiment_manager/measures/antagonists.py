@@ -23,8 +23,8 @@ _SILENT = 0.005
 
 def antagonist_names(space: CommandSpace) -> list[tuple[str, str]]:
     """Return the names of antagonists that both have a command."""
-    if space == COMMAND_SPACES[PAIR]:
-        first, second = space.names
+    if space.turning == COMMAND_SPACES[PAIR]:
+        first, second = space.turning.names
         return [(first, second)]
     pairs = [
         (f"{side}_{first}", f"{side}_{second}")
@@ -69,7 +69,7 @@ def antagonist_measures(trials: Trials, criteria: Criteria) -> dict[str, Any]:
     pairs = antagonist_names(trials.space)
     if not pairs or not len(trials.trial):
         return {}
-    floors = dict(zip(trials.space.names, criteria.lowest_activations, strict=True))
+    floors = dict(zip(trials.space.turning.names, criteria.lowest_activations, strict=True))
     # Above the least that commands may set, (n_trials, n_pairs, 2).
     values = np.stack(
         [[trials.column(name)[:, -1] - floors[name] for name in names] for names in pairs]

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, Self
 
@@ -11,6 +11,7 @@ from experiment_manager.plant_changes import Schedule, read_schedule
 from experiment_manager.sections import DEFAULTS, EYES, TASK, config_of
 from eye_plant import EyePlantConfig, Inverse, fixation_distance_m
 from eye_plant.config import changed
+from eye_plant.lens.config import LensesConfig
 from eye_plant.mechanics.metabolics import silent_activation
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.vergence import degrees_per_px
@@ -19,8 +20,11 @@ from lockstep.wire.topics import TEST
 
 # Relaxed eyes see an object right whose vergence differs by less than this from theirs.
 _RELAXED_PX = 0.5
-# Settings that older runs do not have; they were made without noise, which is the default.
-_NOT_IN_OLDER_RUNS = "noise."
+# Settings that older runs do not have; all were made with their defaults.
+_NOT_IN_OLDER_RUNS = (
+    *("noise.", "scales.", "lenses."),
+    *("camera.left_cataract", "camera.right_cataract"),
+)
 
 
 @dataclass(frozen=True)
@@ -31,9 +35,9 @@ class Criteria:
     it a muscle's cost no longer falls. Objects up to lateral_is_silent_up_to_m ask for more
     vergence than relaxed eyes have, so that the lateral recti should be silent; those from
     medial_is_silent_from_m on ask for less. In between either may hold the gaze at hardly any cost.
-    lowest_activations: of each command, at which a muscle with a tonic floor is silent. Of joints
-    only px_deg is known.
-    fixation_iterations: of a fixation, 0 of eyes that make no saccades.
+    lowest_activations: of each command that turns the eyes, at which a muscle with a tonic floor is
+    silent. Of joints only px_deg is known.
+    fixation_iterations: of a fixation, 0 of eyes that make no saccades; lenses: of eyes that focus.
     """
 
     px_deg: float
@@ -42,6 +46,7 @@ class Criteria:
     medial_is_silent_from_m: float
     lowest_activations: tuple[float, ...]
     fixation_iterations: int = 0
+    lenses: LensesConfig = field(default_factory=LensesConfig)
 
 
 def criteria_of(plant: EyePlantConfig, fixation_iterations: int = 0) -> Criteria:
@@ -49,8 +54,8 @@ def criteria_of(plant: EyePlantConfig, fixation_iterations: int = 0) -> Criteria
     if plant.space.of_joints:
         px_deg = degrees_per_px(plant.camera.focal_length_px)
         return Criteria(px_deg, math.nan, math.nan, math.nan, plant.limits.lowest)
-    criteria = _criteria(plant.camera.focal_length_px, plant.mechanics, plant.limits.lowest)
-    return replace(criteria, fixation_iterations=fixation_iterations)
+    criteria = _criteria(plant.camera.focal_length_px, plant.mechanics, plant.turning_limits.lowest)
+    return replace(criteria, fixation_iterations=fixation_iterations, lenses=plant.lenses)
 
 
 @lru_cache

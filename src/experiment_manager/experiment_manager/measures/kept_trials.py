@@ -10,12 +10,25 @@ from pathlib import Path
 import numpy as np
 
 from experiment_manager.measures.metrics import REPORTED_ITERATIONS
-from experiment_manager.measures.trials import ERROR_NAMES, Trials, space_of
-from lockstep import COMMAND_SPACES, PAIR, InputError, read_state, write_state
+from experiment_manager.measures.trials import ERROR_NAMES, Trials
+from lockstep import (
+    COMMAND_SPACES,
+    PAIR,
+    CommandSpace,
+    InputError,
+    read_state,
+    write_state,
+)
+from lockstep.command_space import ALL_MUSCLES, HORIZONTAL_RECTI, PAN_TILT_VERGENCE, VERGENCE
 
 KEPT_FILE = "trials.npz"
 _KIND = "trials_of_run"
 _OTHER_ERROR_COLUMNS = ERROR_NAMES[1:]
+# Of files that do not name their command space, by the number of commands.
+_UNNAMED_SPACES = {
+    len(COMMAND_SPACES[name].names): name
+    for name in (PAIR, HORIZONTAL_RECTI, ALL_MUSCLES, VERGENCE, PAN_TILT_VERGENCE)
+}
 
 
 @dataclass(frozen=True)
@@ -34,7 +47,7 @@ class KeptTrials:
     indices of the tests that began otherwise than the last one; started_with: (j, 3, n_trials)
     their error and rate at the start, and optimal rate at the end. Vertical error and cyclovergence
     error, of none in the pair's tests: final_other_errors_deg, (n_tests, n_trials, 2),
-    other_errors_deg, (n_trials, k, 2).
+    other_errors_deg, (n_trials, k, 2). command_space: () its name.
     """
 
     training_iteration: np.ndarray
@@ -54,6 +67,12 @@ class KeptTrials:
     started_with: np.ndarray
     final_other_errors_deg: np.ndarray
     other_errors_deg: np.ndarray
+    command_space: np.ndarray
+
+    @property
+    def space(self) -> CommandSpace:
+        """The space of the commands."""
+        return COMMAND_SPACES[str(self.command_space)]
 
     def starts(self) -> np.ndarray:
         """Return first error, first rate and last optimal rate of tests, (n_tests, 3, n_trials)."""
@@ -66,7 +85,7 @@ class KeptTrials:
         """Return the tests in order, with nan for what is not kept."""
         shape = (len(self.trial), int(self.iteration[-1]) + 1)
         starts = self.starts()
-        space = space_of(self.activations.shape[-1])
+        space = self.space
         tests = []
         for i, training_iteration in enumerate(self.training_iteration):
             error_deg, rate_w = np.full((2, *shape), np.nan)
@@ -134,6 +153,9 @@ def with_test(kept: KeptTrials | None, trials: Trials) -> KeptTrials:
         started_with=starts[began_otherwise],
         final_other_errors_deg=final_other_deg,
         other_errors_deg=other_deg[:, iteration] if len(other_deg) else other_deg,
+        command_space=np.array(
+            next(name for name, space in COMMAND_SPACES.items() if space == trials.space)
+        ),
     )
 
 
@@ -165,15 +187,21 @@ def from_arrays(arrays: Mapping[str, np.ndarray]) -> KeptTrials | None:
     if not arrays:
         return None
     names = set(KeptTrials.__dataclass_fields__)
+    if set(arrays) == names - {"command_space"}:
+        unnamed = _UNNAMED_SPACES.get(arrays["activations"].shape[-1], "")
+        arrays = {**arrays, "command_space": np.array(unnamed)}
     if set(arrays) != names:
         raise InputError(f"expected {', '.join(sorted(names))}, got {', '.join(sorted(arrays))}")
     if arrays["optimal_rate_w"].ndim == 1:  # of a trial, as long as it did not depend on a target
         n_kept = len(arrays["iteration"])
         arrays = {**arrays, "optimal_rate_w": np.stack([arrays["optimal_rate_w"]] * n_kept, axis=1)}
     kept = KeptTrials(**arrays)
+    if str(kept.command_space) not in COMMAND_SPACES:
+        expected = ", ".join(COMMAND_SPACES)
+        raise InputError(f"command_space: expected one of {expected}, got {kept.command_space}")
     n_tests, n_trials = len(kept.training_iteration), len(kept.trial)
-    n_kept, n_commands = len(kept.iteration), kept.activations.shape[-1]
-    has_others = space_of(n_commands) != COMMAND_SPACES[PAIR]
+    n_kept, n_commands = len(kept.iteration), len(kept.space.names)
+    has_others = kept.space.turning != COMMAND_SPACES[PAIR]
     shapes = {
         "final_error_deg": (n_tests, n_trials),
         "final_rate_w": (n_tests, n_trials),

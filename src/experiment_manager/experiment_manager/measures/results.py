@@ -43,6 +43,9 @@ class Measures(msgspec.Struct, kw_only=True, frozen=True, omit_defaults=True):
     iqr_abs_vertical_error_deg: float | None = None
     median_abs_cyclovergence_error_deg: float | None = None
     iqr_abs_cyclovergence_error_deg: float | None = None
+    # Only of eyes with lenses, of the eye that is worse in focus.
+    median_abs_accommodation_error_d: float | None = None
+    share_within_quarter_d: float | None = None
 
     @property
     def verges(self) -> bool:

@@ -14,41 +14,29 @@ ERROR_NAMES = ("vergence_error_deg", "vertical_error_deg", "cyclovergence_error_
 # Where the start costs what the optimum costs, the share saved (eq. 8) divides by nothing.
 LEAST_COST_RANGE_W = 0.01
 
-_SPACES = {len(space.names): space for space in COMMAND_SPACES.values()}
-_COUNTS = ", ".join(map(str, sorted(_SPACES)))
-
 
 def trial_names(space: CommandSpace) -> tuple[str, ...]:
     """Return what is kept of each observation of a test: ground truth, and what commands set."""
     return (*GROUND_TRUTH_NAMES, *space.names)
 
 
-def space_of(n_commands: int) -> CommandSpace:
-    """Return the command space with so many commands; raises InputError when none has."""
-    if n_commands not in _SPACES:
-        raise InputError(f"expected activations of {_COUNTS} commands, got {n_commands}")
-    return _SPACES[n_commands]
-
-
 @dataclass(frozen=True)
 class TrialTable:
     """Observations with a column for each of `names`, in the order of their stamps.
 
-    rows: (n, len(names)); their number of columns gives the command space.
+    rows: (n, len(names)); space: of the commands that set the activations.
     """
 
     rows: np.ndarray
+    space: CommandSpace
 
     def __post_init__(self) -> None:
         """Raise InputError for rows of another shape."""
-        if self.rows.ndim != 2:
-            raise InputError(f"expected rows of numbers, got an array of shape {self.rows.shape}")
-        space_of(self.rows.shape[1] - len(GROUND_TRUTH_NAMES))
-
-    @cached_property
-    def space(self) -> CommandSpace:
-        """The space of the commands that set the activations."""
-        return space_of(self.rows.shape[1] - len(GROUND_TRUTH_NAMES))
+        n = len(self.names)
+        if self.rows.ndim != 2 or self.rows.shape[1] != n:
+            raise InputError(
+                f"expected rows of {n} numbers, got an array of shape {self.rows.shape}"
+            )
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -56,19 +44,19 @@ class TrialTable:
         return trial_names(self.space)
 
     @classmethod
-    def of(cls, truth: np.ndarray, activations: np.ndarray) -> "TrialTable":
+    def of(cls, truth: np.ndarray, activations: np.ndarray, space: CommandSpace) -> "TrialTable":
         """Join ground truth (n, len(GROUND_TRUTH_NAMES)) and activations, of the same rows."""
-        return cls(np.concatenate([truth, activations], axis=1))
+        return cls(np.concatenate([truth, activations], axis=1), space)
 
     @classmethod
     def saved(cls, rows: np.ndarray, space: CommandSpace) -> "TrialTable":
         """Return the table of saved rows; if there are none, whatever columns they had."""
-        return cls(rows) if len(rows) else cls.empty(space)
+        return cls(rows, space) if len(rows) else cls.empty(space)
 
     @classmethod
     def empty(cls, space: CommandSpace) -> "TrialTable":
         """Return a table without rows."""
-        return cls(np.zeros((0, len(trial_names(space)))))
+        return cls(np.zeros((0, len(trial_names(space)))), space)
 
     def column(self, name: str) -> np.ndarray:
         """Return one column (n,)."""
@@ -92,8 +80,8 @@ class Trials:
 
     @property
     def is_of_pair(self) -> bool:
-        """Whether one command moved both eyes alike."""
-        return self.space == COMMAND_SPACES[PAIR]
+        """Whether one command turned both eyes alike."""
+        return self.space.turning == COMMAND_SPACES[PAIR]
 
     @property
     def n_iterations(self) -> int:

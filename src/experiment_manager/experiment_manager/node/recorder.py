@@ -24,9 +24,9 @@ from lockstep.wire.stamps import NS_PER_S, period_ns
 from lockstep.wire.topics import (
     GROUND_TRUTH_NAMES,
     JOINT_STATES,
-    REWARD_NAMES,
     TEST,
     TOPIC_TYPES,
+    reward_names,
     state_topic,
     unsure_reward_names,
     unsure_truth_names,
@@ -67,6 +67,7 @@ class Recorder:
         self._others_are_late = False
         space = config.space
         self._state_topic = state_topic(space)
+        self._reward_names = reward_names(config.scales.names)
         self._last_topic = _LAST_TOPIC_OF_HEADS if space.of_joints else _LAST_TOPIC
         self._unsure = {
             "ground_truth": unsure_truth_names(space),
@@ -245,6 +246,6 @@ class Recorder:
             check_learning_steps(topic, record, stamp_ns, float(found))
         if topic == "reward":
             episode = record.episode
-            values = values_of(vector, REWARD_NAMES, topic, may_lack=self._unsure[topic])
+            values = values_of(vector, self._reward_names, topic, may_lack=self._unsure[topic])
             training_iteration = episode.training_iteration + record.iteration(stamp_ns)
             self._run.progress.add_reward(episode.phase, training_iteration, values)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from lockstep import PAIR, InputError
+from lockstep import COMMAND_SPACES, PAIR, InputError
 
 # The settings of each control, by key.
 CONTROLS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
@@ -28,6 +28,9 @@ def check_control(control: str | None, by: str, command_space: str) -> None:
 
     Where the pair begins does not depend on the object.
     """
-    if control in _OF_STARTS and command_space == PAIR:
+    turning = COMMAND_SPACES[command_space].turning
+    if control in _OF_STARTS and turning == COMMAND_SPACES[PAIR]:
         others = ", ".join(name for name in CONTROLS if name not in _OF_STARTS)
-        raise InputError(f"{by}: with command_space {PAIR} expected {others}, got {control!r}")
+        raise InputError(
+            f"{by}: with command_space {command_space} expected {others}, got {control!r}"
+        )

@@ -24,7 +24,7 @@ from lockstep.machine.interrupts import Interrupts
 from lockstep.wire.stamps import check_stamp, period_ns
 from lockstep.wire.topics import (
     GROUND_TRUTH_NAMES,
-    REWARD_NAMES,
+    reward_names,
     unsure_reward_names,
     unsure_truth_names,
 )
@@ -88,6 +88,7 @@ class InProcessRun:
         self._period_ns = period_ns(self._config.mechanics.period_s)
         self._loop, self._head = make_loop(configuration, head=head), head
         self._space = self._config.space
+        self._reward_names = reward_names(self._config.scales.names)
         self._messages = self._step_messages()
         self._run = Run(self._config)
         self._interrupts = interrupts
@@ -99,8 +100,7 @@ class InProcessRun:
             raise
 
     def _step_messages(self) -> StepMessages:
-        loop = self._loop
-        return StepMessages(loop.plant.config, loop.coder.config.n_bases, self._head)
+        return StepMessages(self._loop.plant.config, self._head)
 
     def go_on(self) -> bool:
         """Bring the run to its end; return whether it came there, or was interrupted before.
@@ -159,7 +159,7 @@ class InProcessRun:
         progress.add_activations(episode.phase, observation.commanded(self._space))
         if answer is not None:
             values = np.array(answer.percept.reward_values(), dtype=np.float64)
-            check_finite(values, REWARD_NAMES, "reward", unsure_reward_names(self._space))
+            check_finite(values, self._reward_names, "reward", unsure_reward_names(self._space))
             progress.add_reward(episode.phase, observation.training_iteration, values)
 
     def _checkpoint(self) -> None:

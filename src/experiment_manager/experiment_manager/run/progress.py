@@ -13,12 +13,14 @@ from experiment_manager.measures.metrics import SHARE_ITERATIONS, cost_share, su
 from experiment_manager.measures.results import Summary
 from experiment_manager.measures.trials import TrialTable, only_test
 from lockstep import CommandSpace, InputError
-from lockstep.wire.topics import GROUND_TRUTH_NAMES, REWARD_NAMES, TEST, TRAINING
+from lockstep.wire.topics import GROUND_TRUTH_NAMES, TEST, TRAINING, reward_names
 
 _N_RUNNING = 200
 
 _TRUTH = {name: i for i, name in enumerate(GROUND_TRUTH_NAMES)}
-_REWARD = {name: i for i, name in enumerate(REWARD_NAMES)}
+# From the end: the errors of all scales come before.
+_OF_SCALES = slice(reward_names(()).index("metabolic_rate_w") - len(reward_names(())))
+_RATE = _OF_SCALES.stop
 
 
 class Sums(msgspec.Struct):
@@ -81,15 +83,12 @@ class Progress:
             self._activation_bytes += means.tobytes()
 
     def add_reward(self, phase: int, training_iteration: int, values: np.ndarray) -> None:
-        """Add one observation's reward."""
+        """Add one observation's reward: the values of lockstep.wire.topics.reward_names."""
         if phase != TRAINING:
             return
-        error = float(
-            values[_REWARD["reconstruction_error_coarse"]]
-            + values[_REWARD["reconstruction_error_fine"]]
-        )
+        error = float(np.sum(values[_OF_SCALES]))
         # Joints have none, and lambda is 0.
-        cost_w = float(np.nan_to_num(values[_REWARD["metabolic_rate_w"]]))
+        cost_w = float(np.nan_to_num(values[_RATE]))
         if training_iteration < SHARE_ITERATIONS:
             self._count("first", error, cost_w)
         if training_iteration >= self._n_training_iterations - SHARE_ITERATIONS:
@@ -167,7 +166,7 @@ class Progress:
                 f"expected activations of {len(truth)} observations of a test, got those of "
                 f"{len(activations)}"
             )
-        return TrialTable.of(truth, activations)
+        return TrialTable.of(truth, activations, self.space)
 
     def _keep(self, table: TrialTable) -> None:
         rows = table.rows.astype(np.float64)

@@ -118,6 +118,15 @@ class CameraConfig(CameraTurns, OpticsConfig):
     right_magnification: float = setting(
         1.0, "magnification of the right image about its centre", above=0
     )
+    left_cataract: float = setting(
+        0.0,
+        "share of the light that the lens of the left eye scatters, as an even veil of mid-grey",
+        least=0,
+        most=1,
+    )
+    right_cataract: float = setting(
+        0.0, "share of the light that the lens of the right eye scatters", least=0, most=1
+    )
     left_occluded: bool = setting(False, "whether the left image is black")
     right_occluded: bool = setting(False, "whether the right image is black")
 
@@ -166,6 +175,11 @@ class CameraConfig(CameraTurns, OpticsConfig):
             min(self.width_px, self.roi_width_px + along_rows),
             min(self.height_px, self.roi_height_px + along_columns),
         )
+
+    @property
+    def cataracts(self) -> tuple[float, float]:
+        """Share of the light that is scattered, of the left and the right eye."""
+        return self.left_cataract, self.right_cataract
 
     @property
     def occlusions(self) -> tuple[bool, bool]:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import cv2
 import numpy as np
@@ -31,6 +31,9 @@ class HeadObservation(Seen):
     angles_rad: np.ndarray
     cameras: tuple[Pinhole, Pinhole] | None
     truth: Mapping[str, float]
+
+    # Scales of a head's cameras have none.
+    apart: ClassVar[tuple[np.ndarray, ...]] = ()
 
     def commanded(self, _: CommandSpace) -> np.ndarray:
         """Return the angles (n_joints,) of the joints, in rad."""

@@ -10,7 +10,13 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.messages import ObservationMessages
 from eye_plant.observation import Observation
 from lockstep.wire.qos import LOCKSTEP_QOS
-from lockstep.wire.topics import CAMERA_INFOS, MEAN_METABOLIC_RATES, PICTURES, PLANT_VECTORS
+from lockstep.wire.topics import (
+    CAMERA_INFOS,
+    MEAN_METABOLIC_RATES,
+    PICTURES,
+    PLANT_VECTORS,
+    apart_pictures,
+)
 
 _TYPES = {
     **dict.fromkeys(PLANT_VECTORS, JointState),
@@ -27,9 +33,10 @@ class ObservationPublisher:
     def __init__(self, node: Node, config: EyePlantConfig) -> None:
         """Create the publishers on the node."""
         self._messages = ObservationMessages(config)
+        apart = apart_pictures(config.scales)
         self._publishers = {
             topic: node.create_publisher(kind, topic, LOCKSTEP_QOS)
-            for topic, kind in _TYPES.items()
+            for topic, kind in (_TYPES | dict.fromkeys(apart, Image)).items()
         }
 
     def reconfigure(self, config: EyePlantConfig) -> None:
@@ -42,6 +49,7 @@ class ObservationPublisher:
         Camera infos and mean metabolic rates only while somebody subscribes to them.
         """
         self._send(self._messages.pictures(stamp_ns, observation))
+        self._send(self._messages.apart(stamp_ns, observation))
         if self._is_read(*CAMERA_INFOS):
             self._send(self._messages.camera_infos(stamp_ns, observation))
         self._send(self._messages.vectors(stamp_ns, observation))

@@ -13,14 +13,18 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import root
 
+from eye_plant.camera.config import CameraConfig
+from eye_plant.camera.defocus import STEP_PX, disc_diameter_px, disc_kernel
 from eye_plant.inverse.pair import Inverse
+from eye_plant.lens.config import LensesConfig
+from eye_plant.lens.lenses import Lenses, ciliary_activation
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.mechanics.parameters import GRAM_FORCE_N
 from eye_plant.validation import MAPS_VARIABLE
 from eye_plant.validation.saccades import PULSES, Saccade, holding_pair, make_saccade
 from eye_plant.vergence import desired_vergence_deg
-from lockstep.command_space import MUSCLES
+from lockstep.command_space import INTRAOCULAR_NAMES, MUSCLES
 
 Array = NDArray[np.float64]
 
@@ -57,6 +61,7 @@ _ACTIONS = "Leigh & Zee 2015"
 _TENSIONS = "Collins et al. 1981"
 _DURATION = "Carpenter 1988"
 _VELOCITY = "Bahill, Clark & Stark 1975"
+_AMPLITUDE = "Hofstetter 1950"
 
 
 @dataclass(frozen=True)
@@ -296,6 +301,42 @@ def _falls_of_peak_velocity() -> float:
 def _last_rise_over_first() -> float:
     rises_deg_s = np.diff(_peaks_deg_s())
     return rises_deg_s[-1] / rises_deg_s[0]
+
+
+@_check("lens: range at 20 years", _AMPLITUDE, "D", (10.0, 17.0), 20.0)
+@_check("lens: range at 45 years", _AMPLITUDE, "D", (3.75, 7.0), 45.0)
+@_check("lens: range at 60 years", _AMPLITUDE, "D", (0.0, 1.0), 60.0)
+def _range_of_focus_d(age_years: float) -> float:
+    """Difference of the nearest and the farthest focus; bounds: least and greatest at that age."""
+    lenses = Lenses(LensesConfig(age_years=age_years))
+    focus_d = []
+    for activation in (0.0, 1.0):
+        lenses.settle(np.full(len(INTRAOCULAR_NAMES), activation))
+        focus_d.append(float(lenses.state().focus_d[0]))
+    return focus_d[1] - focus_d[0]
+
+
+@_check("lens: time for 90 % of a step of 2 D", "Campbell & Westheimer 1960", "s", (0.5, 0.75))
+def _time_of_a_step_s() -> float:
+    """Time from the first movement on; they saw 0.64 s from far to near, with a delay before."""
+    lenses, step_s = Lenses(LensesConfig()), 1e-3
+    lenses.settle(np.zeros(len(INTRAOCULAR_NAMES)))
+    near = np.full(len(INTRAOCULAR_NAMES), ciliary_activation(2.0, LensesConfig().age_years))
+    for i in range(1, 2000):
+        lenses.advance(near, step_s)
+        if lenses.state().accommodation_d[0] >= 0.9 * 2.0:
+            return i * step_s
+    return math.inf
+
+
+@_check("blur of 1 D with a pupil of 4 mm", "Smith 1982: 0.229 deg", "deg", (0.22, 0.24))
+def _blur_deg() -> float:
+    """Diameter of the disc that a foveal pixel becomes, by its second moment, (D / 4)^2."""
+    focal_px = 4.0 * CameraConfig().focal_length_px
+    kernel = disc_kernel(round(disc_diameter_px(0.004, 1.0, focal_px) / STEP_PX)).astype(float)
+    x = np.arange(len(kernel)) - len(kernel) // 2
+    variance_px = float((kernel.sum(axis=0) * x**2).sum() / kernel.sum())
+    return math.degrees(4.0 * math.sqrt(variance_px) / focal_px)
 
 
 def _rms(values: Array) -> float:

@@ -16,7 +16,7 @@ Config = TypeVar("Config")
 # What rclpy itself declares on every node.
 OF_RCLPY = ("use_sim_time", "start_type_description_service", "qos_overrides.")
 # Of the eyes: a parameter file gives them to every node, also to one that has no mechanics.
-OF_EYES = ("mechanics.", "camera.", "noise.")
+OF_EYES = ("mechanics.", "camera.", "noise.", "lenses.")
 
 
 def declare_config(node: Node, config_class: type[Config]) -> Config:

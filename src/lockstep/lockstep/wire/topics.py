@@ -3,7 +3,10 @@
 Names are relative to the namespace of the nodes, unless they start with "/".
 """
 
+from collections.abc import Sequence
+
 from lockstep.command_space import SIDES, CommandSpace
+from lockstep.scales import SCALES, ScalesConfig
 
 TRAINING, TEST = 0, 1
 
@@ -41,14 +44,6 @@ GROUND_TRUTH_NAMES = (
 EYE_STATE_NAMES = tuple(
     f"{side}_{angle}" for side in SIDES for angle in ("adduction", "elevation", "torsion")
 )
-REWARD_NAMES = (
-    "reconstruction_error_coarse",
-    "reconstruction_error_fine",
-    "metabolic_rate_w",
-    "energy_penalty",
-    "reward",
-    "learning_steps",
-)
 # A fixation begins with so many saccades: one to the target, one to what is left.
 N_SACCADES = 2
 # What they need: the target, and how both eyes turned since the observation before.
@@ -56,6 +51,28 @@ GAZE_NAMES = (
     *TARGET_NAMES,
     *(f"{side}_{turn}_deg" for side in SIDES for turn in ("sideways", "up", "clockwise")),
 )
+
+
+def eye_state_names(space: CommandSpace) -> tuple[str, ...]:
+    """Return the names of the topic eye_states: of eyes with lenses these, too."""
+    of_lenses = ("accommodation_d", "focus_d", "pupil_m") if space.has_lenses else ()
+    return EYE_STATE_NAMES + tuple(f"{side}_{name}" for side in SIDES for name in of_lenses)
+
+
+def apart_pictures(scales: ScalesConfig) -> tuple[str, ...]:
+    """Return the topics of the pictures that scales have apart, left before right."""
+    return tuple(f"{side}/{scale.name}/image_raw" for scale in scales.apart for side in SIDES)
+
+
+def reward_names(scales: Sequence[str] = SCALES) -> tuple[str, ...]:
+    """Return the names of the topic reward, with an error for each scale."""
+    return (
+        *(f"reconstruction_error_{scale}" for scale in scales),
+        "metabolic_rate_w",
+        "energy_penalty",
+        "reward",
+        "learning_steps",
+    )
 
 
 def unsure_truth_names(space: CommandSpace) -> tuple[str, ...]:

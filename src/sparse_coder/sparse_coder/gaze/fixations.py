@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 from lockstep.optics import TurnNoiseConfig
 from lockstep.randomness import Moment
+from lockstep.scales import STRIDE_PX
 from lockstep.wire.topics import N_SACCADES
 from sparse_coder.config import SparseCoderConfig
 from sparse_coder.gaze.movement import movement, rotation, swing_deg
 from sparse_coder.matching_pursuit import residual_energies
-from sparse_coder.patches import PX_PER_PIXEL, STRIDE_PX
+from sparse_coder.patches import COARSE
 from sparse_coder.percept import NOWHERE_DEG, UNSEEN_DEG, Encoding, Gaze
 
 Floats = NDArray[np.float64]
@@ -75,9 +76,11 @@ class Fixations(Turns):
         focal_length_px: float,
         noise: TurnNoiseConfig = NO_NOISE,
         seed: int = 0,
+        px_per_pixel: float = COARSE.px_per_pixel,
     ) -> None:
-        """n_iterations: of a fixation; the others: as for Turns."""
+        """n_iterations: of a fixation; px_per_pixel: of the first scale; others: as for Turns."""
         super().__init__(focal_length_px, noise, seed)
+        self._px_per_pixel = px_per_pixel
         self._n_iterations = n_iterations
         self._ahead = _AHEAD
         # Directions (3,) of the places looked at in this episode, in the left eye's camera now.
@@ -129,7 +132,7 @@ class Fixations(Turns):
         patches, selections = encoding.patches[_COARSE], encoding.selections[_COARSE]
         left = residual_energies(patches, selections).astype(np.float64)
         n_columns = math.isqrt(len(patches))
-        offsets = (np.arange(n_columns) - (n_columns - 1) / 2.0) * STRIDE_PX * PX_PER_PIXEL[_COARSE]
+        offsets = (np.arange(n_columns) - (n_columns - 1) / 2.0) * STRIDE_PX * self._px_per_pixel
         right_px, down_px = np.meshgrid(offsets, offsets)
         ahead_px = np.full(right_px.shape, self._focal_length_px)
         places = np.stack([right_px, down_px, ahead_px], axis=2).reshape(-1, 3)
@@ -144,7 +147,8 @@ def gaze_watch(config: SparseCoderConfig) -> Fixations | Turns | None:
     """Return what follows the gaze through episodes, None where turns are not measured."""
     measured = config.camera.focal_length_px, config.noise, config.seed
     if config.fixation_iterations:
-        return Fixations(config.fixation_iterations, *measured)
+        coarse = config.scales.all[_COARSE]
+        return Fixations(config.fixation_iterations, *measured, coarse.px_per_pixel)
     return Turns(*measured) if config.measures_turns else None
 
 

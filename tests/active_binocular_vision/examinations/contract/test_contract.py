@@ -25,6 +25,7 @@ FEW: dict[str, dict[str, Any]] = {
     "prisms": {"distances_m": (2.0,), "ladder_share": 0.03},
     "acuity": {"distances_m": (2.0,)},
     "stereo": {"distances_m": (2.0,)},
+    "accommodation": {"distances_m": (1.0, 2.0)},
     "nine-positions": {"distances_m": (2.0,), "n_random": 4},
     "main-sequence": {"amplitudes_deg": (2.0, 10.0), "directions_deg": (0.0, 90.0)},
     "landscape": {"distances_m": (2.0,), "vergence_errors_deg": (-1.0, 0.0, 1.0)},
@@ -50,10 +51,11 @@ def _words(name: str) -> list[str]:
 
 
 @every_examination
-def test_an_examination_prints_writes_and_draws(gazing_run, tmp_path, capsys, name) -> None:
+def test_an_examination_prints_writes_and_draws(run_of, tmp_path, capsys, name) -> None:
+    run = run_of("triad" if name == "accommodation" else "gaze")
     examination = EXAMINATIONS[name]
     out, figure = tmp_path / "it.json", tmp_path / "figures" / "it.png"
-    line = [str(gazing_run), f"--{name}", *_words(name), "--json", str(out)]
+    line = [str(run), f"--{name}", *_words(name), "--json", str(out)]
     line += ["--test-stimuli", "1"]
     line += ["--figure", str(figure)] if name in FIGURES else []
     with moved_eyes(lambda _, target_deg: 1e-4 * (1.0 + np.nan_to_num(target_deg[0]))):
@@ -74,7 +76,9 @@ def test_an_examination_prints_writes_and_draws(gazing_run, tmp_path, capsys, na
 
 
 @pytest.mark.parametrize("condition", CONDITIONS)
-@pytest.mark.parametrize("name", sorted(set(EXAMINATIONS) - {"tuning", "landscape"}))
+@pytest.mark.parametrize(
+    "name", sorted(set(EXAMINATIONS) - {"tuning", "landscape", "accommodation"})
+)
 def test_eyes_in_the_right_posture_have_no_errors(gazing_run, name, condition) -> None:
     learners = FrozenLearners(gazing_run, settings=CONDITIONS[condition])
     with perfect_eyes() as seen_deg:
@@ -170,6 +174,7 @@ def test_options_that_do_not_go_together(line, message, capsys) -> None:
         ("gaze", "--stereo --stimuli .", "--stereo: expected its own random-dot stereograms"),
         ("gaze", "--tuning --random-dots", "--tuning: expected no stimuli"),
         ("pair", "--nine-positions", "expected eyes that make saccades, as those of profile gaze"),
+        ("pair", "--accommodation", "expected eyes with lenses, as those of profile triad"),
         ("pair", "--main-sequence", "expected eyes that make saccades, as those of profile gaze"),
         ("pair", f"--cover --set eyes.mechanics.strength={[0.0] * 12}".replace(", ", ","), "no "),
     ],

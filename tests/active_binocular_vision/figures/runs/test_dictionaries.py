@@ -5,7 +5,7 @@ import pytest
 
 from active_binocular_vision.figures.runs.dictionaries import dictionary_figure
 from lockstep import InputError
-from sparse_coder.patches import PX_PER_PIXEL
+from lockstep.scales import ScalesConfig
 from tests.active_binocular_vision.learners.gabor_patch import atom, gabor_patch, shifted_wave
 
 
@@ -19,13 +19,15 @@ def test_both_scales_show_the_atoms_that_prefer_a_disparity_first() -> None:
             left = mosaic[1:9, 19 * i + 2 : 19 * i + 10]
             expected = atoms[shown, :64].reshape(8, 8) / np.abs(atoms[shown]).max()
             np.testing.assert_allclose(left, expected)
-    for histogram, px_per_pixel in zip(figure.axes[2:], PX_PER_PIXEL, strict=True):
+    for histogram, scale in zip(figure.axes[2:], ScalesConfig().all, strict=True):
         assert "the 3 of" in histogram.get_title("left")
         boxes = [bar.get_window_extent() for bar in histogram.patches]
         middles_px = [box.x0 + box.width / 2.0 for box in boxes if box.height]
         pixels = [(x, 0.0) for x in middles_px]
         middles = histogram.transData.inverted().transform(pixels)[:, 0]
-        np.testing.assert_allclose(np.divide(middles, px_per_pixel), [-1.0, 0.5, 2.0], atol=0.15)
+        np.testing.assert_allclose(
+            np.divide(middles, scale.px_per_pixel), [-1.0, 0.5, 2.0], atol=0.15
+        )
 
 
 @pytest.mark.filterwarnings("error")

@@ -18,7 +18,7 @@ from eye_plant.camera.blur import Blur
 from eye_plant.camera.config import CameraConfig
 from eye_plant.vergence import degrees_per_px
 from sparse_coder import SparseCoder
-from sparse_coder.patches import binocular_patches, fine_window
+from sparse_coder.patches import FINE, binocular_patches, window_of
 from sparse_coder.picture_of_code import coded_patches
 
 Array = NDArray[np.float64]
@@ -132,7 +132,7 @@ def explained_share(coder: SparseCoder, shown: Pictures, seen: Pictures) -> floa
     the seen ones makes of them. Where the eyes see what is shown, it is what the reconstruction
     error leaves. shown, seen: left and right picture, of which shown is not uniform.
     """
-    patches = binocular_patches(*map(fine_window, shown))
+    patches = binocular_patches(*(window_of(picture, FINE) for picture in shown))
     coded = coded_patches(coder.encode(*seen).selections[_FINE], coder.atoms()[_FINE])
     left = np.square(patches - coded, dtype=np.float64).sum()
     return max(0.0, float(1.0 - left / np.square(patches, dtype=np.float64).sum()))

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from active_binocular_vision.examinations.contract.declared import DECLARED, Options
 from active_binocular_vision.examinations.contract.examination import Examination, Findings
 from active_binocular_vision.examinations.contract.measure import SHARE, key, measure
-from active_binocular_vision.learners.basis_functions import SCALES, Tuning
+from active_binocular_vision.learners.basis_functions import Tuning
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from eye_plant.vergence import degrees_per_px
 from lockstep import InputError
+from lockstep.scales import SCALES
 
 _N_SAMPLES = 12
 _SAMPLE_DECIMALS = 3

@@ -45,6 +45,13 @@ class PrismOptions(Options):
 
 
 @dataclass(frozen=True)
+class AccommodationOptions(Options):
+    """Where the objects are."""
+
+    distances_m: tuple[float, ...] = setting((0.5, 0.7, 1.0, 2.0, 6.0), "of the objects", "m")
+
+
+@dataclass(frozen=True)
 class NinePositionsOptions(Distances):
     """Where the eyes look; the right eye may see black, since the target is in the left picture."""
 
@@ -102,6 +109,11 @@ DECLARED = {
             "stereo",
             "how small a disparity of random dots still decides whether the eyes converge",
             Distances,
+        ),
+        Declared(
+            "accommodation",
+            "objects, lenses and prisms before eyes with lenses: response, AC/A and CA/C",
+            AccommodationOptions,
         ),
         Declared(
             "nine-positions",

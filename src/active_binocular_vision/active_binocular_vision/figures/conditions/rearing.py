@@ -27,11 +27,10 @@ from active_binocular_vision.figures.style import (
 from active_binocular_vision.learners.basis_functions import (
     BINOCULARITY_EDGES,
     ORIENTATION_STEP_DEG,
-    SCALES,
 )
 from active_binocular_vision.runs.conditions import Condition
 from active_binocular_vision.runs.examined_run import END, ExaminedRun
-from sparse_coder.patches import PATCH_SIZE_PX
+from lockstep.scales import PATCH_SIZE_PX, SCALES
 
 _N_COLUMNS = 4
 _LARGEST_DISPARITY_DEG = 4.0

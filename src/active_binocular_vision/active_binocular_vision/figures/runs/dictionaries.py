@@ -7,36 +7,38 @@ from matplotlib.ticker import FormatStrFormatter
 from active_binocular_vision.figures.style import GREY, WIDTH_IN, new_figure, title_panels
 from active_binocular_vision.learners.basis_functions import (
     LARGEST_SHIFT_PX,
-    SCALES,
     dominance,
     preferred_disparity_px,
 )
 from lockstep import InputError
-from sparse_coder.patches import N_PIXELS, PATCH_SIZE_PX, PX_PER_PIXEL
+from lockstep.scales import PATCH_SIZE_PX, ScalesConfig
+from sparse_coder.patches import N_PIXELS
 
 _N_COLUMNS = 16
 _N_BINS = 37  # odd: one is centred on 0
+_DEFAULT = ScalesConfig()
 
 
-def dictionary_figure(atoms: np.ndarray) -> Figure:
-    """Return both dictionaries (2, n_bases, 128), sorted, over their preferred disparities.
+def dictionary_figure(atoms: np.ndarray, scales: ScalesConfig = _DEFAULT) -> Figure:
+    """Return the dictionaries (n_scales, n_bases, 128), sorted, over their preferred disparities.
 
     Each tile is an atom, left eye beside right eye, grey at 0, scaled by its largest entry.
     Atoms that prefer a disparity come first, in its order; then the others, most balanced first.
     """
-    if atoms.ndim != 3 or len(atoms) != len(SCALES):
-        raise InputError(f"expected atoms (2, n_bases, {N_PIXELS}), got shape {atoms.shape}")
+    if atoms.ndim != 3 or len(atoms) != len(scales.all):
+        shape = f"{len(scales.all)}, n_bases"
+        raise InputError(f"expected atoms ({shape}, {N_PIXELS}), got shape {atoms.shape}")
     figure = new_figure(WIDTH_IN, 4.6)
-    tiles, histograms = figure.subplots(2, 2, height_ratios=(3.2, 1))
+    tiles, histograms = figure.subplots(2, len(atoms), squeeze=False, height_ratios=(3.2, 1))
     titles = []
-    for i, scale in enumerate(SCALES):
-        disparity_px = preferred_disparity_px(atoms[i], PX_PER_PIXEL[i])
+    for i, scale in enumerate(scales.all):
+        disparity_px = preferred_disparity_px(atoms[i], scale.px_per_pixel)
         order = np.lexsort((np.abs(dominance(atoms[i])), disparity_px))
         tiles[i].imshow(_mosaic(atoms[i][order]), cmap="gray", vmin=-1, vmax=1)
         tiles[i].set_axis_off()
         known_px = disparity_px[~np.isnan(disparity_px)]
-        titles.append(f"{scale} scale, left | right eye, by disparity")
-        reach = (LARGEST_SHIFT_PX + 0.5) * PX_PER_PIXEL[i]
+        titles.append(f"{scale.name} scale, left | right eye, by disparity")
+        reach = (LARGEST_SHIFT_PX + 0.5) * scale.px_per_pixel
         histograms[i].hist(known_px, bins=np.linspace(-reach, reach, _N_BINS + 1), color=GREY)
         # Nearly all prefer no disparity; the few others must show, too.
         if not len(known_px):

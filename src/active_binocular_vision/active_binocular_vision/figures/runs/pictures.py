@@ -24,7 +24,7 @@ from experiment_manager import Bag
 from experiment_manager.anaglyph import anaglyph
 from experiment_manager.measures.metrics import QUARTILES
 from lockstep.wire.topics import PICTURES
-from sparse_coder.patches import COARSE_WINDOW_PX
+from sparse_coder.patches import COARSE
 
 _N_COLUMNS = 2
 _BIN_DEG = 0.25
@@ -139,10 +139,10 @@ def _draw_trial(
         left, right = (next(bag.images(topic, [stamp_ns]))[1] for topic in PICTURES)
         axes.imshow(anaglyph(left, right))
         height, width = left.shape
-        corner = ((width - COARSE_WINDOW_PX) / 2 - 0.5, (height - COARSE_WINDOW_PX) / 2 - 0.5)
+        corner = ((width - COARSE.window_px) / 2 - 0.5, (height - COARSE.window_px) / 2 - 0.5)
         axes.add_patch(
             Rectangle(
-                corner, COARSE_WINDOW_PX, COARSE_WINDOW_PX, fill=False, edgecolor="white", lw=0.8
+                corner, COARSE.window_px, COARSE.window_px, fill=False, edgecolor="white", lw=0.8
             )
         )
         error_deg = trials.vergence_error_deg[i_trial, iteration]

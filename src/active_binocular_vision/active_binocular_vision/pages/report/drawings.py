@@ -19,8 +19,10 @@ from active_binocular_vision.figures.runs.pictures import anaglyph_figure, encod
 from active_binocular_vision.pages.html import Drawing
 from active_binocular_vision.runs.groups import Group
 from active_binocular_vision.runs.run import Run
+from experiment_manager.sections import config_of
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from lockstep import read_state
+from sparse_coder import SparseCoderConfig
 
 # More than these cannot be told apart in one plane of activations; they are chosen evenly.
 _MOST_GROUPS = 4
@@ -200,4 +202,5 @@ def _from_bags(groups: Sequence[Group]) -> Iterator[Drawing]:
 def _dictionaries(run: Run) -> Figure | None:
     if run.states is None:
         return None
-    return dictionary_figure(read_state(run.states / "sparse_coder.npz", "sparse_coder")["atoms"])
+    atoms = read_state(run.states / "sparse_coder.npz", "sparse_coder")["atoms"]
+    return dictionary_figure(atoms, config_of(SparseCoderConfig, run.configuration).scales)
