@@ -207,8 +207,7 @@ def runs_with_tests(paths: Sequence[Path]) -> tuple[list[Run], list[str]]:
 def keep(runs: Sequence[Run], directory: Path, *, with_trials: bool = True) -> None:
     """Write a folder of results; of the trials nothing where with_trials is False.
 
-    Raises InputError for a run that is damaged and for two of one name, OSError when the disk
-    refuses.
+    Raises InputError for a damaged run or two of one name, OSError when the disk refuses.
     """
     of_name: dict[str, Run] = {}
     for run in runs:
