@@ -27,10 +27,10 @@ class LensConfig:
         least=0,
     )
     ridge_share: float = setting(
-        100.0, "as hindsight.ridge_share, of the weights of what is seen", above=0
+        1.0, "as hindsight.ridge_share, of the weights of what is seen", above=0
     )
     felt_ridge_share: float = setting(
-        1e-6,
+        0.1,
         "as hindsight.felt_ridge_share: the less, the more a lens follows what is felt",
         above=0,
     )
