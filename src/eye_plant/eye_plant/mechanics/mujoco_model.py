@@ -64,7 +64,7 @@ class MechanicsConfig:
     )
     recession_mm: tuple[float, ...] = setting(
         (0.0,) * N_MUSCLES,
-        "shift of each muscle's insertion backwards along its path; negative: resected",
+        "shift of each muscle's insertion backwards along its path; negative: advanced",
         "mm",
         least=-10,
         most=10,
