@@ -77,7 +77,8 @@ class StereoCamera:
         """Share the pictures and what was made of them, which nobody changes."""
         other = object.__new__(StereoCamera)
         other.__dict__.update(self.__dict__, _renderer=copy.copy(self._renderer))
-        other._retinas_apart = [copy.copy(retina) for retina in self._retinas_apart]
+        # Each retina has a renderer, with settings of its own.
+        other._take_settings_of(self._config)
         return other
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -118,7 +119,7 @@ class StereoCamera:
         Raises InputError for a view that `check` refuses, and when MuJoCo's renderer lacks OpenGL.
         """
         view = self._view(eye_positions_m, eye_rotations, i_stimulus, distance_m)
-        return self._retina.pictures(view, lenses)
+        return self._retina.seen(self._retina.drawn(view), view, lenses)
 
     def render_apart(
         self,
@@ -132,9 +133,14 @@ class StereoCamera:
 
         As `render` does.
         """
+        view = self._view(eye_positions_m, eye_rotations, i_stimulus, distance_m)
+        # Scales that differ in the light's focus alone are drawn once.
+        drawn: dict[tuple[float, int], np.ndarray] = {}
         for scale, retina in zip(self._scales.apart, self._retinas_apart, strict=True):
-            view = self._view(eye_positions_m, eye_rotations, i_stimulus, distance_m)
-            yield scale, retina.pictures(view, lenses)
+            shown = scale.zoom, scale.window_px
+            if shown not in drawn:
+                drawn[shown] = retina.drawn(view)
+            yield scale, retina.seen(drawn[shown].copy(), view, lenses)
 
     def _view(
         self,

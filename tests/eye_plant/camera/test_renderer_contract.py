@@ -123,11 +123,15 @@ def test_the_same_view_gives_the_same_bits(camera, plain, stimuli) -> None:
 
 
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda c: pickle.loads(pickle.dumps(c))])
-def test_a_copy_draws_the_same(camera, copied: Callable[[StereoCamera], StereoCamera]) -> None:
+def test_a_copy_draws_the_same_whatever_becomes_of_the_camera(
+    camera, plain, copied: Callable[[StereoCamera], StereoCamera]
+) -> None:
     expected = seen(camera, "all", STEREO, 1.3)
     other = copied(camera)
+    camera.reconfigure(replace(plain, right_magnification=1.5))
     assert (seen(other, "all", STEREO, 1.3) == expected).all()
     other.close()
+    camera.reconfigure(plain)
     assert (seen(camera, "all", STEREO, 1.3) == expected).all()
 
 

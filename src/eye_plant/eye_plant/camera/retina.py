@@ -66,15 +66,20 @@ class Retina:
         )
         return cls(own, renderer, focuses=focuses, focus_d=scale.focus_d)
 
-    def pictures(self, view: View, lenses: LensState | None) -> NDArray[np.uint8]:
+    def drawn(self, view: View) -> NDArray[np.uint8]:
+        """Return what the renderer draws, which is the caller's own."""
+        return self._renderer.draw(view)
+
+    def seen(
+        self, drawn: NDArray[np.uint8], view: View, lenses: LensState | None
+    ) -> NDArray[np.uint8]:
         """Return both eyes' pictures (2, roi_height_px, roi_width_px); lenses: of eyes that focus.
 
-        What lies before and behind the plane is blurred as the plane is.
+        drawn: of the view; what is returned may take its place. What lies before and behind the
+        plane is blurred as the plane is.
         """
         config = self._config
-        drawn = self._renderer.draw(view)
         kept = _central(drawn, self._size_px)
-        # What a renderer returns is the caller's own.
         kept = kept if kept.shape == drawn.shape else kept.copy()
         for i_eye, blur in enumerate(self._blurs):
             if blur is not None and not config.occlusions[i_eye]:
