@@ -60,8 +60,9 @@ def _live_view_of(supervisor_id: int) -> psutil.Process:
     return found
 
 
+@pytest.mark.parametrize("is_stopped", [False, True])
 def test_viewers_see_a_run_that_neither_a_stalled_one_nor_a_stopped_view_disturbs(
-    pictures, tmp_path
+    pictures, tmp_path, is_stopped
 ) -> None:
     port, out = _free_port(), tmp_path / "run"
     with (
@@ -72,7 +73,8 @@ def test_viewers_see_a_run_that_neither_a_stalled_one_nor_a_stopped_view_disturb
         stalled.subscribe(ALL_TOPICS)  # and never reads
         viewer.subscribe(ALL_TOPICS)
         viewer.receive_of_each(ALL_TOPICS, n_messages=3)
-        _live_view_of(run.pid).suspend()
+        if is_stopped:
+            _live_view_of(run.pid).suspend()
         output = finished(run)
     browser = f"live view: http://127.0.0.1:{port + 1} in a browser"
     assert f"{browser}; ws://127.0.0.1:{port} " in output
