@@ -53,13 +53,13 @@ class Agent:
     def __init__(self, config: VergenceRlConfig) -> None:
         """Start with the weights of the seed."""
         self.config = config
-        rule: LearningRule = RULES[config.learning_rule](config.rule_config, config.task)
+        rule: LearningRule = RULES[config.learning_rule](config.rule_config, config.eyes_task)
         if config.learns_turns:
             holds_gaze = config.fixation_iterations > 0
             control = GazeControl(*config.limit_arrays, config.gaze, holds_gaze=holds_gaze)
             rule = TurningRule(rule, control, config.iterations_per_fixation, config.n_before)
         if config.n_lenses:
-            tasks = config.task, *config.lens_tasks
+            tasks = config.eyes_task, *config.lens_tasks
             n_held = config.lens.looking_iterations
             rule = FocusingRule(rule, tasks, config.lens_config, n_held, config.limit_arrays)
         self._rule = rule

@@ -87,6 +87,11 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
                 f"iterations_per_episode: expected {2 * _LEAST_TRIES * self.n_lenses} or more with "
                 f"command_space {self.command_space}, got {self.iterations_per_episode}"
             )
+        if self.lens.eyes_scales > len(self.scales.all):
+            raise InputError(
+                f"lens.eyes_scales: expected {len(self.scales.all)} (scales) at most, got "
+                f"{self.lens.eyes_scales}"
+            )
         self.lens_config.check_fits(self.iterations_per_episode, self.n_tries)
         if self.learns_turns:
             raise InputError(
@@ -167,13 +172,20 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
         return (task,) * self.n_lenses
 
     @property
+    def eyes_task(self) -> Task:
+        """What the rule of the eyes must know, who may be told of fewer scales than the lenses."""
+        n_told = (self.lens.eyes_scales if self.n_lenses else 0) or len(self.scales.all)
+        n_untold = self.n_features - n_told * self.n_bases
+        return replace(self.task, n_state=self.n_state - n_untold)
+
+    @property
     def limit_arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Lowest and highest activation of each command, (n_muscles,)."""
         return np.array(self.limits.lowest), np.array(self.limits.highest)
 
     @property
     def task(self) -> Task:
-        """What the rule of the eyes must know; turns of the eyes have no limits."""
+        """What a rule must know that is told of all; turns of the eyes have no limits."""
         limits = self.turning_limits
         lowest, highest = np.array(limits.lowest), np.array(limits.highest)
         if self.learns_turns:

@@ -26,6 +26,11 @@ class LensConfig:
         " places, while the dictionaries learn what is seen there",
         least=0,
     )
+    eyes_scales: int = setting(
+        0,
+        "number of scales, the first ones, of which the rule that turns the eyes is told; 0: all",
+        least=0,
+    )
     ridge_share: float = setting(
         1.0, "as hindsight.ridge_share, of the weights of what is seen", above=0
     )
@@ -55,9 +60,10 @@ class LensConfig:
 
 @dataclasses.dataclass(frozen=True)
 class _Turn:
-    """A rule, the commands that it gives, and the iterations of an episode in which it tries."""
+    """A rule, its task, the commands that it gives, and the iterations in which it tries."""
 
     rule: LearningRule
+    task: Task
     commands: slice
     first: int
     end: int
@@ -82,8 +88,9 @@ class FocusingRule:
     ) -> None:
         """Combine the rule of the eyes with a new one for each lens.
 
-        tasks: of the eyes and of each lens; n_held: iterations of training, at its beginning, in
-        which nothing is learned; limits: (n_muscles,) lowest and highest commands.
+        tasks: of the eyes, whose state may lack the last features, and of each lens; n_held:
+        iterations of training, at its beginning, in which nothing is learned; limits: (n_muscles,)
+        lowest and highest commands.
         """
         self._n_held, self._limits = n_held, limits
         self._place = np.zeros(len(limits[0]))
@@ -93,7 +100,7 @@ class FocusingRule:
             rule = HindsightRule(lens, task) if self._turns else eyes
             commands = slice(n_commands, n_commands + task.n_muscles)
             end = n_iterations + task.iterations_per_episode
-            self._turns.append(_Turn(rule, commands, n_iterations, end))
+            self._turns.append(_Turn(rule, task, commands, n_iterations, end))
             n_commands, n_iterations = commands.stop, end
 
     def step(
@@ -135,8 +142,12 @@ class FocusingRule:
         """Return an observation as a rule sees it, for which its turn is an episode."""
         # Regressions are solved at the ends of whole episodes.
         later = self._turns[-1].end - turn.end
+        n_after = turn.task.n_felt + 1
+        n_features = turn.task.n_state - n_after
+        state = observation.state
         return dataclasses.replace(
             observation,
+            state=np.concatenate((state[:n_features], state[-n_after:])),
             iteration=observation.iteration - turn.first,
             training_iteration=observation.training_iteration + later,
             activations=observation.activations[turn.commands],
