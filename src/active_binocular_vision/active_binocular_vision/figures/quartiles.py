@@ -19,8 +19,9 @@ from active_binocular_vision.figures.style import (
     scale_by_decades,
 )
 from active_binocular_vision.runs.groups import Group
-from experiment_manager import Trials
+from experiment_manager import Summary, Trials
 from experiment_manager.measures.metrics import QUARTILES
+from experiment_manager.measures.seeds import over_seeds
 
 # One name for each, in figures as in tables.
 ERROR_LABEL = "|vergence error| / deg"
@@ -37,6 +38,8 @@ K17_C_PERCENT = {"M_C": 101.677}
 _K17: dict[str, Any] = {"ls": (0, (4, 2, 1, 2)), "lw": 1.0}
 # Fewer tests are points: a line between them would show a course that nobody has measured.
 LEAST_JOINED = 5
+# Intervals of two seeds are as wide as their axes.
+_LEAST_SEEDS = 3
 # Further groups of a model differ in lightness.
 _COLOURS = {"M": (BLUE, "Blues"), "M_C": (VERMILION, "Oranges")}
 _OTHER_COLOURS = ("black", "Greys")
@@ -105,6 +108,12 @@ def over_training(group: Group, values: Callable[[Trials], np.ndarray]) -> np.nd
     return np.array([quartiles_of(of_test) for of_test in tests]).T
 
 
+def of_seeds(group: Group, measure: Callable[[Summary], float | None]) -> np.ndarray:
+    """Return a measure of each run and test of a group: (n_runs, n_tests)."""
+    by_test = [[measure(test) for test in group.summaries_at(n)] for n in group.iterations]
+    return np.array(by_test, dtype=np.float64).reshape(len(by_test), len(group.runs)).T
+
+
 def quartiles_of(values: np.ndarray) -> np.ndarray:
     """Return the quartiles (3,) of those values that are known; NaN where none is."""
     known = values[~np.isnan(values)]
@@ -118,17 +127,31 @@ def group_handle(group: Group) -> Line2D:
     )
 
 
-def draw_quartiles(axes: Axes, quartiles: np.ndarray, group: Group, offset: float) -> None:
+def interval_handles(groups: Sequence[Group]) -> list[Line2D]:
+    """Return what stands for intervals over seeds in a legend, where some group has them."""
+    if all(len(group.runs) < _LEAST_SEEDS for group in groups):
+        return []
+    label = "95 % interval of the mean over seeds"
+    return [Line2D([], [], color="black", ls="", marker="_", ms=8, label=label)]
+
+
+def draw_quartiles(
+    axes: Axes, quartiles: np.ndarray, group: Group, offset: float, seeds: np.ndarray
+) -> None:
     """Draw quartiles (3, n) of each test over training: of many a line with a band, of few points.
 
-    offset: how many points beside the iteration, where points are not joined.
+    offset: how many points beside the iteration, where points are not joined. seeds: (n_runs, n)
+    medians, of which the interval is drawn.
     """
     at = np.array(group.iterations, dtype=float)
     if len(at) < LEAST_JOINED:
-        beside = at + offset * _DODGE * group.common.n_iterations
-        draw_bars(axes, beside, quartiles, colour_of(group), marker=marker_of(group))
+        at = at + offset * _DODGE * group.common.n_iterations
+        draw_bars(axes, at, quartiles, colour_of(group), marker=marker_of(group))
     else:
         draw_band(axes, at, quartiles, colour_of(group), marker=marker_of(group), ms=3)
+    if len(seeds) >= _LEAST_SEEDS:
+        mean, half = over_seeds(seeds)
+        axes.errorbar(at, mean, half, fmt="none", ecolor=colour_of(group), lw=1.2, capsize=4)
 
 
 def draw_band(axes: Axes, at: np.ndarray, quartiles: np.ndarray, colour: str, **style: Any) -> None:

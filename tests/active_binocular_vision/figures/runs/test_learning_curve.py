@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from msgspec.structs import replace
 
 from active_binocular_vision import Run, groups_of
@@ -60,10 +61,7 @@ def test_many_tests_are_joined_with_each_seed_thin_behind_the_pooled_median(
     for module in ("runs.learning_curve", "quartiles"):
         name = f"active_binocular_vision.figures.{module}.LEAST_JOINED"
         monkeypatch.setattr(name, 4)
-    worse = priced(runs[0], 0.0, 3.0)
-    criteria = worse.evaluation_settings.criteria
-    tests = tuple(summary_of(t, criteria(at)) for at, t in worse.tests.items())
-    worse.document = replace(worse.document, tests=tests)
+    worse = _worse(runs[0], 3)
     groups = groups_of([runs[0], worse])
     assert len(groups) == 1
     pooled, *seeds = performance_figure(groups).axes[0].lines[:3]
@@ -74,6 +72,32 @@ def test_many_tests_are_joined_with_each_seed_thin_behind_the_pooled_median(
     single = float(np.median(np.abs(runs[0].tests[400].vergence_error_deg[:, 20])))
     assert ends == pytest.approx([single, 3 * single])
     assert all(line.get_linewidth() < pooled.get_linewidth() for line in seeds)
+
+
+@pytest.mark.parametrize(("factors", "half"), [((1, 2, 3), 2.484138), ((1, 3), None)])
+def test_of_three_seeds_or_more_the_interval_is_drawn(
+    runs: list[Run], factors: tuple[int, ...], half: float | None
+) -> None:
+    # Student's t of 2 degrees of freedom, 4.302653, times SD 1 over the root of 3.
+    seeds = [_worse(runs[0], factor) for factor in factors]
+    errors, _ = performance_figure(groups_of(seeds)).axes
+    assert len(errors.containers) == (half is not None)
+    if half is None:
+        return
+    # Bars of quartiles, then of the interval.
+    _, interval = (c for c in errors.collections if isinstance(c, LineCollection))
+    ends_deg = interval.get_segments()[-1][:, 1]
+    single_deg = float(np.median(np.abs(runs[0].tests[400].vergence_error_deg[:, 20])))
+    assert ends_deg / single_deg == pytest.approx([2.0 - half, 2.0 + half])
+
+
+def _worse(run: Run, factor: float) -> Run:
+    """A run whose errors are multiplied."""
+    worse = priced(run, 0.0, factor)
+    criteria = worse.evaluation_settings.criteria
+    tests = tuple(summary_of(t, criteria(at)) for at, t in worse.tests.items())
+    worse.document = replace(worse.document, tests=tests)
+    return worse
 
 
 @pytest.mark.parametrize("factor", [0.001, 1.0, 1.02])

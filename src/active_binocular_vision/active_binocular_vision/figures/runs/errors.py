@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from functools import partial
 from itertools import pairwise
+from operator import attrgetter
 from typing import Any
 
 import matplotlib as mpl
@@ -18,7 +19,9 @@ from active_binocular_vision.figures.quartiles import (
     draw_quartiles,
     final_errors_deg,
     group_handle,
+    interval_handles,
     marker_of,
+    of_seeds,
     offset_of,
     over_training,
     px_deg_of,
@@ -50,7 +53,8 @@ def errors_figure(groups: Sequence[Group]) -> Figure:
         for i, group in enumerate(groups):
             _draw_trial(during, group, name, offset_of(i, groups))
             finals = partial(final_errors_deg, name=name)
-            draw_quartiles(over, over_training(group, finals), group, offset_of(i, groups))
+            seeds = of_seeds(group, attrgetter(f"median_abs_{name}"))
+            draw_quartiles(over, over_training(group, finals), group, offset_of(i, groups), seeds)
         during.set_xlabel("iteration of the trial")
         over.set_xlabel("training iterations")
         over.xaxis.set_major_formatter(mpl.ticker.EngFormatter(sep=""))
@@ -64,7 +68,7 @@ def errors_figure(groups: Sequence[Group]) -> Figure:
     for axes in rows[0]:
         _scale_trial(axes, np.flatnonzero(finals_kept))
     title_panels(rows.ravel(), [*ERRORS.values(), *ERRORS.values()])
-    legend_below(figure, [group_handle(group) for group in groups])
+    legend_below(figure, [*map(group_handle, groups), *interval_handles(groups)])
     return figure
 
 

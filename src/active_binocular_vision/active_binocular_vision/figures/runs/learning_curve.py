@@ -21,6 +21,8 @@ from active_binocular_vision.figures.quartiles import (
     draw_quartiles,
     final_errors_deg,
     group_handle,
+    interval_handles,
+    of_seeds,
     offset_of,
     over_training,
     px_deg_of,
@@ -74,7 +76,7 @@ def performance_figure(groups: Sequence[Group], training: TrainingCurve | None =
             errors, group, final_errors_deg, lambda t: t.median_abs_vergence_error_deg, offset
         )
         _draw_tests(deltas, group, _final_deltas_w, lambda t: t.median_delta_cost_w, offset)
-    handles += draw_published(errors, groups, K17_ERROR_DEG)
+    handles += [*interval_handles(groups), *draw_published(errors, groups, K17_ERROR_DEG)]
     scale_errors(errors, px_deg_of(groups))
     errors.set_ylabel(ERROR_LABEL)
     mark_level(deltas, 0.0, "")
@@ -98,20 +100,14 @@ def _draw_tests(
     measure: Callable[[Summary], float | None],
     offset: float,
 ) -> None:
-    """Draw a measure over the tests: pooled median and quartiles, and each seed's median.
+    """Draw a measure over the tests: pooled median and quartiles, each seed's, and their interval.
 
     Without trials the medians over seeds, without quartiles.
     """
-    seeds = _of_seeds(group, measure)
+    seeds = of_seeds(group, measure)
     quartiles = np.tile(np.median(seeds, axis=0), (3, 1))
     if group.has_trials:
         quartiles = over_training(group, values)
-    draw_quartiles(axes, quartiles, group, offset)
+    draw_quartiles(axes, quartiles, group, offset, seeds)
     for of_seed in seeds if len(seeds) > 1 and len(group.iterations) >= LEAST_JOINED else ():
         axes.plot(group.iterations, of_seed, color=colour_of(group), lw=0.6, alpha=0.7, zorder=1)
-
-
-def _of_seeds(group: Group, measure: Callable[[Summary], float | None]) -> np.ndarray:
-    """Return a measure of each run and test: (n_runs, n_tests)."""
-    by_test = [[measure(test) for test in group.summaries_at(n)] for n in group.iterations]
-    return np.array(by_test, dtype=np.float64).reshape(len(by_test), len(group.runs)).T
