@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import astuple, dataclass, field, replace
+from dataclasses import astuple, dataclass, replace
 from functools import cache, cached_property
 from types import MappingProxyType
 from typing import Any
@@ -17,6 +17,7 @@ from active_binocular_vision.learners.shown import Shown
 from experiment_manager import InProcessLoop
 from eye_plant import Episode, Observation, StimulusSet
 from eye_plant.gaze_error import gaze_error
+from eye_plant.lens.lenses import LensState
 from eye_plant.turns import eye_rotations, turned
 from eye_plant.vergence import degrees_per_px
 from lockstep import InputError
@@ -50,7 +51,7 @@ class Course:
     eyes_deg, those of the eyes themselves; seen_deg, those that the pictures have, to which turned
     cameras and prisms add. lines_of_sight: (n + 1, 2, 3) unit vectors of both eyes. activations:
     (12,) at the end; missed_deg: angle between the left picture's centre and the target at the end;
-    accommodation_d: (2,) of both lenses at the end, NaN of eyes without.
+    lenses: at the end, None of eyes without.
     """
 
     eyes_deg: Array
@@ -58,12 +59,18 @@ class Course:
     lines_of_sight: Array
     activations: Array
     missed_deg: float = math.nan
-    accommodation_d: Array = field(default_factory=lambda: np.full(2, np.nan))
+    lenses: LensState | None = None
 
     @property
     def n_iterations(self) -> int:
         """How many commands the eyes made."""
         return len(self.eyes_deg) - 1
+
+    @property
+    def lens_state(self) -> LensState:
+        """Lenses at the end, of eyes that have them."""
+        assert self.lenses is not None
+        return self.lenses
 
 
 class Eyes:
@@ -104,6 +111,10 @@ class Eyes:
         observations = [step.observation for step in steps]
         self.activations = tuple(observations[-1].activations.tolist())
         return session.course(observations, self._i_picture)
+
+    def before(self, distance_m: float) -> "Eyes":
+        """Return the eyes as they are now, with the picture at another distance."""
+        return Eyes(self._session, self._i_picture, distance_m, self.activations)
 
     def code(self) -> Encoding:
         """Return the code of what the eyes see now, with the learners' own eyes; none moves."""
@@ -223,7 +234,7 @@ class Session:
             np.array(lines_of_sight),
             end.state.activations,
             float(np.hypot(*end.truth.target_deg)),
-            *([end.lenses.accommodation_d] if end.lenses else []),
+            end.lenses,
         )
 
 
@@ -252,6 +263,15 @@ def check_shows_pictures(shown: Shown, option: str) -> None:
     """Raise InputError, which names the option, for stereograms."""
     if shown.random_dots or shown.stereograms is not None:
         raise InputError(f"{option}: expected stimuli on a plane, got stereograms")
+
+
+def check_has_lenses(learners: FrozenLearners, option: str) -> None:
+    """Raise InputError, which names the option, unless the eyes have lenses."""
+    if not learners.manager.space.has_lenses:
+        raise InputError(
+            f"{option}: expected eyes with lenses, as those of profile triad, got a run with "
+            f"command_space {learners.manager.command_space}"
+        )
 
 
 def is_fused(errors_deg: Array, px_deg: float) -> NDArray[np.bool_]:

@@ -3,7 +3,8 @@
 examinations.json in the run's directory keeps the documents of the examinations
 (`examinations.examination` says what they are), so that a page can be drawn again without
 checkpoints. A document is used again for the same training iterations, examination, version and
-options, and for the same states of the learners where their checkpoint is there.
+options, those that it does not know having their defaults, and for the same states of the learners
+where their checkpoint is there.
 """
 
 import json
@@ -176,8 +177,9 @@ def _document(
     key = place | {"version": examination.version}
     if learners is not None:
         key["states"] = learners.state_hash
+    defaults = flatten(examination.options())
     for document in documents:
-        if _has(document, key):
+        if _has(document, key, defaults):
             return document
     if learners is None:
         raise InputError(
@@ -187,12 +189,14 @@ def _document(
     options = build(examination.options, chosen)
     found = examination.examine(learners, OWN_TEST_STIMULI, options)
     new = examination.document(learners, OWN_TEST_STIMULI, options, found)
-    documents[:] = [*(old for old in documents if not _has(old, place)), new]
+    documents[:] = [*(old for old in documents if not _has(old, place, defaults)), new]
     return new
 
 
-def _has(document: Document, values: Document) -> bool:
-    return all(document.get(name) == value for name, value in values.items())
+def _has(document: Document, values: Document, defaults: Mapping[str, Any]) -> bool:
+    """Whether a document has these values; defaults: of options, as older ones lack some."""
+    complete = {**document, "options": {**defaults, **document.get("options", {})}}
+    return all(complete.get(name) == value for name, value in values.items())
 
 
 def ages_of(tested: Sequence[int], changed_at: int | None) -> Mapping[str, int]:

@@ -26,11 +26,14 @@ FEW: dict[str, dict[str, Any]] = {
     "acuity": {"distances_m": (2.0,)},
     "stereo": {"distances_m": (2.0,)},
     "accommodation": {"distances_m": (1.0, 2.0)},
+    "retinoscopy": {},
+    "near-point": {"nearest_d": 3.0, "step_d": 1.0},
     "nine-positions": {"distances_m": (2.0,), "n_random": 4},
     "main-sequence": {"amplitudes_deg": (2.0, 10.0), "directions_deg": (0.0, 90.0)},
     "landscape": {"distances_m": (2.0,), "vergence_errors_deg": (-1.0, 0.0, 1.0)},
     "tuning": {},
 }
+OF_LENSES = {"accommodation", "retinoscopy", "near-point"}
 # Errors of right postures, of the document's summary or tables.
 CONDITIONS: dict[str, dict[str, object]] = {
     "healthy": {},
@@ -52,7 +55,7 @@ def _words(name: str) -> list[str]:
 
 @every_examination
 def test_an_examination_prints_writes_and_draws(run_of, tmp_path, capsys, name) -> None:
-    run = run_of("triad" if name == "accommodation" else "gaze")
+    run = run_of("triad" if name in OF_LENSES else "gaze")
     examination = EXAMINATIONS[name]
     out, figure = tmp_path / "it.json", tmp_path / "figures" / "it.png"
     line = [str(run), f"--{name}", *_words(name), "--json", str(out)]
@@ -76,9 +79,7 @@ def test_an_examination_prints_writes_and_draws(run_of, tmp_path, capsys, name) 
 
 
 @pytest.mark.parametrize("condition", CONDITIONS)
-@pytest.mark.parametrize(
-    "name", sorted(set(EXAMINATIONS) - {"tuning", "landscape", "accommodation"})
-)
+@pytest.mark.parametrize("name", sorted(set(EXAMINATIONS) - {"tuning", "landscape"} - OF_LENSES))
 def test_eyes_in_the_right_posture_have_no_errors(gazing_run, name, condition) -> None:
     learners = FrozenLearners(gazing_run, settings=CONDITIONS[condition])
     with perfect_eyes() as seen_deg:
@@ -99,6 +100,30 @@ def test_eyes_in_the_right_posture_have_no_errors(gazing_run, name, condition) -
             [1.0] * 6, abs=5e-3
         )
         assert [row["n_broken"] for row in measures["conditions"]] == [0] * 6
+
+
+GLASSES = {"lenses.refraction_d": (2.0, -1.0), "lenses.contact_lenses_d": (2.0, -1.0)}
+
+
+@pytest.mark.parametrize("name", sorted(OF_LENSES | {"cover"}))
+def test_eyes_with_lenses_in_the_right_posture_and_focus_have_no_errors(run_of, name) -> None:
+    learners = FrozenLearners(run_of("triad"), settings=GLASSES)
+    with perfect_eyes() as seen_deg:
+        found = EXAMINATIONS[name](learners, Shown(n_most=1), **FEW[name])
+    # A prism before one eye lets the pair look aside, where the plane needs less vergence.
+    assert np.abs(seen_deg).max() < 3e-3
+    measures = found.measures()
+    if name == "accommodation":
+        # They focus what a lens asks for, and no prism or lens makes them lose the other.
+        assert [*measures["summary"].values()] == pytest.approx([1.0, 1.0, 0.0, 0.0, 0.0], abs=2e-3)
+    elif name == "retinoscopy":
+        assert [*measures["summary"].values()] == pytest.approx([0.0, 0.0], abs=1e-9)
+    elif name == "near-point":
+        assert [row["n_failed"] for row in measures["tests"]] == [0] * 4
+    else:
+        assert [row["phoria_horizontal_deg"]["median"] for row in measures["conditions"]] == (
+            pytest.approx([0.0, 0.0], abs=2e-3)
+        )
 
 
 _ERRORS = {
@@ -174,7 +199,14 @@ def test_options_that_do_not_go_together(line, message, capsys) -> None:
         ("gaze", "--stereo --stimuli .", "--stereo: expected its own random-dot stereograms"),
         ("gaze", "--tuning --random-dots", "--tuning: expected no stimuli"),
         ("pair", "--nine-positions", "expected eyes that make saccades, as those of profile gaze"),
-        ("pair", "--accommodation", "expected eyes with lenses, as those of profile triad"),
+        *(
+            ("pair", line, "expected eyes with lenses, as those of profile triad")
+            for line in (
+                *(f"--{name}" for name in sorted(OF_LENSES)),
+                "--cover --option lenses_d=[0,1]",
+                "--cover --option pinholes_mm=[1,1]",
+            )
+        ),
         ("pair", "--main-sequence", "expected eyes that make saccades, as those of profile gaze"),
         ("pair", f"--cover --set eyes.mechanics.strength={[0.0] * 12}".replace(", ", ","), "no "),
     ],

@@ -21,6 +21,7 @@ from active_binocular_vision.examinations.contract.measure import (
     measure,
     prism_dioptres,
 )
+from active_binocular_vision.examinations.contract.trial_frame import behind
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import Course, Session, is_fused, session_of
 from active_binocular_vision.learners.shown import Shown
@@ -33,6 +34,8 @@ AXES = ("horizontal", "vertical", "cyclo")
 _N_PICTURES = 5
 # Of each of the three parts: both eyes open, one covered, both open again.
 _N_ITERATIONS = 20
+# Expected findings of Morgan 1944, as in Scheiman & Wick (see prisms.py); near is 40 cm.
+NOTES = "Human phoria, mean and SD: -1 and 2 PD far, -3 and 5 PD near (Morgan 1944)."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,7 +150,7 @@ def turned_deg(course: Course) -> Array:
 def _examine(learners: FrozenLearners, shown: Shown, options: CoverOptions) -> Findings:
     """Make the cover test of each eye at each distance before each picture."""
     trials: dict[tuple[str, float], list[CoverTrial]] = {}
-    with session_of(learners, shown, _N_PICTURES) as session:
+    with session_of(behind(learners, options, "--cover"), shown, _N_PICTURES) as session:
         conditions = [(side, m) for side in SIDES for m in options.distances_m]
         for side, distance_m in progress(conditions, file=sys.stderr, desc="cover", unit="part"):
             trials[side, distance_m] = [
@@ -160,6 +163,7 @@ def _examine(learners: FrozenLearners, shown: Shown, options: CoverOptions) -> F
         summary=_summary(trials, px_deg),
         tables={"conditions": [_row(*of, px_deg) for of in trials.items()]},
         titles={"conditions": ""},
+        notes=NOTES,
         traces=CoverTraces(px_deg, options.distances_m, trials),
     )
 

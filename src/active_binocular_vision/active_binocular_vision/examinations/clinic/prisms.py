@@ -6,7 +6,7 @@ lost for good, recovery the first one on the way back at which it is regained.
 
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -172,16 +172,22 @@ def prism_trial(
         steps.append((demand_deg, response_deg, direction.lag_deg(course.seen_deg[-1]), fused))
         return fused
 
+    climb(try_step, direction.n_steps(ladder_share))
+    return PrismTrial(*(np.array(column) for column in zip(*steps, strict=True)))
+
+
+def climb(try_step: Callable[[int], bool], n_steps: int) -> tuple[int | None, int | None]:
+    """Try steps 0 to n_steps until _N_LOST of them fail in a row, then back until one succeeds.
+
+    Return the first one of those that failed, and the one that succeeded; None where there is none.
+    """
     n_lost = 0
-    for i_step in range(direction.n_steps(ladder_share) + 1):
+    for i_step in range(n_steps + 1):
         n_lost = 0 if try_step(i_step) else n_lost + 1
         if n_lost == _N_LOST:
-            break
-    if n_lost == _N_LOST:
-        for i_back in range(i_step - 1, -1, -1):
-            if try_step(i_back):
-                break
-    return PrismTrial(*(np.array(column) for column in zip(*steps, strict=True)))
+            back = range(i_step - 1, -1, -1)
+            return i_step + 1 - _N_LOST, next((i for i in back if try_step(i)), None)
+    return None, None
 
 
 @dataclass(frozen=True, kw_only=True)

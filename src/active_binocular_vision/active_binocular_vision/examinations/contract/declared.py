@@ -26,8 +26,33 @@ class Distances(Options):
 
 
 @dataclass(frozen=True)
-class CoverOptions(Distances):
-    """Where the eyes look and begin."""
+class TrialFrame(Options):
+    """What is held before the left and the right eye, besides all that they wear."""
+
+    lenses_d: tuple[float, ...] = setting(
+        (0.0, 0.0), "power of the lens before each eye", "D", least=-20, most=20, n_entries=2
+    )
+    prisms_pd: tuple[float, ...] = setting(
+        (0.0, 0.0),
+        "power of the prism before each eye, base out above 0",
+        "PD",
+        least=-40,
+        most=40,
+        n_entries=2,
+    )
+    pinholes_mm: tuple[float, ...] = setting(
+        (8.0, 8.0),
+        "diameter of the hole before each eye; 8: none",
+        "mm",
+        above=0,
+        most=8,
+        n_entries=2,
+    )
+
+
+@dataclass(frozen=True)
+class CoverOptions(TrialFrame, Distances):
+    """Where the eyes look and begin, and what is before them."""
 
     at_rest: bool = setting(
         False, "whether the eyes begin with all muscles at their tonic level, not without errors"
@@ -48,7 +73,26 @@ class PrismOptions(Options):
 class AccommodationOptions(Options):
     """Where the objects are."""
 
-    distances_m: tuple[float, ...] = setting((0.5, 0.7, 1.0, 2.0, 6.0), "of the objects", "m")
+    distances_m: tuple[float, ...] = setting(
+        (6.0, 2.0, 1.0, 0.6667, 0.5, 0.4, 0.3333, 0.25, 0.2, 0.1667), "of the objects", "m"
+    )
+    near_m: float = setting(0.5, "distance at which lenses and prisms are tried", "m", above=0)
+
+
+@dataclass(frozen=True)
+class RetinoscopyOptions(TrialFrame):
+    """Where the eyes look, and what is before them."""
+
+    distances_m: tuple[float, ...] = setting((0.4,), "distances of the plane", "m")
+
+
+@dataclass(frozen=True)
+class NearPointOptions(TrialFrame):
+    """From where to where the plane comes nearer, and what is before the eyes."""
+
+    first_d: float = setting(1.0, "where the plane begins", "D", above=0)
+    nearest_d: float = setting(8.0, "where it ends at the latest", "D", above=0)
+    step_d: float = setting(0.25, "by how much it comes nearer", "D", above=0)
 
 
 @dataclass(frozen=True)
@@ -114,6 +158,16 @@ DECLARED = {
             "accommodation",
             "objects, lenses and prisms before eyes with lenses: response, AC/A and CA/C",
             AccommodationOptions,
+        ),
+        Declared(
+            "retinoscopy",
+            "by how much each eye with a lens is focused farther than where both look",
+            RetinoscopyOptions,
+        ),
+        Declared(
+            "near-point",
+            "bring the plane nearer until eyes with lenses no longer fuse it, or see it blurred",
+            NearPointOptions,
         ),
         Declared(
             "nine-positions",

@@ -11,6 +11,7 @@ from active_binocular_vision.figures.examinations.clinic import (
     prisms_figure,
     stereo_figure,
 )
+from active_binocular_vision.figures.examinations.lenses import accommodation_figure
 from active_binocular_vision.figures.examinations.main_sequence import main_sequence_figure
 from active_binocular_vision.figures.examinations.nine_positions import (
     activations_figure,
@@ -24,6 +25,7 @@ FIGURES: Mapping[str, Mapping[str, Callable[[Any], Figure]]] = {
     "prisms": {"": prisms_figure},
     "acuity": {"": acuity_figure},
     "stereo": {"": stereo_figure},
+    "accommodation": {"": accommodation_figure},
     "nine-positions": {
         "": hess_chart,
         "_activations": activations_figure,
