@@ -91,6 +91,11 @@ def test_a_run_is_examined_once_at_three_ages(run, tmp_path, capsys, monkeypatch
     assert main([str(run), *LINE, "--out", str(out)]) == 0
     assert sorted(documents(run), key=lambda of: of["iteration"]) == found
     shutil.rmtree(run / "checkpoints")
+    # So are those from before an option came, which has its default.
+    earlier = [{**of, "options": {**of["options"]}} for of in found]
+    for of in earlier:
+        assert of["options"].pop("lenses_d") == [0.0, 0.0]
+    file.write_text(json.dumps({"examined": earlier}))
     assert main([str(run), *LINE, "--out", str(out)]) == 0
     assert (out / "conditions.html").read_text() == page
     file.write_text(json.dumps({"examined": [of | {"version": 0} for of in found]}))
