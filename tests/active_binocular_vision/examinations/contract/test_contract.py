@@ -213,6 +213,7 @@ def test_options_that_do_not_go_together(line, message, capsys) -> None:
 )
 def test_what_cannot_be_examined_is_one_line(run_of, kind, line, message, capsys) -> None:
     run: Path = run_of(kind)
+    capsys.readouterr()  # of the run, if this test is the first one to need it
     assert main([str(run), *line.split()]) == 2
     error = capsys.readouterr().err
     assert error.startswith("error: ")
