@@ -7,7 +7,7 @@ negative, as in the paper.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import bool_, float64, njit, vectorize, void
+from numba import bool_, float64, njit, void
 from numpy.typing import ArrayLike, NDArray
 
 from eye_plant.mechanics.parameters import Energetics
@@ -120,19 +120,20 @@ def _sliding_w_per_kg(activation, velocity, max_velocity, scaling, fast):  # typ
     return scaling * activation**2 * (slow_heat + per_fast * speed * fast)
 
 
-@vectorize(
-    [float64(float64, float64, float64, float64, float64, float64, float64, bool_)], cache=True
+@njit(
+    float64[::1](*(float64[:],) * 4, float64, float64, float64, bool_),
+    cache=True,
 )
-def settled_rate_w(  # type: ignore[no-untyped-def]  # noqa: PLR0917 (a ufunc)
-    activation, length, isometric_force, mass_kg, scaling, fast, minimum, length_dependent
+def settled_rate_w(  # type: ignore[no-untyped-def]  # noqa: PLR0917 (all fields of Energetics)
+    activations, lengths, isometric_forces, masses_kg, scaling, fast, minimum, length_dependent
 ):
-    """Metabolic rate of muscles that neither move nor change their activation; of arrays.
-
-    scaling and all after it: the fields of Energetics.
-    """
-    left = isometric_force if length_dependent and length > 1.0 else 1.0
-    heat = _maintenance_w_per_kg(max(activation, minimum), left, scaling, fast)
-    return max(heat, MINIMUM_HEAT_W_PER_KG) * mass_kg
+    """Metabolic rate (n,) of muscles (n,) that neither move nor change their activation."""
+    rates_w = np.empty(len(activations))
+    for i in range(len(activations)):
+        left = isometric_forces[i] if length_dependent and lengths[i] > 1.0 else 1.0
+        heat = _maintenance_w_per_kg(max(activations[i], minimum), left, scaling, fast)
+        rates_w[i] = max(heat, MINIMUM_HEAT_W_PER_KG) * masses_kg[i]
+    return rates_w
 
 
 # Not a gufunc: Numba caches those in two parts, and two processes that compile at once may leave

@@ -14,10 +14,12 @@ import math
 
 import mujoco
 import numpy as np
-from numba import float64, vectorize
+from numpy.typing import ArrayLike, NDArray
 
 from eye_plant.mechanics.parameters import MuscleParameters, OrbitParameters, ParameterSet, Point
 from lockstep import SIDES
+
+Array = NDArray[np.float64]
 
 # Of the geoms, sites and tendons that nobody draws.
 HIDDEN_GROUP = 4
@@ -123,26 +125,26 @@ def _add_actuator(
     actuator.ctrlrange = [0.0, 1.0]
 
 
-@vectorize([float64(float64, float64, float64)], cache=True)
-def force_length(length: float, shortest: float, longest: float) -> float:
+# In NumPy, which needs no wrapper: that of a ufunc of numba's is compiled at each start.
+def force_length(length: ArrayLike, shortest: ArrayLike, longest: ArrayLike) -> Array:
     """Active force at full activation and zero velocity, as a fraction of the peak force.
 
-    FL(l): four parabolas that meet smoothly half-way between shortest, 1 and longest. A function of
-    arrays. length: fibre length in optimal lengths; shortest < 1 < longest: where the force
-    vanishes.
+    FL(l): four parabolas that meet smoothly half-way between shortest, 1 and longest. All broadcast
+    against one another. length: fibre length in optimal lengths; shortest < 1 < longest: where the
+    force vanishes.
     """
-    below = (length - shortest) / (1.0 - shortest)
-    above = (longest - length) / (longest - 1.0)
-    rise = min(max(below if length < 1.0 else above, 0.0), 1.0)
-    return 2.0 * rise**2 if rise < 0.5 else 1.0 - 2.0 * (1.0 - rise) ** 2
+    at, least, most = (np.asarray(a, np.float64) for a in (length, shortest, longest))
+    rise = np.where(at < 1.0, (at - least) / (1.0 - least), (most - at) / (most - 1.0))
+    rise = np.minimum(np.maximum(rise, 0.0), 1.0)
+    return np.where(rise < 0.5, 2.0 * rise**2, 1.0 - 2.0 * (1.0 - rise) ** 2)
 
 
-@vectorize([float64(float64, float64, float64)], cache=True)
-def passive_force_length(length: float, longest: float, stiffness: float) -> float:
+def passive_force_length(length: ArrayLike, longest: ArrayLike, stiffness: ArrayLike) -> Array:
     """Force of the unexcited fibres, as a fraction of the peak force.
 
     FP(l): zero up to 1, a parabola to (1 + longest) / 2, straight from there on; its slope there
-    is ``stiffness`` per (longest - 1) / 2 optimal lengths. A function of arrays.
+    is ``stiffness`` per (longest - 1) / 2 optimal lengths. All broadcast against one another.
     """
-    stretch = max(length - 1.0, 0.0) / (0.5 * (longest - 1.0))
-    return stiffness * (0.5 * stretch**2 if stretch <= 1.0 else stretch - 0.5)
+    half = 0.5 * (np.asarray(longest, np.float64) - 1.0)
+    stretch = np.maximum(np.asarray(length, np.float64) - 1.0, 0.0) / half
+    return np.asarray(stiffness) * np.where(stretch <= 1.0, 0.5 * stretch**2, stretch - 0.5)
