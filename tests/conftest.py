@@ -1,6 +1,7 @@
 """What all tests share: a ROS that stays on this machine, OpenGL, and a few small pictures."""
 
 import ctypes.util
+import gc
 import importlib
 import os
 from collections.abc import Iterator
@@ -15,6 +16,7 @@ import threadpoolctl
 from lockstep.machine.environment import adopt
 from tests.made_once import made_once
 
+gc.disable()  # until all is imported, which is most of what there ever is
 adopt()
 # NumPy has read that variable before.
 threadpoolctl.threadpool_limits(1)
@@ -46,6 +48,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         return of_rules.get(item.path.stem, 2)
 
     items.sort(key=rank)
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage from now on, and not among what stays, as the commands do."""
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture

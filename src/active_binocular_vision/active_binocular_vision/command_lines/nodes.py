@@ -2,10 +2,10 @@
 
 import os
 import sys
-from importlib import import_module
 from typing import NoReturn
 
 from lockstep.machine.domain import DOMAIN_OF_SINGLE_NODES
+from lockstep.machine.start import imported
 from lockstep.written.command_line import CommandLine, command
 
 
@@ -52,4 +52,4 @@ def _become(name: str, package: str, text: str) -> NoReturn:
         ).parse_args(["--help"])
     if not os.environ.get("ROS_DOMAIN_ID"):
         os.environ["ROS_DOMAIN_ID"] = str(DOMAIN_OF_SINGLE_NODES)
-    sys.exit(import_module(f"{package}.node").main())
+    sys.exit(imported(f"{package}.node").main())

@@ -4,10 +4,10 @@ import argparse
 import os
 import sys
 from collections.abc import Callable
-from importlib import import_module
 from typing import NoReturn
 
 from lockstep.machine.lasting_output import ignore_broken_pipes
+from lockstep.machine.start import imported
 
 
 def start(command: str, parser: Callable[[], argparse.ArgumentParser]) -> NoReturn:
@@ -19,4 +19,4 @@ def start(command: str, parser: Callable[[], argparse.ArgumentParser]) -> NoRetu
     parser().parse_args()
     # Figures are files. A notebook's kernel names a backend that matplotlib may not find here.
     os.environ["MPLBACKEND"] = "agg"
-    sys.exit(import_module(f"active_binocular_vision.commands.{command}").main())
+    sys.exit(imported(f"active_binocular_vision.commands.{command}").main())

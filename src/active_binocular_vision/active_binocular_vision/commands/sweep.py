@@ -28,10 +28,11 @@ from eye_plant import EyePlantConfig, load_stimuli
 from lockstep import InputError
 from lockstep.exit_codes import EXIT_BAD_INPUT, EXIT_INTERRUPTED
 from lockstep.files.durable_files import is_free, replace_file
+from lockstep.machine import start
 from lockstep.written.command_line import command
 
 # Command lines without their last arguments: of a run's process, and of a Slurm task.
-_START_RUN = (sys.executable, "-m", f"{__package__}.sweep_run")
+_START_RUN = (sys.executable, "-m", start.__name__, f"{__package__}.sweep_run")
 _START_SWEEP = (sys.executable, "-m", "active_binocular_vision.command_lines.sweep")
 # Options that are sbatch's, by the name they have here.
 _OF_SBATCH = {"partition": "partition", "time": "time", "memory": "mem"}

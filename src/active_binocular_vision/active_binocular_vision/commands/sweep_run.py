@@ -6,6 +6,7 @@ begun; else the sweep's file beside it says what it is.
 
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 from active_binocular_vision.commands.run import (
     check_old,
@@ -30,7 +31,8 @@ def _run(directory: Path) -> tuple[Path, int]:
     return in_one_process(directory)
 
 
-if __name__ == "__main__":
+def main() -> NoReturn:
+    """Make the run, and exit with its code."""
     parent, path = sys.argv[1:]
     die_with(int(parent))
     ignore_broken_pipes()

@@ -13,6 +13,7 @@ from pathlib import Path
 from experiment_manager.nodes import MANAGER
 from experiment_manager.run.config_file import CONFIG_FILE
 from experiment_manager.run.progress_bar import TERMINAL_VARIABLE
+from lockstep.machine import start
 from lockstep.machine.own_process import die_with
 
 _POLL_S, _PATIENCE_S = 0.02, 3.0
@@ -36,7 +37,7 @@ def start_node(package: str, arguments: Sequence[str], domain: int, log: Path) -
     try:
         with log.open("ab") as output:
             return subprocess.Popen(
-                [sys.executable, "-m", f"{package}.node", *arguments],
+                [sys.executable, "-m", start.__name__, f"{package}.node", *arguments],
                 env=os.environ | {"ROS_DOMAIN_ID": str(domain), TERMINAL_VARIABLE: str(terminal)},
                 stdin=subprocess.DEVNULL,
                 stdout=output,
