@@ -78,7 +78,7 @@ def test_the_figure_draws_over_what_is_asked_for_and_what_follows() -> None:
     np.testing.assert_allclose(objects, [[1.0, 2.0, 4.0], [0.5, 1.0, 0.0]])
     np.testing.assert_allclose(lenses[:, [0, -1]], [[0.0, 4.0], [0.8, 3.2]])
     for panel, geometry, seen in ((ac_a, 5.6, 2.0), (ca_c, 1.0 / 5.6, 0.1)):
-        lines = (np.diff(line.get_data())[:, 0] for line in panel.lines[:2])
+        lines = [np.diff(np.array(line.get_data()))[:, 0] for line in panel.lines[:2]]
         assert [y / x for x, y in lines] == pytest.approx([geometry, seen])
 
 
