@@ -12,6 +12,7 @@ import pytest
 from experiment_manager.loop import InProcessLoop, Step, make_loop
 from eye_plant import Episode, StimulusSet
 from lockstep.wire.topics import TRAINING
+from tests.own_rule import REINFORCE
 from tests.pair import pair_activations
 
 
@@ -64,7 +65,7 @@ def test_a_region_of_interest_changes_no_learned_number(side_px: int) -> None:
         assert values.tobytes() == of_region[name].tobytes(), name
 
 
-@pytest.mark.parametrize("rule", ["cacla", "hindsight"])
+@pytest.mark.parametrize("rule", ["cacla", "hindsight", REINFORCE])
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda loop: pickle.loads(pickle.dumps(loop))])
 def test_a_copy_learns_the_same(
     rule: str, copied: Callable[[InProcessLoop], InProcessLoop]

@@ -23,7 +23,10 @@ from vergence_rl import VergenceRlConfig
             {"command_space": "legs"},
             "command_space: expected pair or horizontal_recti or .*, got 'legs'",
         ),
-        ({"learning_rule": "sarsa"}, "learning_rule: expected cacla or hindsight, got 'sarsa'"),
+        (
+            {"learning_rule": "sarsa"},
+            "learning_rule: expected cacla, hindsight, FILE.*, got 'sarsa'",
+        ),
         (
             {"learning_rule": "hindsight", "hindsight.regression_period": 15},
             r"hindsight.regression_period: expected a multiple of 10 .*, got 15",

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
 
-from lockstep import COMMAND_SPACES, PAIR, build
+from lockstep import COMMAND_SPACES, PAIR, build, flatten
 from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import EPISODE_NAMES, TEST, TRAINING, reward_names
 from lockstep.wire.vectors import vector_message
@@ -20,6 +20,7 @@ from tests.learner_contract import (
     image_message,
 )
 from tests.node_harness import Graph
+from tests.own_rule import REINFORCE
 from tests.pair import ACTOR_CRITIC_NAMES, COMMAND_NAMES, HORIZONTAL_RECTI
 from vergence_rl import Agent, Decision, VergenceRlConfig
 from vergence_rl.messages import activations_of, actor_critic_values
@@ -36,6 +37,13 @@ ACTIVATIONS = (0.02, 0.04, 0.04, 0.06)  # medial and lateral rectus, left then r
 def bench(graph: Graph) -> LearnerBench:
     node = graph.add(VergenceRlNode, **SMALL)
     return LearnerBench(graph, node, node.inputs(), ANSWERS, _observation, refused=REFUSED)
+
+
+def test_it_learns_by_a_rule_of_ones_own(graph: Graph) -> None:
+    own = {"learning_rule": REINFORCE, "own_rule": "{learning_rate: 0.5}"}
+    node = graph.add(VergenceRlNode, **SMALL, **own)
+    assert "policy" in node.learner.state()
+    assert flatten(node.config.rule_config)["learning_rate"] == 0.5
 
 
 class TestContract(LearnerContract):

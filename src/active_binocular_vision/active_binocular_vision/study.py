@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from active_binocular_vision.commands.run import check_old, prepare_new, source_commit
 from active_binocular_vision.environments.one_thread import OneThread
-from active_binocular_vision.examinations.contract.examination import Findings
+from active_binocular_vision.examinations.contract.examination import Examination, Findings
 from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
@@ -117,7 +117,7 @@ def compare(runs: Iterable[Run | str | Path]) -> "pandas.DataFrame":
 @OneThread()
 def examine(
     run: Run | str | Path,
-    examination: str,
+    examination: str | Examination,
     *,
     settings: Mapping[str, Any] | None = None,
     test_stimuli: int | None = None,
@@ -126,19 +126,20 @@ def examine(
     """Examine what a run has learned, without learning, as `abv examine` does.
 
     run: or its directory, or the name of trained eyes; examination: "cover", "nine-positions" or
-    another option of that command, without dashes; settings: of the eyes, {"eyes.NAME": value}, as
+    another option of that command, without dashes, or one's own; settings: of the eyes, {"eyes.NAME": value}, as
     --set; test_stimuli: so many at most; options: of the examination.
 
-    `text()` of what is returned are its tables, `measures()` the same as a document. Raises
+    `text()` of what is returned are its tables, `frames()` all of them as data frames, `measures()`
+    the same as a document. Raises
     InputError for what cannot be examined.
 
     Example:
         >>> import active_binocular_vision as abv
         >>> found = abv.examine("runs/first", "landscape", test_stimuli=1, distances_m=(2.0,))
-        >>> found.measures()["n_stimuli"]
+        >>> found.frames()["summary"].shape[0]
         1
     """
-    if examination not in EXAMINATIONS:
+    if isinstance(examination, str) and examination not in EXAMINATIONS:
         raise InputError(f"examination: {unknown(examination, EXAMINATIONS)}")
     of_eyes = {}
     for name, value in (settings or {}).items():
@@ -146,7 +147,7 @@ def examine(
             raise InputError(f"settings: expected names that begin with eyes., got {name}")
         of_eyes[name.removeprefix("eyes.")] = value
     directory = run.directory if isinstance(run, Run) else Path(run)
-    chosen = EXAMINATIONS[examination]
+    chosen = EXAMINATIONS[examination] if isinstance(examination, str) else examination
     return chosen.examine(
         FrozenLearners(directory, settings=of_eyes),
         Shown(n_most=test_stimuli),

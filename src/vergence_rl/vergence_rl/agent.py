@@ -25,7 +25,7 @@ from vergence_rl.normalizer import (
     normalized,
     updated_statistics,
 )
-from vergence_rl.rules import RULES
+from vergence_rl.rules import rule_of
 
 # Rewards are about -0.2 and activations end at 1: a hundred times that means divergence.
 _SANE = {"value": 100.0, "td_error": 100.0, "action": 100.0}
@@ -53,7 +53,7 @@ class Agent:
     def __init__(self, config: VergenceRlConfig) -> None:
         """Start with the weights of the seed."""
         self.config = config
-        rule: LearningRule = RULES[config.learning_rule](config.rule_config, config.eyes_task)
+        rule: LearningRule = rule_of(config.learning_rule)(config.rule_config, config.eyes_task)
         if config.learns_turns:
             holds_gaze = config.fixation_iterations > 0
             control = GazeControl(*config.limit_arrays, config.gaze, holds_gaze=holds_gaze)

@@ -5,15 +5,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lockstep import InputError, setting
+from lockstep import InputError, build, setting
 from lockstep.task import TaskConfig
 from lockstep.wire.topics import N_SACCADES
+from lockstep.written.yaml_text import load_yaml
 from vergence_rl.focusing import LensConfig
 from vergence_rl.gaze.config import GazeConfig
 from vergence_rl.gaze.eye_turns import N_TURNS
 from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.learning_rule import RuleConfig, Task
-from vergence_rl.rules import RULES, RuleSettings
+from vergence_rl.rules import RULES, RuleSettings, rule_of
 
 # Vergence learns from what follows the saccades.
 LEAST_FIXATION = N_SACCADES + 2
@@ -31,9 +32,10 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
     learning_rule: str = setting(
         "cacla",
         "learning rule of the actor: cacla uses the TD error of a critic, as in K17; hindsight"
-        " regresses on the best activations of each episode (D12)",
-        choices=tuple(RULES),
+        " regresses on the best activations of each episode (D12); FILE.py:CLASS or MODULE:CLASS is"
+        " a rule of one's own",
     )
+    own_rule: str = setting("", "settings of a rule of one's own, as YAML or JSON")
     feature_exponent: float = setting(
         1.0, "exponent that is applied to the features before they are normalised (D15)", above=0
     )
@@ -112,7 +114,15 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
     @property
     def rule_config(self) -> RuleConfig:
         """The settings of the chosen rule."""
-        chosen: RuleConfig = getattr(self, self.learning_rule)
+        chosen: RuleConfig
+        if self.learning_rule not in RULES:
+            chosen = _own(rule_of(self.learning_rule).settings, self.own_rule)
+        elif self.own_rule:
+            raise InputError(
+                f"own_rule: expected none with {self.learning_rule}, got {self.own_rule!r}"
+            )
+        else:
+            chosen = getattr(self, self.learning_rule)
         return chosen
 
     @property
@@ -201,3 +211,14 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
             self.initial_td_variance,
             self.td_variance_rate,
         )
+
+
+def _own(config_class: type[RuleConfig], text: str) -> RuleConfig:
+    """Return the settings of a rule of one's own; InputError for a text that has others."""
+    try:
+        values = load_yaml(text) if text else {}
+        if not isinstance(values, dict):
+            raise InputError(f"expected {{NAME: VALUE}}, got {text!r}")
+        return build(config_class, values)
+    except InputError as error:
+        raise InputError(f"own_rule: {error}") from error

@@ -1,7 +1,7 @@
 """What a learning rule is to the agent, whichever rule it is.
 
-A third rule is two files, its settings (RuleConfig) and the rule (LearningRule), and one line in
-the table of `rules.py`, with its import, from which parameters and choices follow.
+A rule of one's own is a file with its settings (RuleConfig) and the rule (LearningRule), which
+has the class of its settings as `settings`; docs/examples/reinforce.py is one.
 """
 
 from collections.abc import Mapping

@@ -41,8 +41,11 @@ def test_an_observation_is_normalised_as_in_training_and_a_reward_is_the_excess_
     scale = np.sqrt(state["statistics_squared_deviation"] / (state["statistics_count"] - 1))
     coder = SparseCoder(SparseCoderConfig(n_bases=32))
     coder.restore(read_state(found[1] / "sparse_coder.npz", "sparse_coder"))
-    observed, _ = environment.reset(seed=3)
+    observed, begun = environment.reset(seed=3)
     expected, _ = own.reset(seed=3)
+    left, right = expected["pictures"]
+    both, one = (coder.encode(left, other).reconstruction_error for other in (right, left))
+    assert begun["reward"] == pytest.approx(-10 * (both - one).sum())
     for action in ([0.5, -0.5], [1.0, 0.25]):
         features = coder.encode(*expected["pictures"]).features
         entries = np.append(np.sqrt(features.ravel()), expected["activations"])
@@ -50,11 +53,11 @@ def test_an_observation_is_normalised_as_in_training_and_a_reward_is_the_excess_
             normal = np.nan_to_num((entries - state["statistics_mean"]) / scale, posinf=0, neginf=0)
         assert observed.dtype == np.float32
         assert np.allclose(observed, normal, rtol=1e-5, atol=1e-5)
-        observed, reward, *_ = environment.step(action)
+        observed, reward, *_, info = environment.step(action)
         expected, *_ = own.step(action)
         left, right = expected["pictures"]
         both, one = (coder.encode(left, other).reconstruction_error for other in (right, left))
-        assert reward == pytest.approx(-10 * (both - one).sum())
+        assert info["reward"] == reward == pytest.approx(-10 * (both - one).sum())
     check_env(environment.unwrapped, skip_render_check=True)
     environment.close()
     own.close()

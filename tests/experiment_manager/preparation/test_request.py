@@ -69,6 +69,9 @@ def test_a_control_is_settings_that_nobody_may_contradict() -> None:
         ("eyes.camera.left_occluded", np.True_, True),
         ("task.schedule", [{"at": 10, "set": {}}], '[{"at": 10, "set": {}}]'),
         ("task.schedule", "1e5", "1e5"),
+        ("vergence_rl.own_rule", {"rate": 0.5}, '{"rate": 0.5}'),
+        ("vergence_rl.learning_rule", "my/rule.py:Rule", f"{Path.cwd()}/my/rule.py:Rule"),
+        ("vergence_rl.learning_rule", "my.rules:Rule", "my.rules:Rule"),
     ],
 )
 def test_overrides_are_kept_as_parameters_have_them(key: str, value: Any, kept: Any) -> None:

@@ -92,6 +92,12 @@ def test_directories_of_images_are_kept_absolute(tmp_path, monkeypatch, name) ->
     assert option.options[name] == photos
 
 
+def test_the_file_of_a_rule_is_kept_absolute(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    axes = read(tmp_path, "axes: {vergence_rl.learning_rule: ['my.py:Rule', cacla]}").axes
+    assert axes["vergence_rl.learning_rule"] == [f"{tmp_path}/my.py:Rule", "cacla"]
+
+
 def test_a_home_directory_is_that_of_whoever_reads(tmp_path, monkeypatch) -> None:
     monkeypatch.setenv("HOME", "/home/me")
     axes = read(tmp_path, "axes: {stimuli: [~/photos, $HOME/more]}").axes

@@ -95,17 +95,24 @@ class VectorEnvironment(FeatureEnvironment):
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin an episode, as `VergenceEnvironment` does."""
         observed, info = super().reset(seed=seed, options=options)
-        return self.vector(observed["features"], observed["activations"]), info
+        return self._observed(observed, info)
 
     def step(  # type: ignore[override]
         self, action: np.ndarray
     ) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Move the eyes for one control period, as `VergenceEnvironment` does."""
         observed, _, terminated, truncated, info = super().step(action)
+        vector, info = self._observed(observed, info)
+        return vector, info["reward"], terminated, truncated, info
+
+    def _observed(
+        self, observed: Mapping[str, np.ndarray], info: dict[str, Any]
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Return the vector, and info with the reward of what is observed."""
         error = info["reconstruction_error_coarse"] + info["reconstruction_error_fine"]
         reward = -_REWARDS_PER_ERROR * (error - self._error_of_one_image())
         vector = self.vector(observed["features"], observed["activations"])
-        return vector, reward, terminated, truncated, info
+        return vector, info | {"reward": reward}
 
     def vector(self, features: np.ndarray, activations: np.ndarray) -> np.ndarray:
         """Return the observation of features (2, n_bases) and activations (n_muscles,)."""

@@ -37,7 +37,8 @@ class Tuning:
     alone. residual: squared residuals of that fit, as a share of the squared entries of the whole
     atom; is_gabor: whether they are at most 0.2, so that the atom counts (Klimmasch et al. 2021,
     who take the left half). is_common_gabor: the same for one function fitted to both halves.
-    orientation_deg: of the dominant eye's stripes, 0 horizontal, 90 vertical. binocularity: (R - L)
+    orientation_deg: of the dominant eye's stripes, 0 horizontal, 90 vertical; wavelength_px: of these
+    in pixels of the picture. binocularity: (R - L)
     / (R + L), -1 is left alone, 1 right alone; R and L are the halves' responses to the dominant
     eye's function, as in their public code, so that a shift by a quarter of a wave between the eyes
     counts as monocular. disparity_px: preferred disparity in pixels of the picture, left minus
@@ -48,6 +49,7 @@ class Tuning:
     is_gabor: NDArray[np.bool_]
     is_common_gabor: NDArray[np.bool_]
     orientation_deg: Array
+    wavelength_px: Array
     binocularity: Array
     disparity_px: Array
 
@@ -95,6 +97,7 @@ def tuning(atoms: Array, px_per_pixel: float) -> Tuning:
         is_gabor=residual <= GOOD_RESIDUAL,
         is_common_gabor=common.is_good,
         orientation_deg=alone.orientation_deg.reshape(-1, 2)[every, dominant],
+        wavelength_px=alone.wavelength_px.reshape(-1, 2)[every, dominant] * px_per_pixel,
         binocularity=_balance(responses),
         disparity_px=_disparity(common, halves) * px_per_pixel,
     )

@@ -1,17 +1,21 @@
-"""Runs as data frames of pandas: their tests, the trials of these, and runs side by side."""
+"""Runs as data frames of pandas: tests, their trials, basis functions, and runs side by side."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import msgspec
+import numpy as np
 
 from experiment_manager import Summary, Trials
 from experiment_manager.measures.trials import ERROR_NAMES
 from experiment_manager.sections import by_key
+from eye_plant.vergence import degrees_per_px
+from lockstep.scales import SCALES
 
 if TYPE_CHECKING:
     import pandas
 
+    from active_binocular_vision.learners.learners import FrozenLearners
     from active_binocular_vision.runs.run import Run
 
 # What differs between runs without being a setting that somebody chose.
@@ -56,6 +60,32 @@ def frame_of_trials(tests: Mapping[int, Trials]) -> "pandas.DataFrame":
 
 def _errors(trials: Trials) -> Sequence[str]:
     return ERROR_NAMES[:1] if trials.is_of_pair else ERROR_NAMES
+
+
+def frame_of_basis_functions(learners: "FrozenLearners") -> "pandas.DataFrame":
+    """Return a row per basis function: what it is tuned to, as `learners.basis_functions.Tuning`.
+
+    basis_function: its number in its scale; disparity_deg: preferred, NaN where there is none.
+    """
+    import pandas  # noqa: PLC0415
+
+    px_deg = degrees_per_px(learners.plant.camera.focal_length_px)
+    frames = [
+        pandas.DataFrame(
+            {
+                "scale": scale,
+                "basis_function": np.arange(len(tuned.residual)),
+                "is_gabor": tuned.is_gabor,
+                "residual": tuned.residual,
+                "orientation_deg": tuned.orientation_deg,
+                "frequency_cycles_per_deg": 1.0 / (tuned.wavelength_px * px_deg),
+                "binocularity": tuned.binocularity,
+                "disparity_deg": tuned.disparity_px * px_deg,
+            }
+        )
+        for scale, tuned in zip(SCALES, learners.tunings, strict=True)
+    ]
+    return pandas.concat(frames, ignore_index=True)
 
 
 def frame_of_runs(runs: Sequence["Run"]) -> "pandas.DataFrame":

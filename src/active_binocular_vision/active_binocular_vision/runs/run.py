@@ -10,7 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_binocular_vision.learners.learners import FrozenLearners
-from active_binocular_vision.runs.frames import frame_of_tests, frame_of_trials
+from active_binocular_vision.runs.frames import (
+    frame_of_basis_functions,
+    frame_of_tests,
+    frame_of_trials,
+)
 from active_binocular_vision.runs.recorded import Measured, measured
 from experiment_manager import Bag, EvaluationSettings, Trials, summary_of
 from experiment_manager.bag.metadata import CONFIGURATION_ATTACHMENT
@@ -241,6 +245,13 @@ class Run:
         """
         atoms = self.learners(iteration).atoms
         return atoms.reshape(*atoms.shape[:2], 2, PATCH_SIZE_PX, PATCH_SIZE_PX)
+
+    def tuning(self, iteration: int | None = None) -> "pandas.DataFrame":
+        """Return what each basis function is tuned to, a row each; fits Gabors for 10 s.
+
+        iteration, errors: as of `learners`.
+        """
+        return frame_of_basis_functions(self.learners(iteration))
 
     @cached_property
     def bag(self) -> Bag | None:

@@ -21,6 +21,7 @@ TESTS = "experiment_manager.test_iterations"
 TEST_STIMULI = "experiment_manager.n_stimuli_per_test"
 WEIGHT = "task.metabolic_cost_weight"
 SCHEDULE = "task.schedule"
+RULE, OWN_RULE = "vergence_rl.learning_rule", "vergence_rl.own_rule"
 _KEYS = {
     "model": MODEL,
     "iterations": ITERATIONS,
@@ -64,6 +65,11 @@ def check_key(key: str, by: str) -> None:
     if name not in DEFAULTS[section]:
         known = [f"{s}.{n}" for s, names in DEFAULTS.items() for n in names]
         raise InputError(f"{by}: expected a setting, got {key!r}{did_you_mean(key, known)}")
+
+
+def absolute_rule(name: Any) -> Any:
+    """Return a value of RULE, FILE.py:CLASS with an absolute path: it may be used from elsewhere."""
+    return os.path.abspath(name) if isinstance(name, str) and ".py:" in name else name
 
 
 @dataclass(frozen=True)
@@ -141,9 +147,9 @@ class RunRequest:
                 f"{self.by(key)}: expected numbers, texts, lists or true and false, got the "
                 f"{type(value).__name__} {value}"
             ) from error
-        if key == SCHEDULE:
+        if key in (SCHEDULE, OWN_RULE):
             return value if isinstance(value, str) else text  # a parameter that is YAML itself
-        return json.loads(text)
+        return absolute_rule(json.loads(text)) if key == RULE else json.loads(text)
 
 
 def _of_json(value: Any) -> Any:

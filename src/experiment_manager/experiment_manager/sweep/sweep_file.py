@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from experiment_manager.preparation.request import OPTIONS, RunRequest
+from experiment_manager.preparation.request import OPTIONS, RULE, RunRequest, absolute_rule
 from experiment_manager.preparation.written_values import number, whole_number, whole_numbers
 from experiment_manager.sections import SECTIONS
 from lockstep import InputError
@@ -139,7 +139,7 @@ def read_sweep(path: Path, stimuli: Path | None = None) -> Sweep:
 
 
 def _absolute(name: str, value: Any) -> Any:
-    """Return a value, of a directory its absolute path: a sweep may be used from elsewhere.
+    """Return a value, of a directory or a rule's file its absolute path, for use from elsewhere.
 
     "" is that of generated stimuli. value: of an option, or the entries of an axis.
     """
@@ -147,6 +147,8 @@ def _absolute(name: str, value: Any) -> Any:
         return {key: _absolute(key, inner) for key, inner in value.items()}
     if isinstance(value, list):
         return [_absolute(name, inner) for inner in value]
+    if name == RULE:
+        return absolute_rule(value)
     is_directory = name in _DIRECTORIES and isinstance(value, str) and value
     return str(written_path(value).resolve()) if is_directory else value
 

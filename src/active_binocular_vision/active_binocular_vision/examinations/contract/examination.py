@@ -11,19 +11,21 @@ The document that abv examine writes, and each entry of a run's examinations.jso
     TABLE                   [{measure: value}]: the rows of each of the examination's tables
 
 Values are numbers, texts, null for what is not known or beyond what was tried, lists, and for
-quartiles over trials {lower_quartile, median, upper_quartile}. `pandas.json_normalize` reads a
-table. The fields of an examination's row classes are its measures.
+quartiles over trials {lower_quartile, median, upper_quartile}. The fields of an examination's row classes are its measures.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from active_binocular_vision.examinations.contract.declared import Declared
 from active_binocular_vision.examinations.contract.measure import record, text_of
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import OWN_TEST_STIMULI, Shown
 from lockstep import flatten
+
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +51,13 @@ class Findings:
             f"{title}\n{text_of(tables[name])}".lstrip("\n") for name, title in self.titles.items()
         ]
         return "\n\n".join([*parts, *([self.notes] if self.notes else [])])
+
+    def frames(self) -> "dict[str, pandas.DataFrame]":
+        """Return the summary, a row, and each table; quartiles are NAME.median and so on."""
+        import pandas  # noqa: PLC0415 (takes half a second)
+
+        found = self.measures()
+        return {name: pandas.json_normalize(found[name]) for name in ("summary", *self.tables)}
 
     def measures(self) -> dict[str, Any]:
         """Return the measured part of the document."""

@@ -1,1 +1,0 @@
-"""A third learning rule, as somebody would add it: settings and rule."""
