@@ -4,6 +4,7 @@ import signal
 import threading
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,13 @@ import pytest
 from msgspec.structs import replace
 
 import active_binocular_vision as abv
+from active_binocular_vision.examinations.registry import EXAMINATIONS
+from active_binocular_vision.learners.basis_functions import tunings
+from active_binocular_vision.runs.frames import frame_of_basis_functions
 from experiment_manager import Summary
+from eye_plant import EyePlantConfig
 from lockstep import InputError
+from tests.active_binocular_vision.learners.gabor_patch import shifted_wave
 from tests.patience import PATIENCE_S
 
 
@@ -149,6 +155,46 @@ def test_an_examination_that_cannot_be_made_is_refused(
         abv.examine(of_command_line, examination, **options)
 
 
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("iteration", "options of abv.run: .* got 'iteration'; did you mean iterations"),
+        ("setings", "got 'setings'; did you mean settings"),
+        ("overrides", "options of abv.run: expected .* got 'overrides'"),
+    ],
+)
+def test_an_unknown_option_of_a_run_is_refused(tmp_path: Path, name: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        abv.run("precise", out=tmp_path / "run", **{name: 1})  # type: ignore[arg-type]
+    assert not (tmp_path / "run").exists()
+
+
+def test_names_of_trained_eyes_are_suggested() -> None:
+    for part in (
+        lambda: abv.examine("demonstraton", "cover"),
+        lambda: abv.Run("demonstraton").profile,
+        lambda: abv.Run("demonstraton").results,
+    ):
+        with pytest.raises(InputError, match="got demonstraton; did you mean demonstration"):
+            part()
+
+
+def test_basis_functions_have_a_row_each_of_what_they_are_tuned_to() -> None:
+    # Vertical stripes of 6 pixels of the scale, shifted by 1; a pixel is 0.2226 deg, of the coarse
+    # scale 4 of them.
+    atoms = np.stack([[shifted_wave(1.0)]] * 2)
+    learners = SimpleNamespace(plant=EyePlantConfig(), tunings=tunings(atoms))
+    frame = frame_of_basis_functions(learners).set_index("scale")  # type: ignore[arg-type]
+    for scale, px in (("coarse", 4.0), ("fine", 1.0)):
+        row = frame.loc[scale]
+        assert row["is_gabor"]
+        assert row["orientation_deg"] == pytest.approx(90.0, abs=1.0)
+        assert row["frequency_cycles_per_deg"] == pytest.approx(1 / (6 * px * 0.2226), rel=0.02)
+        assert row["disparity_deg"] == pytest.approx(px * 0.2226, rel=0.05)
+        # A sixth of a wave: the other half responds cos(60 deg) = 1/2 as much.
+        assert abs(row["binocularity"]) == pytest.approx(1 / 3, abs=0.02)
+
+
 def test_eyes_are_examined_with_other_cameras_too(of_command_line: abv.Run) -> None:
     blurred = {"eyes.camera.right_blur_px": 4.0}
     options: dict[str, Any] = {"test_stimuli": 1, "distances_m": (2.0,)}
@@ -158,3 +204,9 @@ def test_eyes_are_examined_with_other_cameras_too(of_command_line: abv.Run) -> N
     )
     assert own.measures()["n_stimuli"] == other.measures()["n_stimuli"] == 1
     assert own.measures() != other.measures()
+    again = abv.examine(of_command_line, EXAMINATIONS["acuity"], **options)
+    assert again.measures() == own.measures()
+    frames = own.frames()
+    assert len(frames["summary"]) == 1
+    for name, rows in own.tables.items():
+        assert len(frames[name]) == len(rows) > 0

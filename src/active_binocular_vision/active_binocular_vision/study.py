@@ -17,10 +17,12 @@ from active_binocular_vision.runs.frames import frame_of_runs
 from active_binocular_vision.runs.run import Run
 from experiment_manager import RunRequest, Summary
 from experiment_manager.preparation.continuation import branch as begun_from
+from experiment_manager.preparation.request import OPTIONS
 from experiment_manager.run.attempt import goes_on
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.in_process import InProcessRun
 from experiment_manager.run.run_directory import new_directory
+from experiment_manager.trained.directory import existing_run
 from eye_plant import Head
 from eye_plant.head.plant import settings_of
 from lockstep import InputError, build
@@ -29,6 +31,8 @@ from lockstep.written.nearest import unknown
 
 if TYPE_CHECKING:
     import pandas
+
+_ARGUMENTS = ("settings", "seed", "out", "on_test", "resume", "branch", "head")
 
 
 @OneThread()
@@ -69,6 +73,9 @@ def run(
         [2, 1]
     """
     settings = (settings_of(head) if head else {}) | dict(settings or {})
+    for name in options:
+        if name not in OPTIONS:
+            raise InputError(f"options of abv.run: {unknown(name, [*_ARGUMENTS, *OPTIONS])}")
     options = {n: tuple(v) if isinstance(v, list) else v for n, v in options.items()}
     if options.get("stimuli"):
         options["stimuli"] = str(Path(options["stimuli"]).resolve())
@@ -126,12 +133,11 @@ def examine(
     """Examine what a run has learned, without learning, as `abv examine` does.
 
     run: or its directory, or the name of trained eyes; examination: "cover", "nine-positions" or
-    another option of that command, without dashes, or one's own; settings: of the eyes, {"eyes.NAME": value}, as
-    --set; test_stimuli: so many at most; options: of the examination.
+    another option of that command, without dashes, or one's own; settings: of the eyes,
+    {"eyes.NAME": value}, as --set; test_stimuli: so many at most; options: of the examination.
 
     `text()` of what is returned are its tables, `frames()` all of them as data frames, `measures()`
-    the same as a document. Raises
-    InputError for what cannot be examined.
+    the same as a document. Raises InputError for what cannot be examined.
 
     Example:
         >>> import active_binocular_vision as abv
@@ -146,7 +152,7 @@ def examine(
         if not name.startswith("eyes."):
             raise InputError(f"settings: expected names that begin with eyes., got {name}")
         of_eyes[name.removeprefix("eyes.")] = value
-    directory = run.directory if isinstance(run, Run) else Path(run)
+    directory = run.directory if isinstance(run, Run) else existing_run(run)
     chosen = EXAMINATIONS[examination] if isinstance(examination, str) else examination
     return chosen.examine(
         FrozenLearners(directory, settings=of_eyes),

@@ -12,7 +12,7 @@ import pytest
 from eye_plant.export.__main__ import export, main
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.mechanics.oculomotor import Oculomotor
-from lockstep import MUSCLE_NAMES, InputError
+from lockstep import MUSCLE_NAMES, InputError, build
 from lockstep.command_space import MUSCLES
 from tests.patience import PATIENCE_S
 
@@ -36,6 +36,39 @@ def test_the_keyframe_is_at_rest(exported: Path, parameter_set: str) -> None:
     start = data.qpos.copy()
     mujoco.mj_step(model, data, 200)
     np.testing.assert_allclose(data.qpos, start, atol=1e-5)
+
+
+def test_palsies_and_surgery_are_in_the_file(tmp_path: Path) -> None:
+    strength, recession_mm = [1.0] * 12, [0.0] * 12
+    strength[MUSCLE_NAMES.index("right_lateral_rectus")] = 0.0
+    recession_mm[MUSCLE_NAMES.index("left_medial_rectus")] = 4.0
+    lesions = {"strength": strength, "recession_mm": recession_mm}
+    line = [f"eyes.mechanics.{name}={value}" for name, value in lesions.items()]
+    assert main(["--out", str(tmp_path / "eyes"), "--set", line[0], "--set", line[1]]) == 0
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "eyes" / "eyes_anatomical.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    tonic = {"parameter_set": "anatomical"}
+    eyes = Oculomotor(build(MechanicsConfig, tonic | lesions))
+    np.testing.assert_allclose(data.qpos, eyes.data.qpos, atol=1e-6)
+    healthy = Oculomotor(build(MechanicsConfig, tonic)).data.qpos
+    # The left eye turns out, the right eye in; adductions come first.
+    assert np.degrees(data.qpos - healthy)[0] < -2.0
+    assert np.degrees(data.qpos - healthy)[3] > 2.0
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ("strength=[1]", "--set: expected eyes.mechanics.NAME=VALUE, got 'strength=[1]'"),
+        ("eyes.mechanics.strength=[1]", "strength: expected 12 numbers"),
+        ("eyes.mechanics.strenght=[1]", "unknown parameter strenght: did you mean strength"),
+    ],
+)
+def test_what_is_no_lesion_is_refused(tmp_path: Path, capsys, setting, message) -> None:
+    assert main(["--out", str(tmp_path / "eyes"), "--set", setting]) == 2
+    assert capsys.readouterr().err.startswith(f"error: {message}")
+    assert not (tmp_path / "eyes").exists()
 
 
 def test_an_eyes_camera_looks_where_the_eye_does(exported: Path) -> None:

@@ -18,10 +18,9 @@ from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from experiment_manager.measures.results import write_document
 from experiment_manager.measures.tables import summaries_table
-from experiment_manager.trained.directory import run_directory, trained_eyes
+from experiment_manager.trained.directory import existing_run
 from lockstep import InputError, build
 from lockstep.exit_codes import EXIT_BAD_INPUT
-from lockstep.written.nearest import did_you_mean
 from lockstep.written.yaml_text import load_yaml
 
 
@@ -45,11 +44,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _examine(options: argparse.Namespace) -> None:
-    if not run_directory(options.run).exists():
-        hint = did_you_mean(str(options.run), trained_eyes())
-        raise InputError(f"expected a run directory or trained eyes, got {options.run}{hint}")
     learners = FrozenLearners(
-        options.run,
+        existing_run(options.run),
         options.checkpoint,
         dictionary=options.dictionary,
         actor=options.actor,

@@ -30,7 +30,7 @@ from experiment_manager.measures.results import (
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, about_in, parameters_in
 from experiment_manager.sections import Configuration
-from experiment_manager.trained.directory import run_directory
+from experiment_manager.trained.directory import existing_run, run_directory
 from lockstep import PAIR, InputError
 from lockstep.scales import PATCH_SIZE_PX
 
@@ -79,7 +79,7 @@ class Run:
     @cached_property
     def configuration_text(self) -> str:
         """config.yaml, or where that is missing what the bag has of it."""
-        path = self.directory / CONFIG_FILE
+        path = existing_run(self.directory) / CONFIG_FILE
         try:
             return path.read_text()
         except FileNotFoundError:
@@ -156,7 +156,7 @@ class Run:
     @cached_property
     def document(self) -> Results:
         """What results.json says; of a run that has none, what follows from its bag."""
-        path = self.directory / RESULTS_FILE
+        path = existing_run(self.directory) / RESULTS_FILE
         if path.is_file():
             return read_results(path)
         if self.bag is None:

@@ -68,7 +68,7 @@ def check_key(key: str, by: str) -> None:
 
 
 def absolute_rule(name: Any) -> Any:
-    """Return a value of RULE, FILE.py:CLASS with an absolute path: it may be used from elsewhere."""
+    """Return a value of RULE, FILE.py:CLASS with an absolute path, for use from elsewhere."""
     return os.path.abspath(name) if isinstance(name, str) and ".py:" in name else name
 
 

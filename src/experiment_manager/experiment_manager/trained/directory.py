@@ -15,6 +15,7 @@ from experiment_manager.trained.eyes_file import name_of_file, packed, unpacked
 from lockstep import InputError, read_state, write_state
 from lockstep.files.durable_files import replace_file
 from lockstep.files.user_cache import user_cache
+from lockstep.written.nearest import did_you_mean
 
 FOLDER = Path(__file__).with_name("eyes")
 _LEARNERS = ("sparse_coder", "vergence_rl")
@@ -42,6 +43,17 @@ def run_directory(run: str | os.PathLike[str]) -> Path:
         return _directory(path, path.stem)
     file = trained_eyes().get(str(run))
     return path if file is None or path.exists() else _directory(file, Path(run).name)
+
+
+def existing_run(run: str | os.PathLike[str]) -> Path:
+    """Return run_directory of a run that is there; raises InputError for another, too."""
+    directory = run_directory(run)
+    if not directory.exists():
+        raise InputError(
+            f"expected a run directory or trained eyes, got {run}"
+            f"{did_you_mean(str(run), trained_eyes())}"
+        )
+    return directory
 
 
 def pack(run: Path, file: Path) -> int:

@@ -2,27 +2,39 @@
 
 import shutil
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-from lockstep import InputError
+from lockstep import InputError, build
 from lockstep.exit_codes import EXIT_BAD_INPUT
 from lockstep.files.durable_files import is_free
 from lockstep.written.command_line import CommandLine, command
 from lockstep.written.paths import written_path
+from lockstep.written.yaml_text import load_yaml
+
+_PREFIX = "eyes.mechanics."
 
 
-def export(directory: Path) -> None:
-    """Write the MJCF files and their README; raises InputError unless it is new or empty."""
+def export(directory: Path, settings: Mapping[str, Any] | None = None) -> None:
+    """Write the MJCF files and their README.
+
+    settings: of palsies and surgery, {NAME: value} as of eyes.mechanics. Raises InputError for
+    others, and unless the directory is new or empty.
+    """
     if not is_free(directory):
         raise InputError(f"expected a new or empty directory, got {directory}")
     # Not at the top: a help need not wait for MuJoCo.
     from eye_plant.export.mjcf import mjcf  # noqa: PLC0415
-    from eye_plant.mechanics.mujoco_model import PARAMETER_SETS  # noqa: PLC0415
+    from eye_plant.mechanics.mujoco_model import PARAMETER_SETS, MechanicsConfig  # noqa: PLC0415
 
+    eyes = [
+        build(MechanicsConfig, {**(settings or {}), "parameter_set": name})
+        for name in PARAMETER_SETS
+    ]
     directory.mkdir(parents=True, exist_ok=True)
-    for name in PARAMETER_SETS:
-        (directory / f"eyes_{name}.xml").write_text(mjcf(name))
+    for config in eyes:
+        (directory / f"eyes_{config.parameter_set}.xml").write_text(mjcf(config))
     shutil.copy(Path(__file__).with_name("README.md"), directory)
 
 
@@ -39,14 +51,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
         metavar="DIR",
         help="new or empty directory (default: eyes)",
     )
-    directory: Path = parser.parse_args(arguments).out
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar=f"{_PREFIX}NAME=VALUE",
+        help="a palsy or surgery, as of abv run; may be repeated",
+    )
+    options = parser.parse_args(arguments)
+    directory: Path = options.out
     try:
-        export(directory)
+        export(directory, dict(map(_read_setting, options.set)))
     except (InputError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
     print(f"wrote {', '.join(str(file) for file in sorted(directory.iterdir()))}")
     return 0
+
+
+def _read_setting(text: str) -> tuple[str, Any]:
+    key, equals, value = text.partition("=")
+    if not (equals and key.startswith(_PREFIX)):
+        raise InputError(f"--set: expected {_PREFIX}NAME=VALUE, got {text!r}")
+    return key.removeprefix(_PREFIX), load_yaml(value)
 
 
 if __name__ == "__main__":

@@ -19,14 +19,13 @@ _PUPIL_RADIUS_M = 0.004
 _AXES_OF_CAMERA = (0.0, -1.0, 0.0, 0.0, 0.0, 1.0)
 
 
-def mjcf(parameter_set: str) -> str:
-    """Return the MJCF of both eyes, healthy, with the numbers of a parameter set.
+def mjcf(config: MechanicsConfig) -> str:
+    """Return the MJCF of both eyes, with their palsies and surgery.
 
     Mechanics are those of `build_spec`, to the six digits that MuJoCo writes. Added are colours, a
     pupil and a camera per eye, a light, the keyframe of the equilibrium at tonic activations, and a
     flag that MuJoCo before 4.0 refuses.
     """
-    config = MechanicsConfig(parameter_set=parameter_set)
     spec = build_spec(config)
     _make_visible(spec)
     for side in SIDES:

@@ -11,7 +11,8 @@ The document that abv examine writes, and each entry of a run's examinations.jso
     TABLE                   [{measure: value}]: the rows of each of the examination's tables
 
 Values are numbers, texts, null for what is not known or beyond what was tried, lists, and for
-quartiles over trials {lower_quartile, median, upper_quartile}. The fields of an examination's row classes are its measures.
+quartiles over trials {lower_quartile, median, upper_quartile}. The fields of an examination's row
+classes are its measures.
 """
 
 from collections.abc import Callable, Mapping, Sequence
