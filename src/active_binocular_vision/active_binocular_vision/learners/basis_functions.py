@@ -40,8 +40,9 @@ class Tuning:
     orientation_deg: of the dominant eye's stripes, 0 horizontal, 90 vertical; wavelength_px: of
     these in pixels of the picture. binocularity: (R - L) / (R + L), -1 is left alone, 1 right
     alone; R and L are the halves' responses to the dominant eye's function, as in their public
-    code, so that a shift by a quarter of a wave between the eyes counts as monocular. disparity_px: preferred disparity in pixels of the picture, left minus
-    right as eye_plant.vergence.disparity_px has it; nan where an atom has none.
+    code, so that a shift by a quarter of a wave between the eyes counts as monocular. disparity_px:
+    preferred disparity in pixels of the picture, left minus right as
+    eye_plant.vergence.disparity_px has it; nan where an atom has none.
     """
 
     residual: Array
