@@ -19,7 +19,8 @@ def main() -> None:
     """Draw the learned activations beside those of the least energy."""
     results, name, png = Path(sys.argv[1]), sys.argv[2], Path(sys.argv[3])
     examined = json.loads((results / "examinations.json").read_text())[name]["examined"]
-    (rows,) = (e["positions"] for e in examined if e["examination"] == "nine-positions")
+    (found,) = (e for e in examined if e["examination"] == "nine-positions")
+    rows = found["positions"]
     distances_m = sorted({row["object_distance_m"] for row in rows})
     learned, least = (
         np.array([[row[kind][muscle] for muscle in MUSCLE_NAMES] for row in rows], float).reshape(
@@ -30,7 +31,7 @@ def main() -> None:
     (run,) = (run for run in runs_at(results) if run.name.endswith(name))
     with own_style():
         plant = run.evaluation_settings.plant
-        save(learned_beside_least(distances_m, learned, least, plant), png)
+        save(learned_beside_least(distances_m, learned, least, plant, found["n_stimuli"]), png)
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ launch_scripts/run_experiment.sh --branch runs/gaze_short --iterations 60000 --t
   --in-process --out runs/looking
 launch_scripts/inspect_bag.sh runs/looking --film $pictures/looking.gif --rate 1
 
-# Examinations of seed 1 of sweeps/gaze.yaml; docs/model/clinic.md has the commands of the two palsies.
-for examination in cover prisms acuity stereo; do
-  launch_scripts/examine.sh runs/gaze/profile_gaze-seed_1 "--$examination" --figure "$pictures/clinic_$examination.png"
+# Examinations of trained eyes; docs/model/clinic.md has the commands of the two palsies.
+for examination in cover acuity stereo; do
+  launch_scripts/examine.sh gaze "--$examination" --figure "$pictures/clinic_$examination.png"
 done

@@ -22,7 +22,6 @@ from experiment_manager.run.attempt import goes_on
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.in_process import InProcessRun
 from experiment_manager.run.run_directory import new_directory
-from experiment_manager.trained.directory import existing_run
 from eye_plant import Head
 from eye_plant.head.plant import settings_of
 from lockstep import InputError, build
@@ -152,7 +151,7 @@ def examine(
         if not name.startswith("eyes."):
             raise InputError(f"settings: expected names that begin with eyes., got {name}")
         of_eyes[name.removeprefix("eyes.")] = value
-    directory = run.directory if isinstance(run, Run) else existing_run(run)
+    directory = run.directory if isinstance(run, Run) else Path(run)
     chosen = EXAMINATIONS[examination] if isinstance(examination, str) else examination
     return chosen.examine(
         FrozenLearners(directory, settings=of_eyes),

@@ -169,7 +169,8 @@ def test_which_run_a_branch_begins_from(tmp_path: Path) -> None:
     a, a_at_5, b = tmp_path / "a", tmp_path / "a@5", tmp_path / "b"
     assert continuation._source(str(b)) == (b, None)
     assert continuation._source(f"{b}@1e5") == (b, 100_000)
-    assert continuation._source(f"{b}@²") == (tmp_path / "b@²", None)
+    with pytest.raises(InputError, match=r"a run directory or trained eyes, got .*b@²"):
+        continuation._source(f"{b}@²")
     assert continuation._source(str(a_at_5)) == (a_at_5, None)
     a.mkdir()
     (a / "config.yaml").touch()
@@ -187,8 +188,8 @@ def test_which_run_a_branch_begins_from(tmp_path: Path) -> None:
         ("--resume RUN --extend 4990", "n_training_iterations: expected 5060 or more"),
         ("--resume RUN --branch x", "--branch: expected it without --resume"),
         ("--branch RUN@70", "expected a checkpoint to begin from after 70 training iterations"),
-        ("--branch nowhere", "expected the configuration of a run"),
-        ("--branch 20240101", "20240101/config.yaml: expected the configuration of a run"),
+        ("--branch gaz", "expected a run directory or trained eyes, got gaz; did you mean gaze"),
+        ("--branch 20240101", "expected a run directory or trained eyes, got 20240101"),
         (
             "--branch RUN --iterations 30",
             "--iterations 30: expected 60 or more, since a branch counts on from its "

@@ -18,7 +18,6 @@ from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from experiment_manager.measures.results import write_document
 from experiment_manager.measures.tables import summaries_table
-from experiment_manager.trained.directory import existing_run
 from lockstep import InputError, build
 from lockstep.exit_codes import EXIT_BAD_INPUT
 from lockstep.written.yaml_text import load_yaml
@@ -45,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _examine(options: argparse.Namespace) -> None:
     learners = FrozenLearners(
-        existing_run(options.run),
+        options.run,
         options.checkpoint,
         dictionary=options.dictionary,
         actor=options.actor,

@@ -17,7 +17,7 @@ from active_binocular_vision.environments.active_vergence import FeatureEnvironm
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.sections import config_of
-from experiment_manager.trained.directory import run_directory
+from experiment_manager.trained.directory import existing_run
 from lockstep import InputError, read_state
 from vergence_rl import VergenceRlConfig
 from vergence_rl.normalizer import RunningStatistics, normalized
@@ -63,7 +63,7 @@ class VectorEnvironment(FeatureEnvironment):
         eyes: a run directory, or the name of trained eyes; settings, action_scale, render_mode: as
         of `VergenceEnvironment`. Raises InputError as that does, and for a run without checkpoint.
         """
-        run = run_directory(eyes)
+        run = existing_run(eyes)
         found = checkpoint.newest(run / "checkpoints")
         if found is None:
             raise InputError(

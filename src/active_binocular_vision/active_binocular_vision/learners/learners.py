@@ -17,7 +17,7 @@ from experiment_manager.plant_changes import read_schedule
 from experiment_manager.run import checkpoint
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.sections import Configuration, config_of
-from experiment_manager.trained.directory import run_directory
+from experiment_manager.trained.directory import existing_run
 from eye_plant import EyePlantConfig, StimulusSet
 from eye_plant.config import changed
 from lockstep import InputError, flatten, read_state
@@ -56,8 +56,8 @@ class FrozenLearners:
     settings: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Find the directory of trained eyes."""
-        object.__setattr__(self, "run", run_directory(self.run))
+        """Find the directory, of trained eyes too; InputError where there is none."""
+        object.__setattr__(self, "run", existing_run(self.run))
 
     @classmethod
     def after(cls, run: Path, iteration: int) -> Self:
@@ -65,7 +65,7 @@ class FrozenLearners:
 
         Raises InputError, naming those that there are, without one.
         """
-        run = run_directory(run)
+        run = existing_run(run)
         protocol = protocol_of(read_configuration(run / CONFIG_FILE))
         places = checkpoint.places(run / "checkpoints")
         trained = {protocol.training_iterations_before(place): place for place in places}

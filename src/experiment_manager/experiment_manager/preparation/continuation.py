@@ -32,7 +32,7 @@ from experiment_manager.sections import (
     completed,
     config_of,
 )
-from experiment_manager.trained.directory import run_directory
+from experiment_manager.trained.directory import existing_run, run_directory
 from lockstep import InputError, read_state
 from lockstep.files.durable_files import replace_file
 from lockstep.written.paths import written_path
@@ -193,7 +193,7 @@ def _source(text: str) -> tuple[Path, int | None]:
     except InputError:
         iteration = None
     if iteration is None:
-        return run_directory(whole if whole.exists() else text).resolve(), None
+        return existing_run(whole if whole.exists() else text).resolve(), None
     source = run_directory(written_path(name)).resolve()
     if not (whole / CONFIG_FILE).exists():
         return source, iteration

@@ -128,7 +128,10 @@ def samples_figure(conditions: Sequence[Condition]) -> Figure | None:
             axes.spines[:].set_visible(False)
         _name_row(row[0], label)
     for axes, scale in zip(panels[-1], SCALES, strict=True):
-        axes.set_xlabel(f"{scale} scale: best to worst Gabor fit,\nevenly spaced ranks")
+        n = shown[0][1].shape[1]
+        axes.set_xlabel(
+            f"{scale} scale: best to worst Gabor fit,\nn = {n} of one seed, evenly spaced"
+        )
     return figure
 
 

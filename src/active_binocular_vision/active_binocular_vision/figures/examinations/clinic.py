@@ -136,7 +136,8 @@ def acuity_figure(seen: Mapping[str, Resolution]) -> Figure:
         Line2D([], [], color=colour, ls=dashes, label=f"{side} eye; thin: its acuity")
         for side, colour, dashes in styles
     ]
-    legend_below(figure, handles)
+    n = Line2D([], [], ls="", label=f"n = {of_eye.shares.shape[1]} gratings each")
+    legend_below(figure, [*handles, n])
     return figure
 
 

@@ -118,16 +118,18 @@ def activations_figure(examined: NinePositionsTraces) -> Figure:
     """Return activations of all muscles, medians over pictures; see `learned_beside_least`."""
     nine = examined.nine
     learned = np.median(nine.eyes.activations, axis=2)
-    return learned_beside_least(nine.distances_m, learned, nine.optimum.activations, examined.plant)
+    n, least = nine.pictures.shape[1], nine.optimum.activations
+    return learned_beside_least(nine.distances_m, learned, least, examined.plant, n)
 
 
 def learned_beside_least(
-    distances_m: Sequence[float], learned: Array, least: Array, plant: EyePlantConfig
+    distances_m: Sequence[float], learned: Array, least: Array, plant: EyePlantConfig, n: int
 ) -> Figure:
     """Return activations of all muscles: learned beside least energy, a row for each distance.
 
     learned, least: (n_distances, 9, 12). A column for each position; silent muscles are white,
-    those framed that the least energy leaves silent.
+    those framed that the least energy leaves silent. n: stimuli, over which learned ones are
+    medians.
     """
     n_rows = len(distances_m)
     figure = new_figure(WIDTH_IN, 2.7 * n_rows + 1.0)
@@ -149,6 +151,7 @@ def learned_beside_least(
     handles = [
         Patch(facecolor="white", edgecolor=GREY, label="silent"),
         Patch(facecolor="none", edgecolor=VERMILION, lw=1.5, label=_EXTRA),
+        Line2D([], [], ls="", label=f"learned: median over n = {n} stimuli"),
     ]
     if np.isnan(shown).any():
         label = "the muscles do not reach this gaze"
