@@ -1,7 +1,9 @@
 """metadata.yaml of a bag directory, in the form that rosbag2 of ROS 2 Jazzy writes (version 9)."""
 
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,8 @@ RUN_METADATA = "run"
 CONFIGURATION_ATTACHMENT = "config.yaml"
 _NEVER = {"sec": 9223372036, "nsec": 854775807}  # rmw's infinite duration
 _NO_TIME_NS = 2**63 - 1  # what rosbag2 writes as the start of an empty bag
+# Of libyaml where PyYAML has it: each checkpoint waits for what is written.
+_DUMPER = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
 
 
 # How the graph's publishers offer their topics (lockstep.wire.qos), in rosbag2's YAML, which both
@@ -109,9 +113,14 @@ def _topic_metadata(topic: Topic) -> dict[str, Any]:
         "name": topic.name,
         "type": topic.type_name,
         "serialization_format": "cdr",
-        "offered_qos_profiles": yaml.safe_load(topic.qos),
+        "offered_qos_profiles": deepcopy(_profiles(topic.qos)),  # of one object YAML has aliases
         "type_description_hash": topic.type_hash,
     }
+
+
+@cache
+def _profiles(qos: str) -> Any:
+    return yaml.safe_load(qos)
 
 
 def read_information(directory: Path) -> dict[str, Any]:
@@ -133,5 +142,6 @@ def read_information(directory: Path) -> dict[str, Any]:
 
 def write_metadata(directory: Path, information: Mapping[str, Any]) -> None:
     """Replace the metadata.yaml of a bag as a whole: a reader sees the old or the new one."""
-    text = yaml.safe_dump({"rosbag2_bagfile_information": dict(information)}, sort_keys=False)
+    document = {"rosbag2_bagfile_information": dict(information)}
+    text = yaml.dump(document, Dumper=_DUMPER, sort_keys=False)
     replace_file(directory / METADATA_FILE, text.encode())
