@@ -105,27 +105,23 @@ def test_a_foreign_node_needs_only_its_topics(graph: Graph, start_node, tmp_path
     )
 
 
-def test_nodes_that_contradict_each_other_do_not_start(start_node, tmp_path) -> None:
-    start_node("eye_plant", "-p", "mechanics.baseline_m:=0.06")
-    for name in ("sparse_coder", "vergence_rl"):
-        start_node(name)
-    output = start_node("experiment_manager", *_in_run(tmp_path / "run")).finished(code=2)
-    message = "expected mechanics.baseline_m 0.056, as experiment_manager has it, got 0.06"
-    assert message in output.splitlines()[-1]
-    assert not (tmp_path / "run").exists()
-
-
-def test_nodes_that_are_not_as_the_run_began_do_not_go_on(
+def test_nodes_that_contradict_each_other_or_how_the_run_began_do_not_start(
     start_node, tmp_path, config_file
 ) -> None:
-    run = tmp_path / "run"
-    run.mkdir()
-    (run / "config.yaml").write_bytes(config_file.read_bytes())
     start_node("vergence_rl", "-p", "cacla.discount:=0.4")
     for name in ("eye_plant", "sparse_coder"):
         start_node(name)
-    output = start_node("experiment_manager", *_in_run(run)).finished(code=2)
+    begun, new = tmp_path / "begun", tmp_path / "new"
+    begun.mkdir()
+    (begun / "config.yaml").write_bytes(config_file.read_bytes())
+    output = start_node("experiment_manager", *_in_run(begun)).finished(code=2)
     assert "vergence_rl.cacla.discount was 0.3, is 0.4" in output.splitlines()[-1]
+    # The nodes are still there, for another manager, whose eyes are farther apart.
+    farther = "-p", "mechanics.baseline_m:=0.06"
+    output = start_node("experiment_manager", *_in_run(new), *farther).finished(code=2)
+    message = "expected mechanics.baseline_m 0.06, as experiment_manager has it, got 0.056"
+    assert message in output.splitlines()[-1]
+    assert not new.exists()
 
 
 def test_bad_input_of_any_kind_stops_each_node_with_one_line(start_node) -> None:
