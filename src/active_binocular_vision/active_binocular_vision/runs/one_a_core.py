@@ -4,6 +4,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from multiprocessing import get_context
 from typing import TypeVar
 
@@ -18,7 +19,9 @@ def of_each_run(work: Callable[[R], T], runs: Sequence[R], name: str) -> list[T]
 
     name: of the work, for the progress on standard error. Raises what the function raises.
     """
+    shown = partial(progress, file=sys.stderr, desc=name, unit="run", total=len(runs))
     n_processes = min(len(runs), len(os.sched_getaffinity(0)))
+    if n_processes == 1:  # another process would first import all that this one has
+        return list(shown(map(work, runs)))
     with ProcessPoolExecutor(n_processes, get_context("spawn")) as processes:
-        done = processes.map(work, runs)
-        return list(progress(done, file=sys.stderr, desc=name, unit="run", total=len(runs)))
+        return list(shown(processes.map(work, runs)))

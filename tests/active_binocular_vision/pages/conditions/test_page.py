@@ -121,8 +121,11 @@ def test_what_cannot_be_examined_is_one_line(run: Path, tmp_path: Path, capsys) 
 
 def test_an_age_without_a_checkpoint_has_its_test_alone(run: Path, tmp_path: Path) -> None:
     shutil.rmtree(run / "checkpoints" / f"{0:09d}")
-    assert main([str(run), *LINE, "--out", str(tmp_path)]) == 0
+    # Where there are two cores, the second one is examined in another process.
+    second = Path(shutil.copytree(run, tmp_path / "second"))
+    assert main([str(run), str(second), *LINE, "--out", str(tmp_path)]) == 0
     assert [of["iteration"] for of in documents(run)] == [40, 80]
+    assert documents(second) == documents(run)
     assert (tmp_path / "conditions.html").read_text().count("<td>birth</td>") == 1
 
 
