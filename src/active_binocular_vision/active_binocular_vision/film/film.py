@@ -74,11 +74,12 @@ def _write_mp4(file: Path, shown: Frames, frames_per_s: float) -> int:
 
 
 def _write_gif(file: Path, shown: Frames, frames_per_s: float) -> int:
-    pictures, periods = zip(*((Image.fromarray(p), n) for p, n in shown), strict=True)
-    palette = _common_palette(pictures)
-    first, *rest = (p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures)
-    durations_ms = [round(n_periods * 1000 / frames_per_s) for n_periods in periods]
-    first.save(file, "GIF", save_all=True, append_images=rest, duration=durations_ms, loop=0)
+    with file.open("wb") as stream:  # before minutes of drawing
+        pictures, periods = zip(*((Image.fromarray(p), n) for p, n in shown), strict=True)
+        palette = _common_palette(pictures)
+        first, *rest = (p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures)
+        ms = [round(n_periods * 1000 / frames_per_s) for n_periods in periods]
+        first.save(stream, "GIF", save_all=True, append_images=rest, duration=ms, loop=0)
     return sum(periods)
 
 
