@@ -13,7 +13,7 @@ from experiment_manager.sections import config_of
 from eye_plant import Episode
 from lockstep.machine.own_process import die_with
 from lockstep.wire.stamps import period_ns
-from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS
+from lockstep.wire.topics import CODER_VECTORS, LEARNER_VECTORS, PLANT_VECTORS, TRAINING
 from tests.command_lines import configured, set_words
 from tests.patience import PATIENCE_S
 from tests.supervisor import started
@@ -113,9 +113,12 @@ class OracleRun:
 
     def steps(self, first: int = 0) -> Iterator[tuple[Episode, Step]]:
         """Yield all steps of all episodes from a place on; pictures last until the next step."""
+        left: tuple[float, ...] = ()
         for place in range(first, len(self.protocol)):
-            episode = self.protocol.episode(place)
+            episode = self.protocol.episode(place, left)
             self.plant.reconfigure(self.protocol.plant_settings(episode))
             for step in self._loop.run_episode(episode):
                 yield episode, step
+            if episode.phase == TRAINING:
+                left = tuple(step.observation.commanded(self.plant.config.space).tolist())
         self.plant.close()

@@ -88,6 +88,22 @@ def test_training_about_the_tonic_level_needs_no_inverse(monkeypatch: pytest.Mon
     assert gazes_deg[:, 3:].std(axis=0).min() > 0.5
 
 
+def test_an_episode_begins_with_what_the_last_one_left() -> None:
+    config = _config(fixation_iterations=5, tonic_return=0.25)
+    starts, tonic = GazeStarts(config, MECHANICS), Oculomotor(MECHANICS).tonic_activations
+    _, first = starts.training(np.random.default_rng(1))
+    assert first == tuple(tonic.tolist())
+    left = 2.0 * tonic
+    left[3] = 0.9  # beyond its limit
+    distance_m, then = starts.training(np.random.default_rng(2), tuple(left))
+    expected = 1.75 * tonic
+    expected[3] = 0.2
+    np.testing.assert_allclose(then, expected, rtol=1e-12)
+    assert distance_m == starts.training(np.random.default_rng(2))[0]
+    with pytest.raises(InputError, match="expected 0 without saccades"):
+        _config(tonic_return=0.25)
+
+
 def test_a_test_has_the_same_starts_for_all_pictures_and_others_for_each_seed() -> None:
     config = _config()
     found = conditions(config, MECHANICS.baseline_m)

@@ -69,6 +69,7 @@ def test_eyes_that_make_saccades_are_recorded_as_the_loop_has_them(pictures, tmp
         "vergence_rl.products_of_activations=true",
         "vergence_rl.hindsight.n_best=2",
         "experiment_manager.gives_targets=false",
+        "experiment_manager.tonic_return=0.1",
         "eyes.noise.turn_sd_deg=0.1",
     )
     line = *_TWELVE, *settings

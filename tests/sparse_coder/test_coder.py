@@ -15,6 +15,7 @@ from tests.sparse_coder.slow import slow_patches, slow_pursuit
 Pair = tuple[NDArray[np.uint8], NDArray[np.uint8]]
 
 SMALL = SparseCoderConfig(n_bases=40, n_selections=5)
+FOLLOWING = dataclasses.replace(SMALL, plasticity_iterations=4, suppression_iterations=4)
 
 
 def test_the_whole_code_matches_a_slow_one(stereo_pair: Pair) -> None:
@@ -127,12 +128,15 @@ def test_flat_pictures_have_features_and_error_0() -> None:
     np.testing.assert_array_equal(coder.atoms(), before)
 
 
-def test_a_restored_coder_continues_bit_for_bit(stereo_pair: Pair) -> None:
-    coder = SparseCoder(SMALL)
+@pytest.mark.parametrize("config", [SMALL, FOLLOWING])
+def test_a_restored_coder_continues_bit_for_bit(
+    stereo_pair: Pair, config: SparseCoderConfig
+) -> None:
+    coder = SparseCoder(config)
     for _ in range(3):
         coder.learn(coder.encode(*stereo_pair))
     state = coder.state()
-    other = SparseCoder(SparseCoderConfig(seed=9, n_bases=40, n_selections=5))
+    other = SparseCoder(dataclasses.replace(config, seed=9))
     other.restore(state)
     for _ in range(3):
         for one in (coder, other):
@@ -142,6 +146,8 @@ def test_a_restored_coder_continues_bit_for_bit(stereo_pair: Pair) -> None:
     np.testing.assert_array_equal(
         coder.encode(*stereo_pair).features, other.encode(*stereo_pair).features
     )
+    for name, array in coder.state().items():
+        np.testing.assert_array_equal(array, other.state()[name])
 
 
 def test_a_state_shares_no_memory_with_the_coder(stereo_pair: Pair) -> None:
@@ -167,12 +173,14 @@ def _with_nan(atoms: NDArray[np.float32]) -> NDArray[np.float32]:
         (lambda s: s | {"atoms": s["atoms"] * np.float32(1.01)}, "atoms: expected unit norms"),
         (lambda s: s | {"learning_steps": np.array(-1)}, "learning_steps: expected one count"),
         (lambda s: s | {"learning_steps": np.array(1.5)}, "learning_steps: expected one count"),
+        (lambda s: s | {"dominances": np.zeros(3)}, r"dominances: expected .*\(130,\), got"),
+        (lambda s: s | {"means_of_error": np.full(2, np.nan)}, "means_of_error: expected finite"),
         (lambda s: {"atoms": s["atoms"]}, "state: expected"),
         (lambda s: s | {"colour": np.array(1)}, "state: expected .*colour"),
     ],
 )
 def test_a_bad_state_is_refused_and_changes_nothing(change, message) -> None:
-    coder = SparseCoder(SMALL)
+    coder = SparseCoder(FOLLOWING)
     before = coder.atoms()
     with pytest.raises(InputError, match=message):
         coder.restore(change(coder.state()))

@@ -2,7 +2,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sparse_coder.dictionary import Dictionary, dictionary_rate, initial_atoms, learned_atoms
+from sparse_coder.dictionary import (
+    Dictionary,
+    dictionary_rate,
+    initial_atoms,
+    learned_atoms,
+    learned_means,
+    plasticity,
+)
 from sparse_coder.matching_pursuit import Selections, matching_pursuit
 from sparse_coder.reward import reconstruction_error
 
@@ -46,6 +53,22 @@ def gradient(atoms: NDArray[np.float32], patches: NDArray[np.float32]) -> NDArra
 )
 def test_the_rate_declines_linearly_to_its_share(share: float, done: float, rate: float) -> None:
     assert dictionary_rate(0.2, share, done) == pytest.approx(rate)
+
+
+def test_plasticity_ends_as_learning_does_and_comes_back_with_a_change() -> None:
+    assert plasticity(np.array([0.9, 1.0])) == pytest.approx(1.0)
+    assert plasticity(np.array([1.05, 1.0])) == pytest.approx(0.25)
+    assert plasticity(np.zeros(2)) == 0.0
+    means, found = np.array([0.0, 2.0]), []
+    for error in [0.4] * 1000 + [0.5] * 10:
+        means = learned_means(means, error, 100)
+        found.append(plasticity(means))
+    assert found[0] == 1.0
+    # After n iterations the slow mean lacks (1 - 1/100)^n, the fast one (1 - 1/25)^n.
+    slow, fast = 0.4 + 1.6 * 0.99**400, 0.4 - 0.4 * 0.96**400
+    assert found[399] == pytest.approx(((slow - fast) / (0.1 * slow)) ** 2)
+    assert found[999] < 1e-5
+    assert found[-1] > 0.2
 
 
 def test_step_is_down_the_gradient_then_normalised() -> None:

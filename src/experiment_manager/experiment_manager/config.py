@@ -99,6 +99,14 @@ class ProtocolConfig(TaskConfig):
         least=0,
         most=1,
     )
+    tonic_return: float = setting(
+        0.0,
+        "with saccades: a training episode begins with the activations that the last one left, this"
+        " share of the way back to the tonic level, so that nothing sets the eyes right in between;"
+        " 1: each begins at rest; 0: episodes begin with drawn errors",
+        least=0,
+        most=1,
+    )
     starts_follow_changes: bool = setting(
         False,
         "with a command for each muscle: whether training after a change of the eyes begins with"
@@ -151,6 +159,11 @@ class ProtocolConfig(TaskConfig):
             raise InputError(
                 f"test_iterations: expected multiples of {self.iterations_per_episode}, "
                 f"got {list(self.test_iterations)}"
+            )
+        if self.tonic_return and not self.fixation_iterations:
+            raise InputError(
+                f"tonic_return: expected 0 without saccades (fixation_iterations 0), "
+                f"got {self.tonic_return}"
             )
         if self.n_stimuli_per_test > self.n_test_stimuli:
             raise InputError(

@@ -1,7 +1,8 @@
 """The protocol of an experiment: which episode comes when (K17 II, Experimental Setup).
 
 An experiment is a sequence of episodes: training episodes, interrupted by whole tests. Each is a
-function of (configuration, seed, place in the sequence), so a run goes on wherever it stopped.
+function of (configuration, seed, place in the sequence), so a run goes on wherever it stopped; with
+tonic_return also of the activations that the last training episode left, which checkpoints have.
 """
 
 import bisect
@@ -12,7 +13,7 @@ from typing import Any
 from experiment_manager.config import ExperimentManagerConfig, ProtocolConfig
 from experiment_manager.plant_changes import Change, Schedule, read_schedule
 from experiment_manager.sections import config_of
-from experiment_manager.starts import Starts, conditions, starts
+from experiment_manager.starts import Activations, Starts, conditions, starts
 from eye_plant import Episode
 from lockstep import PAIR, InputError, generator
 from lockstep.wire.topics import TEST, TRAINING
@@ -161,11 +162,15 @@ class Protocol:
         before = self.segment(place - 1).stage if place else 0
         return self._schedule.changes[stage - 1] if stage > before else None
 
-    def episode(self, place: int) -> Episode:
-        """Return the episode at a place in the sequence; raises IndexError beyond the end."""
+    def episode(self, place: int, left: Activations = ()) -> Episode:
+        """Return the episode at a place in the sequence; raises IndexError beyond the end.
+
+        left: activations of the commanded muscles at the end of the last training episode, which
+        count where episodes begin with them.
+        """
         episode = self._drawn.get(place)
         if episode is None:
-            episode = self._draw(place)
+            episode = self._draw(place, left)
             self._drawn = dict([*self._drawn.items(), (place, episode)][-_N_KEPT:])
         return episode
 
@@ -177,21 +182,21 @@ class Protocol:
                     self.episode, range(segment.first, segment.first + segment.n_episodes)
                 )
 
-    def _draw(self, place: int) -> Episode:
+    def _draw(self, place: int, left: Activations) -> Episode:
         segment = self.segment(place)
         offset = place - segment.first
         if segment.i_test < 0:
-            return self._training_episode(segment, offset)
+            return self._training_episode(segment, offset, left)
         return self._trial(segment, offset)
 
-    def _training_episode(self, segment: Segment, offset: int) -> Episode:
+    def _training_episode(self, segment: Segment, offset: int, left: Activations) -> Episode:
         config = self.config
         number = segment.training_iteration // config.iterations_per_episode + offset
         draw = generator(self._seed, "episode", number)
         stimulus = int(draw.integers(config.n_training_stimuli))
         of_stage = self._starts[segment.stage]
         begins = of_stage if self._follows_changes else self._starts[0]
-        object_distance_m, start = begins.training(draw)
+        object_distance_m, start = begins.training(draw, left)
         return Episode(
             phase=TRAINING,
             test=-1,

@@ -95,7 +95,7 @@ class PairStarts:
         """activations: (vergence_deg, fraction in [0, 1]) -> those of the twelve muscles."""
         self._config, self.baseline_m, self._of_vergence = config, baseline_m, activations
 
-    def training(self, draw: np.random.Generator) -> tuple[float, Activations]:
+    def training(self, draw: np.random.Generator, _: Activations = ()) -> tuple[float, Activations]:
         """Draw the plane's distance in m, and activations of eyes that look at another one."""
         config = self._config
         object_distance_m, fixation_distance_m = (
@@ -149,11 +149,18 @@ class GazeStarts:
         self._config, self.baseline_m = config, mechanics.baseline_m
         self._inverse = gaze_inverse(config, mechanics, turns_deg)
 
-    def training(self, draw: np.random.Generator) -> tuple[float, Activations]:
-        """Draw the plane's distance in m, and activations: with a gaze, or near the tonic level."""
+    def training(
+        self, draw: np.random.Generator, left: Activations = ()
+    ) -> tuple[float, Activations]:
+        """Draw the plane's distance in m, and activations: with a gaze, or near the tonic level.
+
+        left: those of the commanded muscles that the last episode left, none before the first.
+        """
         config = self._config
         ends_m = config.object_distance_m
         distance_m = drawn_distance_m(config, draw, ends_m, self.baseline_m)
+        if config.tonic_return:
+            return distance_m, tuple(self._inverse.returned(left, config.tonic_return).tolist())
         if config.tonic_start_spread:
             aside = self._aside(config.tonic_start_spread, draw)
             return distance_m, tuple(self._inverse.near_tonic(aside).tolist())
@@ -204,9 +211,11 @@ class LensStarts:
         n = len(config.space.turning.names)
         self._ends = config.limits.lowest[n:], config.limits.highest[n:]
 
-    def training(self, draw: np.random.Generator) -> tuple[float, Activations]:
+    def training(
+        self, draw: np.random.Generator, left: Activations = ()
+    ) -> tuple[float, Activations]:
         """Draw the plane's distance in m, and activations (16,)."""
-        distance_m, activations = self._turned.training(draw)
+        distance_m, activations = self._turned.training(draw, left)
         return distance_m, activations + self._lenses(draw)
 
     def trial(self, condition: Condition, draw: np.random.Generator) -> Activations:

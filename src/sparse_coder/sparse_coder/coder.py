@@ -13,7 +13,14 @@ from numpy.typing import NDArray
 from lockstep import InputError, generator
 from lockstep.randomness import Moment
 from sparse_coder.config import SparseCoderConfig
-from sparse_coder.dictionary import Dictionary, dictionary_rate, initial_atoms, learned_atoms
+from sparse_coder.dictionary import (
+    Dictionary,
+    dictionary_rate,
+    initial_atoms,
+    learned_atoms,
+    learned_means,
+    plasticity,
+)
 from sparse_coder.gaze.fixations import gaze_watch
 from sparse_coder.matching_pursuit import (
     Selections,
@@ -23,6 +30,7 @@ from sparse_coder.matching_pursuit import (
 )
 from sparse_coder.patches import N_PIXELS, Image, check_images, patches_and_energies
 from sparse_coder.percept import NOWHERE_DEG, Encoding, Percept
+from sparse_coder.picture_of_code import coded_patches
 from sparse_coder.reward import (
     information,
     lambda_by_now,
@@ -30,6 +38,7 @@ from sparse_coder.reward import (
     reconstruction_error,
     reward,
 )
+from sparse_coder.suppression import gains, learned_dominance, with_gains
 from sparse_coder.windows import windows_of
 
 _LARGEST_NORM_ERROR = 1e-4
@@ -63,6 +72,10 @@ class SparseCoder:
             )
             for i, _ in enumerate(config.scales.all)
         ]
+        # Of each patch: how far the left eye suppresses the right one, from -1 to 1.
+        self.dominances = [np.zeros(scale.n_patches) for scale in config.scales.all]
+        # Of E, fast and slow: before the first image nothing is explained.
+        self._means = np.array([0.0, len(config.scales.all)])
         self._watch = gaze_watch(config)
 
     def perceive(
@@ -113,26 +126,36 @@ class SparseCoder:
         check_images(left, right, config.scales.widest_px)
         windows = windows_of(left, right, apart, config.scales)
         parts = [patches_and_energies(*pair) for pair in windows]
-        patches = tuple(p for p, _ in parts)
+        patches = tuple(self._as_they_count(i, p) for i, (p, _) in enumerate(parts))
+        energies = tuple(e for _, e in parts)
         selections = tuple(
             matching_pursuit(p, d.atoms, d.gram, config.n_selections)
             for p, d in zip(patches, self._dictionaries, strict=True)
         )
         features = [mean_squared_coefficients(s, config.n_bases) for s in selections]
         errors = [reconstruction_error(p, s) for p, s in zip(patches, selections, strict=True)]
-        told = self._information(parts, selections) if config.rewards_information else None
-        return Encoding(np.stack(features), np.array(errors), patches, selections, told)
+        told = None
+        if config.rewards_information:
+            told = self._information(patches, energies, selections)
+        return Encoding(np.stack(features), np.array(errors), patches, selections, told, energies)
+
+    def _as_they_count(self, i_scale: int, patches: NDArray[np.float32]) -> NDArray[np.float32]:
+        if not self.config.suppression_iterations:
+            return patches
+        return with_gains(patches, self.dominances[i_scale])
 
     def _information(
         self,
-        parts: Sequence[tuple[NDArray[np.float32], NDArray[np.float64]]],
+        patches: Sequence[NDArray[np.float32]],
+        energies: Sequence[NDArray[np.float64]],
         selections: Sequence[Selections],
     ) -> NDArray[np.float64]:
-        """Return I of each scale; parts: its patches and their energies."""
+        """Return I of each scale, of its patches and their energies."""
         noise, told = self.config.noise_energies, []
-        for i, (patches, energies) in enumerate(parts):
-            left = residuals_of_eyes(patches, self._dictionaries[i].atoms, selections[i])
-            told.append(information(energies, left, noise[i]))
+        for i, of_scale in enumerate(patches):
+            left = residuals_of_eyes(of_scale, self._dictionaries[i].atoms, selections[i])
+            powers = gains(self.dominances[i]) ** 2
+            told.append(information(powers * energies[i], left / powers, noise[i]))
         return np.array(told)
 
     def learn(self, encoding: Encoding) -> None:
@@ -142,6 +165,7 @@ class SparseCoder:
         """
         rate = self._learning_rate()
         self.learning_steps += 1
+        self._learn_what_counts(encoding)
         if rate == 0.0:
             return
         for dictionary, patches, selections in zip(
@@ -149,8 +173,25 @@ class SparseCoder:
         ):
             dictionary.replace(learned_atoms(dictionary.atoms, patches, selections, rate))
 
+    def _learn_what_counts(self, encoding: Encoding) -> None:
+        """Move both means of E, and the dominance of each eye, where these are followed."""
+        config = self.config
+        if config.plasticity_iterations:
+            error = float(np.sum(encoding.reconstruction_error))
+            self._means = learned_means(self._means, error, config.plasticity_iterations)
+        if config.suppression_iterations:
+            atoms = [dictionary.atoms for dictionary in self._dictionaries]
+            coded = map(coded_patches, encoding.selections, atoms)
+            of_scales = zip(
+                self.dominances, encoding.patches, coded, encoding.energies, strict=True
+            )
+            n = config.suppression_iterations
+            self.dominances = [learned_dominance(*of_scale, n) for of_scale in of_scales]
+
     def _learning_rate(self) -> float:
         config = self.config
+        if config.plasticity_iterations:
+            return config.learning_rate * plasticity(self._means)
         n_until_rest = config.resting_share * config.n_training_iterations
         done = min(1.0, self.learning_steps / n_until_rest)
         return dictionary_rate(config.learning_rate, config.final_learning_rate_share, done)
@@ -167,7 +208,17 @@ class SparseCoder:
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return all that learning has changed, for restore, as copies."""
-        return {"atoms": self.atoms(), "learning_steps": np.array(self.learning_steps)}
+        state = {"atoms": self.atoms(), "learning_steps": np.array(self.learning_steps)}
+        return state | self._what_counts()
+
+    def _what_counts(self) -> dict[str, NDArray[np.float64]]:
+        """Return the means of E, and dominances of all scales' patches, where they are followed."""
+        followed = {}
+        if self.config.plasticity_iterations:
+            followed["means_of_error"] = self._means.copy()
+        if self.config.suppression_iterations:
+            followed["dominances"] = np.concatenate(self.dominances)
+        return followed
 
     def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
         """Continue from what state returned, bit for bit.
@@ -175,13 +226,28 @@ class SparseCoder:
         Raises InputError, and changes nothing, unless it holds finite unit atoms of this
         configuration's shape and a count of learning steps.
         """
-        expected = {"atoms", "learning_steps"}
+        followed = self._what_counts()
+        expected = {"atoms", "learning_steps", *followed}
         if set(state) != expected:
             raise InputError(f"state: expected {sorted(expected)}, got {sorted(state)}")
+        for name, own in followed.items():
+            _check_like(name, state[name], own)
         atoms = _checked_atoms(state["atoms"], len(self.config.scales.all), self.config.n_bases)
         learning_steps = _checked_count(state["learning_steps"])
         self._dictionaries = [Dictionary(a.copy()) for a in atoms]
         self.learning_steps = learning_steps
+        self._means = state.get("means_of_error", self._means).copy()
+        if "dominances" in followed:
+            ends = np.cumsum([len(of_scale) for of_scale in self.dominances])[:-1]
+            self.dominances = [d.copy() for d in np.split(state["dominances"], ends)]
+
+
+def _check_like(name: str, array: NDArray[Any], own: NDArray[np.float64]) -> None:
+    if array.shape != own.shape or array.dtype != own.dtype or not np.isfinite(array).all():
+        raise InputError(
+            f"{name}: expected finite float64 of shape {own.shape}, got {array.dtype} of shape "
+            f"{array.shape}"
+        )
 
 
 def _checked_atoms(atoms: NDArray[Any], n_scales: int, n_bases: int) -> NDArray[np.float32]:

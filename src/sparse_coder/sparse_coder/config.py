@@ -29,6 +29,18 @@ class SparseCoderConfig(TaskConfig):
         above=0,
         most=1,
     )
+    plasticity_iterations: int = setting(
+        0,
+        "time constant of the slow mean of E, from which a fast one differs while something is left"
+        " to learn: the learning rate follows that difference; 0: it falls as above",
+        least=0,
+    )
+    suppression_iterations: int = setting(
+        0,
+        "time constant with which, at each place, the eye whose image the code has more of"
+        " suppresses the other one; 0: both eyes always count alike",
+        least=0,
+    )
     random_reward: bool = setting(
         False,
         "whether the reward is a random number, uniform in [-1, 0], that says nothing of images"

@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 from sparse_coder.matching_pursuit import Selections
 
+# Of the slow mean of E: time constant of the fast one, and the gap at which all is plastic.
+_FAST_SHARE, _FULL_GAP = 0.25, 0.1
+
 
 class Dictionary:
     """Unit atoms and their Gram matrix, always of the same atoms.
@@ -47,6 +50,28 @@ def dictionary_rate(initial_rate: float, final_share: float, fraction_done: floa
     fraction_done: of the way to rest, in [0, 1].
     """
     return initial_rate * (1.0 - (1.0 - final_share) * fraction_done)
+
+
+def learned_means(
+    means: NDArray[np.float64], error: float, n_iterations: int
+) -> NDArray[np.float64]:
+    """Return the fast and the slow running mean of E, (2,), after an iteration with E = error.
+
+    n_iterations: time constant of the slow one; that of the fast one is a quarter of it.
+    """
+    rates = np.array([1.0 / _FAST_SHARE, 1.0]) / n_iterations
+    return np.asarray(means + rates * (error - means))
+
+
+def plasticity(means: NDArray[np.float64]) -> float:
+    """Return eta / eta_0 = min(1, (|S - F| / 0.1 S)^2) of the fast mean of E, F, and the slow S.
+
+    ours: while learning lowers E, F is ahead of S. Once there is no more to learn they meet, and
+    dictionaries rest; a change of what is seen parts them again. The square keeps small what F's
+    scatter does.
+    """
+    fast, slow = means.tolist()
+    return min(1.0, ((slow - fast) / (_FULL_GAP * slow)) ** 2) if slow > 0.0 else 0.0
 
 
 def learned_atoms(

@@ -19,7 +19,7 @@ class Encoding:
     reconstruction_error: (n_scales,) unexplained share of the patches' energy, in [0, 1];
     patches: per scale (n_patches, n_pixels); selections: per scale;
     information: (n_scales,) what the code tells of the windows, in nats a patch, None where that is
-    not rewarded.
+    not rewarded; energies: per scale (n_patches, 2) of each eye's half, before it has norm 1.
     """
 
     features: NDArray[np.float32]
@@ -27,6 +27,7 @@ class Encoding:
     patches: tuple[NDArray[np.float32], ...]
     selections: tuple[Selections, ...]
     information: NDArray[np.float64] | None = None
+    energies: tuple[NDArray[np.float64], ...] = ()
 
     @property
     def worth(self) -> float:

@@ -225,11 +225,11 @@ class Recorder:
             self._others_are_late = True
 
     def _measure(self, topic: str, message: bytes, record: EpisodeRecord, stamp_ns: int) -> None:
-        if topic == self._state_topic and record.episode.phase != TEST:
+        is_last = stamp_ns == record.last_ns
+        if topic == self._state_topic and record.episode.phase != TEST and not is_last:
             return
         vector, progress = self._readers[topic](message), self._run.progress
         if topic == "ground_truth":
-            is_last = stamp_ns == record.last_ns
             truth = values_of(vector, GROUND_TRUTH_NAMES, topic, may_lack=self._unsure[topic])
             progress.add_truth(truth, is_last=is_last)
         elif topic == self._state_topic:

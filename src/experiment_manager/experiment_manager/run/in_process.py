@@ -24,6 +24,7 @@ from lockstep.machine.interrupts import Interrupts
 from lockstep.wire.stamps import check_stamp, period_ns
 from lockstep.wire.topics import (
     GROUND_TRUTH_NAMES,
+    TEST,
     reward_names,
     unsure_reward_names,
     unsure_truth_names,
@@ -156,7 +157,8 @@ class InProcessRun:
         truth = np.array(observation.ground_truth_values(), dtype=np.float64)
         check_finite(truth, GROUND_TRUTH_NAMES, "ground_truth", unsure_truth_names(self._space))
         progress.add_truth(truth, is_last=answer is None)
-        progress.add_activations(episode.phase, observation.commanded(self._space))
+        if answer is None or episode.phase == TEST:
+            progress.add_activations(episode.phase, observation.commanded(self._space))
         if answer is not None:
             values = np.array(answer.percept.reward_values(), dtype=np.float64)
             check_finite(values, self._reward_names, "reward", unsure_reward_names(self._space))

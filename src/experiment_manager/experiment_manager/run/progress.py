@@ -35,13 +35,15 @@ class Sums(msgspec.Struct):
 class ProgressState(msgspec.Struct, frozen=True):
     """What a checkpoint's manifest has of the progress: all but the trials.
 
-    first, last: of the first and the last iterations of training.
+    first, last: of the first and the last iterations of training; left: activations (n_muscles,) of
+    the commanded muscles at the end of the last training episode, none before it.
     """
 
     tests: list[Summary]
     first: Sums
     last: Sums
     running_errors_deg: list[float]
+    left: list[float] = []
 
 
 class Progress:
@@ -63,6 +65,7 @@ class Progress:
         # Of the first and the last iterations of training.
         self._sums = {"first": Sums(), "last": Sums()}
         self._running_errors_deg: deque[float] = deque(maxlen=_N_RUNNING)
+        self.left: list[float] = []
 
     def add_truth(self, values: np.ndarray, is_last: bool) -> None:
         """Add one observation's ground truth; is_last: it ends an episode."""
@@ -76,9 +79,12 @@ class Progress:
     def add_activations(self, phase: int, activations: np.ndarray) -> None:
         """Add one observation's activations, (n_muscles,) of the muscles that are commanded.
 
-        Of an observation, they may come before or after its ground truth.
+        Of an observation, they may come before or after its ground truth. In training the last one
+        of an episode is enough.
         """
-        if phase == TEST:
+        if phase == TRAINING:
+            self.left = activations.tolist()
+        else:
             means = self.space.from_muscles(activations.astype(np.float64))
             self._activation_bytes += means.tobytes()
 
@@ -151,7 +157,9 @@ class Progress:
     def state(self) -> ProgressState:
         """Return all but the trials."""
         first, last = (copy(sums) for sums in self._sums.values())
-        return ProgressState(list(self.tests), first, last, list(self._running_errors_deg))
+        return ProgressState(
+            list(self.tests), first, last, list(self._running_errors_deg), self.left
+        )
 
     def trial_table(self) -> TrialTable:
         """Return the observations of the test under way.
@@ -181,5 +189,6 @@ class Progress:
         self.tests = list(state.tests)
         self._sums = {"first": copy(state.first), "last": copy(state.last)}
         self._running_errors_deg = deque(state.running_errors_deg, maxlen=_N_RUNNING)
+        self.left = state.left
         self.kept_trials = kept_trials
         self._keep(trials)

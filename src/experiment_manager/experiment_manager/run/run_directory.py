@@ -122,7 +122,7 @@ class Run:
 
     def episode(self) -> Episode:
         """Return the episode to be made next."""
-        return self.protocol.episode(self.place)
+        return self.protocol.episode(self.place, tuple(self.progress.left))
 
     def plant_settings(self) -> dict[str, Any]:
         """Return what the plant must have changed since its start, for the next episode."""
@@ -140,8 +140,11 @@ class Run:
         return message
 
     def prepare(self) -> None:
-        """Draw the episode after the next one, while the plant is busy with the next one."""
-        if self.place + 1 < len(self.protocol):
+        """Draw the episode after the next one, while the plant is busy with the next one.
+
+        Not where it begins with what the next one leaves.
+        """
+        if self.place + 1 < len(self.protocol) and not self._config.tonic_return:
             self.protocol.episode(self.place + 1)
 
     def takes_pictures_soon(self) -> bool:

@@ -114,6 +114,15 @@ class GazeInverse:
         values = self._tonic[self._space.indices] + aside
         return self._with(np.clip(values, self._lowest, self._highest))
 
+    def returned(self, values: Sequence[float], share: float) -> Array:
+        """Return activations (12,) a share of the way from values (n_muscles,) to the tonic level.
+
+        They are those of the tonic level where there are no values, and within the limits.
+        """
+        tonic = self._tonic[self._space.indices]
+        aside = np.array(values) - tonic if len(values) else np.zeros_like(tonic)
+        return self.near_tonic((1.0 - share) * aside)
+
     def activations(
         self, wanted_deg: Mapping[str, float], distance_m: float, aside: Array
     ) -> Array:
