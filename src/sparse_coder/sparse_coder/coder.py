@@ -123,11 +123,7 @@ class SparseCoder:
         size.
         """
         config = self.config
-        check_images(left, right, config.scales.widest_px)
-        windows = windows_of(left, right, apart, config.scales)
-        parts = [patches_and_energies(*pair) for pair in windows]
-        patches = tuple(self._as_they_count(i, p) for i, (p, _) in enumerate(parts))
-        energies = tuple(e for _, e in parts)
+        patches, energies = self.patches(left, right, apart)
         selections = tuple(
             matching_pursuit(p, d.atoms, d.gram, config.n_selections)
             for p, d in zip(patches, self._dictionaries, strict=True)
@@ -139,10 +135,17 @@ class SparseCoder:
             told = self._information(patches, energies, selections)
         return Encoding(np.stack(features), np.array(errors), patches, selections, told, energies)
 
-    def _as_they_count(self, i_scale: int, patches: NDArray[np.float32]) -> NDArray[np.float32]:
-        if not self.config.suppression_iterations:
-            return patches
-        return with_gains(patches, self.dominances[i_scale])
+    def patches(
+        self, left: Image, right: Image, apart: Sequence[NDArray[np.uint8]] = ()
+    ) -> tuple[tuple[NDArray[np.float32], ...], tuple[NDArray[np.float64], ...]]:
+        """Return the patches that `encode` codes, and each eye's energies in them before gains."""
+        scales = self.config.scales
+        check_images(left, right, scales.widest_px)
+        pairs = windows_of(left, right, apart, scales)
+        patches, energies = zip(*(patches_and_energies(*pair) for pair in pairs), strict=True)
+        if self.config.suppression_iterations:
+            patches = tuple(map(with_gains, patches, self.dominances))
+        return patches, energies
 
     def _information(
         self,

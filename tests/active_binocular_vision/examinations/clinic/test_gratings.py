@@ -1,5 +1,6 @@
 """Gratings before one eye, and what the code explains of them."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,12 @@ from active_binocular_vision.examinations.clinic.gratings import (
     Resolution,
     crossing,
     explained_share,
+    finest,
     grating,
     resolution,
 )
 from eye_plant.camera.config import CameraConfig
+from lockstep.scales import ScalesConfig
 from sparse_coder import SparseCoder, SparseCoderConfig
 
 _FEW = CYCLES_PER_PX[[4, 12]]
@@ -42,6 +45,13 @@ def test_acuity_is_where_the_share_last_falls_through_a_half() -> None:
     assert Resolution(frequencies, np.array([[0.4], [0.3], [0.2]])).acuity is None
 
 
+def test_log_mar_is_that_of_half_a_cycle() -> None:
+    # Half a cycle of 3 cycles/deg is 10 minutes wide.
+    three = Resolution(np.array([1.0, 3.0]), np.array([[0.9], [0.5]]))
+    assert three.log_mar == pytest.approx(1.0)
+    assert Resolution(np.array([1.0]), np.array([[0.4]])).log_mar is None
+
+
 def test_the_interval_of_an_acuity_is_that_over_gratings() -> None:
     frequencies = np.array([1.0, 4.0, 16.0])
     alike = np.repeat([[0.9], [0.75], [0.25]], 8, axis=1)
@@ -64,6 +74,21 @@ def test_the_share_is_that_of_the_fine_code(coder: SparseCoder) -> None:
     share = explained_share(coder, (black, picture), (black, picture))
     assert share == pytest.approx(1.0 - error, abs=1e-5)
     assert 0.05 < error < 0.95
+
+
+def test_a_foveal_scale_sees_finer_gratings_and_gains_of_eyes_do_not_count() -> None:
+    scales = ScalesConfig(("fine", "foveal"), (40, 40), (40, 40), (1.0, 4.0), (0.0, 0.0))
+    coder = SparseCoder(SparseCoderConfig(scales=scales, suppression_iterations=10))
+    assert finest(coder).name == "foveal"
+    camera = CameraConfig(width_px=128, height_px=128, roi_width_px=128, roi_height_px=128)
+    found = resolution(coder, camera, 1, _FEW)
+    np.testing.assert_allclose(found.cycles_per_deg, 4.0 * _FEW / 0.2226, rtol=1e-2)
+    coder.dominances = [np.full_like(of_scale, 0.9) for of_scale in coder.dominances]
+    suppressed = resolution(coder, camera, 1, _FEW)
+    np.testing.assert_allclose(suppressed.explained, found.explained, atol=1e-3)
+    # A pixel's blur, which leaves 14 % of the finer grating's contrast, is one of four here.
+    blurred = replace(camera, right_blur_px=1.0)
+    assert resolution(coder, blurred, 1, _FEW).explained[1] < 0.05 < found.explained[1]
 
 
 def test_what_is_not_seen_or_is_something_else_explains_nothing(coder: SparseCoder) -> None:

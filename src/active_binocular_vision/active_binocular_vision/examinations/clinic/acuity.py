@@ -36,6 +36,7 @@ class EyeRow:
         columns=("acuity_low_cycles_per_deg", "acuity_high_cycles_per_deg"),
         labels=("from", "to"),
     )
+    acuity_log_mar: float | None = measure("", "logMAR", 2)
     finest_cycles_per_deg: float = measure("cycles/deg", "finest grating", 2)
     share_in_code: float | None = measure(SHARE, "share in the code")
 
@@ -88,6 +89,7 @@ def _examine(learners: FrozenLearners, shown: Shown, options: Distances) -> Find
                     eye=side,
                     acuity_cycles_per_deg=of.acuity,
                     interval_cycles_per_deg=of.interval or (None, None),
+                    acuity_log_mar=of.log_mar,
                     finest_cycles_per_deg=float(of.cycles_per_deg[-1]),
                     share_in_code=shares[side],
                 )

@@ -1,12 +1,14 @@
 """Acuity: how fine a grating the code of one eye's picture still explains.
 
 A grating of full contrast fills the picture of one eye; the other one sees black. Explained is the
-share of the energy of the sharp grating's patches that the fine scale's code of the seen picture
+share of the energy of the sharp grating's patches that the finest scale's code of the seen picture
 accounts for. Acuity is the highest spatial frequency at which that is at least half, as far as the
 pixels of the pictures carry one. The code normalizes contrast, so this is a limit of resolution,
 not of contrast.
 """
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,8 +19,8 @@ from active_binocular_vision.examinations.clinic.psychometric import resampled
 from eye_plant.camera.blur import Blur
 from eye_plant.camera.config import CameraConfig
 from eye_plant.vergence import degrees_per_px
+from lockstep.scales import Scale
 from sparse_coder import SparseCoder
-from sparse_coder.patches import FINE, binocular_patches, window_of
 from sparse_coder.picture_of_code import coded_patches
 
 Array = NDArray[np.float64]
@@ -30,7 +32,8 @@ _ORIENTATIONS_DEG = (0.0, 45.0, 90.0, 135.0)
 # At Nyquist's limit a phase of 0 or 180 deg would show nothing.
 _PHASES_DEG = (45.0, 135.0, 225.0, 315.0)
 _LEAST_EXPLAINED = 0.5
-_FINE = 1
+# What one who just sees 30 cycles/deg resolves: a minute of arc.
+_ONE_MINUTE = 30.0
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,11 @@ class Resolution:
         Linear over the logarithm of the frequency; at most the highest frequency shown.
         """
         return crossing(np.log(self.cycles_per_deg), self.explained, _LEAST_EXPLAINED)
+
+    @property
+    def log_mar(self) -> float | None:
+        """The acuity as log10 of the angle in minutes that half a cycle takes; 0 is 20/20."""
+        return None if self.acuity is None else math.log10(_ONE_MINUTE / self.acuity)
 
     @cached_property
     def interval(self) -> tuple[float, float] | None:
@@ -89,10 +97,13 @@ def resolution(
 ) -> Resolution:
     """Return what the frozen code explains of gratings before one eye, 0 left or 1 right.
 
-    camera: of the eyes; their blur, magnification and cover count. cycles_per_px: (n,), rising.
+    camera: of the eyes; their blur, magnification and cover count. cycles_per_px: (n,), rising, of
+    the pictures that the finest scale is cut from.
     """
+    zoom = finest(coder).zoom
     size_px = (camera.width_px, camera.height_px)
-    blur = Blur(size_px, size_px, camera.blurs_px[i_eye])
+    along_rows, along_columns = camera.blurs_px[i_eye]
+    blur = Blur(size_px, size_px, (zoom * along_rows, zoom * along_columns))
     is_blurred, is_covered = any(camera.blurs_px[i_eye]), camera.occlusions[i_eye]
     black = np.zeros(size_px[::-1], np.uint8)
     shares = np.zeros((len(cycles_per_px), len(_ORIENTATIONS_DEG), len(_PHASES_DEG)))
@@ -104,7 +115,7 @@ def resolution(
         seen = black if is_covered else blur(picture) if is_blurred else picture
         shown, coded = ((p, black) if i_eye == 0 else (black, p) for p in (picture, seen))
         shares[place] = explained_share(coder, shown, coded)
-    px_deg = degrees_per_px(camera.focal_length_px * camera.magnifications[i_eye])
+    px_deg = degrees_per_px(zoom * camera.focal_length_px * camera.magnifications[i_eye])
     return Resolution(cycles_per_px / px_deg, shares.reshape(len(shares), -1))
 
 
@@ -125,14 +136,35 @@ def grating(
     return np.rint(128.0 + 127.0 * wave).astype(np.uint8)
 
 
+def finest(coder: SparseCoder) -> Scale:
+    """Return the scale with the smallest pixels, the first of several."""
+    return min(coder.config.scales.all, key=lambda scale: scale.px_per_pixel)
+
+
 def explained_share(coder: SparseCoder, shown: Pictures, seen: Pictures) -> float:
-    """Return the share of the energy of what is shown that the fine code of what is seen explains.
+    """Return the share of the energy of what is shown that the finest code of the seen explains.
 
     1 - sum |p - c|^2 / sum |p|^2, at least 0; p: patches of the shown pictures, c: what the code of
     the seen ones makes of them. Where the eyes see what is shown, it is what the reconstruction
-    error leaves. shown, seen: left and right picture, of which shown is not uniform.
+    error leaves. shown, seen: left and right picture, of which shown is not uniform; all scales see
+    these, each in pictures of its own.
     """
-    patches = binocular_patches(*(window_of(picture, FINE) for picture in shown))
-    coded = coded_patches(coder.encode(*seen).selections[_FINE], coder.atoms()[_FINE])
+    scales, scale = coder.config.scales, finest(coder)
+    i = scales.all.index(scale)
+    patches = coder.patches(*shown, _apart(shown, scales.apart))[0][i]
+    coded = coded_patches(
+        coder.encode(*seen, _apart(seen, scales.apart)).selections[i], coder.atoms()[i]
+    )
     left = np.square(patches - coded, dtype=np.float64).sum()
     return max(0.0, float(1.0 - left / np.square(patches, dtype=np.float64).sum()))
+
+
+def _apart(pictures: Pictures, scales: Sequence[Scale]) -> list[NDArray[np.uint8]]:
+    """Return both pictures for each scale, (2, window_px, window_px), about their centre."""
+    both = np.stack(pictures)
+    found = []
+    for scale in scales:
+        top, left = ((side - scale.window_px) // 2 for side in both.shape[1:])
+        rows, columns = (slice(n, n + scale.window_px) for n in (top, left))
+        found.append(np.ascontiguousarray(both[:, rows, columns]))
+    return found
