@@ -15,6 +15,7 @@ from active_binocular_vision.learners.basis_functions import Tuning, tunings
 from experiment_manager import ExperimentManagerConfig, InProcessLoop, make_loop, protocol_of
 from experiment_manager.plant_changes import read_schedule
 from experiment_manager.run import checkpoint
+from experiment_manager.run.checkpoint import Manifest
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.sections import Configuration, config_of
 from experiment_manager.trained.directory import existing_run
@@ -77,7 +78,7 @@ class FrozenLearners:
         return cls(run, trained[iteration])
 
     @cached_property
-    def _checkpoint(self) -> tuple[int, Path]:
+    def _checkpoint(self) -> tuple[Manifest, Path]:
         checkpoints = self.run / "checkpoints"
         if self.n_episodes is not None:
             found = checkpoint.at(checkpoints, self.n_episodes)
@@ -85,13 +86,26 @@ class FrozenLearners:
             found = newest
         else:
             raise InputError(f"{self.run}: expected a checkpoint, found none")
-        manifest, states = found
-        return manifest.place, states
+        return found
 
     @property
     def place(self) -> int:
         """Episodes that the run had done at the checkpoint; raises InputError without one."""
-        return self._checkpoint[0]
+        return self._checkpoint[0].place
+
+    @property
+    def left(self) -> list[float]:
+        """Activations of the commanded muscles with which the last training episode ended.
+
+        Raises InputError where there was none before the checkpoint.
+        """
+        left = self._checkpoint[0].progress.left
+        if not left:
+            raise InputError(
+                f"{self.run}: expected a checkpoint that says how training left the eyes, got one "
+                f"after {self.place} episodes that does not"
+            )
+        return left
 
     @cached_property
     def _of_run(self) -> Configuration:

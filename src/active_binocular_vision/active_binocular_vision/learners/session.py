@@ -174,6 +174,13 @@ class Session:
         first = self.loop.plant.oculomotor.tonic_activations
         return Eyes(self, i_picture, distance_m, first.tolist())
 
+    def eyes_as_left(self, i_picture: int, distance_m: float) -> Eyes:
+        """Return eyes before a picture, as the run's last training episode left them."""
+        first = self.loop.plant.oculomotor.tonic_activations.copy()
+        indices = self.learners.manager.space.turning.indices
+        first[indices] = self.learners.left[: len(indices)]
+        return Eyes(self, i_picture, distance_m, first.tolist())
+
     def eyes_as_healthy(self, i_picture: int, distance_m: float) -> Eyes:
         """Return eyes with the activations with which those without settings look correctly."""
         return Eyes(self, i_picture, distance_m, self._healthy.activations(distance_m))

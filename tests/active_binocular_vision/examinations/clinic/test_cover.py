@@ -12,6 +12,7 @@ from active_binocular_vision.examinations.clinic.cover import (
     first_lasting,
     turned_deg,
 )
+from active_binocular_vision.examinations.contract.declared import CoverOptions
 from active_binocular_vision.learners.session import Course
 
 
@@ -67,8 +68,21 @@ def test_a_trial_has_three_parts_of_twenty_iterations(session_with, kind) -> Non
 
 
 def test_eyes_at_rest_that_have_not_learned_keep_their_deviation(session_with) -> None:
-    trial = cover_trial(session_with("gaze"), 0, 2.0, "right", at_rest=True)
+    trial = cover_trial(session_with("gaze"), 0, 2.0, "right", CoverOptions(at_rest=True))
     # Both look straight ahead, 56 mm apart: exo by what the object at 2 m needs.
     lines = np.degrees(2.0 * math.atan(0.056 / 2.0 / 2.0))
     np.testing.assert_allclose(trial.deviation_deg[:, 0], -lines, atol=0.01)
     assert trial.fused_after(0.2226) == math.inf
+
+
+def test_eyes_begin_as_training_left_them_and_the_cover_goes_from_one_to_the_other(
+    session_with,
+) -> None:
+    session = session_with("gaze")
+    options = CoverOptions(at_habit=True, alternate=True)
+    trial = cover_trial(session, 0, 2.0, "left", options)
+    assert (trial.begin, trial.end, len(trial.deviation_deg)) == (40, 60, 81)
+    left = session.learners.left
+    assert len(left) == 12
+    assert session.eyes_as_left(0, 2.0).activations == pytest.approx(left)
+    assert session.eyes_at_rest(0, 2.0).activations != pytest.approx(left)

@@ -14,6 +14,7 @@ from active_binocular_vision.examinations.clinic.gratings import (
     finest,
     grating,
     resolution,
+    rival_shares,
 )
 from eye_plant.camera.config import CameraConfig
 from lockstep.scales import ScalesConfig
@@ -82,9 +83,14 @@ def test_a_foveal_scale_sees_finer_gratings_and_gains_of_eyes_do_not_count() -> 
     assert finest(coder).name == "foveal"
     camera = CameraConfig(width_px=128, height_px=128, roi_width_px=128, roi_height_px=128)
     found = resolution(coder, camera, 1, _FEW)
+    left, right = rival_shares(coder, camera)
+    assert left == pytest.approx(right, abs=0.05)
     np.testing.assert_allclose(found.cycles_per_deg, 4.0 * _FEW / 0.2226, rtol=1e-2)
     coder.dominances = [np.full_like(of_scale, 0.9) for of_scale in coder.dominances]
     suppressed = resolution(coder, camera, 1, _FEW)
+    left, right = rival_shares(coder, camera)
+    assert left > 0.3
+    assert right < 0.1
     np.testing.assert_allclose(suppressed.explained, found.explained, atol=1e-3)
     # A pixel's blur, which leaves 14 % of the finer grating's contrast, is one of four here.
     blurred = replace(camera, right_blur_px=1.0)

@@ -6,7 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from active_binocular_vision.examinations.clinic.gratings import Resolution, resolution
+from active_binocular_vision.examinations.clinic.gratings import (
+    Resolution,
+    resolution,
+    rival_shares,
+)
 from active_binocular_vision.examinations.contract.declared import DECLARED, Distances
 from active_binocular_vision.examinations.contract.examination import Examination, Findings
 from active_binocular_vision.examinations.contract.measure import SHARE, key, measure
@@ -15,8 +19,11 @@ from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import session_of
 from active_binocular_vision.learners.shown import Shown
 from lockstep import SIDES
+from sparse_coder.suppression import gains
 
 _N_PICTURES = 10
+# Below this gain an eye is suppressed at a place (ours: a quarter of the energy of equal eyes).
+_SUPPRESSED = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,7 +31,7 @@ class EyeRow:
     """One eye; acuity null where it never explains half, share null where neither sees anything.
 
     interval_cycles_per_deg: 95 % of the acuity, over orientations and phases of gratings; 0 where
-    half is not explained.
+    half is not explained. gain: mean over all places; suppressed: those with a gain below a half.
     """
 
     eye: str = key("eye")
@@ -39,6 +46,19 @@ class EyeRow:
     acuity_log_mar: float | None = measure("", "logMAR", 2)
     finest_cycles_per_deg: float = measure("cycles/deg", "finest grating", 2)
     share_in_code: float | None = measure(SHARE, "share in the code")
+    share_of_rival: float = measure(SHARE, "of rival gratings")
+    gain: float = measure("", "gain", 2)
+    suppressed_share: float = measure(SHARE, "places suppressed")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlaceRow:
+    """Gain of each eye at the place of one patch, counted row by row."""
+
+    scale: str = key("scale")
+    patch: int = key("patch")
+    left_gain: float = measure("", "left gain", 2)
+    right_gain: float = measure("", "right gain", 2)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,6 +82,12 @@ class AcuitySummary:
         labels=tuple(f"acuity {side}" for side in SIDES),
     )
     left_share_in_code: float | None = measure(SHARE, "left eye in code")
+    suppressed_share: Sequence[float] = measure(
+        SHARE,
+        "suppressed",
+        columns=tuple(f"{side}_suppressed_share" for side in SIDES),
+        labels=tuple(f"suppressed {side}" for side in SIDES),
+    )
 
 
 def _examine(learners: FrozenLearners, shown: Shown, options: Distances) -> Findings:
@@ -75,6 +101,10 @@ def _examine(learners: FrozenLearners, shown: Shown, options: Distances) -> Find
         coder = session.loop.coder
         left = left_share(np.sum(features, axis=0), coder.atoms())
         seen = [resolution(coder, learners.plant.camera, i) for i, _ in enumerate(SIDES)]
+        rival = rival_shares(coder, learners.plant.camera).tolist()
+        of_places = [gains(dominance) for dominance in coder.dominances]
+    everywhere = np.concatenate(of_places)
+    suppressed = (everywhere < _SUPPRESSED).mean(axis=0).tolist()
     of_eyes = dict(zip(SIDES, seen, strict=True))
     shares = dict(zip(SIDES, (left, 1.0 - left), strict=True))
     return Findings(
@@ -82,6 +112,7 @@ def _examine(learners: FrozenLearners, shown: Shown, options: Distances) -> Find
         summary=AcuitySummary(
             acuity_cycles_per_deg=[of.acuity for of in seen],
             left_share_in_code=None if math.isnan(left) else left,
+            suppressed_share=suppressed,
         ),
         tables={
             "eyes": [
@@ -92,8 +123,17 @@ def _examine(learners: FrozenLearners, shown: Shown, options: Distances) -> Find
                     acuity_log_mar=of.log_mar,
                     finest_cycles_per_deg=float(of.cycles_per_deg[-1]),
                     share_in_code=shares[side],
+                    share_of_rival=rival[i],
+                    gain=float(everywhere[:, i].mean()),
+                    suppressed_share=suppressed[i],
                 )
-                for side, of in of_eyes.items()
+                for i, (side, of) in enumerate(of_eyes.items())
+            ],
+            "places": [
+                PlaceRow(scale=scale.name, patch=i, left_gain=left_gain, right_gain=right_gain)
+                for scale, of_scale in zip(coder.config.scales.all, of_places, strict=True)
+                for i, (left_gain, right_gain) in enumerate(of_scale.tolist())
+                if coder.config.suppression_iterations
             ],
             "gratings": [row for side, of in of_eyes.items() for row in _gratings(side, of)],
         },

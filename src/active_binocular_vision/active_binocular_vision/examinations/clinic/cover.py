@@ -34,6 +34,7 @@ AXES = ("horizontal", "vertical", "cyclo")
 _N_PICTURES = 5
 # Of each of the three parts: both eyes open, one covered, both open again.
 _N_ITERATIONS = 20
+_OPTIONS = CoverOptions()
 # Expected findings of Morgan 1944, as in Scheiman & Wick (see prisms.py); near is 40 cm.
 NOTES = "Human phoria, mean and SD: -1 and 2 PD far, -3 and 5 PD near (Morgan 1944)."
 
@@ -116,20 +117,28 @@ def first_lasting(holds: NDArray[np.bool_]) -> float:
 
 
 def cover_trial(
-    session: Session, i_picture: int, distance_m: float, covered: str, *, at_rest: bool = False
+    session: Session,
+    i_picture: int,
+    distance_m: float,
+    covered: str,
+    options: CoverOptions = _OPTIONS,
 ) -> CoverTrial:
     """Make the test before one picture; covered: the side of the eye.
 
-    The eyes begin without errors, or at rest.
+    The eyes begin without errors, at rest or as they were left.
     """
-    begin_with = session.eyes_at_rest if at_rest else session.eyes
+    begin_with = session.eyes_at_rest if options.at_rest else session.eyes
+    if options.at_habit:
+        begin_with = session.eyes_as_left
     eyes = begin_with(i_picture, distance_m)
-    parts = [eyes.look(_N_ITERATIONS, covered=side) for side in ("", covered, "")]
-    begin, end = np.cumsum([part.n_iterations for part in parts[:2]]).tolist()
+    other = SIDES[1 - SIDES.index(covered)]
+    sides = ("", other, covered, "") if options.alternate else ("", covered, "")
+    parts = [eyes.look(_N_ITERATIONS, covered=side) for side in sides]
+    begin, end = np.cumsum([part.n_iterations for part in parts[:-1]])[-2:].tolist()
     # Each part begins where the one before ends.
     deviations = [deviation_of(part, covered) for part in parts]
     deviation_deg = np.concatenate([*(d[:-1] for d in deviations), deviations[-1][-1:]])
-    return CoverTrial(deviation_deg, begin, end, turned_deg(parts[2]))
+    return CoverTrial(deviation_deg, begin, end, turned_deg(parts[-1]))
 
 
 def deviation_of(course: Course, side: str) -> Array:
@@ -154,7 +163,7 @@ def _examine(learners: FrozenLearners, shown: Shown, options: CoverOptions) -> F
         conditions = [(side, m) for side in SIDES for m in options.distances_m]
         for side, distance_m in progress(conditions, file=sys.stderr, desc="cover", unit="part"):
             trials[side, distance_m] = [
-                cover_trial(session, i, distance_m, side, at_rest=options.at_rest)
+                cover_trial(session, i, distance_m, side, options)
                 for i in range(session.n_pictures)
             ]
     px_deg = session.px_deg

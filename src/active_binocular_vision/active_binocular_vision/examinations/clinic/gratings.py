@@ -21,6 +21,7 @@ from eye_plant.camera.config import CameraConfig
 from eye_plant.vergence import degrees_per_px
 from lockstep.scales import Scale
 from sparse_coder import SparseCoder
+from sparse_coder.matching_pursuit import residuals_of_eyes
 from sparse_coder.picture_of_code import coded_patches
 
 Array = NDArray[np.float64]
@@ -34,6 +35,8 @@ _PHASES_DEG = (45.0, 135.0, 225.0, 315.0)
 _LEAST_EXPLAINED = 0.5
 # What one who just sees 30 cycles/deg resolves: a minute of arc.
 _ONE_MINUTE = 30.0
+# Cycles per pixel of what both eyes see at once.
+_RIVAL = 0.125
 
 
 @dataclass(frozen=True)
@@ -157,6 +160,28 @@ def explained_share(coder: SparseCoder, shown: Pictures, seen: Pictures) -> floa
     )
     left = np.square(patches - coded, dtype=np.float64).sum()
     return max(0.0, float(1.0 - left / np.square(patches, dtype=np.float64).sum()))
+
+
+def rival_shares(coder: SparseCoder, camera: CameraConfig) -> Array:
+    """Return the share (2,) of each eye's image that the finest code has of two rival ones.
+
+    Each eye sees an oblique grating of a fine and clear frequency, across the other one's, as
+    through Bagolini's glasses: where neither is suppressed, the code has of both alike. Both
+    orientations go to either eye; the share is 1 - residual / energy.
+    """
+    scales, i = coder.config.scales, coder.config.scales.all.index(finest(coder))
+    size_px = (camera.width_px, camera.height_px)
+    left_over, whole = np.zeros(2), np.zeros(2)
+    for turns_deg in ((45.0, 135.0), (135.0, 45.0)):
+        for phase_deg in _PHASES_DEG:
+            pair = tuple(grating(size_px, _RIVAL, turn, phase_deg) for turn in turns_deg)
+            encoding = coder.encode(*pair, _apart((pair[0], pair[1]), scales.apart))
+            halves = encoding.patches[i].reshape(len(encoding.patches[i]), 2, -1)
+            whole += np.square(halves, dtype=np.float64).sum(axis=(0, 2))
+            left_over += residuals_of_eyes(
+                encoding.patches[i], coder.atoms()[i], encoding.selections[i]
+            ).sum(axis=0)
+    return np.asarray(1.0 - left_over / whole)
 
 
 def _apart(pictures: Pictures, scales: Sequence[Scale]) -> list[NDArray[np.uint8]]:

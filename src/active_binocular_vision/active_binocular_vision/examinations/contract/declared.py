@@ -57,6 +57,14 @@ class CoverOptions(TrialFrame, Distances):
     at_rest: bool = setting(
         False, "whether the eyes begin with all muscles at their tonic level, not without errors"
     )
+    at_habit: bool = setting(
+        False, "whether the eyes begin as the last training episode before the checkpoint left them"
+    )
+    alternate: bool = setting(
+        False,
+        "whether the cover comes straight from the other eye, so that both see nothing together in"
+        " between",
+    )
 
 
 @dataclass(frozen=True)
