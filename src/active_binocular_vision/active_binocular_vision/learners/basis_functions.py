@@ -16,6 +16,8 @@ from sparse_coder.patches import N_PIXELS
 
 Array = NDArray[np.float64]
 
+_SCALES = ScalesConfig()
+
 # Edges of the seven bins of ocular dominance, from the left eye alone to the right eye alone
 # (Klimmasch et al. 2021, after Hubel & Wiesel 1962).
 BINOCULARITY_EDGES = np.array([-1.0, -0.85, -0.5, -0.15, 0.15, 0.5, 0.85, 1.0])
@@ -70,13 +72,12 @@ class Tuning:
         return np.histogram(self.binocularity[self.is_gabor], BINOCULARITY_EDGES)[0]
 
 
-def tunings(atoms: NDArray[Any]) -> tuple[Tuning, Tuning]:
-    """Return what the atoms (2, n_bases, 128) of both scales are tuned to."""
-    coarse, fine = (
+def tunings(atoms: NDArray[Any], scales: ScalesConfig = _SCALES) -> tuple[Tuning, ...]:
+    """Return what the atoms (n_scales, n_bases, 128) of each scale are tuned to."""
+    return tuple(
         tuning(of_scale.astype(np.float64), scale.px_per_pixel)
-        for of_scale, scale in zip(atoms, ScalesConfig().all, strict=True)
+        for of_scale, scale in zip(atoms, scales.all, strict=True)
     )
-    return coarse, fine
 
 
 def tuning(atoms: Array, px_per_pixel: float) -> Tuning:

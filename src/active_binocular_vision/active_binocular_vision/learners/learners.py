@@ -142,15 +142,15 @@ class FrozenLearners:
 
     @cached_property
     def atoms(self) -> NDArray[np.float32]:
-        """The basis functions of both scales (2, n_bases, 128)."""
+        """The basis functions of all scales (n_scales, n_bases, 128)."""
         coder = SparseCoder(config_of(SparseCoderConfig, self.configuration))
         coder.restore(read_state(self._state("sparse_coder"), "sparse_coder"))
         return coder.atoms()
 
     @cached_property
-    def tunings(self) -> tuple[Tuning, Tuning]:
-        """What the basis functions of both scales are tuned to; their fits take 10 s."""
-        return tunings(self.atoms)
+    def tunings(self) -> tuple[Tuning, ...]:
+        """What the basis functions of each scale are tuned to; the fits of two take 10 s."""
+        return tunings(self.atoms, self.manager.scales)
 
     @cached_property
     def state_hash(self) -> str:

@@ -174,8 +174,8 @@ def rival_shares(coder: SparseCoder, camera: CameraConfig) -> Array:
     left_over, whole = np.zeros(2), np.zeros(2)
     for turns_deg in ((45.0, 135.0), (135.0, 45.0)):
         for phase_deg in _PHASES_DEG:
-            pair = tuple(grating(size_px, _RIVAL, turn, phase_deg) for turn in turns_deg)
-            encoding = coder.encode(*pair, _apart((pair[0], pair[1]), scales.apart))
+            left, right = (grating(size_px, _RIVAL, turn, phase_deg) for turn in turns_deg)
+            encoding = coder.encode(left, right, _apart((left, right), scales.apart))
             halves = encoding.patches[i].reshape(len(encoding.patches[i]), 2, -1)
             whole += np.square(halves, dtype=np.float64).sum(axis=(0, 2))
             left_over += residuals_of_eyes(

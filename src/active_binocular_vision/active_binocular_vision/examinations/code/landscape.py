@@ -21,6 +21,7 @@ from active_binocular_vision.learners.session import (
 from active_binocular_vision.learners.shown import Shown
 from lockstep import InputError
 from lockstep.machine.progress_lines import progress
+from lockstep.scales import SCALES
 
 Array = NDArray[np.float64]
 
@@ -55,7 +56,7 @@ class LandscapeSummary:
 
 
 def depth_of(errors: Array) -> float:
-    """Return 1 - least / mean of the errors (n,) of both scales together; nan without any."""
+    """Return 1 - least / mean of the errors (n,) of all scales together; nan without any."""
     total = errors[~np.isnan(errors)]
     return float(1.0 - total.min() / total.mean()) if len(total) else float("nan")
 
@@ -63,15 +64,17 @@ def depth_of(errors: Array) -> float:
 def reward_landscape(
     session: Session, distances_m: Sequence[float], errors_deg: Sequence[float]
 ) -> tuple[Array, NDArray[np.float64]]:
-    """Return reconstruction errors (n_errors, 2) and the features (2, n_bases) of all pictures.
+    """Return reconstruction errors (n_errors, n_scales) and features (n_scales, n_bases) of all.
 
     Nothing is learned. The eyes are held at the cheapest pair of activations for each vergence, so
     that eyes of unequal muscles point where these let them. Errors are means over pictures and
     distances, nan where the eyes do not reach the vergence at one of the distances.
     """
     n_pictures = session.n_pictures
-    errors = np.full((len(errors_deg), len(distances_m), n_pictures, 2), np.nan)
-    features = np.zeros((2, session.loop.coder.config.n_bases))
+    coder = session.loop.coder.config
+    n_scales = len(coder.scales.all)
+    errors = np.full((len(errors_deg), len(distances_m), n_pictures, n_scales), np.nan)
+    features = np.zeros((n_scales, coder.n_bases))
     shown = progress(errors_deg, file=sys.stderr, desc="landscape", unit="error")
     for i_error, error_deg in enumerate(shown):
         for i_distance, distance_m in enumerate(distances_m):
@@ -86,7 +89,7 @@ def reward_landscape(
                 errors[i_error, i_distance, i] = code.reconstruction_error
                 features += code.features
     reached = ~np.isnan(errors).any(axis=(1, 2, 3))
-    means = np.full((len(errors), 2), np.nan)
+    means = np.full((len(errors), n_scales), np.nan)
     means[reached] = errors[reached].mean(axis=(1, 2))
     return means, features
 
@@ -98,15 +101,16 @@ def _examine(learners: FrozenLearners, shown: Shown, options: LandscapeOptions) 
     with session_of(learners, shown, _N_PICTURES) as session:
         errors, features = reward_landscape(session, options.distances_m, errors_deg)
     use = features / np.maximum(features.sum(axis=1, keepdims=True), np.finfo(float).tiny)
+    n_shown = len(SCALES)
     summary = LandscapeSummary(
         depth=depth_of(errors.sum(axis=1)),
         left_share_in_code=left_share(features, learners.atoms),
         gabor_share_by_use=[
             float(of[tuned.is_gabor].sum()) for of, tuned in zip(use, learners.tunings, strict=True)
-        ],
+        ][:n_shown],
     )
     rows = [
-        ErrorRow(vergence_error_deg=error_deg, reconstruction_error=of)
+        ErrorRow(vergence_error_deg=error_deg, reconstruction_error=of[:n_shown])
         for error_deg, of in zip(errors_deg, errors, strict=True)
     ]
     return Findings(

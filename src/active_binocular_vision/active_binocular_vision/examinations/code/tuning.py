@@ -43,7 +43,7 @@ class ScaleRow:
 
 
 def of_scales(unit: str, name: str, label: str) -> Any:
-    """Declare a measure with a value for each scale."""
+    """Declare a measure with a value for each of K17's scales; more have none in a summary."""
     columns = tuple(f"{name}_{scale}" for scale in SCALES)
     labels = tuple(f"{label}, {scale}" for scale in SCALES)
     return measure(unit, label, columns=columns, labels=labels)
@@ -51,7 +51,7 @@ def of_scales(unit: str, name: str, label: str) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class TuningSummary:
-    """Shares of both scales."""
+    """Shares of the first two scales."""
 
     gabor_share: Sequence[float] = of_scales(SHARE, "gabor_share", "Gabor")
     common_gabor_share: Sequence[float] = of_scales(SHARE, "common_gabor_share", "common")
@@ -65,11 +65,13 @@ def _examine(learners: FrozenLearners, shown: Shown, _: Options) -> Findings:
     px_deg = degrees_per_px(learners.plant.camera.focal_length_px)
     rows = [
         scale_row(scale, tuned, atoms, px_deg)
-        for scale, tuned, atoms in zip(SCALES, learners.tunings, learners.atoms, strict=True)
+        for scale, tuned, atoms in zip(
+            learners.manager.scales.names, learners.tunings, learners.atoms, strict=True
+        )
     ]
 
     def of_rows(value: Callable[[ScaleRow], Any]) -> list[Any]:
-        return [value(row) for row in rows]
+        return [value(row) for row in rows[: len(SCALES)]]
 
     return Findings(
         n_stimuli=0,

@@ -186,8 +186,8 @@ _DISPARITY_EDGES_DEG = np.linspace(
 
 
 def _tunings(condition: Condition) -> list[Sequence[Row]]:
-    """Return the rows of both scales of each seed whose basis functions were examined."""
-    return condition.tables("tuning", "scales")
+    """Return the rows of coarse and fine of each seed whose basis functions were examined."""
+    return [rows[: len(SCALES)] for rows in condition.tables("tuning", "scales")]
 
 
 def _disparity_counts(row: Row) -> np.ndarray:
