@@ -249,6 +249,17 @@ def test_receding_a_medial_rectus_makes_its_eye_diverge(side):
     assert 1.0 < converged_deg < 12.0
 
 
+# Patients: 16 PD, 9.1 deg, for 6 mm of medial recession (results/clinic.md).
+@pytest.mark.parametrize(
+    ("medial_mm", "lateral_mm", "adduction_deg"),
+    [(6, 0, -6.41), (0, 6, 7.14), (-6, 0, 3.40), (0, -6, -3.35), (6, -6, -9.51), (-6, 6, 10.03)],
+)
+def test_surgery_turns_an_eye_by_so_much(medial_mm, lateral_mm, adduction_deg):
+    moved = {"right_medial_rectus": medial_mm, "right_lateral_rectus": lateral_mm}
+    eyes = eyes_with(parameter_set="anatomical", recession_mm=all_but(0.0, **moved))
+    assert angles_deg(eyes)[:, ADDUCTION] == pytest.approx([0.0, adduction_deg], abs=0.01)
+
+
 @pytest.mark.parametrize("side", [LEFT, RIGHT])
 def test_a_shifted_rest_position_turns_the_silent_eye_by_that_much(side):
     shift_deg = tuple(5.0 if i == side else 0.0 for i in (LEFT, RIGHT))
