@@ -25,7 +25,7 @@ FEW: dict[str, dict[str, Any]] = {
     "prisms": {"distances_m": (2.0,), "ladder_share": 0.03},
     "acuity": {"distances_m": (2.0,)},
     "stereo": {"distances_m": (2.0,)},
-    "accommodation": {"distances_m": (1.0, 2.0)},
+    "accommodation": {"objects_d": (0.5, 1.0)},
     "retinoscopy": {},
     "near-point": {"nearest_d": 3.0, "step_d": 1.0},
     "nine-positions": {"distances_m": (2.0,), "n_random": 4},

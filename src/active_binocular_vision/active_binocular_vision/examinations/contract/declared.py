@@ -81,8 +81,8 @@ class PrismOptions(Options):
 class AccommodationOptions(Options):
     """Where the objects are."""
 
-    distances_m: tuple[float, ...] = setting(
-        (6.0, 2.0, 1.0, 0.6667, 0.5, 0.4, 0.3333, 0.25, 0.2, 0.1667), "of the objects", "m"
+    objects_d: tuple[float, ...] = setting(
+        (0.2, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0), "of the objects, 1 / m", "D", above=0
     )
     near_m: float = setting(0.5, "distance at which lenses and prisms are tried", "m", above=0)
 

@@ -30,6 +30,7 @@ from active_binocular_vision.examinations.contract.measure import (
     prism_dioptres,
 )
 from active_binocular_vision.examinations.contract.trial_frame import held
+from active_binocular_vision.learners.correct_gaze import direction_deg
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import (
     Eyes,
@@ -143,17 +144,17 @@ class AccommodationTraces:
 
 def _responses(session: Session, i_picture: int, options: AccommodationOptions) -> list[Array]:
     """Return accommodation in D and vergence in PD (n, 2) of each test before one picture."""
-    objects_m = sorted(options.distances_m, reverse=True)
-    eyes = session.eyes(i_picture, objects_m[0])
+    objects_d = sorted(options.objects_d)
+    eyes = session.eyes(i_picture, 1.0 / objects_d[0])
     objects = []
-    for distance_m in objects_m:
-        eyes = eyes.before(distance_m)
-        objects.append(_seen(session, eyes, distance_m))
+    for object_d in objects_d:
+        eyes = eyes.before(1.0 / object_d)
+        objects.append(_seen(eyes))
     settled = session.eyes(i_picture, options.near_m)
     settled.look(_N_ITERATIONS)
 
     def near(**look: Any) -> tuple[float, float]:
-        return _seen(session, settled.before(options.near_m), options.near_m, **look)
+        return _seen(settled.before(options.near_m), **look)
 
     plant = session.learners.plant
     lenses = [held(plant, TrialFrame(lenses_d=(lens_d, lens_d))) for lens_d in LENSES_D]
@@ -168,11 +169,11 @@ def _responses(session: Session, i_picture: int, options: AccommodationOptions) 
     return [np.array(of_test) for of_test in seen]
 
 
-def _seen(session: Session, eyes: Eyes, distance_m: float, **look: Any) -> tuple[float, float]:
+def _seen(eyes: Eyes, **look: Any) -> tuple[float, float]:
     course = eyes.look(_N_ITERATIONS, **look)
     n_seeing = 1 if look.get("covered") else 2  # the left one
-    desired_deg = desired_vergence_deg(distance_m, session.learners.plant.mechanics.baseline_m)
-    vergence_pd = prism_dioptres(desired_deg - float(course.eyes_deg[-1, 0]))
+    left_deg, right_deg = direction_deg(course.lines_of_sight[-1])[:, 0].tolist()
+    vergence_pd = prism_dioptres(left_deg - right_deg)
     assert vergence_pd is not None
     return float(course.lens_state.accommodation_d[:n_seeing].mean()), vergence_pd
 
@@ -184,8 +185,7 @@ def _examine(learners: FrozenLearners, shown: Shown, options: AccommodationOptio
     with session_of(learners, shown, _N_PICTURES) as session:
         pictures = progress(range(session.n_pictures), file=sys.stderr, unit="picture")
         seen = zip(*[_responses(session, i, options) for i in pictures], strict=True)
-    objects_d = 1.0 / np.array(sorted(options.distances_m, reverse=True))
-    stimuli = (objects_d, *map(np.array, (LENSES_D, LENSES_D, PRISMS_PD)))
+    stimuli = map(np.array, (sorted(options.objects_d), LENSES_D, LENSES_D, PRISMS_PD))
     by_test = {test: np.array(of_test) for test, of_test in zip(TESTS, seen, strict=True)}
     nearest_m, farthest_m = learners.manager.object_distance_m
     geometry_deg = desired_vergence_deg(options.near_m, learners.plant.mechanics.baseline_m)
