@@ -33,27 +33,28 @@ def test_slopes_are_known_where_something_changes() -> None:
 def _traces() -> AccommodationTraces:
     """Return one picture: response 0.5, to lenses 0.6, AC/A 2 PD/D, CA/C 0.1 D/PD.
 
-    An object nearer than those of training is not focused at all.
+    What asks for more than objects of training is not answered at all; lenses ask for 0 to 4 D.
     """
     lens_d, prism_pd = np.array(LENSES_D), np.array(PRISMS_PD)
+    answered_d = np.array([0.0, 1.0, 2.0, 0.0, 0.0])
     accommodation_d = {
         RESPONSE: np.array([0.5, 1.0, 0.0]),
-        LENSES: 2.0 - 0.6 * lens_d,
-        COVERED: 1.0 - 0.5 * lens_d,
+        LENSES: 0.8 + 0.6 * answered_d,
+        COVERED: 1.0 + 0.5 * answered_d,
         PRISMS: 1.0 + 0.1 * prism_pd,
     }
     vergence_pd = {
         RESPONSE: np.zeros(3),
         LENSES: np.zeros(5),
-        COVERED: 3.0 - lens_d,
+        COVERED: 3.0 + answered_d,
         PRISMS: 11.0 + prism_pd,
     }
     return AccommodationTraces(
         {RESPONSE: np.array([1.0, 2.0, 4.0]), LENSES: lens_d, COVERED: lens_d, PRISMS: prism_pd},
         {test: of[None] for test, of in accommodation_d.items()},
         {test: of[None] for test, of in vergence_pd.items()},
-        near_d=2.0,
-        trained_d=(2.0, 1.0),
+        distance_d=2.0,
+        trained_d=2.0,
         geometry_pd_d=5.6,
     )
 
@@ -76,7 +77,7 @@ def test_the_figure_draws_over_what_is_asked_for_and_what_follows() -> None:
     identity, objects, lenses = (np.array(line.get_data()) for line in response.lines)
     np.testing.assert_allclose(identity, [[0.0, 4.0], [0.0, 4.0]])
     np.testing.assert_allclose(objects, [[1.0, 2.0, 4.0], [0.5, 1.0, 0.0]])
-    np.testing.assert_allclose(lenses[:, [0, -1]], [[0.0, 4.0], [0.8, 3.2]])
+    np.testing.assert_allclose(lenses, [[0, 1, 2, 3, 4], [0.8, 1.4, 2.0, 0.8, 0.8]])
     for panel, geometry, seen in ((ac_a, 5.6, 2.0), (ca_c, 1.0 / 5.6, 0.1)):
         lines = [np.diff(np.array(line.get_data()))[:, 0] for line in panel.lines[:2]]
         assert [y / x for x, y in lines] == pytest.approx([geometry, seen])

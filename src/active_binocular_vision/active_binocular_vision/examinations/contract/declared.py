@@ -84,7 +84,7 @@ class AccommodationOptions(Options):
     objects_d: tuple[float, ...] = setting(
         (0.2, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0), "of the objects, 1 / m", "D", above=0
     )
-    near_m: float = setting(0.5, "distance at which lenses and prisms are tried", "m", above=0)
+    distance_m: float = setting(1.0, "where lenses and prisms are tried", "m", above=0)
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,10 @@
 """Accommodation: what moves the lenses, and what the lenses move.
 
-Response: accommodation over the dioptres of objects that come nearer, of those at the distances of
-training. Lenses: the same over what lenses before both eyes ask for. AC/A: vergence over that
-stimulus, or over the accommodation of the eye that sees, while the other one is covered (gradient
-method). CA/C: accommodation over vergence while prisms change that, through pinholes, which leave
-no blur.
+Response: accommodation over the dioptres of objects that come nearer. Lenses: the same over what
+lenses before both eyes ask for. AC/A: vergence over that stimulus, or over the accommodation of the
+eye that sees, while the other one is covered (gradient method). CA/C: accommodation over vergence
+while prisms change that, through pinholes, which leave no blur. Slopes are over stimuli from 0 D to
+those of the nearest object of training.
 """
 
 import sys
@@ -77,7 +77,6 @@ class Norm:
 # 0.1 is usual, too. Response: usual in textbooks.
 NORMS = {
     "response": Norm("0.7 to 0.9", 0.7, 0.9),
-    "lens_response": Norm("-", 0.7, 0.9),
     "stimulus_ac_a": Norm("3.5 +- 2.2", 1.32, 5.66),
     "response_ac_a": Norm("4.4 +- 1.3", 3.06, 5.68),
     "ca_c": Norm("0.13 +- 0.04", 0.09, 0.17),
@@ -129,16 +128,15 @@ class AccommodationSummary:
 class AccommodationTraces:
     """By the name of a test: stimuli (n,), and of each picture what the eyes did, (n,).
 
-    near_d: where lenses and prisms were tried; trained_d: of the nearest and of the farthest object
-    of training; geometry_pd_d:
-    vergence over accommodation of eyes that fuse and focus every object.
+    distance_d: where lenses and prisms were tried; trained_d: of the nearest object of training;
+    geometry_pd_d: vergence over accommodation of eyes that fuse and focus every object.
     """
 
     stimuli: Mapping[str, Array]
     accommodation_d: Mapping[str, Array]
     vergence_pd: Mapping[str, Array]
-    near_d: float
-    trained_d: tuple[float, float]
+    distance_d: float
+    trained_d: float
     geometry_pd_d: float
 
 
@@ -150,23 +148,23 @@ def _responses(session: Session, i_picture: int, options: AccommodationOptions) 
     for object_d in objects_d:
         eyes = eyes.before(1.0 / object_d)
         objects.append(_seen(eyes))
-    settled = session.eyes(i_picture, options.near_m)
+    settled = session.eyes(i_picture, options.distance_m)
     settled.look(_N_ITERATIONS)
 
-    def near(**look: Any) -> tuple[float, float]:
-        return _seen(settled.before(options.near_m), **look)
+    def seen(**look: Any) -> tuple[float, float]:
+        return _seen(settled.before(options.distance_m), **look)
 
     plant = session.learners.plant
     lenses = [held(plant, TrialFrame(lenses_d=(lens_d, lens_d))) for lens_d in LENSES_D]
     prisms = [Prism(rotation_deg=-float(np.degrees(np.arctan(pd / 100.0)))) for pd in PRISMS_PD]
     pinholes = held(plant, TrialFrame(pinholes_mm=_PINHOLES_MM))
-    seen = (
+    of_tests = (
         objects,
-        [near(settings=worn) for worn in lenses],
-        [near(settings=worn, covered="right") for worn in lenses],
-        [near(settings=pinholes, prism=prism) for prism in prisms],
+        [seen(settings=worn) for worn in lenses],
+        [seen(settings=worn, covered="right") for worn in lenses],
+        [seen(settings=pinholes, prism=prism) for prism in prisms],
     )
-    return [np.array(of_test) for of_test in seen]
+    return [np.array(of_test) for of_test in of_tests]
 
 
 def _seen(eyes: Eyes, **look: Any) -> tuple[float, float]:
@@ -187,15 +185,14 @@ def _examine(learners: FrozenLearners, shown: Shown, options: AccommodationOptio
         seen = zip(*[_responses(session, i, options) for i in pictures], strict=True)
     stimuli = map(np.array, (sorted(options.objects_d), LENSES_D, LENSES_D, PRISMS_PD))
     by_test = {test: np.array(of_test) for test, of_test in zip(TESTS, seen, strict=True)}
-    nearest_m, farthest_m = learners.manager.object_distance_m
-    geometry_deg = desired_vergence_deg(options.near_m, learners.plant.mechanics.baseline_m)
+    geometry_deg = desired_vergence_deg(options.distance_m, learners.plant.mechanics.baseline_m)
     traces = AccommodationTraces(
         dict(zip(TESTS, stimuli, strict=True)),
         {test: of_test[..., 0] for test, of_test in by_test.items()},
         {test: of_test[..., 1] for test, of_test in by_test.items()},
-        1.0 / options.near_m,
-        (1.0 / nearest_m, 1.0 / farthest_m),
-        100.0 * np.tan(np.radians(geometry_deg)) * options.near_m,
+        1.0 / options.distance_m,
+        1.0 / min(learners.manager.object_distance_m),
+        100.0 * np.tan(np.radians(geometry_deg)) * options.distance_m,
     )
     slopes = slopes_of(traces)
     return Findings(
@@ -213,16 +210,20 @@ def _examine(learners: FrozenLearners, shown: Shown, options: AccommodationOptio
 
 def slopes_of(found: AccommodationTraces) -> dict[str, Array]:
     """Return the slopes before each picture, (n_pictures,), by the names of the summary."""
-    lens_d = {test: -found.stimuli[test] for test in (LENSES, COVERED)}
-    objects_d = found.stimuli[RESPONSE]
-    nearest_d, farthest_d = found.trained_d
-    trained = (objects_d <= nearest_d) & (objects_d >= farthest_d)
+
+    def asked(stimuli_d: Array) -> tuple[Array, NDArray[np.bool_]]:
+        is_trained = (stimuli_d >= 0.0) & (stimuli_d <= found.trained_d)
+        return stimuli_d[is_trained], is_trained
+
+    objects_d, objects = asked(found.stimuli[RESPONSE])
+    lenses_d, lenses = asked(found.distance_d - found.stimuli[LENSES])
     accommodation_d, vergence_pd = found.accommodation_d, found.vergence_pd
+    covered_pd, covered_d = vergence_pd[COVERED][:, lenses], accommodation_d[COVERED][:, lenses]
     return {
-        "response": slope(objects_d[trained], accommodation_d[RESPONSE][:, trained]),
-        "lens_response": slope(lens_d[LENSES], accommodation_d[LENSES]),
-        "stimulus_ac_a": slope(lens_d[COVERED], vergence_pd[COVERED]),
-        "response_ac_a": slope(accommodation_d[COVERED], vergence_pd[COVERED]),
+        "response": slope(objects_d, accommodation_d[RESPONSE][:, objects]),
+        "lens_response": slope(lenses_d, accommodation_d[LENSES][:, lenses]),
+        "stimulus_ac_a": slope(lenses_d, covered_pd),
+        "response_ac_a": slope(covered_d, covered_pd),
         "ca_c": slope(vergence_pd[PRISMS], accommodation_d[PRISMS]),
     }
 
@@ -259,7 +260,7 @@ def _slope_row(name: str, slopes: Array) -> SlopeRow:
         unit=declared.unit,
         median=middle,
         interval=interval or (None, None),
-        human=NORMS[name].text,
+        human=NORMS[name].text if name in NORMS else "-",
     )
 
 

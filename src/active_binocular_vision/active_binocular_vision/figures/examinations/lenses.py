@@ -65,7 +65,7 @@ def _draw_response(axes: Axes, found: AccommodationTraces) -> None:
     axes.plot(ends_d, ends_d, color=GREY, ls="--", lw=1.0)
     for test, stimuli_d, colour, marker in (
         (RESPONSE, objects_d, BLUE, "o"),
-        (LENSES, found.near_d - found.stimuli[LENSES], VERMILION, "s"),
+        (LENSES, found.distance_d - found.stimuli[LENSES], VERMILION, "s"),
     ):
         quartiles = np.quantile(found.accommodation_d[test], QUARTILES, axis=0)
         draw_band(axes, stimuli_d, quartiles, colour, marker=marker, ms=3.5)
