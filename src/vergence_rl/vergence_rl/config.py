@@ -89,9 +89,9 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
                 f"iterations_per_episode: expected {2 * _LEAST_TRIES * self.n_lenses} or more with "
                 f"command_space {self.command_space}, got {self.iterations_per_episode}"
             )
-        if self.lens.eyes_scales > len(self.scales.all):
+        if self.lens.eyes_scales >= len(self.scales.all):
             raise InputError(
-                f"lens.eyes_scales: expected {len(self.scales.all)} (scales) at most, got "
+                f"lens.eyes_scales: expected less than {len(self.scales.all)} (scales), got "
                 f"{self.lens.eyes_scales}"
             )
         self.lens_config.check_fits(self.iterations_per_episode, self.n_tries)
@@ -177,15 +177,19 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
         """What the rule of each lens must know, of one command that is cut at its limits."""
         no_limit = np.array([np.inf])
         task = replace(
-            self.task, lowest=-no_limit, highest=no_limit, iterations_per_episode=self.n_tries
+            self.task,
+            n_state=self.n_state - self.lens.eyes_scales * self.n_bases,
+            lowest=-no_limit,
+            highest=no_limit,
+            iterations_per_episode=self.n_tries,
         )
         return (task,) * self.n_lenses
 
     @property
     def eyes_task(self) -> Task:
-        """What the rule of the eyes must know, who may be told of fewer scales than the lenses."""
-        n_told = (self.lens.eyes_scales if self.n_lenses else 0) or len(self.scales.all)
-        n_untold = self.n_features - n_told * self.n_bases
+        """What the rule of the eyes must know."""
+        n_told = self.lens.eyes_scales * self.n_bases if self.n_lenses else 0
+        n_untold = self.n_features - n_told if n_told else 0
         return replace(self.task, n_state=self.n_state - n_untold)
 
     @property

@@ -28,7 +28,8 @@ class LensConfig:
     )
     eyes_scales: int = setting(
         0,
-        "number of scales, the first ones, of which the rule that turns the eyes is told; 0: all",
+        "number of scales, the first ones, of which the rule that turns the eyes is told, and the"
+        " rules of lenses of the others; 0: all are told of all",
         least=0,
     )
     ridge_share: float = setting(
@@ -88,9 +89,9 @@ class FocusingRule:
     ) -> None:
         """Combine the rule of the eyes with a new one for each lens.
 
-        tasks: of the eyes, whose state may lack the last features, and of each lens; n_held:
-        iterations of training, at its beginning, in which nothing is learned; limits: (n_muscles,)
-        lowest and highest commands.
+        tasks: of the eyes, whose state may lack the last features, and of each lens, whose state
+        may lack the first; n_held: iterations of training, at its beginning, in which nothing is
+        learned; limits: (n_muscles,) lowest and highest commands.
         """
         self._n_held, self._limits = n_held, limits
         self._place = np.zeros(len(limits[0]))
@@ -143,11 +144,12 @@ class FocusingRule:
         # Regressions are solved at the ends of whole episodes.
         later = self._turns[-1].end - turn.end
         n_after = turn.task.n_felt + 1
-        n_features = turn.task.n_state - n_after
-        state = observation.state
+        n_told = turn.task.n_state - n_after
+        features, felt = np.split(observation.state, [-n_after])
+        told = features[-n_told:] if turn.first else features[:n_told]
         return dataclasses.replace(
             observation,
-            state=np.concatenate((state[:n_features], state[-n_after:])),
+            state=np.concatenate((told, felt)),
             iteration=observation.iteration - turn.first,
             training_iteration=observation.training_iteration + later,
             activations=observation.activations[turn.commands],
