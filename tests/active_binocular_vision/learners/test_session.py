@@ -107,3 +107,10 @@ def test_two_parts_are_as_one(session_with) -> None:
         parts = [parted.look(1).seen_deg[:-1], parted.look(3).seen_deg]
     np.testing.assert_allclose(np.concatenate(parts), whole, atol=1e-6)
     assert np.abs(np.diff(whole, axis=0)).max(axis=1).min() > 1e-3
+
+
+@pytest.mark.parametrize(("kind", "nearest_m"), [("pair", 0.1), ("twelve", 0.3)])
+def test_planes_to_which_the_muscles_converge_are_shown(session_with, kind, nearest_m) -> None:
+    session = session_with(kind)
+    assert session.shows(nearest_m)
+    assert session.shows(nearest_m - 0.01) == (kind == "pair")

@@ -15,7 +15,7 @@ from active_binocular_vision.learners.correct_gaze import AHEAD_DEG, CheapestPai
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
 from experiment_manager import InProcessLoop
-from eye_plant import Episode, Observation, StimulusSet
+from eye_plant import Episode, Observation, StimulusSet, desired_vergence_deg
 from eye_plant.gaze_error import gaze_error
 from eye_plant.lens.lenses import LensState
 from eye_plant.turns import eye_rotations, turned
@@ -168,6 +168,16 @@ class Session:
         """Return eyes before a picture with a horizontal error; see CorrectGaze.activations."""
         correct = self.correct(self.parallax_m(i_picture))
         return Eyes(self, i_picture, distance_m, correct.activations(distance_m, error_deg))
+
+    def shows(self, distance_m: float) -> bool:
+        """Whether the plant shows a plane at a distance, to which its muscles must converge."""
+        plant = self.learners.plant
+        desired_deg = desired_vergence_deg(distance_m, plant.mechanics.baseline_m)
+        try:
+            plant.cost_of_vergence.least_w(desired_deg)
+        except InputError:
+            return False
+        return True
 
     def eyes_at_rest(self, i_picture: int, distance_m: float) -> Eyes:
         """Return eyes before a picture, all muscles at their tonic level, wherever they look."""

@@ -140,9 +140,10 @@ class AccommodationTraces:
     geometry_pd_d: float
 
 
-def _responses(session: Session, i_picture: int, options: AccommodationOptions) -> list[Array]:
+def _responses(
+    session: Session, i_picture: int, objects_d: Sequence[float], options: AccommodationOptions
+) -> list[Array]:
     """Return accommodation in D and vergence in PD (n, 2) of each test before one picture."""
-    objects_d = sorted(options.objects_d)
     eyes = session.eyes(i_picture, 1.0 / objects_d[0])
     objects = []
     for object_d in objects_d:
@@ -181,9 +182,11 @@ def _examine(learners: FrozenLearners, shown: Shown, options: AccommodationOptio
     check_has_lenses(learners, "--accommodation")
     check_shows_pictures(shown, "--accommodation")
     with session_of(learners, shown, _N_PICTURES) as session:
+        farthest_d, *nearer_d = sorted(options.objects_d)
+        objects_d = [farthest_d, *(d for d in nearer_d if session.shows(1.0 / d))]
         pictures = progress(range(session.n_pictures), file=sys.stderr, unit="picture")
-        seen = zip(*[_responses(session, i, options) for i in pictures], strict=True)
-    stimuli = map(np.array, (sorted(options.objects_d), LENSES_D, LENSES_D, PRISMS_PD))
+        seen = zip(*[_responses(session, i, objects_d, options) for i in pictures], strict=True)
+    stimuli = map(np.array, (objects_d, LENSES_D, LENSES_D, PRISMS_PD))
     by_test = {test: np.array(of_test) for test, of_test in zip(TESTS, seen, strict=True)}
     geometry_deg = desired_vergence_deg(options.distance_m, learners.plant.mechanics.baseline_m)
     traces = AccommodationTraces(

@@ -84,10 +84,13 @@ def near_point(session: Session, i_picture: int, test: str, options: NearPointOp
     covered = _COVERED.get(test, "")
     eyes = session.eyes(i_picture, 1.0 / options.first_d)
     eyes.look(_SETTLING_ITERATIONS, covered=covered)
-    n_steps = math.floor((options.nearest_d - options.first_d) / options.step_d + 1e-9)
 
     def place_d(i_step: int) -> float:
         return options.first_d + i_step * options.step_d
+
+    n_steps = math.floor((options.nearest_d - options.first_d) / options.step_d + 1e-9)
+    while n_steps > 0 and not session.shows(1.0 / place_d(n_steps)):
+        n_steps -= 1
 
     def succeeds(i_step: int) -> bool:
         nonlocal eyes
