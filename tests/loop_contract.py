@@ -51,12 +51,10 @@ _Messages = Mapping[str, Mapping[int, bytes]]
 _States = Mapping[str, Mapping[str, np.ndarray]]
 
 
-def run_line(
-    pictures: Path, *more: str, rule: str = "cacla", n_training: int = N_TRAINING
-) -> list[str]:
+def run_line(pictures: Path, *more: str, rule: str = "cacla") -> list[str]:
     """Return the command line of a run with a schedule and many checkpoints; more: settings."""
     chosen = f"vergence_rl.learning_rule={rule}"
-    return [*small_run(pictures, n_training, *SETTINGS, chosen, *more), "--model", "M_C"]
+    return [*small_run(pictures, N_TRAINING, *SETTINGS, chosen, *more), "--model", "M_C"]
 
 
 def whole_graph(tmp_path_factory: pytest.TempPathFactory, pictures: Path) -> Path:

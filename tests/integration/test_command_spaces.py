@@ -27,7 +27,6 @@ def _with_own_commands(
         "eyes.mechanics.moves=at_once",
         *settings,
         rule="hindsight",
-        n_training=200,  # the last change is at 180
     )
     if is_interrupted:
         interrupted_and_resumed(line, directory, begins_in_process=True)
