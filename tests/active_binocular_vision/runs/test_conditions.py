@@ -30,13 +30,13 @@ def test_seeds_are_one_condition_and_what_differs_is_in_its_name() -> None:
         for at in (200, 1200)
         for rate in (0.0, 0.2)
     ]
-    found = conditions_of([*runs, examined("patching_2h", model="M_C")])
+    found = conditions_of([*runs, examined("patching_half", model="M_C")])
     assert [(of.name.replace("\N{NO-BREAK SPACE}", " "), len(of.runs)) for of in found] == [
         ("surgery, at 10 %, frozen, M", 2),
         ("surgery, at 10 %, plastic, M", 2),
         ("surgery, at 60 %, frozen, M", 2),
         ("surgery, at 60 %, plastic, M", 2),
-        ("glasses, patching 2 h, M_C", 1),
+        ("glasses, patching half, M_C", 1),
     ]
     assert [of.name for of in conditions_of([examined("vertical")])] == ["vertical stripes"]
 

@@ -118,10 +118,9 @@ def test_a_profile_of_each_kind_runs_in_each_stage_of_its_schedule(name, picture
 @pytest.mark.parametrize(
     ("name", "inward_deg"),
     [
-        ("clinic/esotropia_5", 5),
-        ("clinic/esotropia_10", 10),
-        ("clinic/esotropia_20", 20),
-        ("clinic/exotropia_10", -10),
+        (f"clinic/{kind}tropia_{size_deg}", sign * size_deg)
+        for kind, sign in (("eso", 1), ("exo", -1))
+        for size_deg in (5, 10, 20)
     ],
 )
 def test_strabismus_has_its_angle_at_the_tonic_level(name: str, inward_deg: int) -> None:

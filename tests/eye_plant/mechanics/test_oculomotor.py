@@ -249,7 +249,7 @@ def test_receding_a_medial_rectus_makes_its_eye_diverge(side):
     assert 1.0 < converged_deg < 12.0
 
 
-# Patients: 16 PD, 9.1 deg, for 6 mm of medial recession (results/clinic.md).
+# Patients: 16 PD, 9.1 deg, for 6 mm of medial recession (Zak 1986).
 @pytest.mark.parametrize(
     ("medial_mm", "lateral_mm", "adduction_deg"),
     [(6, 0, -6.41), (0, 6, 7.14), (-6, 0, 3.40), (0, -6, -3.35), (6, -6, -9.51), (-6, 6, 10.03)],

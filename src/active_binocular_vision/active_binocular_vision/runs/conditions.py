@@ -17,9 +17,9 @@ from lockstep.written.nearest import did_you_mean
 # By the name of the profile that has the condition.
 NAMES: Mapping[str, str] = {
     **{f"{way}tropia_{n}": f"{way}tropia {n}°" for way in ("eso", "exo") for n in (5, 10, 20)},
-    **{f"anisometropia_{n}": f"anisometropia {n} D" for n in (1, 2, 4)},
-    "patching": "glasses, patching 6 h",
-    "patching_2h": "glasses, patching 2 h",
+    **{f"anisometropia_{n}": f"anisometropia {n} px" for n in (2, 4, 8)},
+    "patching": "glasses, patching",
+    "patching_half": "glasses, patching half",
     "vertical": "vertical stripes",
     "horizontal": "horizontal stripes",
     "orthogonal": "orthogonal stripes",

@@ -30,7 +30,7 @@ TREATED = {
     "prisms": "esotropia_10",
     "glasses": "anisometropia_4",
     "patching": "anisometropia_4",
-    "patching_2h": "anisometropia_4",
+    "patching_half": "anisometropia_4",
 }
 # Of courses, in their order.
 _COLOURS = (BLUE, VERMILION, SKY, ORANGE)
