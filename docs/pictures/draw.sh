@@ -25,3 +25,4 @@ launch_scripts/inspect_bag.sh runs/looking --film $pictures/looking.gif --rate 1
 for examination in cover acuity stereo; do
   launch_scripts/examine.sh gaze "--$examination" --figure "$pictures/clinic_$examination.png"
 done
+launch_scripts/examine.sh triad --accommodation --figure $pictures/accommodation.png
