@@ -77,6 +77,16 @@ def test_the_server_listens_on_ipv6() -> None:
         server.close()
 
 
+def test_a_client_that_says_nothing_does_not_keep_the_server() -> None:
+    server = ViewServer("127.0.0.1", 0, topics={}, pictures=(), tables={}, heard={})
+    place = "127.0.0.1", server.port
+    with socket.create_connection(place), socket.create_connection(place) as other:
+        # It is turned away, so the one before it was let in.
+        other.sendall(b"GET / HTTP/1.1\r\n\r\n")
+        assert other.recv(1) == b""
+        server.close()
+
+
 def _skip_without_ipv6() -> None:
     try:
         socket.socket(socket.AF_INET6).bind(("::1", 0))

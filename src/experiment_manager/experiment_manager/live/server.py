@@ -4,6 +4,7 @@ foxglove-sdk, which it is made with, is optional; it is imported where it is nee
 """
 
 import importlib.util
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,8 @@ _BACKLOG = 64
 _ENCODINGS = {2: "mono8", 3: "rgb8"}
 # Of what clients publish: viewers write it without the message's definition.
 _HEARD_ENCODING = "json"
+# With clients that are still connecting when the server stops.
+_PATIENCE_S = 2.0
 
 
 def why_unavailable() -> str:
@@ -148,8 +151,11 @@ class ViewServer:
         self._channels[topic].log(dict(numbers))
 
     def close(self) -> None:
-        """Stop listening."""
-        self._server.stop()
+        """Stop listening; nobody waits long for a client that has connected and says nothing."""
+        # foxglove-sdk would wait for what it says.
+        stopping = threading.Thread(target=self._server.stop, daemon=True)
+        stopping.start()
+        stopping.join(_PATIENCE_S)
 
 
 class _Listener:
