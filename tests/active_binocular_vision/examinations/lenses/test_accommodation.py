@@ -77,7 +77,7 @@ def test_the_figure_draws_over_what_is_asked_for_and_what_follows() -> None:
     identity, objects, lenses = (np.array(line.get_data()) for line in response.lines)
     np.testing.assert_allclose(identity, [[0.0, 4.0], [0.0, 4.0]])
     np.testing.assert_allclose(objects, [[1.0, 2.0, 4.0], [0.5, 1.0, 0.0]])
-    np.testing.assert_allclose(lenses, [[0, 1, 2, 3, 4], [0.8, 1.4, 2.0, 0.8, 0.8]])
+    np.testing.assert_allclose(lenses, [[0.0, 1.0, 2.0, 3.0, 4.0], [0.8, 1.4, 2.0, 0.8, 0.8]])
     for panel, geometry, seen in ((ac_a, 5.6, 2.0), (ca_c, 1.0 / 5.6, 0.1)):
         lines = [np.diff(np.array(line.get_data()))[:, 0] for line in panel.lines[:2]]
         assert [y / x for x, y in lines] == pytest.approx([geometry, seen])
