@@ -208,5 +208,6 @@ def test_eyes_are_examined_with_other_cameras_too(of_command_line: abv.Run) -> N
     assert again.measures() == own.measures()
     frames = own.frames()
     assert len(frames["summary"]) == 1
+    assert len(frames["eyes"]) == 2
     for name, rows in own.tables.items():
-        assert len(frames[name]) == len(rows) > 0
+        assert len(frames[name]) == len(rows)

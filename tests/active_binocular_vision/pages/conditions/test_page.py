@@ -61,7 +61,8 @@ def test_a_run_is_examined_once_at_three_ages(run, tmp_path, capsys, monkeypatch
     assert main([str(run), str(tmp_path / "none"), *LINE, "--out", str(out)]) == 0
     printed = capsys.readouterr()
     assert printed.out == f"{out / 'conditions.html'}\n"
-    assert f"left out: {tmp_path / 'none'}: expected a run" in printed.err
+    none = tmp_path / "none"
+    assert f"left out: expected a run directory or trained eyes, got {none}\n" in printed.err
     assert {path.stem for path in (out / "figures").iterdir()} == {
         "conditions",
         "conditions_2",
