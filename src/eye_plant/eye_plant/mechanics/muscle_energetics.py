@@ -66,7 +66,9 @@ class Musculature:
     def settled_rate_w(self, activations: Array, path_lengths_m: Array) -> Array:
         """Metabolic rate (12,) of muscles that neither move nor change their activation."""
         lengths = self.fibre_lengths(path_lengths_m)
-        isometric_force = force_length(lengths, self.shortest, self.longest)
+        isometric_force = np.ones_like(lengths)
+        if self._energetics.length_dependent:
+            isometric_force = force_length(lengths, self.shortest, self.longest)
         rates_w: Array = settled_rate_w(
             activations, lengths, isometric_force, self.mass_kg, *self._energetics
         )
