@@ -157,8 +157,11 @@ class SparseCoder:
         noise, told = self.config.noise_energies, []
         for i, of_scale in enumerate(patches):
             left = residuals_of_eyes(of_scale, self._dictionaries[i].atoms, selections[i])
-            powers = gains(self.dominances[i]) ** 2
-            told.append(information(powers * energies[i], left / powers, noise[i]))
+            whole = energies[i]
+            if self.config.suppression_iterations:
+                powers = gains(self.dominances[i]) ** 2
+                whole, left = powers * whole, left / powers
+            told.append(information(whole, left, noise[i]))
         return np.array(told)
 
     def learn(self, encoding: Encoding) -> None:

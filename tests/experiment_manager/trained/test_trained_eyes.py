@@ -30,21 +30,35 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_arrays_come_back_as_they_were_but_for_sums_that_only_learning_reads() -> None:
     draw = np.random.default_rng(1)
     lower = np.tril(draw.normal(size=(5, 5)))
+    # Of a feature that was never there, too.
+    seen = draw.normal(size=(9, 5)) * [1.0, 0.01, 0.0, 3.0, 1e4]
+    squares = seen.T @ seen
     state: dict[str, np.ndarray] = {
         "actor": draw.normal(size=(2, 7)),
         "atoms": draw.normal(size=(2, 3, 4)).astype(np.float32),
         "left_eye_squares": lower + np.tril(lower, -1).T,
         "count": np.array(3),
-        "sum_squares": draw.normal(size=15),
+        "sum_squares": squares[np.triu_indices(5)],
+        "lens_0_sum_squares": 2.0 * squares[np.triu_indices(5)],
         "empty": np.zeros((0, 3)),
     }
     _, states = unpacked(packed(CONFIGURATION, b"{}", 20, {"vergence_rl": state}))
     for name, array in states["vergence_rl"].items():
         assert (array.dtype, array.shape) == (state[name].dtype, state[name].shape)
-        if name != "sum_squares":
+        if not name.endswith("sum_squares"):
             assert np.array_equal(array, state[name])
-    rounded = state["sum_squares"].astype(np.float32).astype(np.float64)
-    assert np.array_equal(states["vergence_rl"]["sum_squares"], rounded)
+    roots = np.sqrt(np.diag(squares))
+    rounded = [
+        0.0
+        if 2 in (i, k)
+        else round(squares[i, k] / (roots[i] * roots[k]) * 32767) / 32767 * roots[i] * roots[k]
+        for i in range(5)
+        for k in range(i, 5)
+    ]
+    for factor, name in ((1.0, "sum_squares"), (2.0, "lens_0_sum_squares")):
+        found = states["vergence_rl"][name] / factor
+        np.testing.assert_allclose(found, rounded, rtol=1e-12)
+        np.testing.assert_allclose(found[[0, 5, 9, 12, 14]], np.diag(squares), rtol=1e-12)
 
 
 def test_other_bytes_are_refused(tmp_path: Path) -> None:

@@ -1,9 +1,10 @@
-"""A file of trained eyes: what a finished run is and measured, and its learners, 1.4 to 3 MB.
+"""A file of trained eyes: what a finished run is and measured, and its learners, below 2 MB.
 
 Learners that it gives back do in a test what those of the run do, bit for bit. If they learn on,
-they begin from sums that were rounded to float32.
+they begin from sums that were rounded.
 """
 
+import math
 import re
 from typing import Annotated, Literal
 
@@ -14,8 +15,9 @@ import zstandard
 from lockstep import InputError
 
 _LEVEL = 19
-# The largest sums of hindsight regression, which only learning reads: half of a file, rounded.
-_ROUNDED = "sum_squares"
+# The largest sums of hindsight regression, which only learning reads: most of a file, rounded as
+# correlations, in steps of so much.
+_ROUNDED, _STEP = "sum_squares", 1.0 / 32767
 
 States = dict[str, dict[str, np.ndarray]]
 
@@ -23,7 +25,8 @@ States = dict[str, dict[str, np.ndarray]]
 class _Array(msgspec.Struct):
     """An array: bytes of the same weight together, of a symmetric one its upper triangle.
 
-    kind: NumPy's of what is kept; restored: NumPy's of what it was.
+    kind: NumPy's of what is kept; restored: NumPy's of what it was. roots: of correlations, the
+    square roots (n,) of the diagonal that they lack, float64.
     """
 
     kind: Annotated[str, msgspec.Meta(pattern=r"^[<|][biuf]\d+$")]
@@ -31,6 +34,7 @@ class _Array(msgspec.Struct):
     shape: tuple[int, ...]
     is_symmetric: bool
     data: bytes
+    roots: bytes = b""
 
 
 class EyesFile(msgspec.Struct):
@@ -74,19 +78,35 @@ def unpacked(data: bytes) -> tuple[EyesFile, States]:
 def _kept(name: str, array: np.ndarray) -> _Array:
     is_symmetric = array.ndim == 2 and len(array) > 1 and np.array_equal(array, array.T)
     values = array[np.triu_indices(len(array))] if is_symmetric else np.ravel(array)
+    roots = np.zeros(0)
     if name.endswith(_ROUNDED):
-        values = values.astype(np.float32)
+        values, roots = _correlations(values)
     kept = values.astype(values.dtype.newbyteorder("<"))
     by_weight = kept.view(np.uint8).reshape(-1, kept.itemsize).T
     return _Array(
-        kept.dtype.str, array.dtype.str, array.shape, bool(is_symmetric), by_weight.tobytes()
+        *(kept.dtype.str, array.dtype.str, array.shape, bool(is_symmetric)),
+        by_weight.tobytes(),
+        roots.tobytes(),
     )
+
+
+def _correlations(upper: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the correlations of an upper triangle (n (n + 1) / 2,) in steps, and roots (n,)."""
+    rows, columns = np.triu_indices(math.isqrt(2 * len(upper)))
+    roots = np.sqrt(upper[rows == columns])
+    scale = roots[rows] * roots[columns]
+    shares = np.divide(upper, scale, out=np.zeros(len(upper)), where=scale > 0.0)
+    return np.rint(shares / _STEP).astype("<i2"), roots
 
 
 def _restored(array: _Array) -> np.ndarray:
     kind = np.dtype(array.kind)
     by_weight = np.frombuffer(array.data, np.uint8).reshape(kind.itemsize, -1)
     values = np.ascontiguousarray(by_weight.T).view(kind)[:, 0].astype(array.restored)
+    if array.roots:
+        roots = np.frombuffer(array.roots)
+        rows, columns = np.triu_indices(len(roots))
+        values *= _STEP * roots[rows] * roots[columns]
     if not array.is_symmetric:
         return values.reshape(array.shape)
     whole = np.zeros(array.shape, values.dtype)
