@@ -18,6 +18,7 @@ from active_binocular_vision.runs.frames import frame_of_basis_functions
 from experiment_manager import Summary
 from eye_plant import EyePlantConfig
 from lockstep import InputError
+from lockstep.scales import ScalesConfig
 from tests.active_binocular_vision.learners.gabor_patch import shifted_wave
 from tests.patience import PATIENCE_S
 
@@ -181,11 +182,17 @@ def test_names_of_trained_eyes_are_suggested() -> None:
 
 def test_basis_functions_have_a_row_each_of_what_they_are_tuned_to() -> None:
     # Vertical stripes of 6 pixels of the scale, shifted by 1; a pixel is 0.2226 deg, of the coarse
-    # scale 4 of them.
-    atoms = np.stack([[shifted_wave(1.0)]] * 2)
-    learners = SimpleNamespace(plant=EyePlantConfig(), tunings=tunings(atoms))
+    # scale 4 of them, of the foveal one a quarter.
+    scales = ScalesConfig(
+        ("coarse", "fine", "foveal"), (128, 40, 40), (32, 40, 40), (1.0, 1.0, 4.0), (0.0,) * 3
+    )
+    learners = SimpleNamespace(
+        plant=EyePlantConfig(),
+        manager=SimpleNamespace(scales=scales),
+        tunings=tunings(np.stack([[shifted_wave(1.0)]] * 3), scales),
+    )
     frame = frame_of_basis_functions(learners).set_index("scale")  # type: ignore[arg-type]
-    for scale, px in (("coarse", 4.0), ("fine", 1.0)):
+    for scale, px in (("coarse", 4.0), ("fine", 1.0), ("foveal", 0.25)):
         row = frame.loc[scale]
         assert row["is_gabor"]
         assert row["orientation_deg"] == pytest.approx(90.0, abs=1.0)

@@ -10,7 +10,6 @@ from experiment_manager import Summary, Trials
 from experiment_manager.measures.trials import ERROR_NAMES
 from experiment_manager.sections import by_key
 from eye_plant.vergence import degrees_per_px
-from lockstep.scales import SCALES
 
 if TYPE_CHECKING:
     import pandas
@@ -83,7 +82,7 @@ def frame_of_basis_functions(learners: "FrozenLearners") -> "pandas.DataFrame":
                 "disparity_deg": tuned.disparity_px * px_deg,
             }
         )
-        for scale, tuned in zip(SCALES, learners.tunings, strict=True)
+        for scale, tuned in zip(learners.manager.scales.names, learners.tunings, strict=True)
     ]
     return pandas.concat(frames, ignore_index=True)
 
