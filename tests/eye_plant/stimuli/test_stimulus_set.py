@@ -15,6 +15,7 @@ import pytest
 
 from eye_plant import StimulusSet, load_stimuli
 from eye_plant.camera.ray_casting.texture_storage import textures_of
+from eye_plant.stimuli import cache
 from eye_plant.stimuli import generator as stimulus_generator
 from eye_plant.stimuli.generator import generate_stimulus
 from eye_plant.stimuli.stimulus_set import (
@@ -122,6 +123,22 @@ def test_pictures_are_all_different_and_counted_training_first(tmp_path: Path) -
     assert (len(stimuli.training), len(stimuli.test)) == count_stimuli(small(tmp_path)) == (4, 2)
     np.testing.assert_array_equal(stimuli.all[4], stimuli.test[0])
     assert len([path for path in tmp_path.rglob("*") if path.is_file()]) == 6
+
+
+def test_headers_are_parsed_one_after_the_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Threads that parse at once make Python 3.11 fail now and then (CPython issue 106905)."""
+    parse, alone = np.lib.format.read_array_header_1_0, []
+
+    def noted(file: IO[bytes]) -> Any:
+        alone.append(cache._PARSING.locked())
+        return parse(file)
+
+    monkeypatch.setattr(np.lib.format, "read_array_header_1_0", noted)
+    for _ in range(2):  # generated, then found
+        load_stimuli(small(tmp_path))
+    assert alone == [True] * 12
 
 
 @pytest.mark.parametrize("n_bytes", [0, 6, -1000])

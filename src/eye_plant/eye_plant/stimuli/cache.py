@@ -18,6 +18,9 @@ from lockstep.written.paths import written_path
 # Of the generated pictures. Another one when the generator, or a library that it uses, gives other
 # bytes: a test knows what version 1 gives.
 _VERSION = 1
+# NumPy parses headers with `ast`, which in Python 3.11 two threads must not do at once (CPython
+# issue 106905).
+_PARSING = threading.Lock()
 
 
 class FileArray(np.ndarray):
@@ -85,7 +88,8 @@ def map_array(path: Path, shape: tuple[int, ...]) -> np.ndarray | None:
         with path.open("rb") as file:
             if np.lib.format.read_magic(file) != (1, 0):
                 return None
-            found, is_by_column, kind = np.lib.format.read_array_header_1_0(file)
+            with _PARSING:
+                found, is_by_column, kind = np.lib.format.read_array_header_1_0(file)
             first = file.tell()
             texels = map_bytes(file)[first:]
     except (OSError, ValueError):
