@@ -139,7 +139,8 @@ class EyePlant:
         self._episode, self._iteration = episode, 0
         self._desired_deg, self._optimal_rates_w = desired_deg, optimal_rates_w
         self._held_activations = activations
-        self._senses.begin()
+        is_training = episode.phase == TRAINING
+        self._senses.begin(episode.training_iteration if is_training else None)
         self.oculomotor.settle(activations[:N_MUSCLES])
         if self._lenses:
             self._lenses.settle(activations[N_MUSCLES:])
