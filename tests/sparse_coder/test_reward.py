@@ -78,9 +78,22 @@ def test_eyes_rewarded_for_information_get_that_of_all_scales(picture: NDArray[n
 
 
 def test_sensor_noise_has_an_entry_for_each_scale_or_one_for_all() -> None:
-    assert SparseCoderConfig(sensor_noise=(3.0,)).noise_energies == (1152.0, 1152.0)
+    assert SparseCoderConfig(sensor_noise=(3.0,)).noise_energies(0) == (1152.0, 1152.0)
     with pytest.raises(InputError, match="sensor_noise: expected 2 entries, of coarse, fine, or"):
         SparseCoderConfig(sensor_noise=(1.0, 2.0, 3.0))
+
+
+def test_eyes_may_have_other_noise_while_they_learn_what_to_code() -> None:
+    config = SparseCoderConfig(
+        sensor_noise=(3.0,),
+        first_sensor_noise=(1.0, 2.0),
+        resting_share=0.4,
+        n_training_iterations=1000,
+    )
+    assert config.noise_energies(399) == (128.0, 512.0)
+    assert config.noise_energies(400) == (1152.0, 1152.0)
+    with pytest.raises(InputError, match="first_sensor_noise: expected 2 entries, of coarse, fine"):
+        SparseCoderConfig(first_sensor_noise=(1.0, 2.0, 3.0))
 
 
 def test_energy_is_charged_at_its_price() -> None:

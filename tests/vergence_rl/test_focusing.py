@@ -67,6 +67,16 @@ def test_the_eyes_try_first_then_stay_and_one_lens_tries_after_the_other() -> No
     assert np.abs(np.diff(lenses, axis=0)).max() > 0.1
 
 
+def test_a_lens_is_anywhere_in_the_first_of_its_turn() -> None:
+    agent, tried = Agent(_config("pair_and_lens")), []
+    for k in range(2, 40):
+        places, _ = _episode(agent, k * N, START[:3], WANTED[:3])
+        tried.append([place[2] for place in places[4:N]])
+    spread = np.std(tried, axis=0)
+    assert spread[:2] == pytest.approx(HIGHEST[2] / np.sqrt(12.0), rel=0.25)
+    assert spread[2:].max() < 0.75 * spread[:2].min()
+
+
 def test_at_first_all_look_about_and_nothing_is_learned() -> None:
     agent = Agent(_config())
     before = {n: v for n, v in agent.state().items() if not n.startswith(("statistics", "learn"))}

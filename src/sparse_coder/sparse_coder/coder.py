@@ -154,7 +154,7 @@ class SparseCoder:
         selections: Sequence[Selections],
     ) -> NDArray[np.float64]:
         """Return I of each scale, of its patches and their energies."""
-        noise, told = self.config.noise_energies, []
+        noise, told = self.config.noise_energies(self.learning_steps), []
         for i, of_scale in enumerate(patches):
             left = residuals_of_eyes(of_scale, self._dictionaries[i].atoms, selections[i])
             whole = energies[i]
@@ -198,8 +198,7 @@ class SparseCoder:
         config = self.config
         if config.plasticity_iterations:
             return config.learning_rate * plasticity(self._means)
-        n_until_rest = config.resting_share * config.n_training_iterations
-        done = min(1.0, self.learning_steps / n_until_rest)
+        done = min(1.0, self.learning_steps / config.n_until_rest)
         return dictionary_rate(config.learning_rate, config.final_learning_rate_share, done)
 
     @property

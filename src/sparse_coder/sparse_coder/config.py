@@ -58,6 +58,12 @@ class SparseCoderConfig(TaskConfig):
         "grey levels",
         above=0,
     )
+    first_sensor_noise: tuple[float, ...] = setting(
+        (0.0,),
+        "the same until resting_share of training; 0: as sensor_noise",
+        "grey levels",
+        least=0,
+    )
     camera: OpticsConfig = field(default_factory=OpticsConfig)
     noise: TurnNoiseConfig = field(default_factory=TurnNoiseConfig)
 
@@ -66,16 +72,26 @@ class SparseCoderConfig(TaskConfig):
         super().__post_init__()
         self.check_trains()
         n_scales = len(self.scales.all)
-        if len(self.sensor_noise) not in (1, n_scales):
-            raise InputError(
-                f"sensor_noise: expected {n_scales} entries, of {', '.join(self.scales.names)}, or "
-                f"one for all, got {list(self.sensor_noise)}"
-            )
+        for name in ("sensor_noise", "first_sensor_noise"):
+            noise = getattr(self, name)
+            if len(noise) not in (1, n_scales):
+                raise InputError(
+                    f"{name}: expected {n_scales} entries, of {', '.join(self.scales.names)}, or "
+                    f"one for all, got {list(noise)}"
+                )
 
     @property
-    def noise_energies(self) -> tuple[float, ...]:
-        """Energy of the sensor's noise in a patch of each scale."""
-        n_scales = len(self.scales.all)
+    def n_until_rest(self) -> float:
+        """Learning steps until the dictionaries' rate has its final value."""
+        return self.resting_share * self.n_training_iterations
+
+    def noise_energies(self, learning_steps: int) -> tuple[float, ...]:
+        """Return the energy of the sensor's noise in a patch of each scale, after these steps."""
+        first, later = map(self._of_each_scale, (self.first_sensor_noise, self.sensor_noise))
+        if learning_steps < self.n_until_rest:
+            later = tuple(a or b for a, b in zip(first, later, strict=True))
         gain = GAIN if self.scales.whitened else 1.0
-        energies = [noise_energy(sd, gain, N_PIXELS) for sd in self.sensor_noise]
-        return tuple(energies if len(energies) == n_scales else energies * n_scales)
+        return tuple(noise_energy(sd, gain, N_PIXELS) for sd in later)
+
+    def _of_each_scale(self, noise: tuple[float, ...]) -> tuple[float, ...]:
+        return noise if len(noise) > 1 else noise * len(self.scales.all)

@@ -14,6 +14,8 @@ from vergence_rl.learning_rule import Decision, LearningRule, Task, TimeStep
 
 # Of the activation of a lens; 0.05 are 0.6 D at the age of 20.
 _FIRST_NOISE_SD, _LEAST_NOISE_SHARE, _TARGET_SCALE = 0.05, 0.2, 0.04
+# Of a lens's turn. With one place, eyes that stay far out of focus compare places that are alike.
+_ANYWHERE_SHARE = 0.4
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,12 +71,18 @@ class _Turn:
     first: int
     end: int
 
+    @property
+    def anywhere(self) -> range:
+        """The iterations at which a lens is anywhere."""
+        return range(self.first, self.first + round(_ANYWHERE_SHARE * (self.end - self.first)))
+
 
 class FocusingRule:
     """Divides an episode between a rule that turns the eyes and a rule for each lens.
 
     First all move, and the eyes try what is better. Then the eyes stay, and one lens after the
-    other tries, from anywhere within its limits, since far out of focus the reward hardly changes.
+    other tries, first places anywhere within its limits, since far out of focus the reward hardly
+    changes, then what its rule finds better.
     So a rule compares places that differ in nothing else: 0.1 deg of vergence changes the reward as
     much as 1 D does (ours). In tests all move at all times.
     """
@@ -127,17 +135,17 @@ class FocusingRule:
             self._place = place
         if looks:
             command = self._place + command - place
-        elif draw is not None and (begins := self._beginning(now + 1)):
-            command[begins] = draw.uniform(*(limit[begins] for limit in self._limits))
+        elif draw is not None and (anywhere := self._anywhere(now + 1)):
+            command[anywhere] = draw.uniform(*(limit[anywhere] for limit in self._limits))
         command = np.clip(command, *self._limits)
         whose = next(
             (d for t, d in zip(self._turns, decisions, strict=True) if now < t.end), decision
         )
         return dataclasses.replace(whose, command=command, action=command - place)
 
-    def _beginning(self, iteration: int) -> slice | None:
-        """Return the command of the lens whose turn begins at an iteration of the episode."""
-        return next((t.commands for t in self._turns[1:] if t.first == iteration), None)
+    def _anywhere(self, iteration: int) -> slice | None:
+        """Return the command of the lens that is anywhere at an iteration of the episode."""
+        return next((t.commands for t in self._turns[1:] if iteration in t.anywhere), None)
 
     def _seen_by(self, turn: _Turn, observation: TimeStep) -> TimeStep:
         """Return an observation as a rule sees it, for which its turn is an episode."""
