@@ -13,6 +13,7 @@ from active_binocular_vision.commands.trained import main
 from active_binocular_vision.learners.evaluation import evaluated
 from experiment_manager.run import checkpoint
 from experiment_manager.trained import directory as trained_directory
+from experiment_manager.trained import eyes_file
 from experiment_manager.trained.directory import pack, run_directory, trained_eyes
 from experiment_manager.trained.eyes_file import packed, unpacked
 from lockstep import InputError, read_state
@@ -59,6 +60,25 @@ def test_arrays_come_back_as_they_were_but_for_sums_that_only_learning_reads() -
         found = states["vergence_rl"][name] / factor
         np.testing.assert_allclose(found, rounded, rtol=1e-12)
         np.testing.assert_allclose(found[[0, 5, 9, 12, 14]], np.diag(squares), rtol=1e-12)
+
+
+def test_sums_are_rounded_more_where_a_file_would_be_too_large(monkeypatch) -> None:
+    seen = np.random.default_rng(1).normal(size=(300, 60))
+    squares = seen.T @ seen
+    upper = np.triu_indices(60)
+    states = {"vergence_rl": {"sum_squares": squares[upper]}}
+    fine = packed(CONFIGURATION, b"{}", 20, states)
+    most = len(fine) - 1000
+    monkeypatch.setattr(eyes_file, "_MOST_BYTES", most)
+    coarse = packed(CONFIGURATION, b"{}", 20, states)
+    assert len(coarse) <= most
+    roots = np.sqrt(np.diag(squares))
+    scale = np.outer(roots, roots)[upper]
+    errors = [
+        np.abs(unpacked(data)[1]["vergence_rl"]["sum_squares"] - squares[upper]) / scale
+        for data in (fine, coarse)
+    ]
+    assert errors[0].max() < 0.6 / 32767 < errors[1].max() < 0.01
 
 
 def test_other_bytes_are_refused(tmp_path: Path) -> None:

@@ -16,8 +16,9 @@ from lockstep import InputError
 
 _LEVEL = 19
 # The largest sums of hindsight regression, which only learning reads: most of a file, rounded as
-# correlations, in steps of so much.
-_ROUNDED, _STEP = "sum_squares", 1.0 / 32767
+# correlations, in steps of so much, or as much wider ones as make the file small enough.
+_ROUNDED, _STEP, _WIDER = "sum_squares", 1.0 / 32767, 1.5
+_MOST_BYTES = 2_000_000
 
 States = dict[str, dict[str, np.ndarray]]
 
@@ -26,7 +27,7 @@ class _Array(msgspec.Struct):
     """An array: bytes of the same weight together, of a symmetric one its upper triangle.
 
     kind: NumPy's of what is kept; restored: NumPy's of what it was. roots: of correlations, the
-    square roots (n,) of the diagonal that they lack, float64.
+    square roots (n,) of the diagonal that they lack, float64; step: what they are counted in.
     """
 
     kind: Annotated[str, msgspec.Meta(pattern=r"^[<|][biuf]\d+$")]
@@ -35,6 +36,7 @@ class _Array(msgspec.Struct):
     is_symmetric: bool
     data: bytes
     roots: bytes = b""
+    step: float = _STEP
 
 
 class EyesFile(msgspec.Struct):
@@ -53,12 +55,16 @@ class EyesFile(msgspec.Struct):
 
 def packed(configuration: str, results: bytes, iteration: int, states: States) -> bytes:
     """Return the file's bytes; the arguments are as in `EyesFile`."""
-    kept = {
-        node: {name: _kept(name, array) for name, array in state.items()}
-        for node, state in states.items()
-    }
-    document = msgspec.msgpack.encode(EyesFile(configuration, results, iteration, kept))
-    return zstandard.ZstdCompressor(level=_LEVEL).compress(document)
+    data, step = b"", _STEP
+    while not data or (len(data) > _MOST_BYTES and step < 1.0):
+        kept = {
+            node: {name: _kept(name, array, step) for name, array in state.items()}
+            for node, state in states.items()
+        }
+        document = msgspec.msgpack.encode(EyesFile(configuration, results, iteration, kept))
+        data = zstandard.ZstdCompressor(level=_LEVEL).compress(document)
+        step *= _WIDER
+    return data
 
 
 def unpacked(data: bytes) -> tuple[EyesFile, States]:
@@ -75,28 +81,29 @@ def unpacked(data: bytes) -> tuple[EyesFile, States]:
     return eyes, states
 
 
-def _kept(name: str, array: np.ndarray) -> _Array:
+def _kept(name: str, array: np.ndarray, step: float) -> _Array:
     is_symmetric = array.ndim == 2 and len(array) > 1 and np.array_equal(array, array.T)
     values = array[np.triu_indices(len(array))] if is_symmetric else np.ravel(array)
     roots = np.zeros(0)
     if name.endswith(_ROUNDED):
-        values, roots = _correlations(values)
+        values, roots = _correlations(values, step)
     kept = values.astype(values.dtype.newbyteorder("<"))
     by_weight = kept.view(np.uint8).reshape(-1, kept.itemsize).T
     return _Array(
         *(kept.dtype.str, array.dtype.str, array.shape, bool(is_symmetric)),
         by_weight.tobytes(),
         roots.tobytes(),
+        step,
     )
 
 
-def _correlations(upper: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _correlations(upper: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the correlations of an upper triangle (n (n + 1) / 2,) in steps, and roots (n,)."""
     rows, columns = np.triu_indices(math.isqrt(2 * len(upper)))
     roots = np.sqrt(upper[rows == columns])
     scale = roots[rows] * roots[columns]
     shares = np.divide(upper, scale, out=np.zeros(len(upper)), where=scale > 0.0)
-    return np.rint(shares / _STEP).astype("<i2"), roots
+    return np.rint(shares / step).astype("<i2"), roots
 
 
 def _restored(array: _Array) -> np.ndarray:
@@ -106,7 +113,7 @@ def _restored(array: _Array) -> np.ndarray:
     if array.roots:
         roots = np.frombuffer(array.roots)
         rows, columns = np.triu_indices(len(roots))
-        values *= _STEP * roots[rows] * roots[columns]
+        values *= array.step * roots[rows] * roots[columns]
     if not array.is_symmetric:
         return values.reshape(array.shape)
     whole = np.zeros(array.shape, values.dtype)
