@@ -26,6 +26,11 @@ def bytes_of(observation):
     return observation.pictures.tobytes()
 
 
+def seen(observation):
+    """Return whether each eye's picture shows anything."""
+    return [bool(picture.any()) for picture in observation.pictures]
+
+
 def senses(seed=1, camera=CAMERA, **noise):
     return Senses(NoiseConfig(**noise), camera, seed)
 
@@ -117,11 +122,11 @@ def test_the_plant_covers_an_eye_in_training_alone() -> None:
     config = build(EyePlantConfig, {"noise.covered_starts": 1.0, "noise.covered_iterations": 1})
     plant = EyePlant(config, StimulusSet((texture,), (texture,)))
     episode = Episode.alone(0, 1.0, pair_activations(0.04, 0.01), n_iterations=2)
-    assert [picture.any() for picture in plant.begin(episode).pictures] == [True, True]
+    assert seen(plant.begin(episode)) == [True, True]
     training = replace(episode, phase=TRAINING)
-    assert sorted(picture.any() for picture in plant.begin(training).pictures) == [False, True]
+    assert sorted(seen(plant.begin(training))) == [False, True]
     later = plant.execute(np.array(episode.activations))
-    assert [picture.any() for picture in later.pictures] == [True, True]
+    assert seen(later) == [True, True]
     plant.close()
 
 
