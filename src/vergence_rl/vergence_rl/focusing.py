@@ -81,10 +81,9 @@ class FocusingRule:
     """Divides an episode between a rule that turns the eyes and a rule for each lens.
 
     First all move, and the eyes try what is better. Then the eyes stay, and one lens after the
-    other tries, first places anywhere within its limits, since far out of focus the reward hardly
-    changes, then what its rule finds better.
-    So a rule compares places that differ in nothing else: 0.1 deg of vergence changes the reward as
-    much as 1 D does (ours). In tests all move at all times.
+    other tries: first anywhere within its limits, since far out of focus the reward hardly changes,
+    then what its rule finds better. So a rule compares places that differ in nothing else: 0.1 deg
+    of vergence changes the reward as much as 1 D does (ours). In tests all move at all times.
     """
 
     def __init__(
