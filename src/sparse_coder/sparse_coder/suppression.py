@@ -2,15 +2,17 @@
 
 Both halves of a patch have a gain, g_L = sqrt(1 + d) and g_R = sqrt(1 - d); its energy stays 2.
 
-    tau dd/dt = w_L c_L - w_R c_R,    |d| <= 0.98
+    tau dd/dt = w_L c_L - w_R c_R - k max(0, rho) d,    |d| <= 0.98
 
 c: the code's part along an eye's half, as a share of that half; w: that eye's share of the
-contrast energy of both images there; tau: iterations. As d rises, E falls: by the envelope theorem
-dE/dd = (c_R - c_L) / 2 with the code at its best (ours). So each eye inhibits the other one as far
-as the code is its own. Where both images agree, atoms code them together, have too much of a half
+contrast energy of both images there; tau: iterations; rho: the correlation of both halves; k: 0.2.
+As d rises, E falls: by the envelope theorem dE/dd = (c_R - c_L) / 2 with the code at its best
+(ours). So each eye inhibits the other one as far as the code is its own. Where both images agree, atoms code them together, have too much of a half
 whose gain is low, and give it back; where they differ, the code chooses, and the choice grows.
 Contrast weighs as in models of binocular gain control (Ding & Sperling 2006), and decides between
-eyes of unequal focus (Eckmann et al. 2020), since a blurred half alone is coded better.
+eyes of unequal focus (Eckmann et al. 2020), since a blurred half alone is coded better. Only unlike
+images suppress one another (Sengpiel & Blakemore 1994): those that are alike release the weaker eye,
+where a dictionary learned under suppression would not (ours).
 """
 
 import numpy as np
@@ -18,6 +20,7 @@ from numpy.typing import NDArray
 
 # So that an eye that is suppressed can come back.
 MOST = 0.98
+_RELEASE = 0.2
 
 Array = NDArray[np.float64]
 
@@ -50,7 +53,9 @@ def learned_dominance(
     along, whole = (halves * codes).sum(axis=2), (halves**2).sum(axis=2)
     total = energies.sum(axis=1, keepdims=True)
     shares = _ratio(along, whole) * _ratio(energies, total)
-    moved = dominance + (shares[:, 0] - shares[:, 1]) / n_iterations
+    alike = _ratio((halves[:, 0] * halves[:, 1]).sum(axis=1), np.sqrt(whole.prod(axis=1)))
+    released = _RELEASE * np.maximum(0.0, alike) * dominance
+    moved = dominance + (shares[:, 0] - shares[:, 1] - released) / n_iterations
     return np.asarray(np.clip(moved, -MOST, MOST))
 
 
