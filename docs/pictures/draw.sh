@@ -8,6 +8,7 @@ film_of_one_stimulus=(--test-stimuli 1 --set eye_plant.stimuli.seed=4 --set 'exp
 # Both eyes as they look at an object 0.25 m away with the least energy; loop.svg and scene.svg; scores of environments.
 .venv/bin/python docs/examples/draw_eyes.py $pictures/eyes.png
 .venv/bin/python docs/examples/draw_model.py $pictures
+.venv/bin/python docs/examples/surgery.py $pictures/clinic_surgery.png
 
 # A shorter demonstration; at 2 m the whole image can be fused, of nearer planes only the middle.
 launch_scripts/run_experiment.sh --profile demonstration --iterations 20000 --tests 0,2000,6000 \

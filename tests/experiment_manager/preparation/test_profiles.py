@@ -130,6 +130,24 @@ def test_strabismus_has_its_angle_at_the_tonic_level(name: str, inward_deg: int)
     assert (left_deg, right_deg) == pytest.approx((0.0, inward_deg), abs=0.05)
 
 
+@pytest.mark.parametrize(
+    ("name", "inward_deg"),
+    [("healthy", 0), ("esotropia_5", 5), ("esotropia_10", 10), ("esotropia_20", 20)]
+    + [("exotropia_10", -10)],
+)
+def test_constant_strabismus_is_level_and_begins_at_the_tonic_level(name, inward_deg) -> None:
+    configuration = configured("--profile", f"constant/{name}")
+    eyes = Oculomotor(config_of(EyePlantConfig, configuration).mechanics)
+    eyes.settle(eyes.tonic_activations)
+    left_deg, right_deg = np.degrees(eyes.state().eye_angles_rad)
+    assert left_deg[:2] == pytest.approx((1.6, 0.0), abs=0.1)
+    assert right_deg[:2] == pytest.approx((1.6 + inward_deg, 0.0), abs=0.1)
+    protocol = protocol_of(configuration)
+    training = next(segment for segment in protocol.segments if segment.i_test < 0)
+    first = protocol.episode(training.first)
+    assert first.activations == pytest.approx(eyes.tonic_activations)
+
+
 def _changes_the_eyes(name: str) -> bool:
     profile = read_profile(name)
     plant = config_of(EyePlantConfig, profile.settings)

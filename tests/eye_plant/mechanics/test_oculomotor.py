@@ -251,13 +251,24 @@ def test_receding_a_medial_rectus_makes_its_eye_diverge(side):
 
 # Patients: 16 PD, 9.1 deg, for 6 mm of medial recession (Zak 1986).
 @pytest.mark.parametrize(
-    ("medial_mm", "lateral_mm", "adduction_deg"),
-    [(6, 0, -6.41), (0, 6, 7.14), (-6, 0, 3.40), (0, -6, -3.35), (6, -6, -9.51), (-6, 6, 10.03)],
+    ("medial_mm", "lateral_mm", "adduction_deg", "with_half_the_stiffness_deg"),
+    [
+        (6, 0, -6.41, -10.29),
+        (0, 6, 7.14, 12.64),
+        (-6, 0, 3.40, 8.87),
+        (0, -6, -3.35, -8.47),
+        (6, -6, -9.51, -16.89),
+        (-6, 6, 10.03, 19.01),
+    ],
 )
-def test_surgery_turns_an_eye_by_so_much(medial_mm, lateral_mm, adduction_deg):
+def test_surgery_turns_an_eye_by_so_much(
+    medial_mm, lateral_mm, adduction_deg, with_half_the_stiffness_deg
+):
     moved = {"right_medial_rectus": medial_mm, "right_lateral_rectus": lateral_mm}
-    eyes = eyes_with(parameter_set="anatomical", recession_mm=all_but(0.0, **moved))
-    assert angles_deg(eyes)[:, ADDUCTION] == pytest.approx([0.0, adduction_deg], abs=0.01)
+    doses = {"parameter_set": "anatomical", "recession_mm": all_but(0.0, **moved)}
+    for stiffness, turned_deg in ((1.0, adduction_deg), (0.5, with_half_the_stiffness_deg)):
+        eyes = eyes_with(**doses, tissue_stiffness=stiffness)
+        assert angles_deg(eyes)[:, ADDUCTION] == pytest.approx([0.0, turned_deg], abs=0.01)
 
 
 @pytest.mark.parametrize("side", [LEFT, RIGHT])
