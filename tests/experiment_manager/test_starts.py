@@ -100,6 +100,8 @@ def test_an_episode_begins_with_what_the_last_one_left() -> None:
     expected[3] = 0.2
     np.testing.assert_allclose(then, expected, rtol=1e-12)
     assert distance_m == starts.training(np.random.default_rng(2))[0]
+    for condition in conditions(config, MECHANICS.baseline_m)[:2]:
+        assert starts.trial(condition, np.random.default_rng(3)) == first
     with pytest.raises(InputError, match="expected 0 without saccades"):
         _config(tonic_return=0.25)
 

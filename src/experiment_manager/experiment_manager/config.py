@@ -103,7 +103,7 @@ class ProtocolConfig(TaskConfig):
         0.0,
         "with saccades: a training episode begins with the activations that the last one left, this"
         " share of the way back to the tonic level, so that nothing sets the eyes right in between;"
-        " 1: each begins at rest; 0: episodes begin with drawn errors",
+        " 1: each begins at rest, as all test trials do then; 0: all begin with drawn errors",
         least=0,
         most=1,
     )

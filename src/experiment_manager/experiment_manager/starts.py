@@ -167,7 +167,9 @@ class GazeStarts:
         return distance_m, self._activations(draw_angles_deg(config, draw), distance_m, draw)
 
     def trial(self, condition: Condition, _: np.random.Generator) -> Activations:
-        """Return activations with the condition's gaze."""
+        """Return activations with the condition's gaze, or at rest where nothing sets eyes right."""
+        if self._config.tonic_return:
+            return tuple(self._inverse.returned((), 1.0).tolist())
         draw = _draw_of(self._config, condition.start)
         angles_deg = draw_angles_deg(self._config, draw, of_tests=True)
         return self._activations(angles_deg, condition.object_distance_m, draw)
