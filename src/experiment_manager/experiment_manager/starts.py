@@ -167,7 +167,7 @@ class GazeStarts:
         return distance_m, self._activations(draw_angles_deg(config, draw), distance_m, draw)
 
     def trial(self, condition: Condition, _: np.random.Generator) -> Activations:
-        """Return activations with the condition's gaze, or at rest where nothing sets eyes right."""
+        """Return activations with the condition's gaze, or at rest with tonic_return."""
         if self._config.tonic_return:
             return tuple(self._inverse.returned((), 1.0).tolist())
         draw = _draw_of(self._config, condition.start)

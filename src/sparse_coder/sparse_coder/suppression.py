@@ -7,12 +7,13 @@ Both halves of a patch have a gain, g_L = sqrt(1 + d) and g_R = sqrt(1 - d); its
 c: the code's part along an eye's half, as a share of that half; w: that eye's share of the
 contrast energy of both images there; tau: iterations; rho: the correlation of both halves; k: 0.2.
 As d rises, E falls: by the envelope theorem dE/dd = (c_R - c_L) / 2 with the code at its best
-(ours). So each eye inhibits the other one as far as the code is its own. Where both images agree, atoms code them together, have too much of a half
-whose gain is low, and give it back; where they differ, the code chooses, and the choice grows.
-Contrast weighs as in models of binocular gain control (Ding & Sperling 2006), and decides between
-eyes of unequal focus (Eckmann et al. 2020), since a blurred half alone is coded better. Only unlike
-images suppress one another (Sengpiel & Blakemore 1994): those that are alike release the weaker eye,
-where a dictionary learned under suppression would not (ours).
+(ours). So each eye inhibits the other one as far as the code is its own. Where both images agree,
+atoms code them together, have too much of a half whose gain is low, and give it back; where they
+differ, the code chooses, and the choice grows. Contrast weighs as in models of binocular gain
+control (Ding & Sperling 2006), and decides between eyes of unequal focus (Eckmann et al. 2020),
+since a blurred half alone is coded better. Only unlike images suppress one another (Sengpiel &
+Blakemore 1994): those that are alike release the weaker eye, as atoms that were learned while it
+was suppressed would not (ours).
 """
 
 import numpy as np

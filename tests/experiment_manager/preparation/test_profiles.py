@@ -132,8 +132,11 @@ def test_strabismus_has_its_angle_at_the_tonic_level(name: str, inward_deg: int)
 
 @pytest.mark.parametrize(
     ("name", "inward_deg"),
-    [("healthy", 0), ("esotropia_5", 5), ("esotropia_10", 10), ("esotropia_20", 20)]
-    + [("exotropia_10", -10)],
+    [
+        ("healthy", 0),
+        *((f"esotropia_{angle_deg}", angle_deg) for angle_deg in (5, 10, 20)),
+        ("exotropia_10", -10),
+    ],
 )
 def test_constant_strabismus_is_level_and_begins_at_the_tonic_level(name, inward_deg) -> None:
     configuration = configured("--profile", f"constant/{name}")
