@@ -23,7 +23,7 @@ _RELAXED_PX = 0.5
 # Settings that older runs do not have; all were made with their defaults.
 _NOT_IN_OLDER_RUNS = (
     *("noise.", "scales.", "lenses."),
-    *("camera.left_cataract", "camera.right_cataract"),
+    *("camera.left_cataract", "camera.right_cataract", "mechanics.tissue_stiffness"),
 )
 
 
