@@ -167,7 +167,7 @@ def test_values_are_read_as_yaml_1_2(setting: str, expected: object) -> None:
             ("--profile", "precice"),
             "profile: expected a known name, got 'precice'; did you mean precise",
         ),
-        (("--profile", "zzz"), "profile: expected one of ablation/*, clinic/*, demonstr"),
+        (("--profile", "zzz"), "profile: expected one of ablation/*, clinic/*, constant/*, "),
         (("--stimuli", "/nowhere"), "stimuli.directory: expected a directory of images"),
         (
             ("--set", "vergence_rl.cacla.discount=0.5", "--set", "vergence_rl.cacla.discount=0.4"),
