@@ -1,7 +1,5 @@
 """Noise of pictures and of felt activations, and what is missing of them."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -10,7 +8,6 @@ from eye_plant.camera.config import CameraConfig
 from eye_plant.senses import NoiseConfig, Senses
 from lockstep import InputError, build, flatten
 from lockstep.randomness import Moment
-from lockstep.wire.topics import TRAINING
 from tests.pair import pair_activations
 
 CAMERA = CameraConfig()
@@ -99,35 +96,6 @@ def test_an_episode_does_not_begin_with_what_the_last_one_ended_with() -> None:
     gaps.begin()
     assert (gaps.pictures(GREY + 9, at(3)) == GREY + 9).all()
     assert (gaps.felt(ACTIVATIONS / 2, at(3)) == ACTIVATIONS / 2).all()
-
-
-def test_some_training_episodes_begin_with_one_eye_covered() -> None:
-    covers = senses(covered_starts=0.5, covered_iterations=3)
-    black = []
-    for first in range(0, 2000, 10):
-        covers.begin(first)
-        shown = [covers.pictures(GREY.copy(), Moment(-1, i, first + i), "far") for i in range(5)]
-        is_black = np.array([(pictures == 0).all(axis=(1, 2)) for pictures in shown])
-        assert not is_black[3:].any()
-        assert (is_black[:3] == is_black[0]).all(), "the same eye all the time"
-        black.append(is_black[0])
-    assert np.mean(black, axis=0) == pytest.approx([0.25, 0.25], abs=0.08)
-    assert not np.all(black, axis=1).any()
-    covers.begin()
-    assert (covers.pictures(GREY.copy(), Moment(-1, 0, 0)) == GREY).all(), "no trial"
-
-
-def test_the_plant_covers_an_eye_in_training_alone() -> None:
-    texture = np.random.default_rng(0).integers(1, 256, (64, 64), np.uint8)
-    config = build(EyePlantConfig, {"noise.covered_starts": 1.0, "noise.covered_iterations": 1})
-    plant = EyePlant(config, StimulusSet((texture,), (texture,)))
-    episode = Episode.alone(0, 1.0, pair_activations(0.04, 0.01), n_iterations=2)
-    assert seen(plant.begin(episode)) == [True, True]
-    training = replace(episode, phase=TRAINING)
-    assert sorted(seen(plant.begin(training))) == [False, True]
-    later = plant.execute(np.array(episode.activations))
-    assert seen(later) == [True, True]
-    plant.close()
 
 
 def test_activations_are_felt_with_noise_in_0_to_1() -> None:

@@ -139,8 +139,7 @@ class EyePlant:
         self._episode, self._iteration = episode, 0
         self._desired_deg, self._optimal_rates_w = desired_deg, optimal_rates_w
         self._held_activations = activations
-        is_training = episode.phase == TRAINING
-        self._senses.begin(episode.training_iteration if is_training else None)
+        self._senses.begin()
         self.oculomotor.settle(activations[:N_MUSCLES])
         if self._lenses:
             self._lenses.settle(activations[N_MUSCLES:])

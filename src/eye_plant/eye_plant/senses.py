@@ -14,7 +14,7 @@ from scipy.special import ndtri
 from eye_plant.camera.config import CameraConfig
 from lockstep import SIDES, setting
 from lockstep.optics import TurnNoiseConfig, share
-from lockstep.randomness import Moment, generator
+from lockstep.randomness import Moment
 
 _N = 2**16
 
@@ -31,10 +31,6 @@ class NoiseConfig(TurnNoiseConfig):
         most=255,
     )
     missing_pictures: float = share("images of an eye that are missing; its last one stays")
-    covered_starts: float = share(
-        "training episodes at whose start one eye is covered, left or right at random"
-    )
-    covered_iterations: int = setting(5, "iterations for which it stays covered", least=1)
     activation_sd: float = setting(
         0.0,
         "standard deviation of the noise of each activation that the agent gets",
@@ -63,35 +59,21 @@ class Senses:
         self._picture_px = camera.height_px, camera.width_px
         self.begin()
 
-    def begin(self, training_iteration: int | None = None) -> None:
-        """Forget the last episode: nothing is missing in the first observation of one.
-
-        training_iteration: before the first observation of a training episode.
-        """
-        self._i_covered = self._covered_eye(training_iteration)
+    def begin(self) -> None:
+        """Forget the last episode: nothing is missing in the first observation of one."""
         # By what they are drawn for.
         self._last_pictures: dict[str, NDArray[np.uint8]] = {}
         self._last_felt: NDArray[np.float64] | None = None
-
-    def _covered_eye(self, training_iteration: int | None) -> int | None:
-        """Return which eye is covered when an episode begins, None where neither is."""
-        share_covered = self._noise.covered_starts
-        if training_iteration is None or not share_covered:
-            return None
-        draw = generator(self.seed, "covered eye", training_iteration)
-        return int(draw.integers(len(SIDES))) if draw.random() < share_covered else None
 
     def pictures(
         self, drawn: NDArray[np.uint8], moment: Moment, scale: str = ""
     ) -> NDArray[np.uint8]:
         """Return both eyes' pictures (2, roi_height_px, roi_width_px) as the cameras give them.
 
-        A pixel's noise does not depend on the region of interest. drawn: may be changed; scale: of
-        which these are a picture of its own.
+        A pixel's noise does not depend on the region of interest. scale: of which these are a
+        picture of its own.
         """
         noise = self._noise
-        if self._i_covered is not None and moment.iteration < noise.covered_iterations:
-            drawn[self._i_covered] = 0
         if not noise.picture_sd and not noise.missing_pictures:
             return drawn
         draw = moment.generator(self.seed, f"pictures {scale}" if scale else "pictures")
