@@ -22,7 +22,7 @@ OPERATIONS = (
     ("medial rectus, recession", "medial_rectus", 1.0, [6.0], [16.0], [[3.0], [6.0]]),
     ("lateral rectus, resection", "lateral_rectus", -1.0, [4.0, 7.0], [10.5, 14.9], None),
 )
-# PD per mm: what Parks recommends, as Demer cites it (doi 10.1001/archophthalmol.2012.1389).
+# PD per mm: what Parks recommends, as cited in doi 10.1001/archophthalmol.2012.1389.
 PARKS = {"medial_rectus": 5.0, "lateral_rectus": 2.5}
 
 

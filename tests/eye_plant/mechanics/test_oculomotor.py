@@ -235,21 +235,8 @@ def test_half_strength_is_half_the_activation():
     np.testing.assert_allclose(angles_deg(weak), angles_deg(healthy), atol=1e-9)
 
 
-@pytest.mark.parametrize("side", [LEFT, RIGHT])
-def test_receding_a_medial_rectus_makes_its_eye_diverge(side):
-    name = ("left", "right")[side] + "_medial_rectus"
-    healthy = eyes_with(parameter_set="anatomical")
-    receded = eyes_with(parameter_set="anatomical", recession_mm=all_but(0.0, **{name: 4.0}))
-    resected = eyes_with(parameter_set="anatomical", recession_mm=all_but(0.0, **{name: -4.0}))
-    np.testing.assert_allclose(angles_deg(receded)[1 - side], angles_deg(healthy)[1 - side])
-    diverged_deg = -angles_deg(receded)[side, ADDUCTION]
-    converged_deg = angles_deg(resected)[side, ADDUCTION]
-    # Clinical rule of thumb: 2 to 3 deg of gaze per mm of one horizontal rectus at most.
-    assert 1.0 < diverged_deg < 12.0
-    assert 1.0 < converged_deg < 12.0
-
-
 # Patients: 16 PD, 9.1 deg, for 6 mm of medial recession (Zak 1986).
+@pytest.mark.parametrize("side", [LEFT, RIGHT])
 @pytest.mark.parametrize(
     ("medial_mm", "lateral_mm", "adduction_deg", "with_half_the_stiffness_deg"),
     [
@@ -262,13 +249,15 @@ def test_receding_a_medial_rectus_makes_its_eye_diverge(side):
     ],
 )
 def test_surgery_turns_an_eye_by_so_much(
-    medial_mm, lateral_mm, adduction_deg, with_half_the_stiffness_deg
+    side, medial_mm, lateral_mm, adduction_deg, with_half_the_stiffness_deg
 ):
-    moved = {"right_medial_rectus": medial_mm, "right_lateral_rectus": lateral_mm}
+    eye = ("left", "right")[side]
+    moved = {f"{eye}_medial_rectus": medial_mm, f"{eye}_lateral_rectus": lateral_mm}
     doses = {"parameter_set": "anatomical", "recession_mm": all_but(0.0, **moved)}
     for stiffness, turned_deg in ((1.0, adduction_deg), (0.5, with_half_the_stiffness_deg)):
         eyes = eyes_with(**doses, tissue_stiffness=stiffness)
-        assert angles_deg(eyes)[:, ADDUCTION] == pytest.approx([0.0, turned_deg], abs=0.01)
+        expected_deg = np.where(np.arange(2) == side, turned_deg, 0.0)
+        np.testing.assert_allclose(angles_deg(eyes)[:, ADDUCTION], expected_deg, atol=0.01)
 
 
 @pytest.mark.parametrize("side", [LEFT, RIGHT])

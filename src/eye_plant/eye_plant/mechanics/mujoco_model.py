@@ -86,7 +86,6 @@ class MechanicsConfig:
         most=30,
         n_entries=2,
     )
-
     tissue_stiffness: float = setting(
         1.0,
         "factor on the stiffness of the orbital tissue; with 0.5 surgery of anatomical eyes turns"
