@@ -22,6 +22,12 @@ class GazeConfig:
         " rotate an eye, as a share of all so far; 0: all have the same weight (D22)",
         least=0,
     )
+    torsion_weight: float = setting(
+        1.0,
+        "how many degrees sideways or up a degree of rotation about the line of sight counts as, in"
+        " noise and distances of vergence that is learned as rotations: it moves the image less",
+        above=0,
+    )
 
     def __post_init__(self) -> None:
         """Refuse values out of range."""
