@@ -57,10 +57,7 @@ class Agent:
         if config.learns_turns:
             holds_gaze = config.fixation_iterations > 0
             control = GazeControl(*config.limit_arrays, config.gaze, holds_gaze=holds_gaze)
-            rule = TurningRule(
-                *(rule, control, config.iterations_per_fixation, config.n_before),
-                config.gaze.torsion_weight,
-            )
+            rule = TurningRule(rule, control, config.iterations_per_fixation, config.n_before)
         if config.n_lenses:
             tasks = config.eyes_task, *config.lens_tasks
             n_held = config.lens.looking_iterations

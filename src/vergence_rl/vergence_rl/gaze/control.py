@@ -27,7 +27,8 @@ class GazeControl:
     """Owns what is known of both eyes' turns, and of what activations cost.
 
     Activations are those of twelve muscles, the left eye's six first. holds_gaze: whether vergence
-    leaves the left line of sight where saccades have turned it.
+    leaves the left line of sight where saccades have turned it. weights: (3,) what a degree of each
+    turn of vergence counts as for the rule that chooses it.
     """
 
     def __init__(
@@ -36,6 +37,7 @@ class GazeControl:
         """lowest, highest: (12,) limits of the commands."""
         # Without saccades both eyes verge, and version is free.
         self.holds_gaze = holds_gaze
+        self.weights = np.array([1.0, 1.0, config.torsion_weight])
         self._noise, self._limits = config.saccade_noise, (lowest, highest)
         self._eyes = [
             EyeTurns(low, high, config.memory_share)

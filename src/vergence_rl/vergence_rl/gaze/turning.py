@@ -22,22 +22,16 @@ class TurningRule:
     """
 
     def __init__(
-        self,
-        rule: LearningRule,
-        control: GazeControl,
-        iterations_per_fixation: int,
-        n_before: int,
-        torsion_weight: float = 1.0,
+        self, rule: LearningRule, control: GazeControl, iterations_per_fixation: int, n_before: int
     ) -> None:
         """Combine a rule and a control.
 
-        rule: of a task whose commands are turns, in deg, of torsion times torsion_weight.
+        rule: of a task whose commands are turns in deg, times the control's weights.
         iterations_per_fixation: or of an episode without saccades.
         n_before: the first of them, from which the rule does not learn.
         """
         self._rule, self._control = rule, control
         self._n_iterations, self._n_before = iterations_per_fixation, n_before
-        self._weights = np.array([1.0, 1.0, torsion_weight])
         # The sum of what vergence has asked for in this fixation.
         self._turned_deg = np.zeros(N_TURNS)
 
@@ -56,7 +50,7 @@ class TurningRule:
             dataclasses.replace(
                 observation,
                 iteration=since,
-                activations=self._turned_deg * self._weights,
+                activations=self._turned_deg * control.weights,
                 reward=observation.reward + observation.energy_penalty,
             ),
             learning=learning and not is_saccade and since >= 0 and control.is_known,
@@ -69,8 +63,8 @@ class TurningRule:
                 activations, observation.target_deg, draw if is_first else None
             )
         else:
-            self._turned_deg = decision.command / self._weights
-            command = control.verge(activations, decision.action / self._weights)
+            self._turned_deg = decision.command / control.weights
+            command = control.verge(activations, decision.action / control.weights)
             # Turns are learned from commands with noise.
             is_shaken = not control.holds_gaze and (since < 0 or not control.is_known)
             if is_shaken and draw is not None:
