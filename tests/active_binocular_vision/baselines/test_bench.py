@@ -106,6 +106,7 @@ def test_agents_of_another_package_act_in_the_test_as_in_training(bench, monkeyp
     assert [change for _, change in tested] == pytest.approx([1 / 128] * 5)
 
 
-def test_eyes_that_make_saccades_have_another_test(run_of):
-    with pytest.raises(InputError, match="expected a run without saccades"):
-        Bench(Run(run_of("gaze")), {})
+@pytest.mark.parametrize("kind", ["gaze", "triad"])
+def test_eyes_that_make_saccades_or_focus_have_another_test(run_of, kind):
+    with pytest.raises(InputError, match="expected a run without saccades and lenses"):
+        Bench(Run(run_of(kind)), {})

@@ -40,6 +40,11 @@ def test_the_last_checkpoint_on_its_own_stimuli_gives_the_last_test(small_run, r
     assert _evaluated(run).test == _tests(small_run)[-1]
 
 
+def test_eyes_with_lenses_do_as_in_their_last_test(run_of: Callable[[str], Path]) -> None:
+    run = run_of("triad")
+    assert _evaluated(run).test == _tests(run)[-1]
+
+
 def test_own_stimuli_from_their_directory_are_the_same(small_run, run, pictures, tmp_path, capsys):
     out = tmp_path / "out.json"
     assert main([str(run), "--stimuli", str(pictures), "--json", str(out)]) == 0

@@ -58,7 +58,8 @@ class Bench:
     def __init__(self, run: Run, coder_state: Mapping[str, NDArray[Any]]) -> None:
         """run: with its configuration; coder_state: as saved by it.
 
-        Raises InputError for a run whose eyes make saccades, and for a state that does not fit.
+        Raises InputError for a run whose eyes make saccades or have lenses, and for a state that
+        does not fit.
         """
         configuration = run.configuration
         self.directory = run.directory
@@ -69,10 +70,12 @@ class Bench:
             if name.startswith("stimuli.")
         }
         self.manager = config_of(ExperimentManagerConfig, configuration)
-        if self.manager.fixation_iterations:
+        fixation, space = self.manager.fixation_iterations, self.manager.space
+        if fixation or space.has_lenses:
             raise InputError(
-                "baselines: expected a run without saccades, as those of precise and twelve, got "
-                f"fixation_iterations {self.manager.fixation_iterations}"
+                "baselines: expected a run without saccades and lenses, as those of precise and "
+                f"twelve, got fixation_iterations {fixation}, command_space "
+                f"{self.manager.command_space}"
             )
         self.protocol = protocol_of(configuration)
         self._coder = SparseCoder(config_of(SparseCoderConfig, configuration))

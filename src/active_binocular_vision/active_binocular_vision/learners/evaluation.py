@@ -133,4 +133,4 @@ def _trial(loop: InProcessLoop, episode: Episode, n_training: int) -> list[tuple
     shown = dataclasses.replace(episode, stimulus=episode.stimulus - n_training)
     observations = [step.observation for step in loop.run_episode(shown, learning=False)]
     space = loop.plant.config.space
-    return [(*o.ground_truth_values(), *space.from_all(o.state.activations)) for o in observations]
+    return [(*o.ground_truth_values(), *space.from_all(o.activations)) for o in observations]
