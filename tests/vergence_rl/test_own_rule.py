@@ -1,5 +1,6 @@
 """A rule of one's own, from a file or a module: it learns, and what is none is refused."""
 
+import pickle
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,7 @@ from lockstep import InputError, build, flatten
 from tests.own_rule import EXAMPLE, REINFORCE
 from tests.vergence_rl.probe import SETTINGS, gaze_errors, trained_on_gazes
 from vergence_rl import Agent, VergenceRlConfig
+from vergence_rl.rules import rule_of
 
 
 def _config(rule: str, own: str = "") -> VergenceRlConfig:
@@ -44,6 +46,13 @@ def test_a_module_names_it_as_a_file_does(monkeypatch: pytest.MonkeyPatch) -> No
 def test_what_is_no_rule_is_refused(rule: str, own: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
         _config(rule, own)
+
+
+def test_a_rule_can_be_pickled_after_another_name_was_asked_of_its_file() -> None:
+    rule = rule_of(REINFORCE)
+    with pytest.raises(InputError):
+        rule_of(f"{EXAMPLE}:Reinforce")
+    assert pickle.loads(pickle.dumps(rule)) is rule
 
 
 def test_a_file_that_cannot_be_read_says_why(tmp_path: Path) -> None:

@@ -39,7 +39,6 @@ def rule_of(name: str) -> Any:
     return RULES[name] if name in RULES else _own_rule(name)
 
 
-@cache
 def _own_rule(name: str) -> Any:
     where, colon, of_class = name.rpartition(":")
     if not (where and colon and of_class):
@@ -62,8 +61,9 @@ def _own_rule(name: str) -> Any:
     return rule
 
 
+@cache
 def _module(where: str) -> ModuleType:
-    """Return the module of a file or of a dotted name."""
+    """Return the module of a file, always the same one, or of a dotted name."""
     if not where.endswith(".py"):
         return import_module(where)
     spec = spec_from_file_location(where.replace(".", "_"), where)
