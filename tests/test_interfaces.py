@@ -24,7 +24,7 @@ def test_the_quality_of_service() -> None:
 
 
 def test_the_vectors_of_gaze() -> None:
-    names = {"episode": topics.TARGET_NAMES, topics.GAZE: topics.GAZE_NAMES}
+    names = {"episode": topics.GIVEN_TARGET_NAMES, topics.GAZE: topics.GAZE_NAMES}
     found: dict[str, list[str]] = {}
     for row in table("Gaze"):
         topic = (quoted(row[0]) or [topics.GAZE])[0]

@@ -185,6 +185,7 @@ def test_learning_steps_are_iterations_but_the_first_of_an_episode(config) -> No
         ({"target_deg": np.zeros(3)}, r"got shapes \(3,\) and \(2, 3\)"),
         ({"turns_deg": np.zeros((3, 2))}, r"got shapes \(2,\) and \(3, 2\)"),
         ({"target_deg": np.array([np.inf, 0.0])}, "finite numbers, or NaN"),
+        ({"leading_eye": 2.0}, "leading_eye: expected 0, the left one, or 1, got 2.0"),
     ],
 )
 def test_a_bad_observation_is_refused_and_changes_nothing(config, changes, message) -> None:

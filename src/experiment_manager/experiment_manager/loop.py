@@ -105,7 +105,7 @@ class InProcessLoop:
             left = central_view(left, seen.cameras[0], focal_px)
             right = central_view(right, seen.cameras[1], focal_px)
         rates_w = seen.rates_w(self._space)
-        given_deg = np.array(seen.given_target_deg)
+        given_deg = np.reshape(seen.given_target_deg, (2, 2))
         return self.coder.perceive(
             left, right, rates_w, apart=seen.apart, moment=seen.moment, given_deg=given_deg
         )
@@ -130,6 +130,7 @@ class InProcessLoop:
             exploration=exploration,
             target_deg=gaze.target_deg,
             turns_deg=gaze.turns_deg,
+            leading_eye=gaze.leading_eye,
             energy_penalty=percept.energy_penalty,
         )
 

@@ -19,9 +19,9 @@ from lockstep.wire.stamps import to_time
 from lockstep.wire.topics import (
     CAMERA_INFOS,
     EPISODE_NAMES,
+    GIVEN_TARGET_NAMES,
     GROUND_TRUTH_NAMES,
     PICTURES,
-    TARGET_NAMES,
     apart_pictures,
     eye_state_names,
 )
@@ -34,7 +34,7 @@ class ObservationMessages:
     def __init__(self, config: EyePlantConfig) -> None:
         """Lay out the messages of a plant of that configuration."""
         self._episode = VectorBytes(EPISODE_NAMES)
-        self._episode_with_target = VectorBytes((*EPISODE_NAMES, *TARGET_NAMES))
+        self._episode_with_target = VectorBytes((*EPISODE_NAMES, *GIVEN_TARGET_NAMES))
         self._muscles = VectorBytes(MUSCLE_NAMES)
         self._activations = VectorBytes(config.space.activation_names)
         self._feels_noise = config.noise.is_of_activations

@@ -1,6 +1,5 @@
 """What the plant gives out at one moment."""
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -13,6 +12,9 @@ from eye_plant.mechanics.oculomotor import OculomotorState
 from lockstep import CommandSpace
 from lockstep.optics import Pinhole
 from lockstep.randomness import Moment
+from lockstep.wire.topics import GIVEN_TARGET_NAMES
+
+NO_TARGET_DEG = (float("nan"),) * len(GIVEN_TARGET_NAMES)
 
 
 def with_lenses(activations: np.ndarray, lenses: LensState | None) -> np.ndarray:
@@ -119,10 +121,12 @@ class Observation(Seen):
         )
 
     @property
-    def given_target_deg(self) -> tuple[float, float]:
-        """Place in the left picture to look at, sideways and up; NaN unless a new one is given."""
+    def given_target_deg(self) -> tuple[float, ...]:
+        """The values of lockstep.wire.topics.GIVEN_TARGET_NAMES: where either picture has the
+        place to look at, sideways and up; NaN unless a new one is given.
+        """
         is_new = self.episode.begins_fixation(self.iteration)
-        return self.truth.target_deg if is_new else (math.nan, math.nan)
+        return self.truth.target_places_deg if is_new else NO_TARGET_DEG
 
     def ground_truth_values(self) -> tuple[float, ...]:
         """Return the values of lockstep.wire.topics.GROUND_TRUTH_NAMES."""
@@ -142,5 +146,5 @@ class Observation(Seen):
             truth.metabolic_rate_w,
             truth.initial_metabolic_rate_w,
             truth.optimal_metabolic_rate_w,
-            *truth.target_deg,
+            *truth.target_places_deg,
         )

@@ -24,6 +24,8 @@ from eye_plant.vergence import desired_vergence_deg
 from lockstep import PAIR, InputError
 from lockstep.wire.topics import TRAINING
 
+_AHEAD = [(0.0, 0.0)] * 2
+
 
 class EyePlant:
     """Runs one episode after another: `begin`, then `execute` once per command.
@@ -208,6 +210,7 @@ class EyePlant:
         # Those look straight ahead, where K17's formula holds.
         desired_deg = self._desired_deg if is_pair else sum(adduction_deg) + error.horizontal_deg
         target_deg = episode.target_deg(self._iteration)
+        places_deg = [target_place_deg(r, *target_deg) for r in seeing] if target_deg else _AHEAD
         truth = GroundTruth(
             adduction_deg=tuple(adduction_deg),
             elevation_deg=tuple(elevation_deg),
@@ -217,7 +220,8 @@ class EyePlant:
             metabolic_rate_w=self._charged_rate_w(state),
             initial_metabolic_rate_w=self._initial_rate_w,
             optimal_metabolic_rate_w=self._optimal_rates_w[target_deg],
-            target_deg=target_place_deg(seeing[0], *target_deg) if target_deg else (0.0, 0.0),
+            target_deg=places_deg[0],
+            right_target_deg=places_deg[1],
         )
         pictures, apart = None, tuple[np.ndarray, ...]()
         lenses, moment = self._lens_state, episode.moment(self._iteration)

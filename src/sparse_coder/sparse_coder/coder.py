@@ -29,7 +29,7 @@ from sparse_coder.matching_pursuit import (
     residuals_of_eyes,
 )
 from sparse_coder.patches import N_PIXELS, Image, check_images, patches_and_energies
-from sparse_coder.percept import NOWHERE_DEG, Encoding, Percept
+from sparse_coder.percept import NOT_GIVEN_DEG, Encoding, Percept
 from sparse_coder.picture_of_code import coded_patches
 from sparse_coder.reward import (
     information,
@@ -86,7 +86,7 @@ class SparseCoder:
         *,
         apart: Sequence[NDArray[np.uint8]] = (),
         moment: Moment = _START,
-        given_deg: NDArray[np.float64] = NOWHERE_DEG,
+        given_deg: NDArray[np.float64] = NOT_GIVEN_DEG,
     ) -> Percept:
         """Return what an observation is worth, and what it says of gaze; the atoms stay.
 
@@ -94,7 +94,8 @@ class SparseCoder:
         apart: as for `encode`.
         metabolic_rates_w: (n_muscles,) settled rates of the charged muscles, (0,) of joints.
         moment: which observation it is; turns of the eyes are followed from iteration 0 on.
-        given_deg: (2,) place to look at when a fixation begins, NaN where the eyes choose.
+        given_deg: (2, 2) place to look at when a fixation begins, in the left and in the right
+        picture, NaN where the eyes choose.
 
         Raises InputError for unsuitable pictures or rates.
         """
@@ -108,7 +109,9 @@ class SparseCoder:
         watch = self._watch
         gaze = None
         if watch:
-            gaze = watch.step(moment, (left, right), encoding, given_deg)
+            # Of the finest scale, which shows where the eyes look.
+            dominance = float(self.dominances[-1].mean())
+            gaze = watch.step(moment, (left, right), encoding, given_deg, dominance)
         return Percept(
             encoding, rate_w, earned.energy_penalty, earned.value, self.learning_steps, gaze
         )

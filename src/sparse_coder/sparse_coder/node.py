@@ -19,6 +19,7 @@ from lockstep.wire.topics import (
     GAZE,
     GAZE_NAMES,
     GAZE_TARGET,
+    GIVEN_TARGET_NAMES,
     PICTURES,
     TARGET_NAMES,
     TRAINING,
@@ -36,7 +37,7 @@ from sparse_coder.messages import (
     features_message,
     picture_of,
 )
-from sparse_coder.percept import NOWHERE_DEG
+from sparse_coder.percept import NOT_GIVEN_DEG
 
 # Half a megabyte each time, for people to look at.
 _BASIS_FUNCTIONS_PERIOD_S = 1.0
@@ -90,7 +91,7 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
         phase, iteration, training_iteration = whole_values_of(episode, _EPISODE, "episode")
         (trial,) = values_of(episode, ("trial",), "episode")
         rates_w = self._rates_w(observation)
-        given_deg = NOWHERE_DEG
+        given_deg = NOT_GIVEN_DEG
         if self.config.fixation_iterations:
             given_deg = self._given_deg(episode, phase, iteration)
         percept = self.learner.perceive(
@@ -138,20 +139,20 @@ class SparseCoderNode(LearnerNode[SparseCoder]):
         return values_of(activations, space.muscle_names, "muscle_activations", "effort")
 
     def _take_target(self, message: JointState) -> None:
-        """Look there when the next fixation of training begins."""
+        """Look there when the next fixation of training begins, whichever eye leads then."""
         try:
-            self._wanted_deg = values_of(message, TARGET_NAMES, GAZE_TARGET)
+            self._wanted_deg = np.tile(values_of(message, TARGET_NAMES, GAZE_TARGET), (2, 1))
         except InputError as error:
             self.diagnostics.refuse(str(error))
 
     def _given_deg(self, episode: JointState, phase: int, iteration: int) -> np.ndarray:
-        """Return the place that a fixation is given, (2,); NaN where the eyes may choose.
+        """Return the place that a fixation is given, (2, 2), as `perceive` takes it.
 
         What somebody wants comes before what the protocol gives, but not in tests.
         """
-        given_deg = NOWHERE_DEG
-        if set(TARGET_NAMES) <= set(episode.name):
-            given_deg = values_of(episode, TARGET_NAMES, "episode", may_lack=TARGET_NAMES)
+        given_deg, names = NOT_GIVEN_DEG, GIVEN_TARGET_NAMES
+        if set(names) <= set(episode.name):
+            given_deg = values_of(episode, names, "episode", may_lack=names).reshape(2, 2)
         begins = iteration % self.config.fixation_iterations == 0
         if begins and phase == TRAINING and self._wanted_deg is not None:
             return self._wanted_deg

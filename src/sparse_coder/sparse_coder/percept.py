@@ -41,20 +41,23 @@ class Encoding:
 class Gaze:
     """What turns of the eyes need of an observation (D22, D23).
 
-    target_deg: (2,) sideways and up from the left line of sight, NaN when there is no saccade to
-    make; turns_deg: (2, 3) how each eye turned since the observation before, to the right, up and
-    clockwise, NaN where that was not measured or is not clear.
+    target_deg: (2,) sideways and up from the line of sight of the eye that leads, NaN when there is
+    no saccade to make; turns_deg: (2, 3) how each eye turned since the observation before, to the
+    right, up and clockwise, NaN where that was not measured or is not clear; leading_eye: 0 the
+    left one, 1 the right one.
     """
 
     target_deg: NDArray[np.float64]
     turns_deg: NDArray[np.float64]
+    leading_eye: int = 0
 
     def values(self) -> tuple[float, ...]:
         """Return the values of lockstep.wire.topics.GAZE_NAMES."""
-        return (*self.target_deg.tolist(), *self.turns_deg.ravel().tolist())
+        return (*self.target_deg.tolist(), *self.turns_deg.ravel().tolist(), self.leading_eye)
 
 
 NOWHERE_DEG, UNSEEN_DEG = np.full(2, np.nan), np.full((2, 3), np.nan)
+NOT_GIVEN_DEG = np.full((2, 2), np.nan)
 NO_GAZE = Gaze(NOWHERE_DEG, UNSEEN_DEG)
 
 

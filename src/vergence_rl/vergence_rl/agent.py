@@ -89,6 +89,7 @@ class Agent:
         target_deg: NDArray[np.float64] = NO_TARGET_DEG,
         turns_deg: NDArray[np.float64] = NO_TURNS_DEG,
         energy_penalty: float = 0.0,
+        leading_eye: float = 0,
     ) -> Decision:
         """Learn from what was done so far and answer with what to do next.
 
@@ -97,10 +98,10 @@ class Agent:
         training_iteration: number of training iterations before this one; learning: whether to
         learn from the last action, and later from this one (there is nothing to learn at an
         episode's start or after a gap); exploration: whether to add noise to the action;
-        target_deg: (2,) place to look at now, sideways and up from the left line of sight, NaN
-        where there is none; turns_deg: (2, 3) how each eye was seen to turn since the observation
+        target_deg: (2,) place to look at now, sideways and up from the leading eye's line of sight,
+        NaN where there is none; turns_deg: (2, 3) how each eye was seen to turn since the observation
         before, NaN where that was not seen; energy_penalty: lambda C, what the activations take
-        from the reward.
+        from the reward; leading_eye: 0 the left one, 1 the right one.
 
         Raises InputError, and changes nothing, for a wrong size or a number that is not finite;
         DivergenceError when value, TD error or action leave every sane range.
@@ -110,7 +111,7 @@ class Agent:
             {"reward": reward, "energy_penalty": energy_penalty},
             {"iteration": iteration, "training_iteration": training_iteration},
         )
-        target_deg, turns_deg = checked_gaze(target_deg, turns_deg)
+        target_deg, turns_deg, leads = checked_gaze(target_deg, turns_deg, leading_eye)
         if learning:
             self._statistics = updated_statistics(self._statistics, entries)
         observation = TimeStep(
@@ -122,6 +123,7 @@ class Agent:
             target_deg,
             turns_deg,
             energy_penalty,
+            leads,
         )
         seed = self.config.seed
         draw = generator(seed, "exploration", training_iteration) if exploration else None

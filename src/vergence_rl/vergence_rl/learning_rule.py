@@ -48,7 +48,7 @@ class TimeStep:
     iteration: within the episode, from 0; training_iteration: training iterations before this one;
     state: s, (n_state,); activations: x, (n_muscles,) those that are commanded; reward: r_t, of
     now. What turns of the eyes need: target_deg (2,) and turns_deg (2, 3), as Agent.observe takes
-    them; energy_penalty: lambda C.
+    them; energy_penalty: lambda C; leading_eye: 0 the left one, 1 the right one.
     """
 
     iteration: int
@@ -59,6 +59,7 @@ class TimeStep:
     target_deg: Floats = field(default_factory=lambda: NO_TARGET_DEG)
     turns_deg: Floats = field(default_factory=lambda: NO_TURNS_DEG)
     energy_penalty: float = 0.0
+    leading_eye: int = 0
 
     def follows(self, other: "TimeStep") -> bool:
         """Whether this is the next iteration of the same training episode."""

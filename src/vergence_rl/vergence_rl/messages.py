@@ -51,15 +51,16 @@ def activations_of(message: JointState, space: CommandSpace) -> np.ndarray:
 
 
 def gaze_of(message: JointState, reward: JointState) -> dict[str, Any]:
-    """Return target_deg (2,), turns_deg (2, 3) and energy_penalty as Agent.observe takes them.
+    """Return what Agent.observe takes beside what it takes of all eyes, by its names there.
 
     Raises InputError as `values_of`; NaN stands for what there is not.
     """
-    values = values_of(message, GAZE_NAMES, GAZE, may_lack=GAZE_NAMES)
+    values = values_of(message, GAZE_NAMES, GAZE, may_lack=GAZE_NAMES[:-1])
     (energy_penalty,) = values_of(reward, ("energy_penalty",), "reward").tolist()
     return {
         "target_deg": values[:2],
-        "turns_deg": values[2:].reshape(len(SIDES), -1),
+        "turns_deg": values[2:-1].reshape(len(SIDES), -1),
+        "leading_eye": float(values[-1]),
         "energy_penalty": energy_penalty,
     }
 

@@ -5,12 +5,15 @@ import pytest
 from lockstep.optics import TurnNoiseConfig
 from lockstep.randomness import Moment
 from sparse_coder import Encoding
-from sparse_coder.gaze.fixations import NOWHERE_DEG, Fixations, Turns, with_noise
+from sparse_coder.gaze.fixations import Fixations, Turns, with_noise
 from sparse_coder.matching_pursuit import Selections
+from sparse_coder.percept import NOT_GIVEN_DEG
 
 FOCAL_PX = 250.0
 SIDE_PX = 192
 TARGET_DEG = np.array([3.0, -2.0])
+# In the left and in the right picture.
+GIVEN_DEG = np.array([TARGET_DEG, [-7.0, -1.0]])
 
 
 def picture(right_px: float = 0.0, down_px: float = 0.0) -> np.ndarray:
@@ -38,7 +41,7 @@ NOTHING = encoding_with_worst()
 
 def test_a_fixation_is_two_saccades_and_vergence() -> None:
     fixations, still = Fixations(7, FOCAL_PX), (picture(), picture())
-    gazes = [fixations.step(Moment(iteration=i), still, NOTHING, TARGET_DEG) for i in range(9)]
+    gazes = [fixations.step(Moment(iteration=i), still, NOTHING, GIVEN_DEG) for i in range(9)]
     np.testing.assert_array_equal(gazes[0].target_deg, TARGET_DEG)
     np.testing.assert_allclose(gazes[1].target_deg, TARGET_DEG, atol=0.01)
     np.testing.assert_allclose(gazes[1].turns_deg, 0.0, atol=0.01)
@@ -53,7 +56,7 @@ def test_every_second_command_of_vergence_is_measured() -> None:
     # The left eye turns to the right with observation 3, back with 5, and to the right with 6.
     gazes = [
         fixations.step(
-            Moment(iteration=i), (picture(10.0 * (i in (3, 4, 6))), picture()), NOTHING, TARGET_DEG
+            Moment(iteration=i), (picture(10.0 * (i in (3, 4, 6))), picture()), NOTHING, GIVEN_DEG
         )
         for i in range(7)
     ]
@@ -64,10 +67,10 @@ def test_every_second_command_of_vergence_is_measured() -> None:
 
 def test_the_second_saccade_is_to_what_the_first_has_missed() -> None:
     fixations = Fixations(5, FOCAL_PX)
-    fixations.step(Moment(iteration=0), (picture(), picture()), NOTHING, TARGET_DEG)
+    fixations.step(Moment(iteration=0), (picture(), picture()), NOTHING, GIVEN_DEG)
     # The left eye turns by 10 px to the right, the right one by 4 px up.
     gaze = fixations.step(
-        Moment(iteration=1), (picture(10.0), picture(0.0, -4.0)), NOTHING, TARGET_DEG
+        Moment(iteration=1), (picture(10.0), picture(0.0, -4.0)), NOTHING, GIVEN_DEG
     )
     ten_px_deg, four_px_deg = np.degrees(np.arctan(np.array([10.0, 4.0]) / FOCAL_PX))
     np.testing.assert_allclose(gaze.turns_deg[0], [ten_px_deg, 0.0, 0.0], atol=0.05)
@@ -75,10 +78,47 @@ def test_the_second_saccade_is_to_what_the_first_has_missed() -> None:
     np.testing.assert_allclose(gaze.target_deg, TARGET_DEG - [ten_px_deg, 0.0], atol=0.05)
 
 
+FLAT = np.full((SIDE_PX, SIDE_PX), 9, np.uint8)
+
+
+def test_the_right_eye_leads_when_it_suppresses_the_left_one() -> None:
+    fixations = Fixations(5, FOCAL_PX)
+    first, second, later = (
+        fixations.step(Moment(iteration=i), pictures, NOTHING, GIVEN_DEG, dominance=-0.1)
+        for i, pictures in enumerate(
+            [(picture(), picture()), (picture(10.0), picture(0.0, -4.0)), (picture(), picture())]
+        )
+    )
+    assert (first.leading_eye, second.leading_eye, later.leading_eye) == (1, 1, 1)
+    np.testing.assert_array_equal(first.target_deg, GIVEN_DEG[1])
+    # It turned by 4 px up.
+    four_px_deg = np.degrees(np.arctan(4.0 / FOCAL_PX))
+    np.testing.assert_allclose(second.target_deg, GIVEN_DEG[1] - [0.0, four_px_deg], atol=0.05)
+
+
+def test_an_eye_leads_for_all_of_a_fixation() -> None:
+    fixations, still = Fixations(3, FOCAL_PX), (picture(), picture())
+    dominances = (0.1, -0.1, -0.1, -0.1, 0.1, 0.1, 0.1)
+    gazes = [
+        fixations.step(Moment(iteration=i), still, NOTHING, GIVEN_DEG, dominance)
+        for i, dominance in enumerate(dominances)
+    ]
+    assert [gaze.leading_eye for gaze in gazes] == [0, 0, 0, 1, 1, 1, 0]
+
+
+@pytest.mark.parametrize(
+    ("pictures", "dominance", "leads"),
+    [((FLAT, picture()), 0.5, 1), ((picture(), FLAT), -0.5, 0), ((FLAT, FLAT), -0.5, 1)],
+)
+def test_an_eye_that_sees_nothing_does_not_lead(pictures, dominance, leads) -> None:
+    gaze = Fixations(5, FOCAL_PX).step(Moment(), pictures, NOTHING, GIVEN_DEG, dominance)
+    assert gaze.leading_eye == leads
+
+
 def test_after_an_unclear_movement_there_is_no_second_saccade() -> None:
-    fixations, flat = Fixations(5, FOCAL_PX), np.full((SIDE_PX, SIDE_PX), 9, np.uint8)
-    fixations.step(Moment(iteration=0), (picture(), picture()), NOTHING, TARGET_DEG)
-    gaze = fixations.step(Moment(iteration=1), (flat, picture()), NOTHING, TARGET_DEG)
+    fixations = Fixations(5, FOCAL_PX)
+    fixations.step(Moment(iteration=0), (picture(), picture()), NOTHING, GIVEN_DEG)
+    gaze = fixations.step(Moment(iteration=1), (FLAT, picture()), NOTHING, GIVEN_DEG)
     assert np.isnan(gaze.target_deg).all()
     assert np.isnan(gaze.turns_deg[0]).all()
     assert np.isfinite(gaze.turns_deg[1]).all()
@@ -89,7 +129,7 @@ def test_after_an_unclear_movement_there_is_no_second_saccade() -> None:
 )
 def test_eyes_that_may_choose_look_where_the_code_is_worst(i_patch, right_px, down_px) -> None:
     gaze = Fixations(5, FOCAL_PX).step(
-        Moment(iteration=0), (picture(), picture()), encoding_with_worst(i_patch), NOWHERE_DEG
+        Moment(iteration=0), (picture(), picture()), encoding_with_worst(i_patch), NOT_GIVEN_DEG
     )
     angle = np.degrees(np.arctan(np.hypot(right_px, down_px) / FOCAL_PX))
     direction = np.array([right_px, -down_px]) / np.hypot(right_px, down_px)
@@ -98,23 +138,23 @@ def test_eyes_that_may_choose_look_where_the_code_is_worst(i_patch, right_px, do
 
 def test_they_do_not_return_to_where_they_have_looked_in_the_episode() -> None:
     fixations, still = Fixations(5, FOCAL_PX), (picture(), picture())
-    first = fixations.step(Moment(iteration=0), still, encoding_with_worst(27, 24), NOWHERE_DEG)
+    first = fixations.step(Moment(iteration=0), still, encoding_with_worst(27, 24), NOT_GIVEN_DEG)
     assert first.target_deg[0] > 10.0
     # Both saccades lead there: what was 48 px to the right is ahead now, and what was ahead lies
     # 48 px to the left.
-    fixations.step(Moment(iteration=1), (picture(48.0), picture(48.0)), NOTHING, NOWHERE_DEG)
+    fixations.step(Moment(iteration=1), (picture(48.0), picture(48.0)), NOTHING, NOT_GIVEN_DEG)
     second = fixations.step(
-        Moment(iteration=5), still, encoding_with_worst(21, 24, 10), NOWHERE_DEG
+        Moment(iteration=5), still, encoding_with_worst(21, 24, 10), NOT_GIVEN_DEG
     )
     np.testing.assert_allclose(second.target_deg, np.degrees(np.arctan([0.0, 32.0 / 250.0])))
-    again = fixations.step(Moment(iteration=0), still, encoding_with_worst(21, 24, 10), NOWHERE_DEG)
+    again = fixations.step(Moment(iteration=0), still, encoding_with_worst(21, 24, 10), NOT_GIVEN_DEG)
     assert again.target_deg[0] < -10.0, "another episode is another scene"
 
 
 def test_without_saccades_the_turns_of_two_commands_are_measured_and_no_target_is_chosen() -> None:
     turns, ten_px_deg = Turns(FOCAL_PX), np.degrees(np.arctan(10.0 / FOCAL_PX))
     gazes = [
-        turns.step(Moment(iteration=i), (picture(10.0 * (i % 2)), picture()), NOTHING, NOWHERE_DEG)
+        turns.step(Moment(iteration=i), (picture(10.0 * (i % 2)), picture()), NOTHING, NOT_GIVEN_DEG)
         for i in range(8)
     ]
     # From observation 0 to 1 the left eye turns to the right, from 5 to 6 back.
@@ -148,6 +188,6 @@ def test_each_eye_misses_a_share_of_its_turns() -> None:
 
 def test_without_a_measured_turn_there_is_no_second_saccade() -> None:
     fixations = Fixations(5, FOCAL_PX, TurnNoiseConfig(missing_turns=1.0))
-    fixations.step(Moment(iteration=0), (picture(), picture()), NOTHING, TARGET_DEG)
-    gaze = fixations.step(Moment(iteration=1), (picture(10.0), picture()), NOTHING, TARGET_DEG)
+    fixations.step(Moment(iteration=0), (picture(), picture()), NOTHING, GIVEN_DEG)
+    gaze = fixations.step(Moment(iteration=1), (picture(10.0), picture()), NOTHING, GIVEN_DEG)
     assert np.isnan(gaze.target_deg).all()

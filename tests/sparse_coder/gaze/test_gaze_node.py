@@ -8,7 +8,15 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from lockstep import MUSCLE_NAMES
-from lockstep.wire.topics import GAZE, GAZE_NAMES, GAZE_TARGET, TARGET_NAMES, TEST, TRAINING
+from lockstep.wire.topics import (
+    GAZE,
+    GAZE_NAMES,
+    GAZE_TARGET,
+    GIVEN_TARGET_NAMES,
+    TARGET_NAMES,
+    TEST,
+    TRAINING,
+)
 from lockstep.wire.vectors import vector_message
 from sparse_coder.node import INPUTS, SparseCoderNode
 from tests.learner_contract import LearnerBench
@@ -30,7 +38,7 @@ def _fixation(number: int, phase: int = TRAINING, given_deg: Any = GIVEN_DEG) ->
     messages = _observation(number, phase)
     episode = messages["episode"]
     values = dict(zip(episode.name, episode.position, strict=True)) | {"iteration": 5.0 * number}
-    values |= dict(zip(TARGET_NAMES, given_deg, strict=True))
+    values |= dict(zip(GIVEN_TARGET_NAMES, (*given_deg, 5.0, 6.0), strict=True))
     stamp_ns = number * 10**9
     twelve = (0.1,) * len(MUSCLE_NAMES)
     messages["muscle_activations"] = vector_message(stamp_ns, MUSCLE_NAMES, twelve, effort=twelve)
@@ -47,7 +55,8 @@ def bench(graph: Graph) -> LearnerBench:
 def _target_deg(bench: LearnerBench, number: int) -> tuple[float, ...]:
     gaze = bench.wait_distinct(GAZE, number)[-1]
     assert tuple(gaze.name) == GAZE_NAMES
-    assert np.isnan(gaze.position[2:]).all()
+    assert np.isnan(gaze.position[2:-1]).all()
+    assert gaze.position[-1] == 0.0
     return tuple(gaze.position[:2])
 
 

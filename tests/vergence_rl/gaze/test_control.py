@@ -73,6 +73,20 @@ def test_vergence_turns_the_right_eye_and_both_about_their_lines_of_sight() -> N
     np.testing.assert_allclose(turned_deg(command - MID), VERGED, atol=0.02)
 
 
+def test_where_the_right_eye_leads_the_left_one_turns_the_other_way() -> None:
+    command = learned().verge(MID, TURN, leads=1)
+    expected = [[-1.5, 0.5, -0.4], [0.0, 0.0, 0.4]]
+    np.testing.assert_allclose(turned_deg(command - MID), expected, atol=0.02)
+
+
+def test_energy_is_saved_where_the_eye_that_leads_looks() -> None:
+    control, command = learned(2500, price=1.0), MID
+    for _ in range(5):
+        command = control.verge(command, np.zeros(3), leads=1)
+    assert command.sum() < MID.sum() - 0.1
+    np.testing.assert_allclose(turned_deg(command - MID)[:, :2], 0.0, atol=0.05)
+
+
 def test_with_a_price_vergence_relaxes_muscles_that_pull_against_each_other() -> None:
     control = learned(2500, price=1.0)
     command = control.verge(MID, TURN)

@@ -12,7 +12,7 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.head.head import Angles, Head
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
-from eye_plant.observation import Seen
+from eye_plant.observation import NO_TARGET_DEG, Seen
 from lockstep import COMMAND_SPACES, CommandSpace, InputError
 from lockstep.optics import Pinhole
 from lockstep.wire.topics import EPISODE_NAMES, GROUND_TRUTH_NAMES
@@ -49,9 +49,9 @@ class HeadObservation(Seen):
         return self.angles_rad
 
     @property
-    def given_target_deg(self) -> tuple[float, float]:
+    def given_target_deg(self) -> tuple[float, ...]:
         """NaN: a head is given no gaze targets."""
-        return math.nan, math.nan
+        return NO_TARGET_DEG
 
     def ground_truth_values(self) -> tuple[float, ...]:
         """Return the values of lockstep.wire.topics.GROUND_TRUTH_NAMES, NaN of what is unknown."""

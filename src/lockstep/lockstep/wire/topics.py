@@ -19,8 +19,10 @@ EPISODE_NAMES = (
     "training_iteration",
     "observation",
 )
-# Of eyes that make saccades: the gaze target in the left picture when a fixation begins.
+# A gaze target in the left picture, or in that of the eye that is to look there.
 TARGET_NAMES = ("target_sideways_deg", "target_up_deg")
+# Of eyes that make saccades: the target in either picture when a fixation begins.
+GIVEN_TARGET_NAMES = (*TARGET_NAMES, *(f"right_{name}" for name in TARGET_NAMES))
 GROUND_TRUTH_NAMES = (
     *EPISODE_NAMES,
     "stimulus",
@@ -39,17 +41,19 @@ GROUND_TRUTH_NAMES = (
     "metabolic_rate_w",
     "initial_metabolic_rate_w",
     "optimal_metabolic_rate_w",
-    *TARGET_NAMES,
+    *GIVEN_TARGET_NAMES,
 )
 EYE_STATE_NAMES = tuple(
     f"{side}_{angle}" for side in SIDES for angle in ("adduction", "elevation", "torsion")
 )
 # A fixation begins with so many saccades: one to the target, one to what is left.
 N_SACCADES = 2
-# What they need: the target, and how both eyes turned since the observation before.
+# What they need: the target in the picture of the eye that leads, how both eyes turned since the
+# observation before, and which eye leads: 0 the left one, 1 the right one.
 GAZE_NAMES = (
     *TARGET_NAMES,
     *(f"{side}_{turn}_deg" for side in SIDES for turn in ("sideways", "up", "clockwise")),
+    "leading_eye",
 )
 
 

@@ -1,8 +1,9 @@
 """Where the eyes are to look next, and how they turned: the steps of a fixation.
 
-A fixation begins with a target in the left picture: given, or the place that the code shows worst.
-A saccade leads there; how both eyes turned is measured in their pictures, and a second saccade is
-to make up for what the first one missed. The following iterations are left to vergence: how the
+A fixation begins with a target in the picture of the eye that leads: given, or the place that the
+code shows worst. A saccade leads there; how both eyes turned is measured in their pictures, and a
+second saccade is to make up for what the first one missed. The left eye leads unless it sees
+nothing, or the right one suppresses it. The following iterations are left to vergence: how the
 first of its commands, the third and so on turned the eyes is measured, too. Without saccades there
 is no target, and two turns of an episode are measured (D23).
 """
@@ -50,7 +51,12 @@ class Turns:
         self._before: Pictures | None = None
 
     def step(
-        self, moment: Moment, pictures: Pictures, encoding: Encoding, given_deg: Floats
+        self,
+        moment: Moment,
+        pictures: Pictures,
+        encoding: Encoding,
+        given_deg: Floats,
+        dominance: float = 0.0,
     ) -> Gaze:
         """Return what an observation says of gaze: turns, and never a target."""
         iteration = moment.iteration
@@ -83,45 +89,57 @@ class Fixations(Turns):
         self._px_per_pixel = px_per_pixel
         self._n_iterations = n_iterations
         self._ahead = _AHEAD
-        # Directions (3,) of the places looked at in this episode, in the left eye's camera now.
+        self._leads = 0
+        # Directions (3,) of the places looked at in this episode, in the leading eye's camera now.
         self._visited: list[Floats] = []
 
     def step(
-        self, moment: Moment, pictures: Pictures, encoding: Encoding, given_deg: Floats
+        self,
+        moment: Moment,
+        pictures: Pictures,
+        encoding: Encoding,
+        given_deg: Floats,
+        dominance: float = 0.0,
     ) -> Gaze:
         """Return what an observation says of gaze.
 
-        given_deg: (2,) the target that a fixation begins with, NaN where the eyes choose.
+        given_deg: (2, 2) the target that a fixation begins with, in either picture, NaN where the
+        eyes choose; dominance: how far the left eye suppresses the right one, -1 to 1.
         """
         iteration = moment.iteration
         if iteration == 0:
             self._visited = []
         of_fixation = iteration % self._n_iterations
         if of_fixation == 0:
+            before, self._leads = self._leads, _leading_eye(pictures, dominance)
+            if self._leads != before:
+                self._visited = []  # by the other eye
             self._visited.append(_AHEAD)
-            is_given = bool(np.isfinite(given_deg).all())
-            target_deg = given_deg if is_given else self._worst_deg(encoding)
+            target_deg = given_deg[self._leads]
+            if not np.isfinite(target_deg).all():
+                target_deg = self._worst_deg(encoding)
             self._before = _kept(pictures)
             self._ahead = rotation(np.append(target_deg, 0.0))[:, 2]
-            return Gaze(target_deg, UNSEEN_DEG)
+            return Gaze(target_deg, UNSEEN_DEG, self._leads)
         if of_fixation == 1 and self._before is not None:
             return self._corrected(pictures, moment)
         is_measured = (of_fixation - N_SACCADES) % _MEASURED_EVERY == 1
         turns_deg = self._turns_deg(pictures, moment) if is_measured else UNSEEN_DEG
         self._before = None if is_measured else _kept(pictures)
-        return Gaze(NOWHERE_DEG, turns_deg)
+        return Gaze(NOWHERE_DEG, turns_deg, self._leads)
 
     def _corrected(self, pictures: Pictures, moment: Moment) -> Gaze:
         turns_deg = self._turns_deg(pictures, moment)
+        turned_deg = turns_deg[self._leads]
         self._before = None
-        if np.isnan(turns_deg[0]).any():
+        if np.isnan(turned_deg).any():
             self._visited = []  # where those places are now is not known
-            return Gaze(NOWHERE_DEG, turns_deg)
-        target_deg = swing_deg(rotation(turns_deg[0]).T @ self._ahead)
+            return Gaze(NOWHERE_DEG, turns_deg, self._leads)
+        target_deg = swing_deg(rotation(turned_deg).T @ self._ahead)
         # The second saccade ends at the target.
-        turned = rotation(turns_deg[0]) @ rotation(np.append(target_deg, 0.0))
+        turned = rotation(turned_deg) @ rotation(np.append(target_deg, 0.0))
         self._visited = [turned.T @ place for place in self._visited]
-        return Gaze(target_deg, turns_deg)
+        return Gaze(target_deg, turns_deg, self._leads)
 
     def _worst_deg(self, encoding: Encoding) -> Floats:
         """Return the place (2,) whose code leaves most, apart from those looked at before.
@@ -150,6 +168,14 @@ def gaze_watch(config: SparseCoderConfig) -> Fixations | Turns | None:
         coarse = config.scales.all[_COARSE]
         return Fixations(config.fixation_iterations, *measured, coarse.px_per_pixel)
     return Turns(*measured) if config.measures_turns else None
+
+
+def _leading_eye(pictures: Pictures, dominance: float) -> int:
+    """Return which eye is to look at the target: 0 the left one, 1 the right one."""
+    is_blind = [bool(picture.min() == picture.max()) for picture in pictures]
+    if is_blind[0] != is_blind[1]:
+        return int(is_blind[0])
+    return int(dominance < 0.0)
 
 
 def with_noise(turns_deg: Floats, noise: TurnNoiseConfig, seed: int, moment: Moment) -> Floats:

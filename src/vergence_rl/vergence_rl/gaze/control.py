@@ -27,7 +27,7 @@ class GazeControl:
     """Owns what is known of both eyes' turns, and of what activations cost.
 
     Activations are those of twelve muscles, the left eye's six first. holds_gaze: whether vergence
-    leaves the left line of sight where saccades have turned it. weights: (3,) what a degree of each
+    leaves the leading eye's line of sight where saccades have turned it. weights: (3,) what a degree of each
     turn of vergence counts as for the rule that chooses it.
     """
 
@@ -75,9 +75,9 @@ class GazeControl:
     ) -> Floats:
         """Return the command (12,) that turns both eyes alike toward a target.
 
-        target_deg: (2,) sideways and up from the left line of sight. Neither eye is to rotate about
-        its line of sight, so that torsion is not left to chance. draw: the source of noise, None
-        for none.
+        target_deg: (2,) sideways and up from the leading eye's line of sight. Neither eye is to
+        rotate about its line of sight, so that torsion is not left to chance. draw: the source of
+        noise, None for none.
         """
         self._before = activations
         wanted_deg = np.append(target_deg, 0.0)
@@ -89,40 +89,42 @@ class GazeControl:
         """Return a command (12,) with noise, from which turns are learned."""
         return np.clip(command + draw.normal(0.0, self._noise, len(command)), *self._limits)
 
-    def verge(self, activations: Floats, turn_deg: Floats) -> Floats:
+    def verge(self, activations: Floats, turn_deg: Floats, leads: int = 0) -> Floats:
         """Return the command (12,) that turns the eyes against each other, and saves energy.
 
         turn_deg: (n_turns,) of the right eye against the left one. Each eye makes half of it. Where
-        gaze is held, it is the right eye alone that turns sideways and up, since the target is a
-        place in the left picture. As long as few movements are known, nothing is changed.
+        gaze is held, it is the other eye alone that turns sideways and up than the one that leads,
+        in whose picture the target is a place. As long as few movements are known, nothing is
+        changed.
         """
         self._before = activations
         if not self.is_known:
             return activations
         turned = np.array([-0.5 * turn_deg, 0.5 * turn_deg])
         if self.holds_gaze:
-            turned[:, :-1] = np.array([np.zeros_like(turn_deg), turn_deg])[:, :-1]
+            turned[leads, :-1] = 0.0
+            turned[1 - leads, :-1] *= 2.0
         command = activations + self._change(activations, turned)
         slopes = self._effort.slopes(command)
         if slopes.any():
-            command = command + self._saving(command, slopes)
+            command = command + self._saving(command, slopes, leads)
         return np.clip(command, *self._limits)
 
-    def _saving(self, command: Floats, slopes: Floats) -> Floats:
+    def _saving(self, command: Floats, slopes: Floats, leads: int) -> Floats:
         """Return the change (12,) of a command that lowers its penalty and leaves the vergence.
 
         slopes: (12,) of the penalty. What may change is what turns both eyes alike: the rotation
         about their lines of sight and, unless gaze is held, all turns.
         """
-        left, right = (
+        of_eyes = [
             eye.slopes_deg(a) for eye, a in zip(self._eyes, _of_eyes(command), strict=True)
-        )
-        angles = np.hstack([left, -right])
+        ]
+        angles = np.hstack([of_eyes[0], -of_eyes[1]])
         if self.holds_gaze:
-            angles = np.vstack([angles, np.hstack([left, np.zeros_like(right)])[:-1]])
+            of_eyes[1 - leads] = np.zeros_like(of_eyes[1 - leads])
+            angles = np.vstack([angles, np.hstack(of_eyes)[:-1]])
         change = lowered(command, slopes, angles, self._limits, _LARGEST_SAVING)
-        of_left = _of_eyes(change)[0]
-        alike = self._eyes[0].turns_deg(_of_eyes(command)[0], of_left)
+        alike = self._eyes[leads].turns_deg(_of_eyes(command)[leads], _of_eyes(change)[leads])
         if self.holds_gaze:
             alike[:-1] = 0.0
         # Exactly so: slopes are those of small changes.
@@ -154,8 +156,10 @@ class GazeControl:
         self._before = None
 
 
-def checked_gaze(target_deg: Floats, turns_deg: Floats) -> tuple[Floats, Floats]:
-    """Return a target (2,) and both eyes' turns (2, n_turns) as arrays; InputError otherwise."""
+def checked_gaze(
+    target_deg: Floats, turns_deg: Floats, leading_eye: float
+) -> tuple[Floats, Floats, int]:
+    """Return a target (2,), both eyes' turns (2, n_turns) and an eye; InputError otherwise."""
     target_deg, turns_deg = np.asarray(target_deg, np.float64), np.asarray(turns_deg, np.float64)
     if target_deg.shape != (2,) or turns_deg.shape != (len(SIDES), N_TURNS):
         raise InputError(
@@ -164,7 +168,9 @@ def checked_gaze(target_deg: Floats, turns_deg: Floats) -> tuple[Floats, Floats]
         )
     if np.isinf(target_deg).any() or np.isinf(turns_deg).any():
         raise InputError("gaze: expected finite numbers, or NaN where there is none")
-    return target_deg, turns_deg
+    if leading_eye not in range(len(SIDES)):
+        raise InputError(f"leading_eye: expected 0, the left one, or 1, got {leading_eye}")
+    return target_deg, turns_deg, int(leading_eye)
 
 
 def _of_eyes(values: Floats) -> Floats:

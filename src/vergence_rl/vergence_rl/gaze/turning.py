@@ -64,7 +64,8 @@ class TurningRule:
             )
         else:
             self._turned_deg = decision.command / control.weights
-            command = control.verge(activations, decision.action / control.weights)
+            turn_deg = decision.action / control.weights
+            command = control.verge(activations, turn_deg, observation.leading_eye)
             # Turns are learned from commands with noise.
             is_shaken = not control.holds_gaze and (since < 0 or not control.is_known)
             if is_shaken and draw is not None:
