@@ -98,10 +98,10 @@ class Agent:
         training_iteration: number of training iterations before this one; learning: whether to
         learn from the last action, and later from this one (there is nothing to learn at an
         episode's start or after a gap); exploration: whether to add noise to the action;
-        target_deg: (2,) place to look at now, sideways and up from the leading eye's line of sight,
-        NaN where there is none; turns_deg: (2, 3) how each eye was seen to turn since the observation
-        before, NaN where that was not seen; energy_penalty: lambda C, what the activations take
-        from the reward; leading_eye: 0 the left one, 1 the right one.
+        target_deg: (2,) place to look at now, sideways and up from the line of sight of the eye
+        that leads, NaN where there is none; turns_deg: (2, 3) how each eye was seen to turn since
+        the observation before, NaN where that was not seen; energy_penalty: lambda C, what the
+        activations take from the reward; leading_eye: 0 the left one, 1 the right one.
 
         Raises InputError, and changes nothing, for a wrong size or a number that is not finite;
         DivergenceError when value, TD error or action leave every sane range.

@@ -147,14 +147,18 @@ def test_they_do_not_return_to_where_they_have_looked_in_the_episode() -> None:
         Moment(iteration=5), still, encoding_with_worst(21, 24, 10), NOT_GIVEN_DEG
     )
     np.testing.assert_allclose(second.target_deg, np.degrees(np.arctan([0.0, 32.0 / 250.0])))
-    again = fixations.step(Moment(iteration=0), still, encoding_with_worst(21, 24, 10), NOT_GIVEN_DEG)
+    again = fixations.step(
+        Moment(iteration=0), still, encoding_with_worst(21, 24, 10), NOT_GIVEN_DEG
+    )
     assert again.target_deg[0] < -10.0, "another episode is another scene"
 
 
 def test_without_saccades_the_turns_of_two_commands_are_measured_and_no_target_is_chosen() -> None:
     turns, ten_px_deg = Turns(FOCAL_PX), np.degrees(np.arctan(10.0 / FOCAL_PX))
     gazes = [
-        turns.step(Moment(iteration=i), (picture(10.0 * (i % 2)), picture()), NOTHING, NOT_GIVEN_DEG)
+        turns.step(
+            Moment(iteration=i), (picture(10.0 * (i % 2)), picture()), NOTHING, NOT_GIVEN_DEG
+        )
         for i in range(8)
     ]
     # From observation 0 to 1 the left eye turns to the right, from 5 to 6 back.

@@ -124,10 +124,10 @@ class Summary(SetSummary, kw_only=True, frozen=True, omit_defaults=True):
     vergence; starts_up_to_2_deg: of those that start at -3, -2, -1, 1 or 2 deg.
 
     Of eyes that make saccades the measures of fixations, as in docs/reference/measures.md.
-    saccade_error_deg: angle between line of sight and target after each of the saccades;
-    gaze_drift_deg: how far the line of sight moves over some iterations of vergence; what comes
-    next: errors about all axes after those, and the share of fixations within one pixel, sideways
-    and up.
+    saccade_error_deg: angle between the leading eye's line of sight and the target after each of
+    the saccades; gaze_drift_deg: how far that line moves over some iterations of vergence; what
+    comes next: errors about all axes after those, the share of fixations within one pixel, sideways
+    and up, and the share in which the right eye leads.
     """
 
     iteration: int
@@ -139,6 +139,7 @@ class Summary(SetSummary, kw_only=True, frozen=True, omit_defaults=True):
     fixated_vertical_error_deg: Spread | None = None
     fixated_cyclovergence_error_deg: Spread | None = None
     share_fixated_within_1_px: float | None = None
+    share_right_eye_leads: float | None = None
 
     @property
     def verges(self) -> bool:

@@ -27,8 +27,8 @@ class GazeControl:
     """Owns what is known of both eyes' turns, and of what activations cost.
 
     Activations are those of twelve muscles, the left eye's six first. holds_gaze: whether vergence
-    leaves the leading eye's line of sight where saccades have turned it. weights: (3,) what a degree of each
-    turn of vergence counts as for the rule that chooses it.
+    leaves the leading eye's line of sight where saccades have turned it. weights: (3,) what a
+    degree of each turn of vergence counts as for the rule that chooses it.
     """
 
     def __init__(
@@ -116,9 +116,7 @@ class GazeControl:
         slopes: (12,) of the penalty. What may change is what turns both eyes alike: the rotation
         about their lines of sight and, unless gaze is held, all turns.
         """
-        of_eyes = [
-            eye.slopes_deg(a) for eye, a in zip(self._eyes, _of_eyes(command), strict=True)
-        ]
+        of_eyes = [eye.slopes_deg(a) for eye, a in zip(self._eyes, _of_eyes(command), strict=True)]
         angles = np.hstack([of_eyes[0], -of_eyes[1]])
         if self.holds_gaze:
             of_eyes[1 - leads] = np.zeros_like(of_eyes[1 - leads])
