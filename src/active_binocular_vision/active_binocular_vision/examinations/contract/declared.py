@@ -105,7 +105,7 @@ class NearPointOptions(TrialFrame):
 
 @dataclass(frozen=True)
 class NinePositionsOptions(Distances):
-    """Where the eyes look; the right eye may see black, since the target is in the left picture."""
+    """Where the eyes look, told from the left one; the right one may see black."""
 
     covered: str = setting("", "eye that sees black", choices=("", "right"))
     n_random: int = setting(40, "random targets at each distance", least=4)
