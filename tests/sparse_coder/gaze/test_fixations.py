@@ -84,7 +84,7 @@ FLAT = np.full((SIDE_PX, SIDE_PX), 9, np.uint8)
 def test_the_right_eye_leads_when_it_suppresses_the_left_one() -> None:
     fixations = Fixations(5, FOCAL_PX)
     first, second, later = (
-        fixations.step(Moment(iteration=i), pictures, NOTHING, GIVEN_DEG, dominance=-0.1)
+        fixations.step(Moment(iteration=i), pictures, NOTHING, GIVEN_DEG, dominance=-0.2)
         for i, pictures in enumerate(
             [(picture(), picture()), (picture(10.0), picture(0.0, -4.0)), (picture(), picture())]
         )
@@ -98,7 +98,7 @@ def test_the_right_eye_leads_when_it_suppresses_the_left_one() -> None:
 
 def test_an_eye_leads_for_all_of_a_fixation() -> None:
     fixations, still = Fixations(3, FOCAL_PX), (picture(), picture())
-    dominances = (0.1, -0.1, -0.1, -0.1, 0.1, 0.1, 0.1)
+    dominances = (-0.05, -0.2, -0.2, -0.2, 0.2, 0.2, 0.2)
     gazes = [
         fixations.step(Moment(iteration=i), still, NOTHING, GIVEN_DEG, dominance)
         for i, dominance in enumerate(dominances)

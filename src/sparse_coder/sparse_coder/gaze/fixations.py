@@ -37,6 +37,8 @@ NO_NOISE = TurnNoiseConfig()
 # The scale at which the next place is chosen, and how far looking at a place inhibits return to it.
 _COARSE = 0
 _INHIBITION_DEG = 3.0
+# So that eyes that hardly suppress one another do not change the lead.
+_LEAST_DOMINANCE = 0.1
 
 
 class Turns:
@@ -175,7 +177,7 @@ def _leading_eye(pictures: Pictures, dominance: float) -> int:
     is_blind = [bool(picture.min() == picture.max()) for picture in pictures]
     if is_blind[0] != is_blind[1]:
         return int(is_blind[0])
-    return int(dominance < 0.0)
+    return int(dominance < -_LEAST_DOMINANCE)
 
 
 def with_noise(turns_deg: Floats, noise: TurnNoiseConfig, seed: int, moment: Moment) -> Floats:

@@ -93,9 +93,9 @@ class GazeControl:
         """Return the command (12,) that turns the eyes against each other, and saves energy.
 
         turn_deg: (n_turns,) of the right eye against the left one. Each eye makes half of it. Where
-        gaze is held, it is the other eye alone that turns sideways and up than the one that leads,
-        in whose picture the target is a place. As long as few movements are known, nothing is
-        changed.
+        gaze is held, only the eye that does not lead turns sideways and up, since the target is a
+        place in the other one's picture. As long as few movements are known, nothing is changed.
+        leads: 0 the left eye, 1 the right one.
         """
         self._before = activations
         if not self.is_known:
