@@ -10,7 +10,13 @@ from experiment_manager.measures.metrics import QUARTILES, SHARE_ITERATIONS, cos
 from experiment_manager.measures.trials import Trials, TrialTable, split_tests
 from experiment_manager.run.config_file import parameters_in
 from lockstep import CommandSpace, InputError
-from lockstep.wire.topics import GROUND_TRUTH_NAMES, PICTURES, TRAINING, state_topic
+from lockstep.wire.topics import (
+    GIVEN_TARGET_NAMES,
+    GROUND_TRUTH_NAMES,
+    PICTURES,
+    TRAINING,
+    state_topic,
+)
 
 # The error of a single episode says how hard it was; a median over some says what was learned.
 _MOST_CURVE_BINS = 100
@@ -138,11 +144,18 @@ def _total_error(reward: VectorTable) -> np.ndarray:
 def trial_table(
     truth: VectorTable, activations: VectorTable | None, space: CommandSpace
 ) -> TrialTable:
-    """Return ground truth and the activations at its stamps, nan for gaps."""
+    """Return ground truth and the activations at its stamps, nan for gaps.
+
+    Of an older bag some of the truth is nan, too: where the right eye saw gaze targets.
+    """
     of_commands = np.full((len(truth.stamps_ns), len(space.names)), np.nan)
     if activations is not None and len(activations.stamps_ns):
         of_commands = _at_stamps(activations, commanded(activations, space), truth.stamps_ns)
-    columns = [truth.column(name) for name in GROUND_TRUTH_NAMES]
+    unknown = np.full(len(truth.stamps_ns), np.nan)
+    columns = [
+        unknown if name in GIVEN_TARGET_NAMES and name not in truth.names else truth.column(name)
+        for name in GROUND_TRUTH_NAMES
+    ]
     return TrialTable.of(np.stack(columns, axis=1), of_commands, space)
 
 
