@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from eye_plant import desired_vergence_deg
-from eye_plant.gaze_error import gaze_error, listing_torsion_deg, target_place_deg
+from eye_plant.gaze_error import (
+    gaze_error,
+    listing_torsion_deg,
+    target_place_deg,
+    target_places_deg,
+)
 from tests.eye_plant.rotations import rotation, turned_inward
 
 BASELINE_M = 0.056
@@ -103,6 +108,16 @@ def test_an_oblique_gaze_in_ficks_order_has_false_torsion() -> None:
 def test_where_an_eye_sees_a_target(eye, direction_deg, expected_deg) -> None:
     found_deg = target_place_deg(rotation(*eye), *direction_deg)
     np.testing.assert_allclose(found_deg, expected_deg, atol=1e-9)
+
+
+@pytest.mark.parametrize("aside_deg", [0.0, 10.0])
+def test_both_eyes_see_a_target_where_it_stands_on_the_plane(aside_deg: float) -> None:
+    # 0.5 m ahead of the left eye and 8 deg to the right; the right eye looks farther to the right.
+    target_m = POSITIONS_M[0] + [0.5, -0.5 * math.tan(math.radians(8.0)), 0.0]
+    eyes = fixating(target_m)
+    eyes[1] = rotation(-aside_deg, 0.0) @ eyes[1]
+    places_deg = target_places_deg(POSITIONS_M, eyes, (8.0, 0.0), 0.5)
+    np.testing.assert_allclose(places_deg, [0.0, 0.0, -aside_deg, 0.0], atol=1e-9)
 
 
 def test_a_common_turn_of_converged_eyes_before_a_frontal_plane_is_not_neutral() -> None:

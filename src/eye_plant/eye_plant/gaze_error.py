@@ -87,6 +87,43 @@ def target_place_deg(
     return -left * ratio, up * ratio
 
 
+def wanted_gaze_deg(
+    positions_m: NDArray[np.float64], target_deg: Sequence[float], distance_m: float
+) -> NDArray[np.float64]:
+    """Return azimuth (right) and elevation (2, 2) of left and right eye that look at a target.
+
+    positions_m: (2, 3) of the eyes, x forward, y left, z up; target_deg: (2,) azimuth and elevation
+    from the left eye of a point on the plane at x = distance_m.
+    """
+    azimuth, elevation = np.radians(target_deg)
+    forward = np.array([1.0, -np.tan(azimuth), np.tan(elevation) / np.cos(azimuth)])
+    left_m, right_m = positions_m
+    point_m = left_m + (distance_m - left_m[0]) * forward
+    return np.stack([direction_deg(point_m - left_m), direction_deg(point_m - right_m)])
+
+
+def direction_deg(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return azimuth (right) and elevation (..., 2) of vectors (..., 3), forward, left, up."""
+    forward, left, up = np.moveaxis(vectors, -1, 0)
+    angles = np.arctan2(-left, forward), np.arctan2(up, np.hypot(forward, left))
+    return np.degrees(np.stack(angles, axis=-1))
+
+
+def target_places_deg(
+    positions_m: NDArray[np.float64],
+    rotations: NDArray[np.float64],
+    target_deg: tuple[float, float],
+    distance_m: float,
+) -> tuple[float, ...]:
+    """Return where the left and the right eye see a target: how far to the right and up each.
+
+    rotations: (2, 3, 3), as for target_place_deg; others: as for wanted_gaze_deg.
+    """
+    of_left, of_right = rotations
+    from_right_deg = wanted_gaze_deg(positions_m, target_deg, distance_m)[1].tolist()
+    return *target_place_deg(of_left, *target_deg), *target_place_deg(of_right, *from_right_deg)
+
+
 def listing_torsion_deg(rotations: NDArray[np.float64]) -> tuple[float, float]:
     """Return each eye's torsion in Listing's coordinates, its upper pole turned to the nose > 0.
 

@@ -15,8 +15,8 @@ class GroundTruth:
     one does;
     metabolic_rate_w is C, the charged settled rate of both eyes; initial_... is C_0, optimal_... is
     C* (K17 eq. 8), NaN where it is not known: of a gaze target that the muscles do not reach, and
-    in training with targets; target_deg: where the left eye sees the gaze target, sideways and up
-    of its line of sight; right_target_deg: where the right one does.
+    in training with targets; target_places_deg: where the left and the right eye see the gaze
+    target, sideways and up of their lines of sight.
     """
 
     adduction_deg: tuple[float, float]
@@ -27,13 +27,13 @@ class GroundTruth:
     metabolic_rate_w: float
     initial_metabolic_rate_w: float
     optimal_metabolic_rate_w: float
-    target_deg: tuple[float, float] = (0.0, 0.0)
-    right_target_deg: tuple[float, float] = (0.0, 0.0)
+    target_places_deg: tuple[float, ...] = (0.0,) * 4
 
     @property
-    def target_places_deg(self) -> tuple[float, ...]:
-        """Where the left and the right eye see the gaze target, sideways and up."""
-        return *self.target_deg, *self.right_target_deg
+    def target_deg(self) -> tuple[float, float]:
+        """Where the left eye sees the gaze target."""
+        sideways_deg, up_deg, *_ = self.target_places_deg
+        return sideways_deg, up_deg
 
     @property
     def vergence_deg(self) -> float:

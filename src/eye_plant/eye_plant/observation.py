@@ -14,7 +14,7 @@ from lockstep.optics import Pinhole
 from lockstep.randomness import Moment
 from lockstep.wire.topics import GIVEN_TARGET_NAMES
 
-NO_TARGET_DEG = (float("nan"),) * len(GIVEN_TARGET_NAMES)
+NOT_GIVEN_DEG = (float("nan"),) * len(GIVEN_TARGET_NAMES)
 
 
 def with_lenses(activations: np.ndarray, lenses: LensState | None) -> np.ndarray:
@@ -126,7 +126,7 @@ class Observation(Seen):
         place to look at, sideways and up; NaN unless a new one is given.
         """
         is_new = self.episode.begins_fixation(self.iteration)
-        return self.truth.target_places_deg if is_new else NO_TARGET_DEG
+        return self.truth.target_places_deg if is_new else NOT_GIVEN_DEG
 
     def ground_truth_values(self) -> tuple[float, ...]:
         """Return the values of lockstep.wire.topics.GROUND_TRUTH_NAMES."""

@@ -10,7 +10,7 @@ import numpy as np
 from eye_plant.commands import target_activations
 from eye_plant.config import EyePlantConfig, changed
 from eye_plant.episode import Episode
-from eye_plant.gaze_error import gaze_error, listing_torsion_deg, target_place_deg
+from eye_plant.gaze_error import gaze_error, listing_torsion_deg, target_places_deg
 from eye_plant.ground_truth import GroundTruth
 from eye_plant.lens.lenses import Lenses, LensState, checked
 from eye_plant.mechanics.mujoco_model import N_MUSCLES
@@ -24,7 +24,7 @@ from eye_plant.vergence import desired_vergence_deg
 from lockstep import PAIR, InputError
 from lockstep.wire.topics import TRAINING
 
-_AHEAD = [(0.0, 0.0)] * 2
+_AHEAD_DEG: tuple[float, ...] = (0.0,) * 4
 
 
 class EyePlant:
@@ -210,7 +210,11 @@ class EyePlant:
         # Those look straight ahead, where K17's formula holds.
         desired_deg = self._desired_deg if is_pair else sum(adduction_deg) + error.horizontal_deg
         target_deg = episode.target_deg(self._iteration)
-        places_deg = [target_place_deg(r, *target_deg) for r in seeing] if target_deg else _AHEAD
+        places_deg = _AHEAD_DEG
+        if target_deg is not None:
+            places_deg = target_places_deg(
+                positions_m, seeing, target_deg, episode.object_distance_m
+            )
         truth = GroundTruth(
             adduction_deg=tuple(adduction_deg),
             elevation_deg=tuple(elevation_deg),
@@ -220,8 +224,7 @@ class EyePlant:
             metabolic_rate_w=self._charged_rate_w(state),
             initial_metabolic_rate_w=self._initial_rate_w,
             optimal_metabolic_rate_w=self._optimal_rates_w[target_deg],
-            target_deg=places_deg[0],
-            right_target_deg=places_deg[1],
+            target_places_deg=places_deg,
         )
         pictures, apart = None, tuple[np.ndarray, ...]()
         lenses, moment = self._lens_state, episode.moment(self._iteration)

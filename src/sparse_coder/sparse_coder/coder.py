@@ -109,9 +109,7 @@ class SparseCoder:
         watch = self._watch
         gaze = None
         if watch:
-            # Of the finest scale, which shows where the eyes look.
-            dominance = float(self.dominances[-1].mean())
-            gaze = watch.step(moment, (left, right), encoding, given_deg, dominance)
+            gaze = watch.step(moment, (left, right), encoding, given_deg)
         return Percept(
             encoding, rate_w, earned.energy_penalty, earned.value, self.learning_steps, gaze
         )
@@ -136,7 +134,8 @@ class SparseCoder:
         told = None
         if config.rewards_information:
             told = self._information(patches, energies, selections)
-        return Encoding(np.stack(features), np.array(errors), patches, selections, told, energies)
+        code = np.stack(features), np.array(errors), patches, selections, told, energies
+        return Encoding(*code, dominance=self.dominances[-1])
 
     def patches(
         self, left: Image, right: Image, apart: Sequence[NDArray[np.uint8]] = ()

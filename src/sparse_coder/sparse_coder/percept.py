@@ -3,7 +3,7 @@
 Dimensions: n_scales, by default 2, coarse before fine; n_patches, n_pixels, n_bases.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,8 @@ class Encoding:
     reconstruction_error: (n_scales,) unexplained share of the patches' energy, in [0, 1];
     patches: per scale (n_patches, n_pixels); selections: per scale;
     information: (n_scales,) what the code tells of the windows, in nats a patch, None where that is
-    not rewarded; energies: per scale (n_patches, 2) of each eye's half, before it has norm 1.
+    not rewarded; energies: per scale (n_patches, 2) of each eye's half, before it has norm 1;
+    dominance: (n_patches,) at the finest scale, how far the left eye suppresses the right one.
     """
 
     features: NDArray[np.float32]
@@ -28,6 +29,7 @@ class Encoding:
     selections: tuple[Selections, ...]
     information: NDArray[np.float64] | None = None
     energies: tuple[NDArray[np.float64], ...] = ()
+    dominance: NDArray[np.float64] = field(default_factory=lambda: np.zeros(1))
 
     @property
     def worth(self) -> float:

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -37,6 +39,10 @@ def encoding_with_worst(*i_patches: int) -> Encoding:
 
 
 NOTHING = encoding_with_worst()
+
+
+def suppressing(dominance: float) -> Encoding:
+    return replace(NOTHING, dominance=np.full(9, dominance))
 
 
 def test_a_fixation_is_two_saccades_and_vergence() -> None:
@@ -84,7 +90,7 @@ FLAT = np.full((SIDE_PX, SIDE_PX), 9, np.uint8)
 def test_the_right_eye_leads_when_it_suppresses_the_left_one() -> None:
     fixations = Fixations(5, FOCAL_PX)
     first, second, later = (
-        fixations.step(Moment(iteration=i), pictures, NOTHING, GIVEN_DEG, dominance=-0.2)
+        fixations.step(Moment(iteration=i), pictures, suppressing(-0.2), GIVEN_DEG)
         for i, pictures in enumerate(
             [(picture(), picture()), (picture(10.0), picture(0.0, -4.0)), (picture(), picture())]
         )
@@ -100,7 +106,7 @@ def test_an_eye_leads_for_all_of_a_fixation() -> None:
     fixations, still = Fixations(3, FOCAL_PX), (picture(), picture())
     dominances = (-0.05, -0.2, -0.2, -0.2, 0.2, 0.2, 0.2)
     gazes = [
-        fixations.step(Moment(iteration=i), still, NOTHING, GIVEN_DEG, dominance)
+        fixations.step(Moment(iteration=i), still, suppressing(dominance), GIVEN_DEG)
         for i, dominance in enumerate(dominances)
     ]
     assert [gaze.leading_eye for gaze in gazes] == [0, 0, 0, 1, 1, 1, 0]
@@ -111,7 +117,7 @@ def test_an_eye_leads_for_all_of_a_fixation() -> None:
     [((FLAT, picture()), 0.5, 1), ((picture(), FLAT), -0.5, 0), ((FLAT, FLAT), -0.5, 1)],
 )
 def test_an_eye_that_sees_nothing_does_not_lead(pictures, dominance, leads) -> None:
-    gaze = Fixations(5, FOCAL_PX).step(Moment(), pictures, NOTHING, GIVEN_DEG, dominance)
+    gaze = Fixations(5, FOCAL_PX).step(Moment(), pictures, suppressing(dominance), GIVEN_DEG)
     assert gaze.leading_eye == leads
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from experiment_manager import ExperimentManagerConfig
 from experiment_manager.starts import Activations, gaze_inverse
 from eye_plant import Inverse, desired_vergence_deg
+from eye_plant.gaze_error import wanted_gaze_deg
 from eye_plant.inverse.gaze import ERRORS, LEFT_SIGHT, TURNED_ANGLES, LeastCost
 from eye_plant.inverse.pair import FULL_RANGE
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
@@ -113,23 +114,3 @@ class CheapestPair:
         self._inverse.check(desired_deg)
         pair = self._inverse.activation_pair(desired_deg - error_deg, 0.0, FULL_RANGE)
         return tuple(self._eyes.activations_from(*pair).tolist())
-
-
-def wanted_gaze_deg(positions_m: Array, target_deg: Sequence[float], distance_m: float) -> Array:
-    """Return azimuth (right) and elevation (2, 2) of left and right eye that look at a target.
-
-    positions_m: (2, 3) of the eyes, x forward, y left, z up; target_deg: (2,) azimuth and elevation
-    from the left eye of a point on the plane at x = distance_m.
-    """
-    azimuth, elevation = np.radians(target_deg)
-    forward = np.array([1.0, -np.tan(azimuth), np.tan(elevation) / np.cos(azimuth)])
-    left_m, right_m = positions_m
-    point_m = left_m + (distance_m - left_m[0]) * forward
-    return np.stack([direction_deg(point_m - left_m), direction_deg(point_m - right_m)])
-
-
-def direction_deg(vectors: Array) -> Array:
-    """Return azimuth (right) and elevation (..., 2) of vectors (..., 3), forward, left, up."""
-    forward, left, up = np.moveaxis(vectors, -1, 0)
-    angles = np.arctan2(-left, forward), np.arctan2(up, np.hypot(forward, left))
-    return np.degrees(np.stack(angles, axis=-1))

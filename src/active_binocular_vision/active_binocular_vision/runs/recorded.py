@@ -11,9 +11,9 @@ from experiment_manager.measures.trials import Trials, TrialTable, split_tests
 from experiment_manager.run.config_file import parameters_in
 from lockstep import CommandSpace, InputError
 from lockstep.wire.topics import (
-    GIVEN_TARGET_NAMES,
     GROUND_TRUTH_NAMES,
     PICTURES,
+    RIGHT_TARGET_NAMES,
     TRAINING,
     state_topic,
 )
@@ -153,7 +153,7 @@ def trial_table(
         of_commands = _at_stamps(activations, commanded(activations, space), truth.stamps_ns)
     unknown = np.full(len(truth.stamps_ns), np.nan)
     columns = [
-        unknown if name in GIVEN_TARGET_NAMES and name not in truth.names else truth.column(name)
+        unknown if name in RIGHT_TARGET_NAMES and name not in truth.names else truth.column(name)
         for name in GROUND_TRUTH_NAMES
     ]
     return TrialTable.of(np.stack(columns, axis=1), of_commands, space)

@@ -5,21 +5,18 @@ pooled. The target's place is that from the line of sight of the eye that leads:
 unless saccades leave it more than a degree off and the right one less so.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from experiment_manager.measures.results import Spread
 from experiment_manager.measures.trials import ERROR_NAMES, Trials
-from lockstep.wire.topics import GIVEN_TARGET_NAMES, N_SACCADES
+from lockstep.wire.topics import N_SACCADES, RIGHT_TARGET_NAMES, TARGET_NAMES
 
 # Vergence is judged, and gaze with it, so many iterations after the saccades.
 VERGED = 5
 # More than saccades miss (results/gaze.md).
 _LOST_DEG = 1.0
-
-Places = Callable[[int | np.ndarray], np.ndarray]
 
 
 def fixation_measures(trials: Trials, fixation_iterations: int, px_deg: float) -> dict[str, Any]:
@@ -33,14 +30,14 @@ def fixation_measures(trials: Trials, fixation_iterations: int, px_deg: float) -
     horizontal_deg, vertical_deg, torsional_deg = (
         trials.column(name)[:, verged].ravel() for name in ERROR_NAMES
     )
-    verged_deg = target_deg(verged - begin)
-    known = np.isfinite(horizontal_deg) & np.isfinite(verged_deg).all(axis=2).ravel()
+    known = np.isfinite(horizontal_deg) & np.isfinite(target_deg[:, verged]).all(axis=2).ravel()
     if not known.any():
         return {}
     missed_deg = {
-        f"after_{k}": _length(target_deg(k)).ravel()[known] for k in range(1, N_SACCADES + 1)
+        f"after_{k}": _length(target_deg[:, begin + k]).ravel()[known]
+        for k in range(1, N_SACCADES + 1)
     }
-    moved_deg = _length(verged_deg - target_deg(N_SACCADES)).ravel()[known]
+    moved_deg = _length(target_deg[:, verged] - target_deg[:, begin + N_SACCADES]).ravel()[known]
     within = np.maximum(np.abs(horizontal_deg), np.abs(vertical_deg))[known] < px_deg
     return {
         "saccade_error_deg": {name: Spread.of(values) for name, values in missed_deg.items()},
@@ -53,23 +50,22 @@ def fixation_measures(trials: Trials, fixation_iterations: int, px_deg: float) -
     }
 
 
-def _of_leading_eye(trials: Trials, begin: np.ndarray) -> tuple[np.ndarray, Places]:
-    """Return whether the right eye leads (n_trials, n_fixations), and where the leading one sees.
+def _of_leading_eye(trials: Trials, begin: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return whether the right eye leads, and the target's place from the leading line of sight.
 
-    begin: (n_fixations,) iterations at which fixations begin. The second is a function of the
-    iterations since then, of all fixations or of each; it returns (n_trials, n_fixations, 2), the
-    target's place from that eye's line of sight.
+    begin: (n_fixations,) iterations at which fixations begin. The first is (n_trials, n_fixations),
+    the second (n_trials, n_iterations + 1, 2).
     """
-    columns = np.stack([trials.column(name) for name in GIVEN_TARGET_NAMES], axis=-1)
-    places_deg = columns.reshape(*columns.shape[:-1], 2, 2)
-    left_deg, right_deg = np.moveaxis(_length(places_deg[:, begin + N_SACCADES]), -1, 0)
-    leads = (left_deg > _LOST_DEG) & (right_deg < left_deg)
-
-    def target_deg(since: int | np.ndarray) -> np.ndarray:
-        left_deg, right_deg = np.moveaxis(places_deg[:, begin + since], -2, 0)
-        return np.where(leads[..., None], right_deg, left_deg)
-
-    return leads, target_deg
+    left_deg, right_deg = (
+        np.stack([trials.column(name) for name in names], axis=-1)
+        for names in (TARGET_NAMES, RIGHT_TARGET_NAMES)
+    )
+    missed_deg, right_missed_deg = (
+        _length(places_deg[:, begin + N_SACCADES]) for places_deg in (left_deg, right_deg)
+    )
+    leads = (missed_deg > _LOST_DEG) & (right_missed_deg < missed_deg)
+    fixation = np.searchsorted(begin, np.arange(trials.n_iterations + 1), side="right") - 1
+    return leads, np.where(leads[:, fixation, None], right_deg, left_deg)
 
 
 def _length(vectors: np.ndarray) -> np.ndarray:

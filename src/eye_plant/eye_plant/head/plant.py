@@ -12,7 +12,7 @@ from eye_plant.config import EyePlantConfig
 from eye_plant.episode import Episode
 from eye_plant.head.head import Angles, Head
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
-from eye_plant.observation import NO_TARGET_DEG, Seen
+from eye_plant.observation import NOT_GIVEN_DEG, Seen
 from lockstep import COMMAND_SPACES, CommandSpace, InputError
 from lockstep.optics import Pinhole
 from lockstep.wire.topics import EPISODE_NAMES, GROUND_TRUTH_NAMES
@@ -32,8 +32,9 @@ class HeadObservation(Seen):
     cameras: tuple[Pinhole, Pinhole] | None
     truth: Mapping[str, float]
 
-    # Scales of a head's cameras have none.
+    # Scales of a head's cameras have none, and a head is given no gaze targets.
     apart: ClassVar[tuple[np.ndarray, ...]] = ()
+    given_target_deg: ClassVar[tuple[float, ...]] = NOT_GIVEN_DEG
 
     def commanded(self, _: CommandSpace) -> np.ndarray:
         """Return the angles (n_joints,) of the joints, in rad."""
@@ -47,11 +48,6 @@ class HeadObservation(Seen):
     def felt(self) -> np.ndarray:
         """The same angles: how they are measured is the head's affair."""
         return self.angles_rad
-
-    @property
-    def given_target_deg(self) -> tuple[float, ...]:
-        """NaN: a head is given no gaze targets."""
-        return NO_TARGET_DEG
 
     def ground_truth_values(self) -> tuple[float, ...]:
         """Return the values of lockstep.wire.topics.GROUND_TRUTH_NAMES, NaN of what is unknown."""

@@ -22,7 +22,8 @@ EPISODE_NAMES = (
 # A gaze target in the left picture, or in that of the eye that is to look there.
 TARGET_NAMES = ("target_sideways_deg", "target_up_deg")
 # Of eyes that make saccades: the target in either picture when a fixation begins.
-GIVEN_TARGET_NAMES = (*TARGET_NAMES, *(f"right_{name}" for name in TARGET_NAMES))
+RIGHT_TARGET_NAMES = tuple(f"right_{name}" for name in TARGET_NAMES)
+GIVEN_TARGET_NAMES = (*TARGET_NAMES, *RIGHT_TARGET_NAMES)
 GROUND_TRUTH_NAMES = (
     *EPISODE_NAMES,
     "stimulus",

@@ -53,12 +53,7 @@ class Turns:
         self._before: Pictures | None = None
 
     def step(
-        self,
-        moment: Moment,
-        pictures: Pictures,
-        encoding: Encoding,
-        given_deg: Floats,
-        dominance: float = 0.0,
+        self, moment: Moment, pictures: Pictures, encoding: Encoding, given_deg: Floats
     ) -> Gaze:
         """Return what an observation says of gaze: turns, and never a target."""
         iteration = moment.iteration
@@ -96,24 +91,19 @@ class Fixations(Turns):
         self._visited: list[Floats] = []
 
     def step(
-        self,
-        moment: Moment,
-        pictures: Pictures,
-        encoding: Encoding,
-        given_deg: Floats,
-        dominance: float = 0.0,
+        self, moment: Moment, pictures: Pictures, encoding: Encoding, given_deg: Floats
     ) -> Gaze:
         """Return what an observation says of gaze.
 
         given_deg: (2, 2) the target that a fixation begins with, in either picture, NaN where the
-        eyes choose; dominance: how far the left eye suppresses the right one, -1 to 1.
+        eyes choose.
         """
         iteration = moment.iteration
         if iteration == 0:
             self._visited = []
         of_fixation = iteration % self._n_iterations
         if of_fixation == 0:
-            before, self._leads = self._leads, _leading_eye(pictures, dominance)
+            before, self._leads = self._leads, _leading_eye(pictures, encoding)
             if self._leads != before:
                 self._visited = []  # by the other eye
             self._visited.append(_AHEAD)
@@ -172,12 +162,12 @@ def gaze_watch(config: SparseCoderConfig) -> Fixations | Turns | None:
     return Turns(*measured) if config.measures_turns else None
 
 
-def _leading_eye(pictures: Pictures, dominance: float) -> int:
+def _leading_eye(pictures: Pictures, encoding: Encoding) -> int:
     """Return which eye is to look at the target: 0 the left one, 1 the right one."""
     is_blind = [bool(picture.min() == picture.max()) for picture in pictures]
     if is_blind[0] != is_blind[1]:
         return int(is_blind[0])
-    return int(dominance < -_LEAST_DOMINANCE)
+    return int(encoding.dominance.mean() < -_LEAST_DOMINANCE)
 
 
 def with_noise(turns_deg: Floats, noise: TurnNoiseConfig, seed: int, moment: Moment) -> Floats:

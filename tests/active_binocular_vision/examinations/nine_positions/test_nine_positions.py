@@ -19,8 +19,8 @@ from active_binocular_vision.examinations.nine_positions.measures import (
     yoked_changes,
 )
 from active_binocular_vision.figures.examinations.nine_positions import listing_figure
-from active_binocular_vision.learners.correct_gaze import wanted_gaze_deg
 from active_binocular_vision.learners.shown import Shown
+from eye_plant.gaze_error import wanted_gaze_deg
 from lockstep import MUSCLE_NAMES, SIDES
 from tests.active_binocular_vision.moved_eyes import moved_eyes
 

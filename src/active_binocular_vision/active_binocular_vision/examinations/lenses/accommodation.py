@@ -30,7 +30,6 @@ from active_binocular_vision.examinations.contract.measure import (
     prism_dioptres,
 )
 from active_binocular_vision.examinations.contract.trial_frame import held
-from active_binocular_vision.learners.correct_gaze import direction_deg
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import (
     Eyes,
@@ -42,6 +41,7 @@ from active_binocular_vision.learners.session import (
 )
 from active_binocular_vision.learners.shown import Shown
 from eye_plant import desired_vergence_deg
+from eye_plant.gaze_error import direction_deg
 from lockstep.machine.progress_lines import progress
 
 Array = NDArray[np.float64]

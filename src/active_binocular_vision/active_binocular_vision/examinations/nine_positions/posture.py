@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_binocular_vision.examinations.nine_positions.listing import rotation_vectors
-from active_binocular_vision.learners.correct_gaze import direction_deg
-from eye_plant.gaze_error import gaze_error, target_place_deg
+from eye_plant.gaze_error import direction_deg, gaze_error, target_place_deg
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.turns import TurnsDeg, turned
 

@@ -11,11 +11,11 @@ from active_binocular_vision.examinations.contract.declared import DECLARED, Mai
 from active_binocular_vision.examinations.contract.examination import Examination, Findings
 from active_binocular_vision.examinations.contract.measure import SHARE, key, measure
 from active_binocular_vision.examinations.saccades.velocity import MainSequence, fitted
-from active_binocular_vision.learners.correct_gaze import direction_deg as angles_of_direction_deg
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.session import Session, check_looks_at_targets, session_of
 from active_binocular_vision.learners.shown import Shown
 from experiment_manager.measures.tables import number
+from eye_plant.gaze_error import direction_deg as angles_of_direction_deg
 from eye_plant.mechanics.movement import Movement, angles_deg, movements
 from eye_plant.mechanics.oculomotor import Oculomotor
 from lockstep import InputError
