@@ -94,14 +94,16 @@ def test_lenses_are_commanded_felt_and_coded_at_a_scale_of_their_own() -> None:
         "scales.size_px": [32, 40, 40],
         "scales.zoom": [1.0, 1.0, 4.0],
         "scales.focus_d": [0.0, 0.0, 0.0],
+        "scales.n_for_lenses": 1,
     }
-    loop = loop_of(task=task, sparse_coder={"rewards_information": True})
+    loop = loop_of(task=task)
     assert loop.agent.config.n_state == 3 * 32 + 4 + 1
     *_, before, last = trained(loop, range(2))
     assert before.answer is not None
     percept, command = before.answer.percept, before.answer.decision.command
     assert percept.encoding.features.shape == (3, 32)
-    assert percept.reward == percept.encoding.worth > 0.0
+    assert percept.reward == percept.encoding.worth_to_eyes
+    assert percept.encoding.worth_to_lenses > 0.0
     assert last.observation.lenses is not None
     np.testing.assert_allclose(last.observation.lenses.accommodation_d, 12.5 * command[2:])
     assert loop.agent.learning_steps == 8

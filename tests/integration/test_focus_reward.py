@@ -19,21 +19,23 @@ from sparse_coder import Encoding, SparseCoder, SparseCoderConfig
 BASELINE_M, DISTANCE_M = 0.056, 1.0
 N_TRAINING, N_TEST, N_VIEWS = 6, 6, 240
 SCALES = ScalesConfig(
-    names=("fine", "foveal"),
-    window_px=(40, 40),
-    size_px=(40, 40),
-    zoom=(1.0, 4.0),
-    focus_d=(0.0, 0.0),
-    whitened=True,
+    names=("fine", "fine_whitened", "foveal"),
+    window_px=(40, 40, 40),
+    size_px=(40, 40, 40),
+    zoom=(1.0, 1.0, 4.0),
+    focus_d=(0.0, 0.0, 0.0),
+    n_for_lenses=2,
 )
 CODER = SparseCoderConfig(
+    command_space="pair_and_lens",
+    lowest_activations=(0.0,),
+    highest_activations=(0.2,),
     n_bases=100,
     scales=SCALES,
     learning_rate=4.0,
     final_learning_rate_share=0.0,
     n_training_iterations=N_VIEWS,
     iterations_per_episode=1,
-    rewards_information=True,
     sensor_noise=(7.0,),
 )
 FOCUS_D, VERGENCE_DEG = (0.0, 0.25, 0.5, 1.0, 2.0), (0.1, 0.5, 1.5)
@@ -70,7 +72,7 @@ class Eyes:
 
 @pytest.fixture(scope="module")
 def rewards() -> dict[tuple[float, float], NDArray[np.float64]]:
-    """Return -E and I of each test picture, (N_TEST, 2), by errors of vergence and focus."""
+    """Return -E and I of the whitened scales, (N_TEST, 2), by errors of vergence and focus."""
     eyes, coder = _trained(SCALES)
     places = [(0.0, d) for d in FOCUS_D] + [(deg, 0.0) for deg in VERGENCE_DEG]
     return {
@@ -91,8 +93,9 @@ def _trained(scales: ScalesConfig) -> tuple[Eyes, SparseCoder]:
 
 
 def _rewards(codes: Sequence[Encoding]) -> NDArray[np.float64]:
-    assert all(code.information is not None for code in codes)
-    return np.array([[-code.reconstruction_error.sum(), code.worth] for code in codes])
+    return np.array(
+        [[-code.reconstruction_error[1:].sum(), code.worth_to_lenses] for code in codes]
+    )
 
 
 def test_information_is_largest_in_focus_and_falls_with_blur(rewards) -> None:
@@ -116,7 +119,9 @@ def test_both_are_best_where_the_eyes_converge(rewards) -> None:
 
 
 def test_light_focused_farther_and_nearer_gives_blur_a_sign() -> None:
-    scales = replace(SCALES, names=("far", "near"), zoom=(4.0, 4.0), focus_d=(-0.5, 0.5))
+    scales = replace(
+        SCALES, names=("fine", "far", "near"), zoom=(1.0, 4.0, 4.0), focus_d=(0.0, -0.5, 0.5)
+    )
     eyes, coder = _trained(scales)
     nearer = []
     for error_d in (-0.5, 0.5):

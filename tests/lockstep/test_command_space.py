@@ -5,6 +5,7 @@ import pytest
 
 from lockstep import ALL_MUSCLES, COMMAND_SPACES, HORIZONTAL_RECTI, PAIR, CommandSpace, InputError
 from lockstep.command_space import activation_limits
+from lockstep.scales import ScalesConfig
 from lockstep.task import TaskConfig
 
 PAIR_OF_RECTI = COMMAND_SPACES[PAIR]
@@ -71,7 +72,12 @@ def test_spaces_with_lenses_turn_the_eyes_as_those_without() -> None:
         assert space.has_lenses
         assert space.turning == COMMAND_SPACES[turning]
         assert space.names[: len(space.turning.names)] == space.turning.names
-        config = TaskConfig(command_space=name, highest_activations=(0.3,), lowest_activations=(0,))
+        config = TaskConfig(
+            command_space=name,
+            highest_activations=(0.3,),
+            lowest_activations=(0,),
+            scales=ScalesConfig(n_for_lenses=1),
+        )
         assert config.turning_space == turning
         assert config.turning_limits.highest == (0.3,) * len(space.turning.names)
     assert not COMMAND_SPACES[PAIR].has_lenses

@@ -23,8 +23,15 @@ def perfect(left: NDArray[np.uint8], right: NDArray[np.uint8]) -> tuple[Encoding
                 np.full((n_patches, 1), np.sqrt(2.0), np.float32),
             )
         )
+    nothing = np.zeros(0)
     return Encoding(
-        np.zeros((2, n_bases), np.float32), np.zeros(2), patches, tuple(selections)
+        np.zeros((2, n_bases), np.float32),
+        np.zeros(2),
+        patches,
+        tuple(selections),
+        nothing,
+        (),
+        np.zeros(1),
     ), atoms
 
 

@@ -5,6 +5,8 @@ import pytest
 from numpy.typing import NDArray
 
 from lockstep import InputError
+from lockstep.randomness import Moment
+from lockstep.scales import ScalesConfig
 from sparse_coder import SparseCoder, SparseCoderConfig
 from sparse_coder.matching_pursuit import Selections, residuals_of_eyes
 from sparse_coder.patches import FINE, patches_and_energies, window_of
@@ -16,6 +18,7 @@ from sparse_coder.reward import (
     reconstruction_error,
     reward,
 )
+from sparse_coder.whitening import GAIN, whitened
 
 WORTH = -0.4
 
@@ -61,39 +64,42 @@ def test_residuals_are_those_of_each_eyes_half() -> None:
     )
 
 
-def test_eyes_rewarded_for_information_get_that_of_all_scales(picture: NDArray[np.uint8]) -> None:
+LENSES = {
+    "command_space": "pair_and_lens",
+    "lowest_activations": (0.0,),
+    "highest_activations": (0.2,),
+    "scales": ScalesConfig(("a", "b", "c"), (40,) * 3, (40,) * 3, (1.0,) * 3, (0.0,) * 3, 2),
+    "iterations_per_episode": 20,
+}
+
+
+def test_the_eyes_are_rewarded_for_their_scales_then_lenses_for_information_of_theirs(
+    picture: NDArray[np.uint8],
+) -> None:
     config = SparseCoderConfig(
-        n_bases=40, rewards_information=True, sensor_noise=(2.0, 5.0), metabolic_cost_weight=0.1
+        n_bases=40, sensor_noise=(2.0, 5.0), metabolic_cost_weight=0.1, **LENSES
     )
     coder = SparseCoder(config)
-    percept = coder.perceive(picture, picture, np.full(4, 0.5))
-    encoding = percept.encoding
-    assert encoding.information is not None
-    window = window_of(picture, FINE)
-    _, energies = patches_and_energies(window, window)
-    left = residuals_of_eyes(encoding.patches[1], coder.atoms()[1], encoding.selections[1])
-    expected = information(energies, left, 128 * 25.0)
-    assert encoding.information[1] == pytest.approx(expected)
-    assert percept.reward == pytest.approx(encoding.information.sum() - 0.1 * 2.0)
-
-
-def test_sensor_noise_has_an_entry_for_each_scale_or_one_for_all() -> None:
-    assert SparseCoderConfig(sensor_noise=(3.0,)).noise_energies(0) == (1152.0, 1152.0)
-    with pytest.raises(InputError, match="sensor_noise: expected 2 entries, of coarse, fine, or"):
-        SparseCoderConfig(sensor_noise=(1.0, 2.0, 3.0))
-
-
-def test_eyes_may_have_other_noise_while_they_learn_what_to_code() -> None:
-    config = SparseCoderConfig(
-        sensor_noise=(3.0,),
-        first_sensor_noise=(1.0, 2.0),
-        resting_share=0.4,
-        n_training_iterations=1000,
+    verging, focusing = (
+        coder.perceive(picture, picture, np.full(4, 0.5), moment=Moment(iteration=i))
+        for i in (9, 10)
     )
-    assert config.noise_energies(399) == (128.0, 512.0)
-    assert config.noise_energies(400) == (1152.0, 1152.0)
-    with pytest.raises(InputError, match="first_sensor_noise: expected 2 entries, of coarse, fine"):
-        SparseCoderConfig(first_sensor_noise=(1.0, 2.0, 3.0))
+    encoding = focusing.encoding
+    window = whitened(window_of(picture, FINE))
+    _, energies = patches_and_energies(window, window)
+    for i, sd in ((1, 2.0), (2, 5.0)):
+        left = residuals_of_eyes(encoding.patches[i], coder.atoms()[i], encoding.selections[i])
+        expected = information(energies, left, noise_energy(sd, GAIN, 128))
+        assert encoding.information[i - 1] == pytest.approx(expected)
+    assert focusing.reward == pytest.approx(encoding.information.sum() - 0.1 * 2.0)
+    assert verging.reward == pytest.approx(-encoding.reconstruction_error[0] - 0.1 * 2.0)
+
+
+def test_sensor_noise_has_an_entry_for_each_scale_for_lenses_or_one_for_all() -> None:
+    both = SparseCoderConfig(sensor_noise=(3.0,), **LENSES).noise_energies
+    assert both == pytest.approx([1152.0 * GAIN**2] * 2)
+    with pytest.raises(InputError, match="sensor_noise: expected 2 entries, of b, c, or one"):
+        SparseCoderConfig(sensor_noise=(1.0, 2.0, 3.0), **LENSES)
 
 
 def test_energy_is_charged_at_its_price() -> None:

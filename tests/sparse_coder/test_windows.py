@@ -35,12 +35,16 @@ def test_a_scale_apart_is_cut_from_its_own_pictures(
     np.testing.assert_array_equal(windows[2], foveal)
 
 
-def test_whitened_scales_have_whitened_windows(stereo_pair: Pair) -> None:
-    scales = ScalesConfig(whitened=True)
-    for pair, plain in zip(
-        windows_of(*stereo_pair, scales=scales), windows_of(*stereo_pair), strict=True
-    ):
-        np.testing.assert_array_equal(pair, [whitened(window) for window in plain])
+def test_windows_for_lenses_are_whitened(stereo_pair: Pair) -> None:
+    first, last = windows_of(*stereo_pair, scales=ScalesConfig(n_for_lenses=1))
+    plain = windows_of(*stereo_pair)
+    np.testing.assert_array_equal(first, plain[0])
+    np.testing.assert_array_equal(last, [whitened(window) for window in plain[1]])
+
+
+def test_a_scale_is_left_for_the_eyes() -> None:
+    with pytest.raises(InputError, match=r"n_for_lenses: expected less than 2 \(scales\), got 2"):
+        ScalesConfig(n_for_lenses=2)
 
 
 def test_three_scales_are_coded_and_learned(stereo_pair: Pair, foveal: NDArray[np.uint8]) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lockstep import InputError
+from lockstep.scales import ScalesConfig
 from tests.vergence_rl.small_agents import assert_same_state
 from vergence_rl import Agent, Decision, VergenceRlConfig
 from vergence_rl.focusing import LensConfig
@@ -28,6 +29,7 @@ def _config(space: str = "pair_and_lenses", **changes: object) -> VergenceRlConf
         "n_training_iterations": 300 * N,
         "n_bases": N_FEATURES // 2,
         "hindsight": HindsightConfig(regression_period=2 * N, least_memory=60.0),
+        "scales": ScalesConfig(n_for_lenses=1),
         "lens": LensConfig(looking_iterations=HELD),
     }
     return VergenceRlConfig(**(settings | changes))  # type: ignore[arg-type]
@@ -136,13 +138,11 @@ def _taught(agent: Agent, first: int, place: np.ndarray, eyes: np.ndarray) -> No
         place = np.append(eyes, command[2])
 
 
-def test_the_eyes_may_be_told_of_the_first_scales_and_the_lenses_of_the_others() -> None:
-    agent = Agent(_config(lens=LensConfig(looking_iterations=HELD, eyes_scales=1)))
+def test_the_eyes_are_told_of_the_first_scales_and_the_lenses_of_the_others() -> None:
+    agent = Agent(_config())
     for k in range(2, 12):
         _episode(agent, k * N, START, WANTED)
     n = N_FEATURES // 2
-    assert agent.state()["actor"].shape == (2, n + 4 + 1)
-    assert agent.state()["lens_0_actor"].shape == (1, n + 4 + 1)
     weights = {name: np.ones_like(w) for name, w in agent.state().items() if "actor" in name}
     statistics = {"statistics_count": np.array(9)}
     statistics["statistics_squared_deviation"] = np.ones(N_FEATURES + 4)
@@ -157,19 +157,14 @@ def test_the_eyes_may_be_told_of_the_first_scales_and_the_lenses_of_the_others()
     assert (others != as_it_is).tolist() == [False, False, True, True]
 
 
-def test_a_scale_is_left_for_the_lenses() -> None:
-    with pytest.raises(InputError, match=r"lens\.eyes_scales: expected less than 2 \(scales\)"):
-        _config(lens=LensConfig(eyes_scales=2))
-
-
 def test_what_was_learned_is_restored_with_each_lens_of_its_own() -> None:
     agent = Agent(_config())
     for k in range(2, 12):
         _episode(agent, k * N, START, WANTED)
     state = agent.state()
     assert (state["lens_0_actor"] != state["lens_1_actor"]).any()
-    assert state["actor"].shape == (2, N_FEATURES + 4 + 1)
-    assert state["lens_0_actor"].shape == (1, N_FEATURES + 4 + 1)
+    assert state["actor"].shape == (2, N_FEATURES // 2 + 4 + 1)
+    assert state["lens_0_actor"].shape == (1, N_FEATURES // 2 + 4 + 1)
     other = Agent(_config())
     other.restore(state)
     found, _ = _episode(other, 12 * N, START, WANTED)
@@ -186,6 +181,7 @@ def test_products_are_those_of_activations_that_turn_one_eye() -> None:
         learning_rule="hindsight",
         iterations_per_episode=20,
         products_of_activations=True,
+        scales=ScalesConfig(n_for_lenses=1),
     )
     assert twelve.n_felt == 14 + 2 * 21
 
@@ -201,4 +197,5 @@ def test_lenses_need_some_tries_and_do_without_saccades() -> None:
             learning_rule="hindsight",
             iterations_per_episode=20,
             measures_turns=True,
+            scales=ScalesConfig(n_for_lenses=1),
         )

@@ -82,10 +82,12 @@ class ScalesConfig:
         least=-5,
         most=5,
     )
-    whitened: bool = setting(
-        False,
-        "whether windows are whitened before they are coded, so that all spatial frequencies count"
-        " alike",
+    n_for_lenses: int = setting(
+        0,
+        "number of scales, the last ones, of which lenses are told and for which they are rewarded,"
+        " as the eyes are for the others: these windows are whitened, so that all spatial"
+        " frequencies count alike, and their reward is information instead of -E",
+        least=0,
     )
 
     def __post_init__(self) -> None:
@@ -101,6 +103,10 @@ class ScalesConfig:
                     f"{name}: expected {n_scales} entries, of {', '.join(self.names)}, "
                     f"got {list(values)}"
                 )
+        if self.n_for_lenses >= n_scales:
+            raise InputError(
+                f"n_for_lenses: expected less than {n_scales} (scales), got {self.n_for_lenses}"
+            )
         for scale in self.all:
             if scale.size_px << max(scale.n_reductions, 0) != scale.window_px:
                 raise InputError(
@@ -113,6 +119,11 @@ class ScalesConfig:
         """The scales, in their order."""
         lists = self.names, self.window_px, self.size_px, self.zoom, self.focus_d
         return tuple(Scale(*values) for values in zip(*lists, strict=True))
+
+    @property
+    def n_for_eyes(self) -> int:
+        """Scales, the first ones, for which the eyes are rewarded."""
+        return len(self.names) - self.n_for_lenses
 
     @property
     def apart(self) -> tuple[Scale, ...]:

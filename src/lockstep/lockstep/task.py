@@ -3,6 +3,7 @@
 In a parameter file the task stands under `/**/*`, so it reaches every node.
 """
 
+import math
 from dataclasses import dataclass, field
 
 from lockstep.command_space import (
@@ -109,6 +110,11 @@ class TaskConfig:
                 f"scales.zoom: expected 1 with command_space {self.command_space}, whose cameras "
                 f"take one picture each, got {list(self.scales.zoom)}"
             )
+        if bool(self.n_lenses) != bool(self.scales.n_for_lenses):
+            raise InputError(
+                f"scales.n_for_lenses: expected {'1 or more' if self.n_lenses else '0'} with "
+                f"command_space {self.command_space}, got {self.scales.n_for_lenses}"
+            )
         self._check_turning()
 
     def check_trains(self) -> None:
@@ -149,6 +155,22 @@ class TaskConfig:
     def turning_space(self) -> str:
         """Name of the command space of what turns the eyes alone, without lenses."""
         return next(name for name, space in COMMAND_SPACES.items() if space == self.space.turning)
+
+    @property
+    def n_lenses(self) -> int:
+        """Commands that focus lenses."""
+        return len(self.space.names) - len(self.space.turning.names)
+
+    @property
+    def n_tries(self) -> int:
+        """Iterations of an episode in which each lens tries: lenses share its second half."""
+        return self.iterations_per_episode // 2 // self.n_lenses if self.n_lenses else 0
+
+    @property
+    def n_verging(self) -> float:
+        """Iterations of an episode, the first ones, in which the eyes try: without lenses all."""
+        n_focusing = self.n_tries * self.n_lenses
+        return self.iterations_per_episode - n_focusing if n_focusing else math.inf
 
     @property
     def limits(self) -> Limits:

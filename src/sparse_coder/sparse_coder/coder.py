@@ -101,7 +101,9 @@ class SparseCoder:
         """
         encoding = self.encode(left, right, apart)
         rate_w = float(metabolic_rates_w.sum())
-        earned = reward(encoding.worth, rate_w, self.lambda_by_now)
+        verges = moment.iteration < self.config.n_verging
+        worth = encoding.worth_to_eyes if verges else encoding.worth_to_lenses
+        earned = reward(worth, rate_w, self.lambda_by_now)
         if not len(metabolic_rates_w):
             rate_w = math.nan
         if self.config.random_reward:
@@ -131,9 +133,7 @@ class SparseCoder:
         )
         features = [mean_squared_coefficients(s, config.n_bases) for s in selections]
         errors = [reconstruction_error(p, s) for p, s in zip(patches, selections, strict=True)]
-        told = None
-        if config.rewards_information:
-            told = self._information(patches, energies, selections)
+        told = self._information(patches, energies, selections)
         code = np.stack(features), np.array(errors), patches, selections, told, energies
         return Encoding(*code, dominance=self.dominances[-1])
 
@@ -155,15 +155,15 @@ class SparseCoder:
         energies: Sequence[NDArray[np.float64]],
         selections: Sequence[Selections],
     ) -> NDArray[np.float64]:
-        """Return I of each scale, of its patches and their energies."""
-        noise, told = self.config.noise_energies(self.learning_steps), []
-        for i, of_scale in enumerate(patches):
-            left = residuals_of_eyes(of_scale, self._dictionaries[i].atoms, selections[i])
+        """Return I of each scale for lenses, of its patches and their energies."""
+        told, first = [], self.config.scales.n_for_eyes
+        for i, noise in enumerate(self.config.noise_energies, first):
+            left = residuals_of_eyes(patches[i], self._dictionaries[i].atoms, selections[i])
             whole = energies[i]
             if self.config.suppression_iterations:
                 powers = gains(self.dominances[i]) ** 2
                 whole, left = powers * whole, left / powers
-            told.append(information(whole, left, noise[i]))
+            told.append(information(whole, left, noise))
         return np.array(told)
 
     def learn(self, encoding: Encoding) -> None:

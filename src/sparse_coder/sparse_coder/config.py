@@ -46,23 +46,12 @@ class SparseCoderConfig(TaskConfig):
         "whether the reward is a random number, uniform in [-1, 0], that says nothing of images"
         " or energy: whatever is still learned does not come from the reward",
     )
-    rewards_information: bool = setting(
-        False,
-        "whether the reward is the information that the code has of the windows, which is largest"
-        " in focus, instead of -E, which rises with blur",
-    )
     sensor_noise: tuple[float, ...] = setting(
         (7.0,),
-        "standard deviation of the noise of a pixel that is coded, by which that information is"
-        " limited: of each scale, or one for all",
+        "standard deviation of the noise of a pixel, by which the information is limited that"
+        " lenses are rewarded for: of each scale for lenses, or one for all",
         "grey levels",
         above=0,
-    )
-    first_sensor_noise: tuple[float, ...] = setting(
-        (0.0,),
-        "the same until resting_share of training; 0: as sensor_noise",
-        "grey levels",
-        least=0,
     )
     camera: OpticsConfig = field(default_factory=OpticsConfig)
     noise: TurnNoiseConfig = field(default_factory=TurnNoiseConfig)
@@ -71,27 +60,22 @@ class SparseCoderConfig(TaskConfig):
         """Refuse values out of range, and a task without training."""
         super().__post_init__()
         self.check_trains()
-        n_scales = len(self.scales.all)
-        for name in ("sensor_noise", "first_sensor_noise"):
-            noise = getattr(self, name)
-            if len(noise) not in (1, n_scales):
-                raise InputError(
-                    f"{name}: expected {n_scales} entries, of {', '.join(self.scales.names)}, or "
-                    f"one for all, got {list(noise)}"
-                )
+        n_for_lenses, noise = self.scales.n_for_lenses, self.sensor_noise
+        if len(noise) not in (1, n_for_lenses):
+            names = ", ".join(self.scales.names[self.scales.n_for_eyes :])
+            raise InputError(
+                f"sensor_noise: expected {n_for_lenses} entries, of {names}, or one for all, got "
+                f"{list(noise)}"
+            )
 
     @property
     def n_until_rest(self) -> float:
         """Learning steps until the dictionaries' rate has its final value."""
         return self.resting_share * self.n_training_iterations
 
-    def noise_energies(self, learning_steps: int) -> tuple[float, ...]:
-        """Return the energy of the sensor's noise in a patch of each scale, after these steps."""
-        first, later = map(self._of_each_scale, (self.first_sensor_noise, self.sensor_noise))
-        if learning_steps < self.n_until_rest:
-            later = tuple(a or b for a, b in zip(first, later, strict=True))
-        gain = GAIN if self.scales.whitened else 1.0
-        return tuple(noise_energy(sd, gain, N_PIXELS) for sd in later)
-
-    def _of_each_scale(self, noise: tuple[float, ...]) -> tuple[float, ...]:
-        return noise if len(noise) > 1 else noise * len(self.scales.all)
+    @property
+    def noise_energies(self) -> tuple[float, ...]:
+        """The energy of the sensor's noise in a patch of each scale for lenses."""
+        noise, n_for_lenses = self.sensor_noise, self.scales.n_for_lenses
+        of_each = noise if len(noise) > 1 else noise * n_for_lenses
+        return tuple(noise_energy(sd, GAIN, N_PIXELS) for sd in of_each)

@@ -3,7 +3,7 @@
 Dimensions: n_scales, by default 2, coarse before fine; n_patches, n_pixels, n_bases.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,8 @@ class Encoding:
     features: (n_scales, n_bases) mean squared coefficient of each atom;
     reconstruction_error: (n_scales,) unexplained share of the patches' energy, in [0, 1];
     patches: per scale (n_patches, n_pixels); selections: per scale;
-    information: (n_scales,) what the code tells of the windows, in nats a patch, None where that is
-    not rewarded; energies: per scale (n_patches, 2) of each eye's half, before it has norm 1;
+    information: (n,) what the code tells of the windows of the n scales for lenses, in nats a
+    patch; energies: per scale (n_patches, 2) of each eye's half, before it has norm 1;
     dominance: (n_patches,) at the finest scale, how far the left eye suppresses the right one.
     """
 
@@ -27,15 +27,19 @@ class Encoding:
     reconstruction_error: NDArray[np.float64]
     patches: tuple[NDArray[np.float32], ...]
     selections: tuple[Selections, ...]
-    information: NDArray[np.float64] | None = None
-    energies: tuple[NDArray[np.float64], ...] = ()
-    dominance: NDArray[np.float64] = field(default_factory=lambda: np.zeros(1))
+    information: NDArray[np.float64]
+    energies: tuple[NDArray[np.float64], ...]
+    dominance: NDArray[np.float64]
 
     @property
-    def worth(self) -> float:
-        """What the eyes are rewarded for: I where there is information, otherwise -E."""
-        if self.information is None:
-            return -float(np.sum(self.reconstruction_error))
+    def worth_to_eyes(self) -> float:
+        """-E, of the scales for the eyes."""
+        n_for_eyes = len(self.reconstruction_error) - len(self.information)
+        return -float(np.sum(self.reconstruction_error[:n_for_eyes]))
+
+    @property
+    def worth_to_lenses(self) -> float:
+        """I, of the scales for lenses."""
         return float(np.sum(self.information))
 
 

@@ -21,7 +21,7 @@ def windows_of(
 ) -> tuple[tuple[Window, Window], ...]:
     """Return the left and the right window (size_px, size_px) of each scale, in grey levels.
 
-    Of whitened scales they are whitened. left, right: pictures that check_images accepts; apart:
+    Those for lenses are whitened. left, right: pictures that check_images accepts; apart:
     of each scale with a picture of its own both eyes' (2, height, width). Raises InputError
     for another number or kind of the latter.
     """
@@ -30,13 +30,14 @@ def windows_of(
         raise InputError(f"pictures of scales apart: expected those of {names}, got {len(apart)}")
     own = iter(apart)
     windows = []
-    for scale in scales.all:
+    for i, scale in enumerate(scales.all):
         pair = left, right
         if scale.is_apart:
             pair = _pair(next(own), scale.name)
             check_images(*pair, scale.window_px)
         first, second = (window_of(picture, scale) for picture in pair)
-        windows.append((whitened(first), whitened(second)) if scales.whitened else (first, second))
+        is_sharp = i >= scales.n_for_eyes
+        windows.append((whitened(first), whitened(second)) if is_sharp else (first, second))
     return tuple(windows)
 
 

@@ -89,11 +89,6 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
                 f"iterations_per_episode: expected {2 * _LEAST_TRIES * self.n_lenses} or more with "
                 f"command_space {self.command_space}, got {self.iterations_per_episode}"
             )
-        if self.lens.eyes_scales >= len(self.scales.all):
-            raise InputError(
-                f"lens.eyes_scales: expected less than {len(self.scales.all)} (scales), got "
-                f"{self.lens.eyes_scales}"
-            )
         self.lens_config.check_fits(self.iterations_per_episode, self.n_tries)
         if self.learns_turns:
             raise InputError(
@@ -158,16 +153,6 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
         return self.iterations_per_fixation - self.n_before - self.n_tries * self.n_lenses
 
     @property
-    def n_lenses(self) -> int:
-        """Commands that focus lenses."""
-        return self.n_muscles - len(self.space.turning.names)
-
-    @property
-    def n_tries(self) -> int:
-        """Iterations of an episode in which each lens tries: lenses share half of it."""
-        return self.iterations_per_episode // 2 // self.n_lenses if self.n_lenses else 0
-
-    @property
     def lens_config(self) -> HindsightConfig:
         """The settings of a lens's rule."""
         return self.lens.rule_config(self.hindsight)
@@ -178,7 +163,7 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
         no_limit = np.array([np.inf])
         task = replace(
             self.task,
-            n_state=self.n_state - self.lens.eyes_scales * self.n_bases,
+            n_state=self.n_state - self.scales.n_for_eyes * self.n_bases,
             lowest=-no_limit,
             highest=no_limit,
             iterations_per_episode=self.n_tries,
@@ -188,9 +173,7 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
     @property
     def eyes_task(self) -> Task:
         """What the rule of the eyes must know."""
-        n_told = self.lens.eyes_scales * self.n_bases if self.n_lenses else 0
-        n_untold = self.n_features - n_told if n_told else 0
-        return replace(self.task, n_state=self.n_state - n_untold)
+        return replace(self.task, n_state=self.n_state - self.scales.n_for_lenses * self.n_bases)
 
     @property
     def limit_arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -28,14 +28,8 @@ class LensConfig:
         " places, while the dictionaries learn what is seen there",
         least=0,
     )
-    eyes_scales: int = setting(
-        0,
-        "number of scales, the first ones, of which the rule that turns the eyes is told, and the"
-        " rules of lenses of the others; 0: all are told of all",
-        least=0,
-    )
     ridge_share: float = setting(
-        1.0, "as hindsight.ridge_share, of the weights of what is seen", above=0
+        0.1, "as hindsight.ridge_share, of the weights of what is seen", above=0
     )
     felt_ridge_share: float = setting(
         0.1,
@@ -126,7 +120,8 @@ class FocusingRule:
                 learning=learning and is_its_turn and not looks,
                 draw=draw if tries else None,
             )
-            stays = draw is not None and now >= self._turns[0].end and not is_its_turn
+            # The first command of all is obeyed.
+            stays = draw is not None and now > 0 and not is_its_turn
             decisions.append(decision)
             commands.append(place[turn.commands] if stays and not looks else decision.command)
         command = np.concatenate(commands)

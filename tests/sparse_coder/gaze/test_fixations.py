@@ -35,7 +35,16 @@ def encoding_with_worst(*i_patches: int) -> Encoding:
     for rank, i in enumerate(i_patches):
         coefficients[i] = 0.01 * rank
     selections = Selections(np.zeros((49, 1), np.int32), coefficients)
-    return Encoding(np.zeros((2, 4), np.float32), np.zeros(2), (patches,) * 2, (selections,) * 2)
+    nothing = np.zeros(0)
+    return Encoding(
+        np.zeros((2, 4), np.float32),
+        np.zeros(2),
+        (patches,) * 2,
+        (selections,) * 2,
+        nothing,
+        (),
+        np.zeros(1),
+    )
 
 
 NOTHING = encoding_with_worst()
