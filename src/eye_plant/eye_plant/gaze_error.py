@@ -112,7 +112,7 @@ def direction_deg(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
 def target_places_deg(
     positions_m: NDArray[np.float64],
     rotations: NDArray[np.float64],
-    target_deg: tuple[float, float],
+    target_deg: Sequence[float],
     distance_m: float,
 ) -> tuple[float, ...]:
     """Return where the left and the right eye see a target: how far to the right and up each.

@@ -19,13 +19,13 @@ LEFT = np.array(
 RIGHT = LEFT * np.array([[-1.0], [1.0], [-1.0]])
 
 
-def new(*, holds_gaze: bool = True) -> GazeControl:
-    config = GazeConfig(saccade_noise=0.002)
+def new(*, holds_gaze: bool = True, equal_innervation: bool = False) -> GazeControl:
+    config = GazeConfig(saccade_noise=0.002, equal_innervation=equal_innervation)
     return GazeControl(LOWEST, HIGHEST, config, holds_gaze=holds_gaze)
 
 
-def turned_deg(change: np.ndarray) -> np.ndarray:
-    return np.array([LEFT @ change[:6], RIGHT @ change[6:]])
+def turned_deg(change: np.ndarray, right_strength: float = 1.0) -> np.ndarray:
+    return np.array([LEFT @ change[:6], right_strength * RIGHT @ change[6:]])
 
 
 def see(
@@ -36,18 +36,23 @@ def see(
 
 
 def learned(
-    n: int = 400, *, seen: bool = True, price: float = 0.0, holds_gaze: bool = True
+    n: int = 400,
+    *,
+    seen: bool = True,
+    price: float = 0.0,
+    right_strength: float = 1.0,
+    **settings: bool,
 ) -> GazeControl:
     """Eyes that turn in proportion to the change, having made n saccades of noise.
 
-    price: of each unit of activation.
+    price: of each unit of activation; right_strength: of the right eye's muscles.
     """
     draw = np.random.default_rng(1)
-    control = new(holds_gaze=holds_gaze)
+    control = new(**settings)
     for _ in range(n):
         before = draw.uniform(0.08, 0.12, 12)
         after = control.saccade(before, np.zeros(2), draw)
-        turns_deg = turned_deg(after - before) if seen else np.full((2, 3), np.nan)
+        turns_deg = turned_deg(after - before, right_strength) if seen else np.full((2, 3), np.nan)
         observation = TimeStep(
             *(1, 1, np.zeros(0), after, 0.0),
             turns_deg=turns_deg,
@@ -61,6 +66,34 @@ def test_saccades_turn_both_eyes_alike_without_rotating_them() -> None:
     command = learned().saccade(MID, np.array([6.0, -3.0]), None)
     expected = [[6.0, -3.0, 0.0], [6.0, -3.0, 0.0]]
     np.testing.assert_allclose(turned_deg(command - MID), expected, atol=0.02)
+
+
+@pytest.mark.parametrize("equal_innervation", [False, True])
+def test_with_equal_innervation_a_weak_eye_turns_less(equal_innervation: bool) -> None:
+    control = learned(right_strength=0.5, equal_innervation=equal_innervation)
+    left, right = control.saccade(MID, np.array([6.0, -3.0]), None).reshape(2, 6)
+    mirrored, _ = control.saccade(MID, np.array([-6.0, -3.0]), None).reshape(2, 6)
+    assert (right.tolist() == mirrored.tolist()) == equal_innervation
+    turned = turned_deg(np.append(left, right) - MID, 0.5)
+    assert turned[1, 0] / turned[0, 0] == pytest.approx(0.5 if equal_innervation else 1.0, abs=0.05)
+
+
+def test_with_equal_innervation_healthy_eyes_save_as_much_energy() -> None:
+    commands = []
+    for equal_innervation in (False, True):
+        control, command = learned(2500, price=1.0, equal_innervation=equal_innervation), MID
+        for _ in range(5):
+            command = control.verge(command, np.zeros(3), leads=1)
+        commands.append(command)
+    np.testing.assert_allclose(*commands, atol=1e-3)
+
+
+def test_with_equal_innervation_both_eyes_know_the_same() -> None:
+    control, other = learned(equal_innervation=True), new(equal_innervation=True)
+    assert control.state()["eyes_n_movements"] == 2 * 400
+    other.restore(control.state())
+    target_deg = np.array([6.0, -3.0])
+    np.testing.assert_array_equal(*(c.saccade(MID, target_deg, None) for c in (control, other)))
 
 
 TURN = np.array([1.5, -0.5, 0.8])

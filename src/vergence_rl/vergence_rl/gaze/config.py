@@ -28,6 +28,12 @@ class GazeConfig:
         " noise and distances of vergence that is learned as rotations: it moves the image less",
         above=0,
     )
+    equal_innervation: bool = setting(
+        False,
+        "whether one model of how activations rotate an eye is learned from both eyes and commands"
+        " both, so that they get equal innervation, mirrored (Hering's law), whatever one of them"
+        " needs; else each eye has its own (D22)",
+    )
 
     def __post_init__(self) -> None:
         """Refuse values out of range."""

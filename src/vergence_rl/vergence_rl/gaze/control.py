@@ -21,6 +21,8 @@ Floats = NDArray[np.float64]
 
 # By which a command changes an activation at most to save energy.
 _LARGEST_SAVING = 0.02
+# What makes a turn of each eye one of a left eye: to the right and clockwise are inward for it.
+_MIRRORED = np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, -1.0]])
 
 
 class GazeControl:
@@ -43,9 +45,14 @@ class GazeControl:
             EyeTurns(low, high, config.memory_share)
             for low, high in zip(_of_eyes(lowest), _of_eyes(highest), strict=True)
         ]
+        self._signs = np.ones_like(_MIRRORED)
+        names = [f"{side}_eye" for side in SIDES]
+        if config.equal_innervation:
+            # One owner under one name, of both eyes.
+            self._eyes, names = self._eyes[:1] * len(SIDES), ["eyes"] * len(SIDES)
+            self._signs = _MIRRORED
         self._effort = Effort(len(lowest))
-        names = (*(f"{side}_eye" for side in SIDES), "effort")
-        self._regressions = dict(zip(names, (*self._eyes, self._effort), strict=True))
+        self._regressions = dict(zip((*names, "effort"), (*self._eyes, self._effort), strict=True))
         self._before: Floats | None = None
 
     @property
@@ -66,7 +73,8 @@ class GazeControl:
         if before is None or observation.iteration == 0:
             return
         places = _of_eyes(before), _of_eyes(observation.activations)
-        for eye, a, b, turned_deg in zip(self._eyes, *places, observation.turns_deg, strict=True):
+        turns_deg = self._signs * observation.turns_deg
+        for eye, a, b, turned_deg in zip(self._eyes, *places, turns_deg, strict=True):
             if np.isfinite(turned_deg).all():
                 eye.learn(a, b - a, turned_deg)
 
@@ -116,13 +124,15 @@ class GazeControl:
         slopes: (12,) of the penalty. What may change is what turns both eyes alike: the rotation
         about their lines of sight and, unless gaze is held, all turns.
         """
-        of_eyes = [eye.slopes_deg(a) for eye, a in zip(self._eyes, _of_eyes(command), strict=True)]
+        known = zip(self._eyes, _of_eyes(command), self._signs, strict=True)
+        of_eyes = [signs[:, None] * eye.slopes_deg(a) for eye, a, signs in known]
         angles = np.hstack([of_eyes[0], -of_eyes[1]])
         if self.holds_gaze:
             of_eyes[1 - leads] = np.zeros_like(of_eyes[1 - leads])
             angles = np.vstack([angles, np.hstack(of_eyes)[:-1]])
         change = lowered(command, slopes, angles, self._limits, _LARGEST_SAVING)
         alike = self._eyes[leads].turns_deg(_of_eyes(command)[leads], _of_eyes(change)[leads])
+        alike *= self._signs[leads]
         if self.holds_gaze:
             alike[:-1] = 0.0
         # Exactly so: slopes are those of small changes.
@@ -133,7 +143,7 @@ class GazeControl:
         of_eyes = zip(
             self._eyes,
             _of_eyes(activations),
-            turns_deg,
+            self._signs * turns_deg,
             _of_eyes(np.zeros_like(activations) if near is None else near),
             strict=True,
         )

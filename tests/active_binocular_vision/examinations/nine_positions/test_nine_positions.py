@@ -144,9 +144,15 @@ def test_the_figure_of_listings_law_has_each_gaze_once_and_the_planes(
             assert f"thickness {plane.thickness_deg:.2f}" in axes.get_title("left")
 
 
-def test_a_covered_right_eye_ends_elsewhere(
-    traces: NinePositionsTraces, examine: Callable[..., NinePositionsTraces]
+@pytest.mark.parametrize("side", SIDES)
+def test_a_covered_eye_ends_elsewhere(
+    side: str, traces: NinePositionsTraces, examine: Callable[..., NinePositionsTraces]
 ) -> None:
-    covered = examine(covered="right", distances_m=DISTANCES_M[:1])
+    covered = examine(covered=side, distances_m=DISTANCES_M[:1])
     seen, unseen = (t.nine.eyes.activations[0, :, 0] for t in (traces, covered))
     assert (np.abs(seen - unseen).max(axis=1) > 1e-6).all()
+    # The eye that sees looks as far off as it is said to.
+    eyes, wanted_deg = covered.nine.eyes, covered.nine.wanted_gaze_deg[0]
+    i = 1 - SIDES.index(side)
+    off_deg = np.linalg.norm(eyes.gaze_deg[0, :, 0, i] - wanted_deg[:, i], axis=-1)
+    np.testing.assert_allclose(eyes.missed_deg[0, :, 0], off_deg, rtol=0.05, atol=1e-3)

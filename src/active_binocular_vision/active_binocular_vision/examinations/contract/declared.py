@@ -6,7 +6,7 @@ The rest is with the examination, whose imports take a second.
 from dataclasses import dataclass
 from typing import Any
 
-from lockstep import check_settings, setting
+from lockstep import SIDES, check_settings, setting
 
 
 @dataclass(frozen=True)
@@ -105,9 +105,9 @@ class NearPointOptions(TrialFrame):
 
 @dataclass(frozen=True)
 class NinePositionsOptions(Distances):
-    """Where the eyes look, told from the left one; the right one may see black."""
+    """Where the eyes look, told from the left one; one of them may see black."""
 
-    covered: str = setting("", "eye that sees black", choices=("", "right"))
+    covered: str = setting("", "eye that sees black", choices=("", *SIDES))
     n_random: int = setting(40, "random targets at each distance", least=4)
 
 

@@ -116,4 +116,5 @@ class Looking:
         return self._posture(self._eyes, target_deg, distance_m)
 
     def _posture(self, eyes: Oculomotor, target_deg: Sequence[float], distance_m: float) -> Posture:
-        return Posture.of(eyes, self._turns_deg, self._commanded, target_deg, distance_m)
+        seen = self._turns_deg, self._commanded, target_deg, distance_m
+        return Posture.of(eyes, *seen, leads=int(self._covered == "left"))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from active_binocular_vision.examinations.nine_positions.listing import rotation_vectors
-from eye_plant.gaze_error import direction_deg, gaze_error, target_place_deg
+from eye_plant.gaze_error import direction_deg, gaze_error, target_places_deg
 from eye_plant.mechanics.oculomotor import Oculomotor
 from eye_plant.turns import TurnsDeg, turned
 
@@ -25,8 +25,8 @@ class Posture:
     rotations: (..., 2, 3, 3) of left and right eye, columns forward, left and up; sights: (..., 2,
     3) where their cameras look, which may be turned in the eyes; activations: (..., 12);
     metabolic_rate_w: (...), C of the commanded muscles; errors_deg: (..., 3) as GazeError has them,
-    of what the cameras see; missed_deg: (...) angle between the left camera's line of sight and the
-    target. All NaN for a gaze that the eyes do not reach.
+    of what the cameras see; missed_deg: (...) angle between the line of sight of the camera that
+    leads and the target. All NaN for a gaze that the eyes do not reach.
     """
 
     rotations: Array
@@ -44,23 +44,25 @@ class Posture:
         commanded: NDArray[np.intp],
         target_deg: Sequence[float],
         distance_m: float,
+        *,
+        leads: int,
     ) -> Self:
         """Read out eyes.
 
-        turns_deg: of their cameras; commanded: positions of the muscles whose rate counts.
+        turns_deg: of their cameras; commanded: positions of the muscles whose rate counts; leads: 0
+        the left eye, 1 the right one.
         """
-        state, rotations = eyes.state(), eyes.eye_rotations()
+        state, rotations, positions_m = eyes.state(), eyes.eye_rotations(), eyes.eye_positions_m()
         cameras = turned(rotations, turns_deg)
-        error = gaze_error(eyes.eye_positions_m(), cameras, distance_m)
-        azimuth_deg, elevation_deg = target_deg
-        place_deg = target_place_deg(cameras[0], azimuth_deg, elevation_deg)
+        error = gaze_error(positions_m, cameras, distance_m)
+        places_deg = target_places_deg(positions_m, cameras, target_deg, distance_m)
         return cls(
             rotations,
             cameras[..., 0],
             state.activations,
             state.metabolic_rate_w[commanded].sum(),
             np.array([error.horizontal_deg, error.vertical_deg, error.torsional_deg]),
-            np.hypot(*place_deg),
+            np.hypot(*np.reshape(places_deg, (2, 2))[leads]),
         )
 
     @classmethod
