@@ -7,13 +7,14 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from msgspec import to_builtins
+
 from active_binocular_vision.commands.run import check_old, prepare_new, source_commit
 from active_binocular_vision.environments.one_thread import OneThread
 from active_binocular_vision.examinations.contract.examination import Examination, Findings
 from active_binocular_vision.examinations.registry import EXAMINATIONS
 from active_binocular_vision.learners.learners import FrozenLearners
 from active_binocular_vision.learners.shown import Shown
-from active_binocular_vision.runs.frames import frame_of_runs
 from active_binocular_vision.runs.run import Run
 from experiment_manager import RunRequest, Summary
 from experiment_manager.preparation.continuation import branch as begun_from
@@ -22,6 +23,7 @@ from experiment_manager.run.attempt import goes_on
 from experiment_manager.run.config_file import CONFIG_FILE, read_configuration
 from experiment_manager.run.in_process import InProcessRun
 from experiment_manager.run.run_directory import new_directory
+from experiment_manager.sections import by_key
 from eye_plant import Head
 from eye_plant.head.plant import settings_of
 from lockstep import InputError, build
@@ -31,6 +33,8 @@ from lockstep.written.nearest import unknown
 if TYPE_CHECKING:
     import pandas
 
+# What differs between runs without being a setting that somebody chose.
+_NOT_COMPARED = ("seed", "commit", "profile", "model", "run_id", "run_directory")
 _ARGUMENTS = ("settings", "seed", "out", "on_test", "resume", "branch", "head")
 
 
@@ -117,7 +121,28 @@ def compare(runs: Iterable[Run | str | Path]) -> "pandas.DataFrame":
 
     runs: or their directories, or names of trained eyes.
     """
-    return frame_of_runs([each if isinstance(each, Run) else Run(each) for each in runs])
+    import pandas  # noqa: PLC0415 (takes half a second)
+
+    compared = [each if isinstance(each, Run) else Run(each) for each in runs]
+    settings = [by_key(run.configuration) for run in compared]
+    varied = [
+        key
+        for key in dict.fromkeys(key for of in settings for key in of)
+        if key.rpartition(".")[2] not in _NOT_COMPARED
+        and any(of.get(key) != settings[0].get(key) for of in settings)
+    ]
+    rows: list[dict[str, Any]] = [
+        {
+            "run": run.name,
+            "profile": run.profile,
+            "model": run.model,
+            "seed": run.seed,
+            **{key: of.get(key) for key in varied},
+            **(to_builtins(run.summaries[-1]) if run.summaries else {}),
+        }
+        for run, of in zip(compared, settings, strict=True)
+    ]
+    return pandas.json_normalize(rows).set_index("run") if rows else pandas.DataFrame()
 
 
 @OneThread()

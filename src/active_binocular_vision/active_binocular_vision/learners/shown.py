@@ -61,6 +61,10 @@ class Shown:
         if self.generated:
             config = dataclasses.replace(config, directory="")
         if self.stimuli is None:
+            if not config.directory:
+                # Each is generated from its number: no others are needed.
+                few = min(n_most, config.n_test)
+                config = dataclasses.replace(config, n_training=1, n_test=few)
             return StimulusSet((), load_stimuli(config).test[:n_most])
         return StimulusSet((), load_unseen_stimuli(str(self.stimuli), config, n_most))
 

@@ -1,24 +1,19 @@
-"""Runs as data frames of pandas: tests, their trials, basis functions, and runs side by side."""
+"""Parts of a run as data frames of pandas: tests, their trials, basis functions."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
 
 from experiment_manager import Summary, Trials
 from experiment_manager.measures.trials import ERROR_NAMES
-from experiment_manager.sections import by_key
 from eye_plant.vergence import degrees_per_px
 
 if TYPE_CHECKING:
     import pandas
 
     from active_binocular_vision.learners.learners import FrozenLearners
-    from active_binocular_vision.runs.run import Run
-
-# What differs between runs without being a setting that somebody chose.
-_NOT_COMPARED = ("seed", "commit", "profile", "model", "run_id", "run_directory")
 
 
 def frame_of_tests(tests: Sequence[Summary]) -> "pandas.DataFrame":
@@ -85,28 +80,3 @@ def frame_of_basis_functions(learners: "FrozenLearners") -> "pandas.DataFrame":
         for scale, tuned in zip(learners.manager.scales.names, learners.tunings, strict=True)
     ]
     return pandas.concat(frames, ignore_index=True)
-
-
-def frame_of_runs(runs: Sequence["Run"]) -> "pandas.DataFrame":
-    """Return a row per run: what it is, the settings in which the runs differ, its last test."""
-    import pandas  # noqa: PLC0415
-
-    settings = [by_key(run.configuration) for run in runs]
-    varied = [
-        key
-        for key in dict.fromkeys(key for of in settings for key in of)
-        if key.rpartition(".")[2] not in _NOT_COMPARED
-        and any(of.get(key) != settings[0].get(key) for of in settings)
-    ]
-    rows: list[dict[str, Any]] = [
-        {
-            "run": run.name,
-            "profile": run.profile,
-            "model": run.model,
-            "seed": run.seed,
-            **{key: of.get(key) for key in varied},
-            **(msgspec.to_builtins(run.summaries[-1]) if run.summaries else {}),
-        }
-        for run, of in zip(runs, settings, strict=True)
-    ]
-    return pandas.json_normalize(rows).set_index("run") if rows else pandas.DataFrame()
