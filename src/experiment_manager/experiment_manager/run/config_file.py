@@ -36,6 +36,13 @@ FREE_TO_CHANGE = {
     },
     "eye_plant": {"stimuli.cache_directory"},
 }
+# Parameters of older runs that are gone, with the values that meant what is done without them.
+_GONE = {
+    "scales.whitened": False,
+    "rewards_information": False,
+    "first_sensor_noise": [0.0],
+    "lens.eyes_scales": 0,
+}
 _PACKAGES = ("mujoco", "numpy", "opencv-python-headless", "ros-jazzy-rclpy", "mcap", "numba")
 
 
@@ -109,6 +116,9 @@ def parameters_in(text: str) -> Configuration:
     """
     found = _parameter_file(text)
     found.pop(RUN_SECTION, None)
+    for values in found.values():
+        for name in [name for name, value in _GONE.items() if values.get(name) == value]:
+            del values[name]
     shared = found.pop(EVERY_NODE, {})
     configuration: Configuration = {
         section: {name: shared.pop(name) for name in DEFAULTS[section] if name in shared}
@@ -174,7 +184,7 @@ def _differing(
         f"{node}.{name} was {value!r}, is {found.get(node, {}).get(name)!r}"
         for node, values in expected.items()
         for name, value in values.items()
-        if name not in free.get(node, ()) and found.get(node, {}).get(name) != value
+        if name not in (*free.get(node, ()), *_GONE) and found.get(node, {}).get(name) != value
     ]
 
 
