@@ -1,4 +1,5 @@
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -64,7 +65,7 @@ def test_residuals_are_those_of_each_eyes_half() -> None:
     )
 
 
-LENSES = {
+LENSES: dict[str, Any] = {
     "command_space": "pair_and_lens",
     "lowest_activations": (0.0,),
     "highest_activations": (0.2,),

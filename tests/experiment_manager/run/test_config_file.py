@@ -15,7 +15,7 @@ from lockstep import InputError
 from lockstep.written.yaml_text import dump_yaml, load_yaml
 from tests.pair import PAIR_SPACE
 
-GONE = {"scales.whitened": False}
+GONE: dict[str, object] = {"scales.whitened": False}
 
 
 def written(path: Path, shared: dict[str, object]) -> Path:

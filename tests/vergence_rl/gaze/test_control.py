@@ -79,13 +79,15 @@ def test_with_equal_innervation_a_weak_eye_turns_less(equal_innervation: bool) -
 
 
 def test_with_equal_innervation_healthy_eyes_save_as_much_energy() -> None:
-    commands = []
-    for equal_innervation in (False, True):
-        control, command = learned(2500, price=1.0, equal_innervation=equal_innervation), MID
-        for _ in range(5):
-            command = control.verge(command, np.zeros(3), leads=1)
-        commands.append(command)
-    np.testing.assert_allclose(*commands, atol=1e-3)
+    free, equal = (
+        learned(2500, price=1.0, equal_innervation=equal_innervation)
+        for equal_innervation in (False, True)
+    )
+    of_free = of_equal = MID
+    for _ in range(5):
+        of_free = free.verge(of_free, np.zeros(3), leads=1)
+        of_equal = equal.verge(of_equal, np.zeros(3), leads=1)
+    np.testing.assert_allclose(of_equal, of_free, atol=1e-3)
 
 
 def test_with_equal_innervation_both_eyes_know_the_same() -> None:
@@ -93,7 +95,8 @@ def test_with_equal_innervation_both_eyes_know_the_same() -> None:
     assert control.state()["eyes_n_movements"] == 2 * 400
     other.restore(control.state())
     target_deg = np.array([6.0, -3.0])
-    np.testing.assert_array_equal(*(c.saccade(MID, target_deg, None) for c in (control, other)))
+    commands = [each.saccade(MID, target_deg, None) for each in (control, other)]
+    np.testing.assert_array_equal(commands[0], commands[1])
 
 
 TURN = np.array([1.5, -0.5, 0.8])
