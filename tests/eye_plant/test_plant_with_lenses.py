@@ -28,6 +28,7 @@ THREE = ScalesConfig(
     size_px=(32, 40, 40),
     zoom=(1.0, 1.0, 4.0),
     focus_d=(0.0, 0.0, 0.0),
+    n_for_lenses=1,
 )
 CONFIG = EyePlantConfig(
     command_space="pair_and_lenses",
@@ -35,6 +36,12 @@ CONFIG = EyePlantConfig(
     highest_activations=(0.2, 0.1, 1.0, 1.0),
     scales=THREE,
     camera=CameraConfig(plane_size_m=1.5, roi_width_px=128, roi_height_px=128),
+)
+WITHOUT_LENSES = replace(
+    CONFIG,
+    command_space="pair",
+    highest_activations=(0.2, 0.1),
+    scales=replace(THREE, n_for_lenses=0),
 )
 NAMES = CONFIG.space.names
 START = pair_activations(0.03, 0.0)
@@ -156,6 +163,7 @@ def test_chromatic_aberration_gives_blur_a_sign() -> None:
         size_px=(32, 40, 40),
         zoom=(1.0, 4.0, 4.0),
         focus_d=(0.0, -0.5, 0.5),
+        n_for_lenses=2,
     )
     plant = EyePlant(replace(CONFIG, scales=two_colours), STIMULI)
     for accommodation_d, sign in ((0.5, 1.0), (1.5, -1.0)):
@@ -175,7 +183,7 @@ def test_glasses_focus_a_hyperope_and_magnify(plant: EyePlant) -> None:
     )
     glasses = replace(CONFIG, lenses=LensesConfig(spectacles_d=(5.0, 0.0)))
     assert glasses.worn_camera.magnifications == pytest.approx((1.0 / 0.94, 1.0))
-    plain = replace(glasses, command_space="pair", highest_activations=(0.2, 0.1))
+    plain = replace(WITHOUT_LENSES, lenses=glasses.lenses)
     assert plain.worn_camera == plain.camera
 
 
@@ -238,8 +246,7 @@ def test_copies_see_the_same(plant: EyePlant) -> None:
 
 
 def test_what_eyes_without_lenses_cannot_do_is_refused() -> None:
-    config = replace(CONFIG, command_space="pair", highest_activations=(0.2, 0.1))
-    plant = EyePlant(config, STIMULI)
+    plant = EyePlant(WITHOUT_LENSES, STIMULI)
     with pytest.raises(InputError, match="activations: expected 12 of eyes without lenses, got 16"):
         plant.begin(Episode.alone(0, 1.0, (*START, 0.0, 0.0, 0.0, 0.0), 3))
     plant.begin(Episode.alone(0, 1.0, START, 3))

@@ -27,7 +27,7 @@ from experiment_manager.measures.results import (
     SetSummary,
     Summary,
 )
-from experiment_manager.run.config_file import CONFIG_FILE, RUN_SECTION
+from experiment_manager.run.config_file import CONFIG_FILE, RUN_SECTION, without_gone
 from experiment_manager.sections import Configuration, by_key
 from experiment_manager.sweep.sweep_file import SWEEP_FILE, read_sweep
 from experiment_manager.trained.directory import run_directory
@@ -87,7 +87,7 @@ class KeptRun(Run):
     def configuration(self) -> Configuration:
         """All parameters by section, by dotted name."""
         sections = self._folder.configurations[self.name]
-        return {name: of for name, of in sections.items() if name != RUN_SECTION}
+        return without_gone({name: of for name, of in sections.items() if name != RUN_SECTION})
 
     @cached_property
     def document(self) -> Results:

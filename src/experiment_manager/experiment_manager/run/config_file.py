@@ -114,11 +114,8 @@ def parameters_in(text: str) -> Configuration:
 
     Raises InputError for what is no parameter file.
     """
-    found = _parameter_file(text)
+    found = without_gone(_parameter_file(text))
     found.pop(RUN_SECTION, None)
-    for values in found.values():
-        for name in [name for name, value in _GONE.items() if values.get(name) == value]:
-            del values[name]
     shared = found.pop(EVERY_NODE, {})
     configuration: Configuration = {
         section: {name: shared.pop(name) for name in DEFAULTS[section] if name in shared}
@@ -127,6 +124,14 @@ def parameters_in(text: str) -> Configuration:
     if shared:
         raise InputError(f"unknown parameter {', '.join(sorted(shared))}")
     return configuration | {name.rpartition("/")[2]: values for name, values in found.items()}
+
+
+def without_gone(configuration: Mapping[str, Mapping[str, Any]]) -> Configuration:
+    """Return the parameters of a run, by section, without those gone that changed nothing."""
+    return {
+        section: {k: v for k, v in values.items() if k not in _GONE or _GONE[k] != v}
+        for section, values in configuration.items()
+    }
 
 
 def about_in(text: str) -> dict[str, Any]:

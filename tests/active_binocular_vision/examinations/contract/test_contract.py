@@ -189,7 +189,7 @@ def test_options_that_do_not_go_together(line, message, capsys) -> None:
 @pytest.mark.parametrize(
     ("kind", "line", "message"),
     [
-        ("gaze", "--nine-positions --option covered=left", "covered: expected "),
+        ("gaze", "--nine-positions --option covered=both", "covered: expected "),
         ("gaze", "--cover --option coverd=left", "--option: unknown parameter coverd"),
         ("gaze", "--cover --figure chart.jpg", "expected a name that ends in .png, got chart.jpg"),
         ("gaze", "--tuning --figure chart.png", "--figure: expected one of --cover, "),
