@@ -122,10 +122,7 @@ def test_the_eye_out_of_focus_sees_blur_at_every_scale_and_most_at_the_finest(
 
 
 def test_eyes_in_focus_see_what_eyes_without_lenses_see(plant: EyePlant) -> None:
-    two = ScalesConfig()
-    plain = EyePlant(
-        replace(CONFIG, command_space="pair", highest_activations=(0.2, 0.1), scales=two), STIMULI
-    )
+    plain = EyePlant(replace(WITHOUT_LENSES, scales=ScalesConfig()), STIMULI)
     plain.begin(Episode.alone(0, 1.0, START, 3))
     expected = plain.execute(plain.targets(NAMES[:2], np.array([0.03, 0.0])))
     np.testing.assert_array_equal(looked(plant, 1.0, 1.0).pictures, expected.pictures)

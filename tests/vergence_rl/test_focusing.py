@@ -1,6 +1,7 @@
 """Lenses beside what turns the eyes: whose turn it is, what stays, and what is learned."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,14 @@ from vergence_rl.hindsight.config import HindsightConfig
 N_FEATURES, N = 6, 8
 HELD = 2 * N
 HIGHEST = np.array([0.2, 0.1, 0.4, 0.4])
+TWELVE = VergenceRlConfig(
+    command_space="all_muscles_and_lenses",
+    lowest_activations=(0.0,),
+    highest_activations=(0.2,),
+    learning_rule="hindsight",
+    iterations_per_episode=20,
+    scales=ScalesConfig(n_for_lenses=1),
+)
 
 
 def _config(space: str = "pair_and_lenses", **changes: object) -> VergenceRlConfig:
@@ -174,28 +183,11 @@ def test_what_was_learned_is_restored_with_each_lens_of_its_own() -> None:
 
 def test_products_are_those_of_activations_that_turn_one_eye() -> None:
     assert _config("pair_and_lens", products_of_activations=True).n_felt == 3 + 3
-    twelve = VergenceRlConfig(
-        command_space="all_muscles_and_lenses",
-        lowest_activations=(0.0,),
-        highest_activations=(0.2,),
-        learning_rule="hindsight",
-        iterations_per_episode=20,
-        products_of_activations=True,
-        scales=ScalesConfig(n_for_lenses=1),
-    )
-    assert twelve.n_felt == 14 + 2 * 21
+    assert replace(TWELVE, products_of_activations=True).n_felt == 14 + 2 * 21
 
 
 def test_lenses_need_some_tries_and_do_without_saccades() -> None:
     with pytest.raises(InputError, match="iterations_per_episode: expected 8 or more"):
         _config(iterations_per_episode=4, n_training_iterations=400)
     with pytest.raises(InputError, match="command_space: expected one without lenses"):
-        VergenceRlConfig(
-            command_space="all_muscles_and_lenses",
-            lowest_activations=(0.0,),
-            highest_activations=(0.2,),
-            learning_rule="hindsight",
-            iterations_per_episode=20,
-            measures_turns=True,
-            scales=ScalesConfig(n_for_lenses=1),
-        )
+        replace(TWELVE, measures_turns=True)

@@ -1,4 +1,6 @@
-"""Eyes in a session: where they begin, and what a cover or a prism does."""
+"""Eyes in a session: what is shown, where they begin, and what a cover or a prism does."""
+
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -6,6 +8,8 @@ import pytest
 from active_binocular_vision.examinations.clinic.prisms import DIRECTIONS
 from active_binocular_vision.learners.session import Prism, is_fused
 from active_binocular_vision.learners.shown import Shown
+from eye_plant import load_stimuli
+from eye_plant.stimuli.stimulus_set import StimuliConfig
 from tests.active_binocular_vision.moved_eyes import moved_eyes
 
 KINDS = ("pair", "twelve", "gaze")
@@ -114,3 +118,11 @@ def test_planes_to_which_the_muscles_converge_are_shown(session_with, kind, near
     session = session_with(kind)
     assert session.shows(nearest_m)
     assert session.shows(nearest_m - 0.01) == (kind == "pair")
+
+
+def test_of_generated_stimuli_only_those_that_are_shown_are_made(tmp_path: Path) -> None:
+    config = StimuliConfig(n_training=3, n_test=4, size_px=64, cache_directory=str(tmp_path))
+    shown = Shown(n_most=2).load(config, 1)
+    assert len(list(tmp_path.rglob("test_*.npy"))) == 2
+    np.testing.assert_array_equal(shown.test, load_stimuli(config).test[:2])
+    assert len(Shown(n_most=9).load(config, 1).test) == 4

@@ -187,9 +187,9 @@ def _differing(
 ) -> list[str]:
     return [
         f"{node}.{name} was {value!r}, is {found.get(node, {}).get(name)!r}"
-        for node, values in expected.items()
+        for node, values in without_gone(expected).items()
         for name, value in values.items()
-        if name not in (*free.get(node, ()), *_GONE) and found.get(node, {}).get(name) != value
+        if name not in free.get(node, ()) and found.get(node, {}).get(name) != value
     ]
 
 
