@@ -32,7 +32,7 @@ class LensConfig:
         0.1, "as hindsight.ridge_share, of the weights of what is seen", above=0
     )
     felt_ridge_share: float = setting(
-        0.1,
+        0.3,
         "as hindsight.felt_ridge_share: the less, the more a lens follows what is felt",
         above=0,
     )
