@@ -13,7 +13,7 @@ from vergence_rl.hindsight.rule import HindsightRule
 from vergence_rl.learning_rule import Decision, LearningRule, Task, TimeStep
 
 # Of the activation of a lens; 0.05 are 0.6 D at the age of 20.
-_FIRST_NOISE_SD, _LEAST_NOISE_SHARE, _TARGET_SCALE = 0.05, 0.2, 0.04
+_FIRST_NOISE_SD, _LEAST_NOISE_SHARE, _TARGET_SCALE = 0.05, 0.2, 0.02
 # Of a lens's turn. With one place, eyes that stay far out of focus compare places that are alike.
 _ANYWHERE_SHARE = 0.4
 
@@ -29,10 +29,10 @@ class LensConfig:
         least=0,
     )
     ridge_share: float = setting(
-        0.1, "as hindsight.ridge_share, of the weights of what is seen", above=0
+        0.2, "as hindsight.ridge_share, of the weights of what is seen", above=0
     )
     felt_ridge_share: float = setting(
-        0.3,
+        0.1,
         "as hindsight.felt_ridge_share: the less, the more a lens follows what is felt",
         above=0,
     )
