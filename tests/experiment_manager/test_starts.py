@@ -88,6 +88,17 @@ def test_training_about_the_tonic_level_needs_no_inverse(monkeypatch: pytest.Mon
     assert gazes_deg[:, 3:].std(axis=0).min() > 0.5
 
 
+def test_superior_obliques_alike_rotate_the_eyes_and_leave_vertical_errors() -> None:
+    common = (0.0, 0.0, 0.0, 0.0, 0.02, 0.0)
+    own_deg, both_deg = (
+        _training_gazes_deg(_config(tonic_start_spread=0.002, tonic_common_spread=common_spread))
+        for common_spread in ((0.0,) * 6, common)
+    )
+    _, vertical, torsional = (both_deg.std(axis=0) / own_deg.std(axis=0))[:3]
+    assert 0.8 < vertical < 1.25
+    assert torsional > 3.0
+
+
 def test_an_episode_begins_with_what_the_last_one_left() -> None:
     config = _config(fixation_iterations=5, tonic_return=0.25)
     starts, tonic = GazeStarts(config, MECHANICS), Oculomotor(MECHANICS).tonic_activations

@@ -8,6 +8,7 @@ from eye_plant.config import EyesConfig
 from eye_plant.inverse.pair import Limits as PairLimits
 from eye_plant.inverse.pair import pair_limits
 from lockstep import InputError, setting
+from lockstep.command_space import MUSCLES
 from lockstep.task import MODELS, TaskConfig
 
 # K17: 13 tests; the times are the authors' (public code), given here for 10^6 iterations.
@@ -98,6 +99,14 @@ class ProtocolConfig(TaskConfig):
         " with drawn errors",
         least=0,
         most=1,
+    )
+    tonic_common_spread: tuple[float, ...] = setting(
+        (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        "with tonic_start_spread: standard deviation of what the muscles of a name have in common"
+        " in both eyes, in the order of an eye's muscles",
+        least=0,
+        most=1,
+        n_entries=len(MUSCLES),
     )
     tonic_return: float = setting(
         0.0,

@@ -22,7 +22,7 @@ from eye_plant.lens.config import LensesConfig
 from eye_plant.lens.lenses import Lenses
 from eye_plant.mechanics.mujoco_model import MechanicsConfig
 from eye_plant.turns import NO_TURNS_DEG, TurnsDeg
-from lockstep import PAIR, generator
+from lockstep import PAIR, SIDES, generator
 
 Activations = tuple[float, ...]
 ActivationsOfVergence = Callable[[float, float], Activations]
@@ -163,6 +163,9 @@ class GazeStarts:
             return distance_m, tuple(self._inverse.returned(left, config.tonic_return).tolist())
         if config.tonic_start_spread:
             aside = self._aside(config.tonic_start_spread, draw)
+            common = np.array(config.tonic_common_spread[: len(aside) // len(SIDES)])
+            if common.any():
+                aside = aside + np.tile(draw.normal(0.0, common), len(SIDES))
             return distance_m, tuple(self._inverse.near_tonic(aside).tolist())
         return distance_m, self._activations(draw_angles_deg(config, draw), distance_m, draw)
 
