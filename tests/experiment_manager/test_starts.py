@@ -89,14 +89,13 @@ def test_training_about_the_tonic_level_needs_no_inverse(monkeypatch: pytest.Mon
 
 
 def test_superior_obliques_alike_rotate_the_eyes_and_leave_vertical_errors() -> None:
-    common = (0.0, 0.0, 0.0, 0.0, 0.02, 0.0)
-    own_deg, both_deg = (
-        _training_gazes_deg(_config(tonic_start_spread=0.002, tonic_common_spread=common_spread))
-        for common_spread in ((0.0,) * 6, common)
+    own, both = (
+        _config(tonic_start_spread=0.002, tonic_common_spread=(0.0, 0.0, 0.0, 0.0, spread, 0.0))
+        for spread in (0.0, 0.02)
     )
-    _, vertical, torsional = (both_deg.std(axis=0) / own_deg.std(axis=0))[:3]
-    assert 0.8 < vertical < 1.25
-    assert torsional > 3.0
+    more = _training_gazes_deg(both).std(axis=0) / _training_gazes_deg(own).std(axis=0)
+    assert 0.8 < more[1] < 1.25
+    assert more[2] > 3.0
 
 
 def test_an_episode_begins_with_what_the_last_one_left() -> None:

@@ -84,9 +84,11 @@ def test_a_lens_is_anywhere_in_the_first_of_its_turn_then_goes_on_from_there() -
         places, _ = _episode(agent, k * N, START[:3], WANTED[:3])
         tried.append([place[2] for place in places[4:N]])
     spread, alike = np.std(tried, axis=0), np.corrcoef(tried, rowvar=False)
+    away = np.abs(np.array(tried) - WANTED[2]).mean(axis=0)
     assert spread[:2] == pytest.approx(HIGHEST[2] / np.sqrt(12.0), rel=0.25)
     assert abs(alike[0, 1]) < 0.3
     assert np.diag(alike, 1)[1:].min() > 0.7
+    assert away[-1] < 0.8 * away[:2].min()
 
 
 def test_at_first_all_look_about_and_nothing_is_learned() -> None:

@@ -102,8 +102,8 @@ class ProtocolConfig(TaskConfig):
     )
     tonic_common_spread: tuple[float, ...] = setting(
         (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        "with tonic_start_spread: standard deviation of what the muscles of a name have in common"
-        " in both eyes, in the order of an eye's muscles",
+        "as tonic_start_spread, which it adds to: of what the muscles of a name have in common in"
+        " both eyes, in the order of an eye's muscles",
         least=0,
         most=1,
         n_entries=len(MUSCLES),

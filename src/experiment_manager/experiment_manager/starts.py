@@ -161,11 +161,10 @@ class GazeStarts:
         distance_m = drawn_distance_m(config, draw, ends_m, self.baseline_m)
         if config.tonic_return:
             return distance_m, tuple(self._inverse.returned(left, config.tonic_return).tolist())
-        if config.tonic_start_spread:
+        if config.tonic_start_spread or any(config.tonic_common_spread):
             aside = self._aside(config.tonic_start_spread, draw)
-            common = np.array(config.tonic_common_spread[: len(aside) // len(SIDES)])
-            if common.any():
-                aside = aside + np.tile(draw.normal(0.0, common), len(SIDES))
+            common = config.tonic_common_spread[: len(aside) // len(SIDES)]
+            aside += np.tile(draw.normal(0.0, common), len(SIDES))
             return distance_m, tuple(self._inverse.near_tonic(aside).tolist())
         return distance_m, self._activations(draw_angles_deg(config, draw), distance_m, draw)
 
