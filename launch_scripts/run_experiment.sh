@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Run an experiment with all its nodes: train, test, record, draw. Without arguments it runs a demonstration that
-# learns vergence and reciprocal innervation in 100,000 iterations. Ctrl-C ends the run cleanly and prints how to resume it.
+# learns vergence and reciprocal innervation in 75,000 iterations. Ctrl-C ends the run cleanly and prints how to resume it.
 #
 # usage: launch_scripts/run_experiment.sh [--model M|M_C] [--iterations N] [--seed S] [--stimuli DIR] [--out DIR]
 #                                         [--resume DIR] [more options]

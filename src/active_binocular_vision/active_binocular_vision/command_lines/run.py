@@ -25,7 +25,7 @@ def parser() -> argparse.ArgumentParser:
     line = CommandLine(
         prog=command("run"),
         description="Train and test active binocular vision. Without arguments: a demonstration "
-        "that learns vergence and reciprocal innervation in 100,000 iterations. Ctrl-C ends a run"
+        "that learns vergence and reciprocal innervation in 75,000 iterations. Ctrl-C ends a run"
         " with a checkpoint and prints how to resume it.",
         epilog=f"profiles:\n{_profiles()}\n\nROS_DOMAIN_ID names the ROS domain (default: a free"
         " one, which the run prints, so that\nother tools can subscribe).",
