@@ -12,7 +12,8 @@ film_of_one_stimulus=(--test-stimuli 1 --set eye_plant.stimuli.seed=4 --set 'exp
 
 # A shorter demonstration; at 2 m the whole image can be fused, of nearer planes only the middle.
 launch_scripts/run_experiment.sh --profile demonstration --iterations 20000 --tests 0,2000,6000 \
-  "${film_of_one_stimulus[@]}" --set experiment_manager.pictures_every_n_trials=5 --in-process --out runs/short
+  "${film_of_one_stimulus[@]}" --set eyes.camera.roi_width_px=320 --set eyes.camera.roi_height_px=240 \
+  --set experiment_manager.pictures_every_n_trials=5 --in-process --out runs/short
 launch_scripts/inspect_bag.sh runs/short --film $pictures/learning.gif
 
 # Five fixations of a test trial after 60,000 iterations, in simulated time.
