@@ -28,7 +28,13 @@ from sparse_coder.matching_pursuit import (
     mean_squared_coefficients,
     residuals_of_eyes,
 )
-from sparse_coder.patches import N_PIXELS, Image, check_images, patches_and_energies
+from sparse_coder.patches import (
+    N_PIXELS,
+    Image,
+    check_images,
+    patches_and_energies,
+    sees_with_both,
+)
 from sparse_coder.percept import NOT_GIVEN_DEG, Encoding, Percept
 from sparse_coder.picture_of_code import coded_patches
 from sparse_coder.reward import (
@@ -131,10 +137,14 @@ class SparseCoder:
             matching_pursuit(p, d.atoms, d.gram, config.n_selections)
             for p, d in zip(patches, self._dictionaries, strict=True)
         )
-        features = [mean_squared_coefficients(s, config.n_bases) for s in selections]
+        features = np.stack([mean_squared_coefficients(s, config.n_bases) for s in selections])
+        n_for_eyes = config.scales.n_for_eyes
+        # What one image has says nothing of disparity.
+        if config.n_lenses and not sees_with_both(energies[:n_for_eyes]):
+            features[:n_for_eyes] = 0.0
         errors = [reconstruction_error(p, s) for p, s in zip(patches, selections, strict=True)]
         told = self._information(patches, energies, selections)
-        code = np.stack(features), np.array(errors), patches, selections, told, energies
+        code = features, np.array(errors), patches, selections, told, energies
         return Encoding(*code, dominance=self.dominances[-1])
 
     def patches(

@@ -4,6 +4,8 @@ Dimensions: n_patches of one scale, n_pixels of one binocular patch (left eye's 
 eye's 64, each row by row).
 """
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 from numba import float32, float64, njit, void
@@ -15,6 +17,8 @@ from lockstep.scales import PATCH_SIZE_PX, STRIDE_PX, Scale, ScalesConfig
 N_PIXELS = 2 * PATCH_SIZE_PX**2
 # The published model's scales.
 COARSE, FINE = ScalesConfig().all
+
+_LEAST_SEEN_SHARE = 0.01
 
 Image = NDArray[np.uint8]
 Window = NDArray[np.float32]
@@ -78,6 +82,16 @@ def patches_and_energies(left: Window, right: Window) -> tuple[Patches, NDArray[
     _normalised_patches(left, patches[:, :half], energies[:, 0])
     _normalised_patches(right, patches[:, half:], energies[:, 1])
     return patches, energies
+
+
+def sees_with_both(energies: Sequence[NDArray[np.float64]]) -> bool:
+    """Return whether each eye sees something: 1 % or more of the energy that the other one sees.
+
+    energies: per scale (n_patches, 2), as `patches_and_energies` returns them. A covered eye may
+    have its sensor's noise.
+    """
+    of_eyes = np.sum([of_scale.sum(axis=0) for of_scale in energies], axis=0)
+    return bool(of_eyes.min() > _LEAST_SEEN_SHARE * of_eyes.max())
 
 
 # "reassoc" lets the sums use the vector unit; the order is fixed once compiled, so that the same

@@ -15,7 +15,8 @@ from sparse_coder.matching_pursuit import Selections
 class Encoding:
     """The sparse code of one pair of pictures.
 
-    features: (n_scales, n_bases) mean squared coefficient of each atom;
+    features: (n_scales, n_bases) mean squared coefficient of each atom; where there are lenses and
+    one eye sees nothing, 0 at the scales for the eyes;
     reconstruction_error: (n_scales,) unexplained share of the patches' energy, in [0, 1];
     patches: per scale (n_patches, n_pixels); selections: per scale;
     information: (n,) what the code tells of the windows of the n scales for lenses, in nats a

@@ -70,6 +70,7 @@ class Agent:
             "features": slice(config.n_features, None),
             "activations": slice(config.n_features),
         }[config.state_entries]
+        self._n_of_eyes = config.scales.n_for_eyes * config.n_bases
         self._statistics = empty_statistics(
             config.n_features + config.n_felt, config.initial_squared_deviation
         )
@@ -93,7 +94,8 @@ class Agent:
     ) -> Decision:
         """Learn from what was done so far and answer with what to do next.
 
-        features: (n_scales, n_bases) or any shape of that size; activations: (n_muscles,) of now,
+        features: (n_scales, n_bases) or any shape of that size, where there are lenses all 0 at
+        the scales for the eyes while one eye sees nothing; activations: (n_muscles,) of now,
         those that are commanded; reward: r_t, of now; iteration: within the episode, from 0;
         training_iteration: number of training iterations before this one; learning: whether to
         learn from the last action, and later from this one (there is nothing to learn at an
@@ -124,6 +126,7 @@ class Agent:
             turns_deg,
             energy_penalty,
             leads,
+            is_binocular=bool(entries[: self._n_of_eyes].any()),
         )
         seed = self.config.seed
         draw = generator(seed, "exploration", training_iteration) if exploration else None

@@ -9,7 +9,7 @@ from lockstep import InputError, build, setting
 from lockstep.task import TaskConfig
 from lockstep.wire.topics import N_SACCADES
 from lockstep.written.yaml_text import load_yaml
-from vergence_rl.focusing import LensConfig
+from vergence_rl.focusing import LensConfig, focusing_iterations
 from vergence_rl.gaze.config import GazeConfig
 from vergence_rl.gaze.eye_turns import N_TURNS
 from vergence_rl.hindsight.config import HindsightConfig
@@ -78,7 +78,8 @@ class VergenceRlConfig(RuleSettings, TaskConfig):
                 f"learning_rule: expected another one than {self.learning_rule} with saccades or "
                 "measures_turns: its actions are changes of activation, not rotations of the eyes"
             )
-        self.rule_config.check_fits(self.iterations_per_fixation, self.n_visits)
+        n_focusing = focusing_iterations(self.n_visits) if self.n_lenses else 0
+        self.rule_config.check_fits(self.iterations_per_fixation, self.n_visits - n_focusing)
         if self.n_lenses:
             self._check_lenses()
 

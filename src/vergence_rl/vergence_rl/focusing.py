@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from lockstep import check_settings, setting
 from vergence_rl.hindsight.config import HindsightConfig
+from vergence_rl.hindsight.covered import CoveredRule
 from vergence_rl.hindsight.rule import HindsightRule
 from vergence_rl.learning_rule import Decision, LearningRule, Task, TimeStep
 
@@ -16,6 +17,13 @@ from vergence_rl.learning_rule import Decision, LearningRule, Task, TimeStep
 _FIRST_NOISE_SD, _LEAST_NOISE_SHARE, _TARGET_SCALE = 0.05, 0.2, 0.02
 # Of a lens's turn. With one place, eyes that stay far out of focus compare places that are alike.
 _ANYWHERE_SHARE = 0.4
+# Of the eyes' turn.
+_FOCUSING_SHARE = 0.3
+
+
+def focusing_iterations(n_iterations: int) -> int:
+    """Return for how many iterations of the eyes' turn, its first, lenses move too."""
+    return int(_FOCUSING_SHARE * n_iterations)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -74,10 +82,11 @@ class _Turn:
 class FocusingRule:
     """Divides an episode between a rule that turns the eyes and a rule for each lens.
 
-    First all move, and the eyes try what is better. Then the eyes stay, and one lens after the
-    other tries: first anywhere within its limits, since far out of focus the reward hardly changes,
-    then what its rule finds better. So a rule compares places that differ in nothing else: 0.1 deg
-    of vergence changes the reward as much as 1 D does (ours). In tests all move at all times.
+    First all move, so that the eyes learn what to do with a lens that has focused. Then the lenses
+    stay, and the eyes try what is better. Then these stay, and one lens after the other tries:
+    first anywhere within its limits, since far out of focus the reward hardly changes, then what
+    its rule finds better. So a rule compares places that differ in nothing else: 0.1 deg of
+    vergence changes the reward as much as 1 D does (ours). In tests all move at all times.
     """
 
     def __init__(
@@ -95,11 +104,12 @@ class FocusingRule:
         learned; limits: (n_muscles,) lowest and highest commands.
         """
         self._n_held, self._limits = n_held, limits
+        self._n_focusing = focusing_iterations(tasks[0].iterations_per_episode)
         self._place = np.zeros(len(limits[0]))
         self._turns: list[_Turn] = []
         n_commands = n_iterations = 0
         for task in tasks:
-            rule = HindsightRule(lens, task) if self._turns else eyes
+            rule = HindsightRule(lens, task) if self._turns else CoveredRule(eyes, task)
             commands = slice(n_commands, n_commands + task.n_muscles)
             end = n_iterations + task.iterations_per_episode
             self._turns.append(_Turn(rule, task, commands, n_iterations, end))
@@ -121,7 +131,8 @@ class FocusingRule:
                 draw=draw if tries else None,
             )
             # The first command of all is obeyed.
-            stays = draw is not None and now > 0 and not is_its_turn
+            moves = is_its_turn or now < max(1, self._n_focusing)
+            stays = draw is not None and not moves
             decisions.append(decision)
             commands.append(place[turn.commands] if stays and not looks else decision.command)
         command = np.concatenate(commands)
@@ -152,6 +163,7 @@ class FocusingRule:
         return dataclasses.replace(
             observation,
             state=np.concatenate((told, felt)),
+            is_compared=observation.iteration >= self._n_focusing,
             iteration=observation.iteration - turn.first,
             training_iteration=observation.training_iteration + later,
             activations=observation.activations[turn.commands],

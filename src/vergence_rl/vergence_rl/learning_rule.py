@@ -48,7 +48,9 @@ class TimeStep:
     iteration: within the episode, from 0; training_iteration: training iterations before this one;
     state: s, (n_state,); activations: x, (n_muscles,) those that are commanded; reward: r_t, of
     now. What turns of the eyes need: target_deg (2,) and turns_deg (2, 3), as Agent.observe takes
-    them; energy_penalty: lambda C; leading_eye: 0 the left one, 1 the right one.
+    them; energy_penalty: lambda C; leading_eye: 0 the left one, 1 the right one. is_binocular:
+    whether both eyes see something; is_compared: whether the reward is one of those that the
+    episode's places are compared by.
     """
 
     iteration: int
@@ -60,6 +62,8 @@ class TimeStep:
     turns_deg: Floats = field(default_factory=lambda: NO_TURNS_DEG)
     energy_penalty: float = 0.0
     leading_eye: int = 0
+    is_binocular: bool = True
+    is_compared: bool = True
 
     def follows(self, other: "TimeStep") -> bool:
         """Whether this is the next iteration of the same training episode."""

@@ -91,20 +91,29 @@ class HindsightRule:
         )
 
     def _collect(self, observation: TimeStep) -> tuple[float, float]:
-        """Return the largest reward of the episode, and by how much the last exceeds the others."""
+        """Return the largest reward so far, and by how much the last exceeds those before it.
+
+        Of places that are compared; where there is none, the reward of now.
+        """
         visits = self._visits
         if not (visits and observation.follows(visits[-1].seen)):
             visits.clear()
             self._asked = observation.activations
-        delta = math.nan
-        if visits:
-            delta = observation.reward - max(visit.seen.reward for visit in visits)
+        delta, best = math.nan, self._best_reward()
+        if best is not None and observation.is_compared:
+            delta = observation.reward - best
             rate = self._task.td_variance_rate
             self._td_variance = td_variance(self._td_variance, delta, rate)
         visits.append(_Visit(observation, self._asked, self._noise))
         if len(visits) == self._task.iterations_per_episode == observation.iteration + 1:
             self._learn_from_episode(observation.training_iteration + 1)
-        return max(visit.seen.reward for visit in visits), delta
+        best = self._best_reward()
+        return observation.reward if best is None else best, delta
+
+    def _best_reward(self) -> float | None:
+        """Return the largest reward of the places that are compared."""
+        rewards = (visit.seen.reward for visit in self._visits if visit.seen.is_compared)
+        return max(rewards, default=None)
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Return actor, sums and residuals, as copies; of symmetric squares the upper triangle."""
@@ -152,7 +161,9 @@ class HindsightRule:
             if self._first.add(visited[0]):
                 self._begin()
             return
-        order = np.argsort([-visit.seen.reward for visit in self._visits], kind="stable")
+        # What is not compared comes last.
+        rewards = [v.seen.reward if v.seen.is_compared else -math.inf for v in self._visits]
+        order = np.argsort(np.negative(rewards), kind="stable")
         kept = self._kept_share(n_seen)
         if config.n_best == 1:
             aim = visited[order[0]]
