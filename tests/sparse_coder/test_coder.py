@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from lockstep import InputError
 from lockstep.randomness import Moment
+from lockstep.scales import ScalesConfig
 from sparse_coder import SparseCoder, SparseCoderConfig
 from sparse_coder.dictionary import learned_atoms
 from tests.sparse_coder.slow import slow_patches, slow_pursuit
@@ -15,6 +16,13 @@ from tests.sparse_coder.slow import slow_patches, slow_pursuit
 Pair = tuple[NDArray[np.uint8], NDArray[np.uint8]]
 
 SMALL = SparseCoderConfig(n_bases=40, n_selections=5)
+WITH_LENS = dataclasses.replace(
+    SMALL,
+    command_space="pair_and_lens",
+    lowest_activations=(0.0,),
+    highest_activations=(0.2, 0.1, 0.4),
+    scales=ScalesConfig(n_for_lenses=1),
+)
 FOLLOWING = dataclasses.replace(SMALL, plasticity_iterations=4, suppression_iterations=4)
 
 
@@ -47,6 +55,25 @@ def test_encoding_changes_nothing_and_repeats_bit_for_bit(stereo_pair: Pair) -> 
     assert not np.shares_memory(first.features, second.features)
     for name, array in coder.state().items():
         np.testing.assert_array_equal(array, before[name])
+
+
+@pytest.mark.parametrize("sensor_sd", [0.0, 2.0])
+def test_eyes_with_lenses_are_told_nothing_of_disparity_while_one_is_covered(
+    stereo_pair: Pair, sensor_sd: float
+) -> None:
+    noise = np.random.default_rng(1).normal(128.0, sensor_sd, stereo_pair[1].shape)
+    covered = stereo_pair[0], np.rint(noise).astype(np.uint8)
+    without = SparseCoder(SMALL).encode(*covered)
+    assert without.features.any(axis=1).all()
+    coder = SparseCoder(WITH_LENS)
+    assert coder.encode(*stereo_pair).features.any(axis=1).all()
+    encoding = coder.encode(*covered)
+    assert encoding.features.any(axis=1).tolist() == [False, True]
+    # They are rewarded, and the dictionaries learn, as ever.
+    assert encoding.reconstruction_error[0] == without.reconstruction_error[0]
+    before = coder.atoms()
+    coder.learn(encoding)
+    assert (coder.atoms() != before).any(axis=(1, 2)).all()
 
 
 def test_learning_lowers_the_error_at_both_scales(stereo_pair: Pair) -> None:

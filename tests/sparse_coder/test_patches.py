@@ -3,7 +3,14 @@ import pytest
 from numpy.typing import NDArray
 
 from lockstep import InputError
-from sparse_coder.patches import COARSE, FINE, binocular_patches, check_images, window_of
+from sparse_coder.patches import (
+    COARSE,
+    FINE,
+    binocular_patches,
+    check_images,
+    sees_with_both,
+    window_of,
+)
 from tests.sparse_coder.slow import slow_patches, slow_reduction
 
 IMAGE = np.zeros((240, 320), np.uint8)
@@ -48,6 +55,12 @@ def test_a_flat_half_is_zero_and_the_other_eye_keeps_its_norm(picture: NDArray[n
     patches = binocular_patches(window_of(flat, COARSE), window_of(picture, COARSE))
     np.testing.assert_array_equal(patches[:, :64], 0.0)
     np.testing.assert_allclose(np.linalg.norm(patches[:, 64:], axis=1), 1.0, atol=1e-6)
+
+
+def test_an_eye_with_a_hundredth_of_the_energy_of_the_other_one_sees_nothing() -> None:
+    assert sees_with_both([np.array([[50.0, 1.0], [30.0, 0.0]]), np.array([[10.0, 0.0]])])
+    assert not sees_with_both([np.array([[0.8, 60.0]]), np.array([[0.0, 20.0]])])
+    assert not sees_with_both([np.zeros((2, 2))])
 
 
 def test_a_single_grey_level_of_contrast_is_not_flat() -> None:

@@ -44,6 +44,30 @@ def _config(space: str = "pair_and_lenses", **changes: object) -> VergenceRlConf
     return VergenceRlConfig(**(settings | changes))  # type: ignore[arg-type]
 
 
+# Ten iterations are the eyes', of which the first three are not compared.
+LONG = _config(
+    "pair_and_lens",
+    n_training_iterations=200 * 20,
+    iterations_per_episode=20,
+    hindsight=HindsightConfig(regression_period=40, least_memory=60.0),
+)
+
+
+def _long_episode(agent: Agent, first: int, *, training: bool = True) -> list[np.ndarray]:
+    """Reward the eyes at 0.12, but most where they are while a lens focuses; lenses at 0.2."""
+    places = [np.array([0.08, 0.05, 0.1])]
+    for i in range(20):
+        medial, _, lens = places[-1]
+        reward = -abs(lens - 0.2) if i >= 10 else 1.0 if i < 3 else -abs(medial - 0.12)
+        command = agent.observe(
+            *(np.ones(N_FEATURES), places[-1], float(reward), i, first + i),
+            learning=training,
+            exploration=training,
+        ).command
+        places.append(command)
+    return places
+
+
 def _episode(
     agent: Agent, first: int, place: np.ndarray, wanted: np.ndarray, *, training: bool = True
 ) -> tuple[list[np.ndarray], list[Decision]]:
@@ -76,6 +100,20 @@ def test_the_eyes_try_first_then_stay_and_one_lens_tries_after_the_other() -> No
     assert changed.tolist() == [eyes, eyes, eyes, left, left, right, right, none]
     lenses = [place[2:] for place in places[3:5]]
     assert np.abs(np.diff(lenses, axis=0)).max() > 0.1
+
+
+def test_lenses_focus_first_and_the_eyes_do_not_learn_from_how_sharp_that_is() -> None:
+    """Of ten iterations of the eyes' turn three; where these count, the eyes go back there."""
+    agent = Agent(LONG)
+    for k in range(2, 150):
+        _long_episode(agent, k * 20)
+    places = _long_episode(agent, 150 * 20)
+    follows = [(b != a)[2] for a, b in itertools.pairwise(places)]
+    assert follows[:10] == [True] * 3 + [False] * 6 + [True]
+    # Towards the place that is felt to be right, 0.2, which a lens reaches by itself.
+    assert abs(places[3][2] - 0.2) < 0.02
+    found = [place[0] for place in _long_episode(agent, 0, training=False)]
+    assert found[-1] == pytest.approx(0.12, abs=0.01)
 
 
 def test_a_lens_is_anywhere_in_the_first_of_its_turn_then_goes_on_from_there() -> None:
@@ -167,6 +205,22 @@ def test_the_eyes_are_told_of_the_first_scales_and_the_lenses_of_the_others() ->
     )
     assert (first != as_it_is).tolist() == [True, True, False, False]
     assert (others != as_it_is).tolist() == [False, False, True, True]
+
+
+def test_eyes_go_by_what_they_feel_while_one_sees_nothing() -> None:
+    agent = Agent(_config())
+    for k in range(2, 12):
+        _episode(agent, k * N, START, WANTED)
+    n, state = N_FEATURES // 2, agent.state()
+    assert state["felt_actor"].shape == (2, 4 + 1)
+    agent.restore(state | {"felt_actor": np.full((2, 5), 0.003)})
+    seen, covered = np.ones(N_FEATURES), np.ones(N_FEATURES)
+    covered[:n] = 0.0
+    felt = agent.observe(covered, START, 0.0, 0, 0, learning=False, exploration=False)
+    assert felt.command[0] - START[0] == pytest.approx(felt.command[1] - START[1])
+    with_both = agent.observe(seen, START, 0.0, 0, 0, learning=False, exploration=False)
+    assert (with_both.command[:2] != felt.command[:2]).all()
+    assert (with_both.command[2:] == felt.command[2:]).all()
 
 
 def test_what_was_learned_is_restored_with_each_lens_of_its_own() -> None:

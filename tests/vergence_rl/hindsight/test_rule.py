@@ -1,3 +1,4 @@
+import dataclasses
 import math
 
 import numpy as np
@@ -9,6 +10,7 @@ from tests.vergence_rl.small_agents import (
     HIGHEST,
     HINDSIGHT,
     MEAN,
+    MID,
     Floats,
     changed,
     experience,
@@ -17,7 +19,10 @@ from tests.vergence_rl.small_agents import (
     trained,
 )
 from vergence_rl import Agent, VergenceRlConfig
+from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.hindsight.noise import root_of
+from vergence_rl.hindsight.rule import HindsightRule
+from vergence_rl.learning_rule import TimeStep
 
 # The same as MEAN with distances in the shape of the noise.
 IN_NOISE = changed(MEAN, {"hindsight.target_noise_scale": 3.0})
@@ -195,6 +200,34 @@ def test_noise_that_does_not_follow_residuals_stays_as_it_began() -> None:
         np.testing.assert_allclose(decision.command, np.clip(wanted, 0.0, HIGHEST), atol=1e-12)
     np.testing.assert_array_equal(agent.state()["covariance"], 2.5e-4 * np.eye(2))
     assert np.any(agent.state()["actor"] != 0.0)
+
+
+def test_places_that_are_not_compared_are_learned_from_and_never_learned() -> None:
+    """The eyes are best where they begin, if that counts; else one step of 0.01 farther."""
+    ends = {}
+    for counts in (True, False):
+        config = HindsightConfig(regression_period=5, target_scale=0.1, ridge_share=1e-6)
+        rule = HindsightRule(config, dataclasses.replace(HINDSIGHT.task, n_state=3))
+        for now in range(400):
+            i = now % 5
+            place, state = np.array([0.05 + 0.01 * i, 0.05]), np.array([i - 2.0, 0.0, 1.0])
+            seen = TimeStep(i, now, state, place, -float(i), is_compared=counts or i > 0)
+            decision = rule.step(seen, learning=True, draw=None)
+        assert decision.value == (0.0 if counts else -1.0)
+        ends[counts] = rule.state()["actor"] @ np.array([-2.0, 0.0, 1.0])
+    assert ends[True] == pytest.approx([0.0, 0.0], abs=0.002)
+    assert ends[False] == pytest.approx([0.01, 0.0], abs=0.002)
+
+
+def test_what_is_reported_of_places_that_are_not_compared() -> None:
+    rule = HindsightRule(HINDSIGHT.hindsight, HINDSIGHT.task)
+    state, decisions = np.ones(HINDSIGHT.n_state), []
+    for i, reward in enumerate((-1.0, -2.0, -3.0, -2.5, -2.9)):
+        seen = TimeStep(i, i, state, MID, reward, is_compared=i > 1)
+        decisions.append(rule.step(seen, learning=True, draw=None))
+    assert [d.value for d in decisions] == [-1.0, -2.0, -3.0, -2.5, -2.5]
+    errors = [d.td_error for d in decisions]
+    assert errors == pytest.approx([math.nan] * 3 + [0.5, -0.4], nan_ok=True)
 
 
 def test_an_episode_with_a_gap_teaches_nothing() -> None:
