@@ -109,7 +109,8 @@ class FocusingRule:
         self._turns: list[_Turn] = []
         n_commands = n_iterations = 0
         for task in tasks:
-            rule = HindsightRule(lens, task) if self._turns else CoveredRule(eyes, task)
+            first = not self._turns
+            rule = CoveredRule(eyes, task, self._n_focusing) if first else HindsightRule(lens, task)
             commands = slice(n_commands, n_commands + task.n_muscles)
             end = n_iterations + task.iterations_per_episode
             self._turns.append(_Turn(rule, task, commands, n_iterations, end))

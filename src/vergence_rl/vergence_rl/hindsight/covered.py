@@ -24,20 +24,27 @@ class CoveredRule:
     lens that focuses nearer then turns the eyes inwards (accommodative vergence).
     """
 
-    def __init__(self, rule: LearningRule, task: Task) -> None:
-        """Stand before a rule of that task."""
-        self._rule, self._n_told = rule, task.n_felt + 1
+    def __init__(self, rule: LearningRule, task: Task, n_focusing: int) -> None:
+        """Stand before a rule of that task.
+
+        n_focusing: iterations of an episode, its first, after which lenses tell of the distance.
+        """
+        self._rule, self._n_told, self._n_focusing = rule, task.n_felt + 1, n_focusing
+        n_iterations = task.iterations_per_episode - n_focusing
+        task = dataclasses.replace(task, n_state=self._n_told, iterations_per_episode=n_iterations)
         config = HindsightConfig(target_scale=_TARGET_SCALE, ridge_share=_RIDGE_SHARE)
-        self._felt = HindsightRule(config, dataclasses.replace(task, n_state=self._n_told))
+        self._felt = HindsightRule(config, task)
 
     def step(
         self, observation: TimeStep, *, learning: bool, draw: np.random.Generator | None
     ) -> Decision:
         """Let both learn, and one of them decide."""
-        felt = dataclasses.replace(observation, state=observation.state[-self._n_told :])
-        sees = observation.is_binocular
+        since = observation.iteration - self._n_focusing
+        state = observation.state[-self._n_told :]
+        felt = dataclasses.replace(observation, state=state, iteration=since)
+        sees, tells = observation.is_binocular, learning and since >= 0
         by_sight = self._rule.step(observation, learning=learning, draw=draw if sees else None)
-        by_feel = self._felt.step(felt, learning=learning, draw=None if sees else draw)
+        by_feel = self._felt.step(felt, learning=tells, draw=None if sees else draw)
         return by_sight if sees else by_feel
 
     def state(self) -> dict[str, NDArray[Any]]:
