@@ -109,8 +109,9 @@ class FocusingRule:
         self._turns: list[_Turn] = []
         n_commands = n_iterations = 0
         for task in tasks:
-            first = not self._turns
-            rule = CoveredRule(eyes, task, self._n_focusing) if first else HindsightRule(lens, task)
+            rule: LearningRule = HindsightRule(lens, task)
+            if not self._turns:
+                rule = CoveredRule(eyes, task, self._n_focusing)
             commands = slice(n_commands, n_commands + task.n_muscles)
             end = n_iterations + task.iterations_per_episode
             self._turns.append(_Turn(rule, task, commands, n_iterations, end))

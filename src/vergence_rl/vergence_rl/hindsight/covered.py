@@ -11,7 +11,8 @@ from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.hindsight.rule import HindsightRule
 from vergence_rl.learning_rule import Decision, LearningRule, Task, TimeStep
 
-# Without features a target is met to about 1 deg; a few felt entries need hardly any ridge.
+# Without features no target is met exactly, so far ones count as well; few entries need hardly any
+# ridge.
 _TARGET_SCALE, _RIDGE_SHARE = 0.1, 1e-4
 _FELT = "felt_"
 
