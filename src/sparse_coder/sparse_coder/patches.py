@@ -85,7 +85,7 @@ def patches_and_energies(left: Window, right: Window) -> tuple[Patches, NDArray[
 
 
 def sees_with_both(energies: Sequence[NDArray[np.float64]]) -> bool:
-    """Return whether each eye sees something: 1 % or more of the energy that the other one sees.
+    """Return whether each eye sees something: more than 1 % of the energy of the other one.
 
     energies: per scale (n_patches, 2), as `patches_and_energies` returns them. A covered eye may
     have its sensor's noise.

@@ -92,7 +92,8 @@ def test_with_both_eyes_nothing_is_different_from_the_rule_behind() -> None:
 
 
 def test_an_eye_that_is_covered_in_training_tries_what_is_better() -> None:
-    rule, draw = CoveredRule(HindsightRule(CONFIG, TASK), TASK, N_FOCUSING), np.random.default_rng(1)
+    rule = CoveredRule(HindsightRule(CONFIG, TASK), TASK, N_FOCUSING)
+    draw = np.random.default_rng(1)
     seen = TimeStep(0, 0, np.zeros(TASK.n_state), np.full(1, 0.15), 0.0, is_binocular=False)
     commands = {float(rule.step(seen, learning=True, draw=draw).command[0]) for _ in range(5)}
     assert len(commands) == 5

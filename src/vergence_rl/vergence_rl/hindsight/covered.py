@@ -11,8 +11,8 @@ from vergence_rl.hindsight.config import HindsightConfig
 from vergence_rl.hindsight.rule import HindsightRule
 from vergence_rl.learning_rule import Decision, LearningRule, Task, TimeStep
 
-# Without features no target is met exactly, so far ones count as well; few entries need hardly any
-# ridge.
+# Without features no target is met exactly: distant ones count as well. So few entries need hardly
+# any ridge.
 _TARGET_SCALE, _RIDGE_SHARE = 0.1, 1e-4
 _FELT = "felt_"
 
